@@ -1,0 +1,364 @@
+//! Points, vectors and rotations that know their frame, and every change of frame.
+//!
+//! * **ECEF**: WGS-84 Earth-centred, Earth-fixed.
+//! * **ENU**: the scene frame. East, North, up at the scene's origin on the mean sea surface; a rigid
+//!   (not curved) frame: `ENU = R (X - X0)`.
+//! * **Body**: forward, starboard, down (FRD).
+//! * **Antenna**: boresight `+x`, horizontal aperture axis `+y`, vertical aperture axis `+z`.
+//!
+//! Frames are part of the type, so a mix does not compile:
+//!
+//! ```compile_fail
+//! use nereus::frames::{Body, Enu, Vector};
+//! let v: Vector<Enu> = Vector::new(1.0, 0.0, 0.0);
+//! let w: Vector<Body> = Vector::new(1.0, 0.0, 0.0);
+//! let _ = v + w;
+//! ```
+//!
+//! Geodetic conversions are those of the crate `map_3d` (WGS-84).
+
+use std::marker::PhantomData;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::units::EARTH_RADIUS_M;
+
+/// Tag: Earth-centred, Earth-fixed, WGS-84.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ecef;
+/// Tag: the scene's local East, North, up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enu;
+/// Tag: platform body, forward, starboard, down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body;
+/// Tag: antenna, boresight +x, horizontal aperture axis +y, vertical +z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Antenna;
+
+/// A position in frame `F`, metres.
+#[derive(Debug, PartialEq)]
+pub struct Point<F>(DVec3, PhantomData<F>);
+
+/// A direction, displacement (m), velocity (m/s) or acceleration (m/s^2) in frame `F`.
+#[derive(Debug, PartialEq)]
+pub struct Vector<F>(DVec3, PhantomData<F>);
+
+/// A rotation that takes vectors of frame `A` into frame `B` (Hamilton quaternion).
+#[derive(Debug, PartialEq)]
+pub struct Rotation<A, B>(DQuat, PhantomData<(A, B)>);
+
+impl<F> Clone for Point<F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F> Copy for Point<F> {}
+impl<F> Clone for Vector<F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F> Copy for Vector<F> {}
+impl<A, B> Clone for Rotation<A, B> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<A, B> Copy for Rotation<A, B> {}
+
+impl<F> Point<F> {
+    /// The point at the given coordinates, metres.
+    pub fn new(x_m: f64, y_m: f64, z_m: f64) -> Self {
+        Self(DVec3::new(x_m, y_m, z_m), PhantomData)
+    }
+    /// Tags a bare vector.
+    pub fn from_raw(raw: DVec3) -> Self {
+        Self(raw, PhantomData)
+    }
+    /// The bare coordinates, for inner loops.
+    pub fn raw(self) -> DVec3 {
+        self.0
+    }
+    /// Coordinates as an array, metres.
+    pub fn to_array(self) -> [f64; 3] {
+        self.0.to_array()
+    }
+}
+
+impl<F> Vector<F> {
+    /// The null vector.
+    pub const ZERO: Self = Self(DVec3::ZERO, PhantomData);
+    /// The vector with the given components.
+    pub fn new(x: f64, y: f64, z: f64) -> Self {
+        Self(DVec3::new(x, y, z), PhantomData)
+    }
+    /// Tags a bare vector.
+    pub fn from_raw(raw: DVec3) -> Self {
+        Self(raw, PhantomData)
+    }
+    /// The bare components, for inner loops.
+    pub fn raw(self) -> DVec3 {
+        self.0
+    }
+    /// Components as an array.
+    pub fn to_array(self) -> [f64; 3] {
+        self.0.to_array()
+    }
+    /// Euclidean length.
+    pub fn norm(self) -> f64 {
+        self.0.length()
+    }
+    /// Scalar product.
+    pub fn dot(self, other: Self) -> f64 {
+        self.0.dot(other.0)
+    }
+    /// Vector product.
+    pub fn cross(self, other: Self) -> Self {
+        Self(self.0.cross(other.0), PhantomData)
+    }
+}
+
+impl<F> Sub for Point<F> {
+    type Output = Vector<F>;
+    fn sub(self, other: Self) -> Vector<F> {
+        Vector::from_raw(self.0 - other.0)
+    }
+}
+impl<F> Add<Vector<F>> for Point<F> {
+    type Output = Self;
+    fn add(self, v: Vector<F>) -> Self {
+        Self::from_raw(self.0 + v.0)
+    }
+}
+impl<F> Add for Vector<F> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::from_raw(self.0 + other.0)
+    }
+}
+impl<F> Sub for Vector<F> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::from_raw(self.0 - other.0)
+    }
+}
+impl<F> Neg for Vector<F> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::from_raw(-self.0)
+    }
+}
+impl<F> Mul<f64> for Vector<F> {
+    type Output = Self;
+    fn mul(self, s: f64) -> Self {
+        Self::from_raw(self.0 * s)
+    }
+}
+
+impl<A, B> Rotation<A, B> {
+    /// Tags a bare unit quaternion.
+    pub fn from_raw(raw: DQuat) -> Self {
+        Self(raw, PhantomData)
+    }
+    /// The bare quaternion.
+    pub fn raw(self) -> DQuat {
+        self.0
+    }
+    /// The rotation whose columns are the `A` axes expressed in `B` (orthonormal, right-handed).
+    pub fn from_axes(x: Vector<B>, y: Vector<B>, z: Vector<B>) -> Self {
+        Self::from_raw(DQuat::from_mat3(&DMat3::from_cols(x.0, y.0, z.0)).normalize())
+    }
+    /// The opposite rotation, `B` to `A`.
+    pub fn inverse(self) -> Rotation<B, A> {
+        Rotation::from_raw(self.0.conjugate())
+    }
+    /// First `self` (`A` to `B`), then `next` (`B` to `C`).
+    pub fn then<C>(self, next: Rotation<B, C>) -> Rotation<A, C> {
+        Rotation::from_raw((next.0 * self.0).normalize())
+    }
+    /// Components `[w, x, y, z]`, scalar first.
+    pub fn to_wxyz(self) -> [f64; 4] {
+        [self.0.w, self.0.x, self.0.y, self.0.z]
+    }
+}
+
+impl<A, B> Mul<Vector<A>> for Rotation<A, B> {
+    type Output = Vector<B>;
+    fn mul(self, v: Vector<A>) -> Vector<B> {
+        Vector::from_raw(self.0 * v.0)
+    }
+}
+
+impl Rotation<Body, Enu> {
+    /// Attitude from yaw (clockwise from North), pitch (nose up) and roll (right wing down), radians:
+    /// `C = Rz(yaw) Ry(pitch) Rx(roll)` body to NED, then NED to ENU.
+    ///
+    /// ```
+    /// use nereus::frames::{Rotation, Vector};
+    /// let east = Rotation::from_yaw_pitch_roll(90f64.to_radians(), 0.0, 0.0);
+    /// let nose = east * Vector::new(1.0, 0.0, 0.0);
+    /// assert!((nose.to_array()[0] - 1.0).abs() < 1e-12);
+    /// ```
+    pub fn from_yaw_pitch_roll(yaw_rad: f64, pitch_rad: f64, roll_rad: f64) -> Self {
+        let to_ned = DQuat::from_rotation_z(yaw_rad)
+            * DQuat::from_rotation_y(pitch_rad)
+            * DQuat::from_rotation_x(roll_rad);
+        // NED to ENU: half a turn about (1, 1, 0)/sqrt(2) swaps x and y and negates z.
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let to_enu = DQuat::from_xyzw(half, half, 0.0, 0.0);
+        Self::from_raw((to_enu * to_ned).normalize())
+    }
+
+    /// Yaw in [0, 2 pi), pitch and roll, radians (inverse of [`Self::from_yaw_pitch_roll`]).
+    pub fn to_yaw_pitch_roll(self) -> [f64; 3] {
+        let nose = self.0 * DVec3::X;
+        let wing = self.0 * DVec3::Y;
+        let belly = self.0 * DVec3::Z;
+        let yaw = nose.x.atan2(nose.y).rem_euclid(std::f64::consts::TAU);
+        let pitch = nose.z.clamp(-1.0, 1.0).asin();
+        let roll = (-wing.z).atan2(-belly.z);
+        [yaw, pitch, roll]
+    }
+}
+
+/// A WGS-84 geodetic position: latitude and longitude in radians, ellipsoidal height in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geodetic {
+    /// Latitude, radians.
+    pub lat_rad: f64,
+    /// Longitude, radians.
+    pub lon_rad: f64,
+    /// Height above the WGS-84 ellipsoid, metres.
+    pub h_m: f64,
+}
+
+impl Geodetic {
+    /// From degrees and metres.
+    pub fn from_deg(lat_deg: f64, lon_deg: f64, h_m: f64) -> Self {
+        Self { lat_rad: lat_deg.to_radians(), lon_rad: lon_deg.to_radians(), h_m }
+    }
+
+    /// Earth-centred, Earth-fixed position.
+    pub fn to_ecef(self) -> Point<Ecef> {
+        let (x, y, z) = map_3d::geodetic2ecef(self.lat_rad, self.lon_rad, self.h_m, map_3d::Ellipsoid::WGS84);
+        Point::new(x, y, z)
+    }
+}
+
+impl Point<Ecef> {
+    /// Geodetic latitude, longitude and ellipsoidal height.
+    pub fn to_geodetic(self) -> Geodetic {
+        let (lat_rad, lon_rad, h_m) =
+            map_3d::ecef2geodetic(self.0.x, self.0.y, self.0.z, map_3d::Ellipsoid::WGS84);
+        Geodetic { lat_rad, lon_rad, h_m }
+    }
+}
+
+/// How the mean sea surface falls away from the tangent plane at the scene's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Earth {
+    /// The surface is the plane z = 0.
+    Flat,
+    /// A sphere of radius `radius_factor` times 6371 km: 1 is the geometric Earth, 4/3 standard
+    /// refraction.
+    Curved {
+        /// Effective-radius factor k_e.
+        radius_factor: f64,
+    },
+}
+
+impl Earth {
+    /// Depth of the sea surface below the tangent plane at horizontal distance
+    /// `sqrt(x^2 + y^2)` from the origin, metres: `d^2 / (2 k_e R_e)`.
+    pub fn drop_m(self, x_m: f64, y_m: f64) -> f64 {
+        match self {
+            Self::Flat => 0.0,
+            Self::Curved { radius_factor } => {
+                (x_m * x_m + y_m * y_m) / (2.0 * radius_factor * EARTH_RADIUS_M)
+            }
+        }
+    }
+}
+
+/// The scene's ENU frame: where its origin lies on Earth (if anywhere) and how the sea curves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneFrame {
+    origin: Option<Geodetic>,
+    ecef_origin_m: DVec3,
+    to_enu: DMat3,
+    earth: Earth,
+}
+
+impl SceneFrame {
+    /// A plain local frame that lies nowhere on Earth.
+    pub fn plain(earth: Earth) -> Self {
+        Self { origin: None, ecef_origin_m: DVec3::ZERO, to_enu: DMat3::IDENTITY, earth }
+    }
+
+    /// The frame whose origin is the given point of the mean sea surface (its ellipsoidal height is
+    /// the geoid undulation there).
+    pub fn at(origin: Geodetic, earth: Earth) -> Self {
+        let (sin_lat, cos_lat) = origin.lat_rad.sin_cos();
+        let (sin_lon, cos_lon) = origin.lon_rad.sin_cos();
+        let east = DVec3::new(-sin_lon, cos_lon, 0.0);
+        let north = DVec3::new(-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat);
+        let up = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
+        Self {
+            origin: Some(origin),
+            ecef_origin_m: origin.to_ecef().raw(),
+            to_enu: DMat3::from_cols(east, north, up).transpose(),
+            earth,
+        }
+    }
+
+    /// The origin, `None` for a plain local frame.
+    pub fn origin(&self) -> Option<Geodetic> {
+        self.origin
+    }
+
+    /// The shape of the mean sea surface.
+    pub fn earth(&self) -> Earth {
+        self.earth
+    }
+
+    /// ECEF to ENU. `None` for a plain local frame.
+    pub fn from_ecef(&self, point: Point<Ecef>) -> Option<Point<Enu>> {
+        self.origin?;
+        Some(Point::from_raw(self.to_enu * (point.raw() - self.ecef_origin_m)))
+    }
+
+    /// ENU to ECEF. `None` for a plain local frame.
+    pub fn to_ecef(&self, point: Point<Enu>) -> Option<Point<Ecef>> {
+        self.origin?;
+        Some(Point::from_raw(self.to_enu.transpose() * point.raw() + self.ecef_origin_m))
+    }
+
+    /// ECEF components of an ENU direction or velocity. `None` for a plain local frame.
+    pub fn vector_to_ecef(&self, vector: Vector<Enu>) -> Option<Vector<Ecef>> {
+        self.origin?;
+        Some(Vector::from_raw(self.to_enu.transpose() * vector.raw()))
+    }
+
+    /// ENU components of an ECEF direction or velocity. `None` for a plain local frame.
+    pub fn vector_from_ecef(&self, vector: Vector<Ecef>) -> Option<Vector<Enu>> {
+        self.origin?;
+        Some(Vector::from_raw(self.to_enu * vector.raw()))
+    }
+
+    /// Geodetic to ENU. `None` for a plain local frame.
+    pub fn from_geodetic(&self, position: Geodetic) -> Option<Point<Enu>> {
+        self.from_ecef(position.to_ecef())
+    }
+
+    /// ENU to geodetic. `None` for a plain local frame.
+    pub fn to_geodetic(&self, point: Point<Enu>) -> Option<Geodetic> {
+        Some(self.to_ecef(point)?.to_geodetic())
+    }
+
+    /// The ENU point at `height_m` above the mean sea surface, over horizontal position (x, y).
+    pub fn above_sea(&self, x_m: f64, y_m: f64, height_m: f64) -> Point<Enu> {
+        Point::new(x_m, y_m, height_m - self.earth.drop_m(x_m, y_m))
+    }
+}

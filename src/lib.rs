@@ -1,0 +1,34 @@
+//! `nereus`: a hardware-in-the-loop bistatic marine radar emulator.
+//!
+//! The rooms, in the order in which one may use another (a room imports only rooms above it):
+//!
+//! | room | what it holds |
+//! | --- | --- |
+//! | [`units`] | physical constants, decibels |
+//! | [`frames`] | points and rotations tagged ECEF, ENU, body, antenna |
+//! | [`time`] | exact emission times |
+//! | [`rng`] | counter-based random streams |
+//! | [`pulse`] | one pulse under way: samples, time tag, navigation, flags |
+//! | [`scene`] | what there is, resolved, no physics |
+//! | [`nav`] | where platforms say they are: track files and NMEA logs |
+//! | [`motion`] | where everything is at an instant: tracks, attitude, pointing |
+//! | [`geometry`] | light time, delay rate, polarisation bases |
+//! | [`scattering`] | what each target returns; the contact list |
+//! | [`radar`] | waveform, antenna, link budget, receiver |
+//! | [`echo`] | contacts to samples |
+//! | [`transport`] | ring, pacer, health: real time, no physics |
+//! | [`sinks`] | where pulses go |
+//! | [`config`] | a scenario as written, then as meant |
+//! | [`pipeline`] | the only factory: a run becomes a running stream |
+//! | [`cli`] | the command line |
+//!
+//! SI units throughout, angles in radians, time convention `exp(+j w t)`.
+//! Degrees appear at the scenario file and the command line only.
+
+pub mod frames;
+pub mod pulse;
+pub mod rng;
+pub mod scene;
+
+pub mod time;
+pub mod units;

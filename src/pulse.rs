@@ -1,0 +1,167 @@
+//! One pulse under way, from synthesis to sink.
+//!
+//! A [`Pulse`] is a slot: allocated once, with the sizes of a [`Layout`], and then only overwritten.
+
+use num_complex::Complex32;
+
+use crate::time::TimeTag;
+
+/// Bits of [`Pulse::flags`] (`/pulse/flags` of a recording).
+pub mod flags {
+    /// Released more than one PRI after its deadline (or after a slip of the schedule).
+    pub const LATE: u32 = 1;
+    /// At least one pulse before this one was dropped.
+    pub const AFTER_GAP: u32 = 1 << 1;
+    /// At least one sample of the pulse saturated the ADC.
+    pub const ADC_SATURATED: u32 = 1 << 2;
+    /// At least one contact's echo fell partly or wholly outside the receive window.
+    pub const OUTSIDE_WINDOW: u32 = 1 << 3;
+}
+
+/// Sizes of every field of a pulse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Channels recorded.
+    pub channels: usize,
+    /// Complex samples per channel.
+    pub samples: usize,
+    /// How a sample is held.
+    pub format: SampleFormat,
+    /// Platforms in the navigation record.
+    pub platforms: usize,
+    /// Antenna phase centres: transmitters first, then receivers.
+    pub phase_centres: usize,
+    /// Targets in the truth record.
+    pub targets: usize,
+    /// Transmitter-receiver pairs in the truth record.
+    pub pairs: usize,
+}
+
+/// How a complex sample is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleFormat {
+    /// Two f32, sqrt(W).
+    Cf32,
+    /// Two i16, ADC codes.
+    Ci16,
+}
+
+/// The samples of a pulse, `[channel][sample]` flattened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// sqrt(W) at the receiver input.
+    Cf32(Vec<Complex32>),
+    /// ADC codes, in-phase then quadrature.
+    Ci16(Vec<[i16; 2]>),
+}
+
+impl Samples {
+    /// The samples as bytes in native order.
+    pub fn as_bytes(&self) -> &[u8] {
+        match self {
+            Self::Cf32(v) => bytemuck::cast_slice(v),
+            Self::Ci16(v) => bytemuck::cast_slice(v),
+        }
+    }
+}
+
+/// Where a platform is, or says it is, at the emission of a pulse (ENU of the scene's origin).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlatformRecord {
+    /// Position, metres.
+    pub position_m: [f64; 3],
+    /// Velocity, m/s.
+    pub velocity_mps: [f64; 3],
+    /// Body (FRD) to ENU, Hamilton, scalar first.
+    pub attitude_quat: [f64; 4],
+}
+
+impl Default for PlatformRecord {
+    fn default() -> Self {
+        Self { position_m: [0.0; 3], velocity_mps: [0.0; 3], attitude_quat: [1.0, 0.0, 0.0, 0.0] }
+    }
+}
+
+/// One pulse: what every sink receives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pulse {
+    /// Number of the pulse, from 0 at the start of the run.
+    pub index: u64,
+    /// Exact emission time, UTC.
+    pub time: TimeTag,
+    /// First sample after the emission, seconds (not on any sample grid).
+    pub window_start_s: f64,
+    /// See [`flags`].
+    pub flags: u32,
+    /// What was radiated: 0 all ports at once, 1 H, 2 V, 3 right, 4 left circular.
+    pub tx_pol: u8,
+    /// IQ, `[channel][sample]`.
+    pub samples: Samples,
+    /// True state per platform.
+    pub nav_true: Vec<PlatformRecord>,
+    /// Reported state per platform.
+    pub nav_reported: Vec<PlatformRecord>,
+    /// True phase centres, ENU metres: transmitters, then receivers.
+    pub phase_centre_m: Vec<[f64; 3]>,
+    /// Truth: `[pair][target]` delay, seconds (NaN if the target has no such echo).
+    pub target_delay_s: Vec<f64>,
+    /// Truth: `[pair][target]` Doppler, Hz, positive when closing.
+    pub target_doppler_hz: Vec<f64>,
+}
+
+impl Pulse {
+    /// An empty slot.
+    pub fn new(layout: &Layout) -> Self {
+        let len = layout.channels * layout.samples;
+        Self {
+            index: 0,
+            time: TimeTag::default(),
+            window_start_s: 0.0,
+            flags: 0,
+            tx_pol: 0,
+            samples: match layout.format {
+                SampleFormat::Cf32 => Samples::Cf32(vec![Complex32::ZERO; len]),
+                SampleFormat::Ci16 => Samples::Ci16(vec![[0; 2]; len]),
+            },
+            nav_true: vec![PlatformRecord::default(); layout.platforms],
+            nav_reported: vec![PlatformRecord::default(); layout.platforms],
+            phase_centre_m: vec![[0.0; 3]; layout.phase_centres],
+            target_delay_s: vec![0.0; layout.targets * layout.pairs],
+            target_doppler_hz: vec![0.0; layout.targets * layout.pairs],
+        }
+    }
+
+    /// Overwrites this slot with another of the same layout, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.index = other.index;
+        self.time = other.time;
+        self.window_start_s = other.window_start_s;
+        self.flags = other.flags;
+        self.tx_pol = other.tx_pol;
+        match (&mut self.samples, &other.samples) {
+            (Samples::Cf32(to), Samples::Cf32(from)) => to.clone_from(from),
+            (Samples::Ci16(to), Samples::Ci16(from)) => to.clone_from(from),
+            (to, from) => to.clone_from(from),
+        }
+        self.nav_true.clone_from(&other.nav_true);
+        self.nav_reported.clone_from(&other.nav_reported);
+        self.phase_centre_m.clone_from(&other.phase_centre_m);
+        self.target_delay_s.clone_from(&other.target_delay_s);
+        self.target_doppler_hz.clone_from(&other.target_doppler_hz);
+    }
+}
+
+impl Layout {
+    /// Bytes one slot takes.
+    pub fn slot_bytes(&self) -> usize {
+        let sample = match self.format {
+            SampleFormat::Cf32 => 8,
+            SampleFormat::Ci16 => 4,
+        };
+        std::mem::size_of::<Pulse>()
+            + self.channels * self.samples * sample
+            + 2 * self.platforms * std::mem::size_of::<PlatformRecord>()
+            + self.phase_centres * 24
+            + 16 * self.targets * self.pairs
+    }
+}

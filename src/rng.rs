@@ -1,0 +1,32 @@
+//! Counter-based random streams keyed by (seed, room, index, part).
+//!
+//! A stream is a ChaCha8 generator whose 256-bit key *is* the address, so the numbers of pulse 1000,
+//! channel 2 are the same whatever was drawn before, by whichever thread.
+//!
+//! ```
+//! use nereus::rng::{stream, Room};
+//! use rand::Rng;
+//! let mut a = stream(7, Room::ReceiverNoise, 1000, 2);
+//! let mut b = stream(7, Room::ReceiverNoise, 1000, 2);
+//! assert_eq!(a.next_u64(), b.next_u64());
+//! ```
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Who draws. The numbers are part of the format of a run: never reuse one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u64)]
+pub enum Room {
+    /// Thermal noise of a receiver: index = pulse, part = channel.
+    ReceiverNoise = 1,
+}
+
+/// The stream at an address.
+pub fn stream(seed: u64, room: Room, index: u64, part: u64) -> ChaCha8Rng {
+    let mut key = [0u8; 32];
+    for (bytes, word) in key.chunks_exact_mut(8).zip([seed, room as u64, index, part]) {
+        bytes.copy_from_slice(&word.to_le_bytes());
+    }
+    ChaCha8Rng::from_seed(key)
+}

@@ -1,0 +1,30 @@
+//! What there is: plain, resolved descriptions without physics.
+
+pub mod radar;
+pub mod target;
+
+use crate::frames::SceneFrame;
+use crate::time::TimeTag;
+
+pub use radar::Radar;
+pub use target::Target;
+
+/// Everything that a run emulates. Where platforms go is not here: tracks come from `nav`, under the
+/// same names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// The ENU frame.
+    pub frame: SceneFrame,
+    /// Emission time of pulse 0.
+    pub start: TimeTag,
+    /// Pulses in the whole run.
+    pub pulses: u64,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// Names of the platforms; other rooms refer to a platform by its place here.
+    pub platforms: Vec<String>,
+    /// The instrument.
+    pub radar: Radar,
+    /// Point targets.
+    pub targets: Vec<Target>,
+}

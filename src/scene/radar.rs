@@ -1,0 +1,344 @@
+//! The instrument, as described: transmitters, receivers, channels, waveform, windows.
+
+use std::path::PathBuf;
+
+use crate::frames::{Body, Enu, Point, Vector};
+use crate::time::PulseTimes;
+
+/// The radar: every emission and every receive window of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Radar {
+    /// Carrier frequency, Hz.
+    pub carrier_hz: f64,
+    /// Complex sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// What is radiated.
+    pub waveform: Waveform,
+    /// When pulses leave, relative to pulse 0.
+    pub emissions: PulseTimes,
+    /// Which polarisations leave together.
+    pub tx_polarisation: TxPolarisation,
+    /// When samples are taken.
+    pub window: Window,
+    /// Losses of the whole system, dB (positive = loss).
+    pub losses_db: f64,
+    /// One-way atmospheric attenuation, dB per kilometre.
+    pub atmosphere_db_per_km: f64,
+    /// Receiver noise figure, dB; `None` for a noiseless receiver.
+    pub noise_figure_db: Option<f64>,
+    /// Analogue-to-digital converter; `None` for floating-point samples.
+    pub adc: Option<Adc>,
+    /// Whether the direct path from transmitter to receiver is one of the contacts.
+    pub direct_path: bool,
+    /// Transmitters.
+    pub transmitters: Vec<Transmitter>,
+    /// Receivers.
+    pub receivers: Vec<Receiver>,
+    /// What is recorded.
+    pub channels: Vec<Channel>,
+}
+
+impl Radar {
+    /// Carrier wavelength, metres.
+    pub fn wavelength_m(&self) -> f64 {
+        crate::units::SPEED_OF_LIGHT_MPS / self.carrier_hz
+    }
+
+    /// The transmitter-receiver pairs that the channels need, in order of first use. A contact has one
+    /// delay per pair.
+    pub fn pairs(&self) -> Vec<Pair> {
+        let mut pairs = Vec::new();
+        for channel in &self.channels {
+            let pair = Pair { transmitter: channel.transmitter, receiver: channel.receiver };
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+        pairs
+    }
+}
+
+/// A transmitter and a receiver, by their places in [`Radar`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair {
+    /// Index of the transmitter.
+    pub transmitter: usize,
+    /// Index of the receiver.
+    pub receiver: usize,
+}
+
+/// The transmitted baseband pulse, unit amplitude.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Waveform {
+    /// Linear frequency modulation, `exp(j pi mu (t - Tc/2)^2)`, `mu = +-B/Tc`.
+    Lfm {
+        /// Swept bandwidth B, Hz.
+        bandwidth_hz: f64,
+        /// Pulse length Tc, s.
+        duration_s: f64,
+        /// Direction of the sweep.
+        sweep: Sweep,
+    },
+    /// Complex baseband samples from a file (CSV `re,im`), at `rate_hz`.
+    Samples {
+        /// The file.
+        path: PathBuf,
+        /// Rate of the samples, Hz.
+        rate_hz: f64,
+    },
+}
+
+/// Direction of a linear sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sweep {
+    /// Frequency rises.
+    Up,
+    /// Frequency falls.
+    Down,
+}
+
+/// Polarisation of an antenna port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Polarisation {
+    /// Electric axis along the antenna's horizontal aperture axis +y.
+    H,
+    /// Electric axis along the antenna's vertical aperture axis +z.
+    V,
+    /// Right-hand circular, `(y - j z)/sqrt 2`.
+    R,
+    /// Left-hand circular, `(y + j z)/sqrt 2`.
+    L,
+}
+
+impl Polarisation {
+    /// The letter used in channel names.
+    pub fn letter(self) -> char {
+        match self {
+            Self::H => 'H',
+            Self::V => 'V',
+            Self::R => 'R',
+            Self::L => 'L',
+        }
+    }
+
+    /// From the letter used in channel names.
+    pub fn from_letter(letter: char) -> Option<Self> {
+        match letter {
+            'H' => Some(Self::H),
+            'V' => Some(Self::V),
+            'R' => Some(Self::R),
+            'L' => Some(Self::L),
+            _ => None,
+        }
+    }
+
+    /// The code of `/pulse/tx_pol`.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::H => 1,
+            Self::V => 2,
+            Self::R => 3,
+            Self::L => 4,
+        }
+    }
+}
+
+/// Which polarisations leave together.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TxPolarisation {
+    /// Every pulse leaves in all polarisations that the channels need (ideally separable).
+    Simultaneous,
+    /// Pulse `n` leaves in polarisation `sequence[n % len]` only.
+    Alternating(Vec<Polarisation>),
+}
+
+impl TxPolarisation {
+    /// The only polarisation of pulse `n`, or `None` when all leave together.
+    pub fn of_pulse(&self, n: u64) -> Option<Polarisation> {
+        match self {
+            Self::Simultaneous => None,
+            Self::Alternating(sequence) => Some(sequence[(n % sequence.len() as u64) as usize]),
+        }
+    }
+}
+
+/// The receive window of every pulse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Complex samples.
+    pub samples: usize,
+    /// Where it starts.
+    pub gate: Gate,
+}
+
+/// Where a receive window starts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gate {
+    /// A fixed time after the emission, s.
+    Fixed {
+        /// Start after emission, s.
+        start_s: f64,
+    },
+    /// `lead_s` before the first pair's echo from the aim point would begin, computed from the
+    /// reported (or true) tracks of its transmitter and receiver.
+    Follow {
+        /// The ground point.
+        aim: Aim,
+        /// How much earlier the window opens, s.
+        lead_s: f64,
+        /// Which tracks the range gate knows.
+        aim_from: AimFrom,
+    },
+}
+
+/// A transmitter: one antenna on a platform, all polarisations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transmitter {
+    /// Name, unique among antennas.
+    pub name: String,
+    /// Peak power per polarisation, W.
+    pub power_w: f64,
+    /// Its antenna.
+    pub antenna: AntennaMount,
+}
+
+/// A receiver: one antenna on a platform, all polarisations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Receiver {
+    /// Name, unique among antennas.
+    pub name: String,
+    /// Its antenna.
+    pub antenna: AntennaMount,
+}
+
+/// An antenna: where it sits, what it looks like, where it points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AntennaMount {
+    /// Index of the platform that carries it.
+    pub platform: usize,
+    /// Phase centre in the body frame (forward, starboard, down), m.
+    pub lever_arm: Vector<Body>,
+    /// Gain pattern.
+    pub pattern: Pattern,
+    /// Where it points.
+    pub pointing: Pointing,
+    /// Leakage of the orthogonal port, dB below the wanted one; `None` for ideal ports.
+    pub cross_pol_isolation_db: Option<f64>,
+}
+
+/// A gain pattern.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pattern {
+    /// Equal gain everywhere.
+    Isotropic {
+        /// Gain, dBi.
+        gain_dbi: f64,
+    },
+    /// Uniformly lit rectangle: width along +y, height along +z.
+    Rectangle {
+        /// Width a, m.
+        width_m: f64,
+        /// Height b, m.
+        height_m: f64,
+    },
+    /// Uniformly lit ellipse with the given full axes (a circle when they are equal).
+    Ellipse {
+        /// Width a, m.
+        width_m: f64,
+        /// Height b, m.
+        height_m: f64,
+    },
+    /// Measured pattern from a CSV file (`az_deg,el_deg,gain_dbi[,phase_deg]` on a regular grid).
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Gain outside the grid, dBi.
+        floor_dbi: f64,
+    },
+}
+
+/// Where an antenna points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pointing {
+    /// Bolted to the body: yaw, pitch, roll of the antenna frame relative to the body, radians.
+    Fixed {
+        /// Rotation about body z (down): positive turns the boresight to starboard.
+        yaw_rad: f64,
+        /// Rotation about the new y: positive raises the boresight.
+        pitch_rad: f64,
+        /// Rotation about the boresight.
+        roll_rad: f64,
+    },
+    /// A servo keeps the boresight on an aim point.
+    At {
+        /// The aim point.
+        aim: Aim,
+        /// Which tracks the servo knows.
+        aim_from: AimFrom,
+        /// The servo acts on what was known this long ago, s.
+        lag_s: f64,
+        /// Constant misalignment about the antenna's z (azimuth) and y (elevation) axes, radians.
+        bias_rad: [f64; 2],
+    },
+}
+
+/// A point on the surface that an antenna or a range gate follows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Aim {
+    /// A point that moves on a straight line (position at pulse 0).
+    Point {
+        /// Position at the emission of pulse 0.
+        position: Point<Enu>,
+        /// Velocity, m/s.
+        velocity: Vector<Enu>,
+    },
+    /// A point of the mean sea surface beside a platform, in axes along its horizontal velocity.
+    Beside {
+        /// Index of the platform.
+        platform: usize,
+        /// Metres ahead along the ground track.
+        along_m: f64,
+        /// Metres to starboard of the ground track (negative: to port).
+        across_m: f64,
+    },
+}
+
+/// Which trajectory a servo or a range gate acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AimFrom {
+    /// What the platform says.
+    Reported,
+    /// Where the platform is.
+    True,
+}
+
+/// Analogue-to-digital converter, mid-rise, I and Q separately, saturating.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adc {
+    /// Bits, 1 to 16.
+    pub bits: u32,
+    /// Amplitude of full scale, sqrt(W).
+    pub full_scale: f64,
+}
+
+impl Adc {
+    /// Width of one code, sqrt(W): `2 A_fs / 2^bits`.
+    pub fn step(&self) -> f64 {
+        2.0 * self.full_scale / f64::from(1u32 << self.bits)
+    }
+}
+
+/// What is recorded: one row of `/channel`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Name: receive then transmit polarisation (`HV`), with antenna names where there are several.
+    pub name: String,
+    /// Index of the transmitter.
+    pub transmitter: usize,
+    /// Index of the receiver.
+    pub receiver: usize,
+    /// Transmit polarisation.
+    pub tx: Polarisation,
+    /// Receive polarisation.
+    pub rx: Polarisation,
+}

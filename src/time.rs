@@ -1,0 +1,278 @@
+//! Exact emission times.
+//!
+//! Pulse `n` leaves at `t0 + n / PRF`, as an exact rational: the PRF is the f64 given, which is a
+//! dyadic rational `m 2^e`, so `n / PRF = n 2^-e / m` is split by integer division into whole seconds
+//! and a remainder that is rounded once (1.1e-16 s). Nothing is accumulated, so pulse 10^9 is as exact
+//! as pulse 1. A PRI sequence is held in integer attoseconds.
+//!
+//! A [`TimeTag`] keeps whole seconds and the fraction apart: a single f64 of UTC seconds would round
+//! to 2e-7 s.
+
+use std::fmt;
+
+use hifitime::Epoch;
+use thiserror::Error;
+
+const ATTOSECONDS_PER_SECOND: u128 = 1_000_000_000_000_000_000;
+
+/// An instant: UTC seconds since 1970-01-01 (POSIX, no leap seconds) and a fraction in [0, 1).
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Default)]
+pub struct TimeTag {
+    seconds: i64,
+    fraction_s: f64,
+}
+
+/// Why a time cannot be read or a pulse schedule cannot be kept.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TimeError {
+    /// Not an ISO 8601 UTC time.
+    #[error("'{text}' is not an ISO 8601 UTC time such as 2018-05-30T20:15:00.5Z")]
+    NotIso {
+        /// What was written.
+        text: String,
+    },
+    /// PRF outside the range in which the rational arithmetic is exact.
+    #[error("PRF {prf_hz} Hz is not allowed: 0.001 to 1e9 Hz")]
+    Prf {
+        /// What was asked.
+        prf_hz: f64,
+    },
+    /// A PRI sequence is empty or holds an interval out of range.
+    #[error("PRI {pri_s} s (entry {index}) is not allowed: 1e-9 to 1000 s, at least one entry")]
+    Pri {
+        /// Position in the sequence.
+        index: usize,
+        /// What was asked.
+        pri_s: f64,
+    },
+}
+
+impl TimeTag {
+    /// From whole seconds and any finite fraction (normalised).
+    pub fn new(seconds: i64, fraction_s: f64) -> Self {
+        let carry = fraction_s.floor();
+        let mut tag = Self { seconds: seconds.saturating_add(carry as i64), fraction_s: fraction_s - carry };
+        // -1e-17 floors to -1 and leaves a fraction that rounds to 1.
+        if tag.fraction_s >= 1.0 {
+            tag = Self { seconds: tag.seconds.saturating_add(1), fraction_s: 0.0 };
+        }
+        tag
+    }
+
+    /// Reads an ISO 8601 UTC time (`2018-05-30T20:15:00.5Z`; the `Z` may be missing).
+    pub fn from_iso8601(text: &str) -> Result<Self, TimeError> {
+        let bad = || TimeError::NotIso { text: text.to_owned() };
+        let text_utc = text.trim().trim_end_matches(['Z', 'z']);
+        let whole = text_utc.split('.').next().unwrap_or(text_utc);
+        let epoch = Epoch::from_gregorian_str(&format!("{whole} UTC")).map_err(|_| bad())?;
+        let seconds = epoch.to_unix_seconds().round() as i64;
+        let fraction_s = match text_utc.split_once('.') {
+            None => 0.0,
+            Some((_, digits)) if !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) => {
+                format!("0.{digits}").parse().map_err(|_| bad())?
+            }
+            Some(_) => return Err(bad()),
+        };
+        Ok(Self::new(seconds, fraction_s))
+    }
+
+    /// Whole UTC seconds since 1970-01-01.
+    pub fn seconds(self) -> i64 {
+        self.seconds
+    }
+
+    /// Fraction of the second, in [0, 1).
+    pub fn fraction_s(self) -> f64 {
+        self.fraction_s
+    }
+
+    /// `self - other` in seconds; the whole seconds are subtracted as integers.
+    pub fn since(self, other: Self) -> f64 {
+        (self.seconds - other.seconds) as f64 + (self.fraction_s - other.fraction_s)
+    }
+
+    /// `self + offset_s`.
+    pub fn plus(self, offset_s: f64) -> Self {
+        let whole = offset_s.floor();
+        Self::new(self.seconds.saturating_add(whole as i64), self.fraction_s + (offset_s - whole))
+    }
+
+    /// UTC nanoseconds since 1970-01-01, floored, and the rest in [0, 1) ns.
+    pub fn to_unix_ns(self) -> (i64, f64) {
+        let ns = self.fraction_s * 1e9;
+        let floor = ns.floor();
+        (self.seconds.saturating_mul(1_000_000_000).saturating_add(floor as i64), ns - floor)
+    }
+}
+
+impl fmt::Display for TimeTag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let micros = (self.fraction_s * 1e6).floor() as i64;
+        let epoch = Epoch::from_unix_seconds(self.seconds as f64);
+        let (y, mo, d, h, mi, s, _) = epoch.to_gregorian_utc();
+        write!(f, "{y:04}-{mo:02}-{d:02}T{h:02}:{mi:02}:{s:02}.{micros:06}Z")
+    }
+}
+
+/// When pulses leave, as offsets from pulse 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PulseTimes(Rhythm);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Rhythm {
+    /// `n * numerator / denominator` seconds.
+    Uniform { prf_hz: f64, numerator: u128, denominator: u128 },
+    /// Repeating intervals: `starts_as[i]` is the offset of the i-th pulse of a cycle.
+    Sequence { starts_as: Vec<u128>, cycle_as: u128 },
+}
+
+impl PulseTimes {
+    /// A constant PRF, Hz.
+    pub fn uniform(prf_hz: f64) -> Result<Self, TimeError> {
+        if !(prf_hz.is_finite() && (1e-3..=1e9).contains(&prf_hz)) {
+            return Err(TimeError::Prf { prf_hz });
+        }
+        // prf = mantissa 2^exponent, exactly.
+        let bits = prf_hz.to_bits();
+        let mut exponent = ((bits >> 52) & 0x7ff) as i32 - 1075;
+        let mut mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
+        let zeros = mantissa.trailing_zeros();
+        mantissa >>= zeros;
+        exponent += zeros as i32;
+        let (numerator, denominator) =
+            if exponent >= 0 { (1, mantissa << exponent) } else { (1u128 << -exponent, mantissa) };
+        Ok(Self(Rhythm::Uniform { prf_hz, numerator, denominator }))
+    }
+
+    /// A repeating sequence of pulse repetition intervals, seconds; each is rounded once to an
+    /// integer number of attoseconds, which then *is* the interval.
+    pub fn sequence(pri_s: &[f64]) -> Result<Self, TimeError> {
+        if pri_s.is_empty() {
+            return Err(TimeError::Pri { index: 0, pri_s: f64::NAN });
+        }
+        let mut starts_as = Vec::with_capacity(pri_s.len());
+        let mut cycle_as = 0u128;
+        for (index, &pri) in pri_s.iter().enumerate() {
+            if !(pri.is_finite() && (1e-9..=1e3).contains(&pri)) {
+                return Err(TimeError::Pri { index, pri_s: pri });
+            }
+            starts_as.push(cycle_as);
+            cycle_as += (pri * 1e18).round() as u128;
+        }
+        Ok(Self(Rhythm::Sequence { starts_as, cycle_as }))
+    }
+
+    /// Offset of pulse `n` from pulse 0: whole seconds and a fraction in [0, 1].
+    fn offset(&self, n: u64) -> (i64, f64) {
+        match &self.0 {
+            Rhythm::Uniform { numerator, denominator, .. } => {
+                let total = u128::from(n) * numerator;
+                let rest = total % denominator;
+                ((total / denominator) as i64, rest as f64 / *denominator as f64)
+            }
+            Rhythm::Sequence { starts_as, cycle_as } => {
+                let len = starts_as.len() as u64;
+                let total = u128::from(n / len) * cycle_as + starts_as[(n % len) as usize];
+                let rest = total % ATTOSECONDS_PER_SECOND;
+                ((total / ATTOSECONDS_PER_SECOND) as i64, rest as f64 * 1e-18)
+            }
+        }
+    }
+
+    /// Emission time of pulse `n` when pulse 0 leaves at `start`.
+    pub fn emission(&self, start: TimeTag, n: u64) -> TimeTag {
+        let (seconds, fraction_s) = self.offset(n);
+        TimeTag::new(start.seconds.saturating_add(seconds), start.fraction_s + fraction_s)
+    }
+
+    /// `t_b - t_a`, seconds, exact to one rounding for neighbouring pulses.
+    pub fn interval_s(&self, a: u64, b: u64) -> f64 {
+        let zero = TimeTag::default();
+        self.emission(zero, b).since(self.emission(zero, a))
+    }
+
+    /// The mean PRF, Hz.
+    pub fn mean_prf_hz(&self) -> f64 {
+        match &self.0 {
+            Rhythm::Uniform { prf_hz, .. } => *prf_hz,
+            Rhythm::Sequence { starts_as, cycle_as } => starts_as.len() as f64 / (*cycle_as as f64 * 1e-18),
+        }
+    }
+
+    /// The shortest interval between two pulses, seconds.
+    pub fn shortest_pri_s(&self) -> f64 {
+        match &self.0 {
+            Rhythm::Uniform { prf_hz, .. } => prf_hz.recip(),
+            Rhythm::Sequence { starts_as, cycle_as } => starts_as
+                .iter()
+                .zip(starts_as.iter().skip(1).chain(std::iter::once(cycle_as)))
+                .map(|(a, b)| (b - a) as f64 * 1e-18)
+                .fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// Number of pulses emitted in [0, duration).
+    pub fn count_within(&self, duration_s: f64) -> u64 {
+        if !(duration_s.is_finite() && duration_s > 0.0) {
+            return 0;
+        }
+        let mut n = (duration_s * self.mean_prf_hz()).ceil().max(1.0) as u64;
+        while n > 1 && self.interval_s(0, n - 1) >= duration_s {
+            n -= 1;
+        }
+        while self.interval_s(0, n) < duration_s {
+            n += 1;
+        }
+        n
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_billion_pulses_do_not_drift() {
+        let times = PulseTimes::uniform(222.0).unwrap();
+        let zero = TimeTag::default();
+        let tag = times.emission(zero, 1_000_000_000);
+        // 10^9 / 222 = 4504504 + 112/222 exactly.
+        assert_eq!(tag.seconds(), 4_504_504);
+        assert!((tag.fraction_s() - 112.0 / 222.0).abs() <= f64::EPSILON);
+        for prf_hz in [0.001, 1.0 / 3.0, 333.3, 1000.0, 99_999.999, 1e9] {
+            let times = PulseTimes::uniform(prf_hz).unwrap();
+            let pri = times.interval_s(1_000_000_000, 1_000_000_001);
+            assert!((pri * prf_hz - 1.0).abs() <= 4e-16 * prf_hz.max(1.0), "{prf_hz}: {pri}");
+        }
+    }
+
+    #[test]
+    fn a_pri_sequence_repeats_exactly() {
+        let times = PulseTimes::sequence(&[4.0e-3, 5.0e-3, 4.5e-3]).unwrap();
+        let zero = TimeTag::default();
+        let tag = times.emission(zero, 3_000_000_001);
+        assert_eq!(tag.seconds(), 13_500_000);
+        assert!((tag.fraction_s() - 4.0e-3).abs() < 1e-17);
+        assert!((times.shortest_pri_s() - 4.0e-3).abs() < 1e-17);
+        assert_eq!(times.count_within(13.5e-3), 3);
+        assert_eq!(times.count_within(13.6e-3), 4);
+    }
+
+    #[test]
+    fn iso_times_and_nanoseconds() {
+        let tag = TimeTag::from_iso8601("2018-05-30T20:15:00.123456789Z").unwrap();
+        assert_eq!(tag.seconds(), 1_527_711_300);
+        assert_eq!(tag.to_unix_ns().0, 1_527_711_300_123_456_789);
+        assert_eq!(tag.to_string(), "2018-05-30T20:15:00.123456Z");
+        assert!(TimeTag::from_iso8601("yesterday").is_err());
+        assert!(TimeTag::from_iso8601("2018-05-30T20:15:00.Z").is_err());
+    }
+
+    #[test]
+    fn odd_schedules_are_refused() {
+        assert!(PulseTimes::uniform(-222.0).is_err());
+        assert!(PulseTimes::uniform(f64::NAN).is_err());
+        assert!(PulseTimes::sequence(&[]).is_err());
+        assert!(PulseTimes::sequence(&[1e-3, -1.0]).is_err());
+    }
+}
