@@ -25,10 +25,18 @@
 //! SI units throughout, angles in radians, time convention `exp(+j w t)`.
 //! Degrees appear at the scenario file and the command line only.
 
+// The order is the order of the rooms (tests/layout.rs reads it), not the alphabet's.
 pub mod frames;
 pub mod pulse;
 pub mod rng;
 pub mod scene;
-
 pub mod time;
 pub mod units;
+pub mod nav;
+pub mod motion;
+pub mod geometry;
+pub mod scattering;
+pub mod radar;
+pub mod echo;
+pub mod transport;
+pub mod sinks;

@@ -1,0 +1,131 @@
+//! Where platforms say they are: recorded fixes from track files and NMEA logs.
+
+use std::path::PathBuf;
+
+use crate::frames::{Body, Enu, Geodetic, Point, Rotation, Vector};
+use crate::time::TimeTag;
+
+/// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
+/// `nav[i]` says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlatformNav {
+    /// What happens: drives delays, phases and gains.
+    pub truth: TrackSource,
+    /// What the platform reports, where it differs from the truth.
+    pub reported: Option<TrackSource>,
+}
+
+/// A source of one trajectory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrackSource {
+    /// Stays where it is.
+    Fixed {
+        /// Where.
+        place: Place,
+        /// Attitude.
+        attitude: Rotation<Body, Enu>,
+    },
+    /// Straight line at constant speed.
+    Straight {
+        /// Position at the emission of pulse 0.
+        place: Place,
+        /// Velocity, m/s.
+        velocity: Vector<Enu>,
+        /// Attitude; `None`: nose along the velocity, wings level.
+        attitude: Option<Rotation<Body, Enu>>,
+    },
+    /// A recorded track.
+    File(FileSource),
+}
+
+/// A position, as given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// On Earth, ellipsoidal height.
+    Geodetic(Geodetic),
+    /// In the scene frame.
+    Local(Point<Enu>),
+}
+
+/// A recorded track file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileSource {
+    /// The file.
+    pub path: PathBuf,
+    /// Its format.
+    pub format: FileFormat,
+    /// What its heights are measured from.
+    pub datum: VerticalDatum,
+    /// Height of mean sea level above the ellipsoid, m: used where heights are above the sea and the
+    /// file does not say (NMEA GGA does).
+    pub undulation_m: f64,
+    /// The longest gap between fixes that is interpolated, s.
+    pub max_gap_s: f64,
+    /// How the fixes become a smooth track.
+    pub smoothing: Smoothing,
+    /// Where the attitude comes from.
+    pub attitude: AttitudeSource,
+}
+
+/// Format of a track file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// Documented columns, see `nav::csv`.
+    Csv,
+    /// NMEA 0183 log.
+    Nmea,
+}
+
+/// What heights are measured from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VerticalDatum {
+    /// WGS-84 ellipsoid.
+    Ellipsoid,
+    /// Mean sea level.
+    MeanSeaLevel,
+    /// Pressure altitude; `offset_m` is added to make it a height above mean sea level.
+    Barometric {
+        /// Correction, m.
+        offset_m: f64,
+    },
+}
+
+/// How fixes become a track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Smoothing {
+    /// Fixes are taken as exact.
+    Off,
+    /// Rauch-Tung-Striebel smoother whose result stays below an acceleration.
+    Rts {
+        /// Standard deviation of the horizontal position of a fix, m.
+        horizontal_sigma_m: f64,
+        /// Standard deviation of the height of a fix, m.
+        vertical_sigma_m: f64,
+        /// Bound on the acceleration of the smoothed track, m/s^2.
+        max_acceleration_mps2: f64,
+    },
+}
+
+/// Where the attitude of a recorded track comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AttitudeSource {
+    /// Columns or sentences of the file.
+    Recorded,
+    /// Derived from the motion: nose along the velocity, roll of a coordinated turn.
+    CoordinatedTurn,
+    /// Wings level, nose along the ground track.
+    Level,
+    /// Constant.
+    Constant(Rotation<Body, Enu>),
+}
+
+/// One recorded fix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// When, UTC.
+    pub time: TimeTag,
+    /// Where.
+    pub place: Place,
+    /// Yaw (clockwise from North), pitch, roll, radians, if the source has them.
+    pub yaw_pitch_roll_rad: Option<[f64; 3]>,
+}

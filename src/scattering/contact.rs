@@ -1,0 +1,55 @@
+//! The contact list: the neck through which everything that scatters reaches the echo.
+//!
+//! A contact is one path transmitter - scatterer - receiver of one emission. Per transmitter-receiver
+//! **pair** it has a delay `tau` (s) and its rate `r = d tau / dt`; per **channel** a complex amplitude
+//! `a` (sqrt(W)) without the carrier phase. With the carrier `f0` and the baseband pulse `p`, its echo is
+//!
+//! `a exp(-j 2 pi f0 tau) p(t') exp(-j 2 pi f0 r t')`, `t' = t - t_emission - tau`.
+//!
+//! Structure of arrays; `echo` knows nothing else of the scene.
+
+use num_complex::Complex64;
+
+/// Contacts of one receive window, for every pair and channel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    /// `[contact]`: emission of the contact minus emission of the window's own pulse, s (zero unless
+    /// several pulses are in the air).
+    pub emission_offset_s: Vec<f64>,
+    /// `[pair][contact]`: delay tau, s.
+    pub delay_s: Vec<Vec<f64>>,
+    /// `[pair][contact]`: d tau / dt, dimensionless (negative when closing).
+    pub delay_rate: Vec<Vec<f64>>,
+    /// `[channel][contact]`: amplitude without carrier phase, sqrt(W).
+    pub amplitude: Vec<Vec<Complex64>>,
+}
+
+impl Contacts {
+    /// An empty list with room for `capacity` contacts.
+    pub fn new(pairs: usize, channels: usize, capacity: usize) -> Self {
+        Self {
+            emission_offset_s: Vec::with_capacity(capacity),
+            delay_s: (0..pairs).map(|_| Vec::with_capacity(capacity)).collect(),
+            delay_rate: (0..pairs).map(|_| Vec::with_capacity(capacity)).collect(),
+            amplitude: (0..channels).map(|_| Vec::with_capacity(capacity)).collect(),
+        }
+    }
+
+    /// Contacts in the list.
+    pub fn len(&self) -> usize {
+        self.emission_offset_s.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.emission_offset_s.is_empty()
+    }
+
+    /// Empties the list and keeps its memory.
+    pub fn clear(&mut self) {
+        self.emission_offset_s.clear();
+        self.delay_s.iter_mut().for_each(Vec::clear);
+        self.delay_rate.iter_mut().for_each(Vec::clear);
+        self.amplitude.iter_mut().for_each(Vec::clear);
+    }
+}

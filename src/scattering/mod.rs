@@ -1,0 +1,3 @@
+//! What each thing that scatters returns, as one flat list of contacts.
+
+pub mod contact;
