@@ -26,12 +26,12 @@
 //! Degrees appear at the scenario file and the command line only.
 
 // The order is the order of the rooms (tests/layout.rs reads it), not the alphabet's.
-pub mod frames;
-pub mod pulse;
-pub mod rng;
-pub mod scene;
-pub mod time;
 pub mod units;
+pub mod frames;
+pub mod time;
+pub mod rng;
+pub mod pulse;
+pub mod scene;
 pub mod nav;
 pub mod motion;
 pub mod geometry;
