@@ -1,1 +1,3 @@
 //! Contacts to samples.
+
+pub mod reference;

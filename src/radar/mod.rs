@@ -1,1 +1,6 @@
 //! The instrument.
+
+pub mod filter;
+pub mod phasor;
+pub mod receiver;
+pub mod waveform;

@@ -1,0 +1,304 @@
+//! The f64 reference echo, written from the equation. Everything faster is measured against it.
+//!
+//! # Reference B'
+//!
+//! Receiver-filtered, with intra-pulse Doppler as an exact term. For the channel of a pair, on an `N`-point
+//! transform that starts at the window's first sample:
+//!
+//! ```text
+//! S[k] = H(f_k) sum_n a_n e^{-j 2 pi f0 tau_n} P(f_k + f0 r_n) e^{-j 2 pi f_k d_n} ,  d_n = o_n + tau_n - t_w
+//! s[j] = (fs/N) sum_k e^{+j 2 pi j k/N} S[k]
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! | --- | --- | --- |
+//! | `a_n` | amplitude of contact `n` in this channel, no carrier phase | sqrt(W) |
+//! | `tau_n`, `r_n` | its delay and delay rate for the channel's pair | s, - |
+//! | `o_n` | its emission after the window's own emission | s |
+//! | `t_w` | first sample after the emission | s |
+//! | `f0`, `fs`, `f_k` | carrier, complex sample rate, baseband frequency of bin `k` | Hz |
+//! | `P`, `H` | spectrum of the pulse ([`Waveform`]), receive filter ([`ReceiveFilter`]) | s, - |
+//!
+//! `P(f + f0 r)` is the exact transform of `p(t') e^{-j 2 pi f0 r t'}`. Neglected: acceleration and
+//! stretching of the envelope within the pulse (`B Tc r`, below -90 dB at 20 x 1e-6). The phase `f0 tau` is taken
+//! modulo one turn in f64: from orbit (5e7 turns) it is exact to 5e-8 rad.
+//!
+//! The transform is periodic. Its length leaves [`GUARD_SAMPLES`] between the end of a pulse and its image,
+//! so that nothing wraps into the window; echoes that cannot reach the window (further than the guard from
+//! it) are left out and counted.
+//!
+//! # Reference A
+//!
+//! [`raw_samples`]: the pulse sampled in time with no filter. A rectangular chirp is not band-limited, so A and B'
+//! differ by some -20 dB; A is for tests of delay, phase and Doppler conventions.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use nereus::echo::reference::ReferenceEcho;
+//! use nereus::radar::waveform::Lfm;
+//! use nereus::scattering::contact::Contacts;
+//! use nereus::scene::radar::Sweep;
+//! use num_complex::Complex64;
+//!
+//! let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up)?);
+//! let echo = ReferenceEcho::new(pulse, 10e9, 100e6, 256, vec![0]);
+//! let mut contacts = Contacts::new(1, 1, 1);
+//! contacts.emission_offset_s.push(0.0);
+//! contacts.delay_s[0].push(24.1e-6);
+//! contacts.delay_rate[0].push(0.0);
+//! contacts.amplitude[0].push(Complex64::new(1e-6, 0.0));
+//! let mut spectrum = vec![Complex64::ZERO; echo.fft_len()];
+//! let coverage = echo.spectrum(&contacts, 23.6e-6, &mut spectrum);
+//! assert_eq!(coverage.outside, 0);
+//! # Ok::<(), nereus::radar::waveform::WaveformError>(())
+//! ```
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
+use crate::radar::phasor::phasor;
+use crate::radar::waveform::Waveform;
+use crate::scattering::contact::Contacts;
+
+/// Samples between the window and the nearest image of a pulse, on either side.
+pub const GUARD_SAMPLES: usize = 32;
+
+/// How the echoes of a pulse lie in its window. Counted per contact and pair, silent ones not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    /// Echoes of which a part lies before or after the window.
+    pub cut: usize,
+    /// Echoes that lie wholly outside.
+    pub outside: usize,
+}
+
+impl Coverage {
+    /// Whether every echo lies in the window from end to end.
+    pub fn is_complete(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The reference echo of one radar.
+pub struct ReferenceEcho {
+    waveform: Arc<dyn Waveform>,
+    carrier_hz: f64,
+    sample_rate_hz: f64,
+    fft_len: usize,
+    window_s: f64,
+    /// Delays beyond this from the window (pulse length apart) are left out; infinite for a periodic echo.
+    guard_s: f64,
+    /// For each pair, its channels.
+    channels_of_pair: Vec<Vec<usize>>,
+    /// `(bin, f_k, H(f_k))` where the filter passes anything.
+    bins: Vec<(usize, f64, f64)>,
+    /// 1, or 0 when intra-pulse Doppler is neglected.
+    rate_factor: f64,
+}
+
+impl ReferenceEcho {
+    /// For windows of `window_samples`; `channel_pairs[c]` is the pair of channel `c`.
+    ///
+    /// The transform gets the least fast length that holds the window, the pulse and two guards.
+    pub fn new(
+        waveform: Arc<dyn Waveform>,
+        carrier_hz: f64,
+        sample_rate_hz: f64,
+        window_samples: usize,
+        channel_pairs: Vec<usize>,
+    ) -> Self {
+        let pulse_samples = waveform.span_samples(sample_rate_hz);
+        let fft_len = fast_len(window_samples + pulse_samples + 2 * GUARD_SAMPLES);
+        let mut echo =
+            Self::with_period(waveform, carrier_hz, sample_rate_hz, window_samples, channel_pairs, fft_len);
+        echo.guard_s = GUARD_SAMPLES as f64 / sample_rate_hz;
+        echo
+    }
+
+    /// On a transform of exactly `fft_len` samples, whatever wraps: the periodic form of the equation. No contact
+    /// is left out.
+    pub fn with_period(
+        waveform: Arc<dyn Waveform>,
+        carrier_hz: f64,
+        sample_rate_hz: f64,
+        window_samples: usize,
+        channel_pairs: Vec<usize>,
+        fft_len: usize,
+    ) -> Self {
+        let filter = ReceiveFilter::new(sample_rate_hz);
+        let bins = (0..fft_len)
+            .map(|k| {
+                let f_hz = bin_frequency_hz(k, fft_len, sample_rate_hz);
+                (k, f_hz, filter.response(f_hz))
+            })
+            .filter(|(_, _, h)| *h != 0.0)
+            .collect();
+        let pairs = channel_pairs.iter().map(|p| p + 1).max().unwrap_or(0);
+        let mut channels_of_pair = vec![Vec::new(); pairs];
+        for (channel, pair) in channel_pairs.iter().enumerate() {
+            channels_of_pair[*pair].push(channel);
+        }
+        Self {
+            waveform,
+            carrier_hz,
+            sample_rate_hz,
+            fft_len,
+            window_s: window_samples as f64 / sample_rate_hz,
+            guard_s: f64::INFINITY,
+            channels_of_pair,
+            bins,
+            rate_factor: 1.0,
+        }
+    }
+
+    /// The same with `r_n := 0` within the pulse (reference B): the phase stands still while a pulse passes.
+    pub fn neglect_intra_pulse_doppler(mut self) -> Self {
+        self.rate_factor = 0.0;
+        self
+    }
+
+    /// Length N of the transform, samples.
+    pub fn fft_len(&self) -> usize {
+        self.fft_len
+    }
+
+    /// Complex sample rate, Hz.
+    pub fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    /// `S[k]` of every channel, `[channel][bin]`, overwritten; `sqrt(W) s`.
+    pub fn spectrum(&self, contacts: &Contacts, window_start_s: f64, out: &mut [Complex64]) -> Coverage {
+        out.fill(Complex64::ZERO);
+        let mut coverage = Coverage::default();
+        let pulse_s = self.waveform.duration_s();
+        for (pair, channels) in self.channels_of_pair.iter().enumerate() {
+            for n in 0..contacts.len() {
+                let delay_s = contacts.delay_s[pair][n];
+                let place_s = contacts.emission_offset_s[n] + delay_s - window_start_s;
+                // A contact that this pair does not see has no delay (NaN), or no amplitude.
+                if !place_s.is_finite()
+                    || channels.iter().all(|&c| contacts.amplitude[c][n] == Complex64::ZERO)
+                {
+                    continue;
+                }
+                if place_s <= -pulse_s || place_s >= self.window_s {
+                    coverage.outside += 1;
+                    if place_s < -pulse_s - self.guard_s || place_s > self.window_s + self.guard_s {
+                        continue;
+                    }
+                } else if place_s < 0.0 || place_s + pulse_s > self.window_s {
+                    coverage.cut += 1;
+                }
+                let carrier = phasor(-self.carrier_hz * delay_s);
+                let shift_hz = self.carrier_hz * contacts.delay_rate[pair][n] * self.rate_factor;
+                for &(k, f_hz, response) in &self.bins {
+                    let pulse = self.waveform.spectrum(f_hz + shift_hz) * phasor(-f_hz * place_s);
+                    let common = carrier * pulse * response;
+                    for &channel in channels {
+                        out[channel * self.fft_len + k] += contacts.amplitude[channel][n] * common;
+                    }
+                }
+            }
+        }
+        coverage
+    }
+}
+
+/// Reference A of one channel of one pair: `out[j]` is the sum over contacts of
+/// `a e^{-j 2 pi f0 tau} p(t') e^{-j 2 pi f0 r t'}`, `t' = t_w + j/fs - o - tau`, overwritten.
+pub fn raw_samples(
+    waveform: &dyn Waveform,
+    carrier_hz: f64,
+    sample_rate_hz: f64,
+    window_start_s: f64,
+    contacts: &Contacts,
+    pair: usize,
+    channel: usize,
+    out: &mut [Complex64],
+) {
+    out.fill(Complex64::ZERO);
+    for n in 0..contacts.len() {
+        let delay_s = contacts.delay_s[pair][n];
+        let amplitude = contacts.amplitude[channel][n] * phasor(-carrier_hz * delay_s);
+        if !delay_s.is_finite() || amplitude == Complex64::ZERO {
+            continue;
+        }
+        let shift_hz = carrier_hz * contacts.delay_rate[pair][n];
+        let place_s = contacts.emission_offset_s[n] + delay_s - window_start_s;
+        for (j, sample) in out.iter_mut().enumerate() {
+            let t_s = j as f64 / sample_rate_hz - place_s;
+            *sample += amplitude * waveform.sample(t_s) * phasor(-shift_hz * t_s);
+        }
+    }
+}
+
+/// The least even number from `least` on that has no prime factor above 5.
+fn fast_len(least: usize) -> usize {
+    let smooth = |mut n: usize| {
+        for p in [2, 3, 5] {
+            while n % p == 0 {
+                n /= p;
+            }
+        }
+        n == 1
+    };
+    let mut n = least.max(2).next_multiple_of(2);
+    while !smooth(n) {
+        n += 2;
+    }
+    n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radar::waveform::Lfm;
+    use crate::scene::radar::Sweep;
+
+    #[test]
+    fn fast_lengths_are_smooth_even_and_least() {
+        let lengths: Vec<usize> = [0, 1, 7, 256, 354, 361, 1025].map(fast_len).to_vec();
+        assert_eq!(lengths, [2, 2, 8, 256, 360, 384, 1080]);
+    }
+
+    #[test]
+    fn the_period_holds_window_pulse_and_guards() {
+        let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
+        let echo = ReferenceEcho::new(pulse, 10e9, 100e6, 256, vec![0, 0]);
+        assert_eq!(echo.fft_len(), 360);
+    }
+
+    #[test]
+    fn coverage_counts_what_the_window_does_not_hold() {
+        let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
+        let echo = ReferenceEcho::new(pulse, 10e9, 100e6, 256, vec![0]);
+        let mut contacts = Contacts::new(1, 1, 8);
+        // Window of 2.56 us. Wholly in; cut at either end; outside near; outside far; silent; unseen.
+        for (place_s, amplitude) in [
+            (1e-6, 1.0),
+            (-0.1e-6, 1.0),
+            (2.4e-6, 1.0),
+            (-0.4e-6, 1.0),
+            (1e-3, 1.0),
+            (-1e-3, 1.0),
+            (9e-3, 0.0),
+            (f64::NAN, 1.0),
+        ] {
+            contacts.emission_offset_s.push(0.0);
+            contacts.delay_s[0].push(20e-6 + place_s);
+            contacts.delay_rate[0].push(0.0);
+            contacts.amplitude[0].push(Complex64::new(amplitude, 0.0));
+        }
+        let mut out = vec![Complex64::new(f64::NAN, 0.0); echo.fft_len()];
+        let coverage = echo.spectrum(&contacts, 20e-6, &mut out);
+        assert_eq!(coverage, Coverage { cut: 2, outside: 3 });
+        assert!(!coverage.is_complete());
+        assert!(out.iter().all(|s| s.is_finite()));
+        contacts.clear();
+        assert!(echo.spectrum(&contacts, 20e-6, &mut out).is_complete());
+        assert!(out.iter().all(|s| *s == Complex64::ZERO));
+    }
+}

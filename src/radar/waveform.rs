@@ -1,0 +1,203 @@
+//! The transmitted baseband pulse.
+//!
+//! A pulse `p(t)` starts at `t = 0` and has unit amplitude (amplitude 1 is the transmitter's peak power); its spectrum is
+//!
+//! ```text
+//! P(f) = int p(t) e^{-j 2 pi f t} dt        [s]
+//! ```
+//!
+//! `f` baseband frequency, Hz. The echo of a contact needs `P` off the grid of any transform (intra-pulse Doppler
+//! shifts it by `f0 dtau/dt`), so [`Waveform::spectrum`] is defined, and exact, at every frequency.
+//!
+//! | waveform | `p(t)` | limits |
+//! | --- | --- | --- |
+//! | [`Lfm`] | linear sweep, up or down, or `B = 0`: plain pulse | `B Tc <= 1e8` |
+//! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
+//!
+//! ```
+//! use nereus::radar::waveform::{Lfm, Waveform};
+//! use nereus::scene::radar::Sweep;
+//! let pulse = Lfm::new(60e6, 0.333e-6, Sweep::Up)?;
+//! // The flat top of a chirp's spectrum is near sqrt(Tc/B), with Fresnel ripples about it.
+//! let flat = (0.333e-6f64 / 60e6).sqrt();
+//! assert!((pulse.spectrum(0.0).norm() / flat - 1.0).abs() < 0.2);
+//! # Ok::<(), nereus::radar::waveform::WaveformError>(())
+//! ```
+
+mod fresnel;
+mod lfm;
+mod sampled;
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use thiserror::Error;
+
+use crate::scene;
+
+pub use lfm::Lfm;
+pub use sampled::{MAX_SAMPLES, Sampled};
+
+/// Largest time-bandwidth product of a sweep: the spectrum is then still exact to 1e-7 of its peak.
+pub const MAX_TIME_BANDWIDTH: f64 = 1e8;
+
+/// A transmitted baseband pulse that starts at `t = 0`.
+pub trait Waveform: Send + Sync {
+    /// What it is, in a word or two.
+    fn name(&self) -> &str;
+
+    /// Length of the pulse, s.
+    fn duration_s(&self) -> f64;
+
+    /// Swept or occupied bandwidth, Hz.
+    fn bandwidth_hz(&self) -> f64;
+
+    /// `P(f)`, seconds, at any baseband frequency.
+    fn spectrum(&self, f_hz: f64) -> Complex64;
+
+    /// `p(t)`, dimensionless.
+    fn sample(&self, t_s: f64) -> Complex64;
+
+    /// Samples that the pulse spans at a rate: `ceil(Tc fs)`, not counting one that rounding alone would add.
+    fn span_samples(&self, sample_rate_hz: f64) -> usize {
+        ((self.duration_s() * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)
+    }
+}
+
+/// The waveform of a description. Reads the file of a sampled one.
+pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn Waveform>, WaveformError> {
+    Ok(match description {
+        scene::radar::Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
+            Arc::new(Lfm::new(*bandwidth_hz, *duration_s, *sweep)?)
+        }
+        scene::radar::Waveform::Samples { path, rate_hz } => Arc::new(Sampled::from_file(path, *rate_hz)?),
+    })
+}
+
+/// Why there is no such waveform.
+#[derive(Debug, Error)]
+pub enum WaveformError {
+    /// Swept bandwidth out of range.
+    #[error("waveform bandwidth {bandwidth_hz} Hz is not allowed: 0 (no modulation) or more, finite")]
+    Bandwidth {
+        /// What was asked.
+        bandwidth_hz: f64,
+    },
+    /// Pulse length out of range.
+    #[error("pulse length {duration_s} s is not allowed: more than 0, finite")]
+    Duration {
+        /// What was asked.
+        duration_s: f64,
+    },
+    /// Bandwidth times pulse length out of range.
+    #[error("time-bandwidth product {product} is not allowed: at most {MAX_TIME_BANDWIDTH:e}")]
+    TimeBandwidth {
+        /// What was asked.
+        product: f64,
+    },
+    /// Rate of the samples out of range.
+    #[error("waveform sample rate {rate_hz} Hz is not allowed: more than 0, finite")]
+    Rate {
+        /// What was asked.
+        rate_hz: f64,
+    },
+    /// The file cannot be read.
+    #[error("waveform file {}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file can be read, but does not hold a pulse.
+    #[error("waveform file {}: {faults}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        faults: SampleFaults,
+    },
+    /// Samples given in memory do not make a pulse.
+    #[error("waveform samples: {0}")]
+    Samples(SampleFaults),
+}
+
+/// Everything wrong with the samples of a waveform.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SampleFaults {
+    /// The first of them (at most [`SampleFaults::SHOWN`]).
+    pub shown: Vec<SampleFault>,
+    /// How many there are.
+    pub total: usize,
+}
+
+impl SampleFaults {
+    /// Faults kept with their text; the rest are counted.
+    pub const SHOWN: usize = 20;
+
+    fn push(&mut self, fault: SampleFault) {
+        self.total += 1;
+        if self.shown.len() < Self::SHOWN {
+            self.shown.push(fault);
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.total == 0
+    }
+}
+
+impl fmt::Display for SampleFaults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, fault) in self.shown.iter().enumerate() {
+            write!(f, "{}{fault}", if i == 0 { "" } else { "; " })?;
+        }
+        if self.total > self.shown.len() {
+            write!(f, "; and {} more", self.total - self.shown.len())?;
+        }
+        Ok(())
+    }
+}
+
+/// One fault of the samples of a waveform. Lines count from 1.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SampleFault {
+    /// A line does not have two values.
+    #[error("line {line}: '{text}' has {found} value(s), a sample is 're,im'")]
+    Columns {
+        /// Where.
+        line: usize,
+        /// Beginning of the line.
+        text: String,
+        /// Values found.
+        found: usize,
+    },
+    /// A value is not a finite number.
+    #[error("line {line}: '{text}' is not a finite number")]
+    Number {
+        /// Where.
+        line: usize,
+        /// Beginning of the value.
+        text: String,
+    },
+    /// A sample in memory is not finite.
+    #[error("sample {index} is not finite")]
+    NotFinite {
+        /// Which.
+        index: usize,
+    },
+    /// Too many samples.
+    #[error("more than {MAX_SAMPLES} samples")]
+    TooMany,
+    /// More bytes than that number of samples can need.
+    #[error("longer than {allowed} bytes")]
+    TooLong {
+        /// What is allowed.
+        allowed: u64,
+    },
+    /// No samples, or all of them zero.
+    #[error("no sample differs from zero")]
+    Silent,
+}
