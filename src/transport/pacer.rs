@@ -296,3 +296,64 @@ fn sleep_until(deadline: Instant, sleeper: SpinSleeper, stop: &AtomicBool) -> bo
         thread::sleep(SLICE.min(left - SLICE / 2));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pulse::{Layout, SampleFormat};
+    use crate::time::PulseTimes;
+    use crate::transport::ring::ring;
+
+    const LAYOUT: Layout = Layout {
+        channels: 1,
+        samples: 1,
+        format: SampleFormat::Cf32,
+        platforms: 0,
+        phase_centres: 0,
+        targets: 0,
+        pairs: 0,
+    };
+
+    /// A pacer whose ring already holds pulses with these indices, and its health.
+    fn filled(policy: Policy, indices: &[u64], count: u64) -> (Pacer, Arc<Health>) {
+        let (mut producer, ring) = ring(indices.iter().map(|_| Pulse::new(&LAYOUT)));
+        let never = AtomicBool::new(false);
+        for (slot, &index) in producer.reserve(indices.len(), &never).unwrap().iter_mut().zip(indices) {
+            slot.index = index;
+        }
+        producer.commit(indices.len());
+        let health = Arc::new(Health::new(Vec::new()));
+        let pacer = Pacer {
+            ring,
+            fan_out: FanOut::new(Vec::new(), Pace::Realtime),
+            schedule: Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count },
+            settings: Settings { pace: Pace::Realtime, policy, latency_s: 0.0, ring_slots: 8, threads: 1 },
+            health: Arc::clone(&health),
+            worth: Worth::default(),
+            status: None,
+        };
+        (pacer, health)
+    }
+
+    #[test]
+    fn a_pacer_that_is_late_itself_is_no_underrun() {
+        for policy in [Policy::Stop, Policy::Slip, Policy::Drop] {
+            let (pacer, health) = filled(policy, &[0, 1, 2, 3], 4);
+            let start = Instant::now().checked_sub(Duration::from_millis(100)).unwrap();
+            pacer.run(start, &AtomicBool::new(false)).unwrap();
+            let shot = health.snapshot();
+            assert_eq!((shot.pulses, shot.late, shot.dropped), (4, 4, 0), "{policy:?}");
+            assert!(shot.slipped_s == 0.0 && shot.lateness_us.max >= 97_000.0, "{policy:?} {shot:?}");
+        }
+    }
+
+    #[test]
+    fn skipped_indices_are_counted_and_pulses_out_of_order_refused() {
+        let (pacer, health) = filled(Policy::Drop, &[0, 3, 4], 5);
+        pacer.run(Instant::now(), &AtomicBool::new(false)).unwrap();
+        assert_eq!((health.released_pulses(), health.dropped_pulses()), (3, 2));
+        let (pacer, _) = filled(Policy::Drop, &[0, 2, 2], 5);
+        let refused = pacer.run(Instant::now(), &AtomicBool::new(false));
+        assert_eq!(refused, Err(PacerError::Order { index: 2, expected: 3 }));
+    }
+}
