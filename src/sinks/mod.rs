@@ -1,6 +1,21 @@
 //! Where pulses go.
+//!
+//! A sink implements [`sink::Sink`] and runs in a thread of its own ([`sink::drain`]). [`preflight`]
+//! says everything that is wrong with the outputs asked for before anything is made.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sink::SinkError;
+
+pub mod sink;
+pub mod columns;
+pub mod null;
+pub mod plain;
+#[cfg(feature = "hdf5")]
+pub mod hdf5;
+#[cfg(feature = "hdf5")]
+pub mod merge;
 
 /// A place where pulses go.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,4 +47,44 @@ pub enum Kind {
     },
     /// Counts pulses and forgets them.
     Null,
+}
+
+/// All that stands in the way of these sinks: outputs that exist (without force), outputs named
+/// twice, folders that are missing. Nothing is made or changed.
+pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
+    let mut faults = Vec::new();
+    let mut seen: Vec<&Path> = Vec::new();
+    for settings in sinks {
+        let (path, result) = match &settings.kind {
+            Kind::Null => continue,
+            Kind::Plain { path, force } => (path, plain::preflight(path, *force)),
+            Kind::Hdf5 { path, segment_s, force } => (path, hdf5_preflight(path, *segment_s, *force)),
+        };
+        if seen.contains(&path.as_path()) {
+            faults.push(SinkError::Twice { path: path.clone() });
+        }
+        seen.push(path);
+        faults.extend(result.err());
+    }
+    faults
+}
+
+#[cfg(feature = "hdf5")]
+fn hdf5_preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Result<(), SinkError> {
+    hdf5::preflight(path, segment_s, force)
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn hdf5_preflight(path: &Path, _: Option<f64>, _: bool) -> Result<(), SinkError> {
+    Err(SinkError::NoHdf5 { path: path.to_owned() })
+}
+
+/// The folder in which an output is to be made must be there.
+fn parent_exists(path: &Path) -> Result<(), SinkError> {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => {
+            fs::metadata(folder).map(|_| ()).map_err(SinkError::io(folder, "the folder of the output"))
+        }
+        _ => Ok(()),
+    }
 }

@@ -1,4 +1,42 @@
 //! Real time: rings, pacer, health. Knows no physics.
+//!
+//! ```text
+//! generation -> ring -> pacer -> fan-out -> one ring per sink -> sink threads
+//! ```
+//!
+//! [`stage::Stream`] puts these together; [`pacer`] defines deadlines, lateness, underrun and what the
+//! policies do; [`ring`] is the only way by which pulses travel between threads.
+
+use thiserror::Error;
+
+pub mod ring;
+pub mod schedule;
+pub mod health;
+pub mod fanout;
+pub mod pacer;
+pub mod stage;
+
+/// Why a stream cannot be set up.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum StreamError {
+    /// The ring between generation and pacer has no slot.
+    #[error("the ring between generation and pacer has 0 slots; at least 1 is needed")]
+    EmptyRing,
+    /// A sink's queue has no slot.
+    #[error("the queue of sink '{sink}' has 0 slots; at least 1 is needed")]
+    EmptyQueue {
+        /// Which sink.
+        sink: String,
+    },
+    /// A thread could not be started.
+    #[error("thread '{thread}' could not be started: {kind}")]
+    Thread {
+        /// Its name.
+        thread: String,
+        /// What the system said.
+        kind: std::io::ErrorKind,
+    },
+}
 
 /// How pulses are released.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,231 @@
+//! The header of a recording in HDF5: root attributes, replica, channel and truth tables.
+
+// The derives below make the only unsafe impls of this room: the layout of two plain structs as an HDF5
+// compound. SAFETY: they are `repr(C)` and hold HDF5's own string type only.
+#![allow(unsafe_code)]
+
+use std::str::FromStr;
+
+use ::hdf5::types::VarLenUnicode;
+use ::hdf5::{Dataset, File, H5Type, Location};
+use num_complex::{Complex, Complex32};
+
+use crate::pulse::{Layout, SampleFormat};
+use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
+use crate::time::TimeTag;
+
+use super::file::Fault;
+
+#[derive(Clone, H5Type)]
+#[repr(C)]
+struct ChannelRecord {
+    name: VarLenUnicode,
+    transmitter: VarLenUnicode,
+    receiver: VarLenUnicode,
+    polarisations: VarLenUnicode,
+}
+
+#[derive(Clone, H5Type)]
+#[repr(C)]
+struct PairRecord {
+    transmitter: VarLenUnicode,
+    receiver: VarLenUnicode,
+}
+
+fn text(value: &str) -> Result<VarLenUnicode, Fault> {
+    VarLenUnicode::from_str(value).map_err(|e| Fault::Text(e.to_string()))
+}
+
+fn texts<'a>(values: impl IntoIterator<Item = &'a String>) -> Result<Vec<VarLenUnicode>, Fault> {
+    values.into_iter().map(|v| text(v)).collect()
+}
+
+fn attribute<T: H5Type>(place: &Location, name: &str, value: &T) -> Result<(), Fault> {
+    Ok(place.new_attr::<T>().create(name)?.write_scalar(value)?)
+}
+
+fn list(place: &Location, name: &str, values: &[VarLenUnicode]) -> Result<(), Fault> {
+    Ok(place.new_attr_builder().with_data(values).create(name).map(|_| ())?)
+}
+
+/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step.
+pub(super) fn write(file: &File, iq: &Dataset, header: &Header) -> Result<(), Fault> {
+    attribute(file, "format", &text("nereus")?)?;
+    attribute(file, "version", &FORMAT_VERSION)?;
+    attribute(file, "software", &text(&header.software)?)?;
+    attribute(file, "carrier_hz", &header.carrier_hz)?;
+    attribute(file, "sample_rate_hz", &header.sample_rate_hz)?;
+    attribute(file, "bandwidth_hz", &header.bandwidth_hz)?;
+    attribute(file, "pulse_s", &header.pulse_s)?;
+    attribute(file, "prf_hz", &header.prf_hz)?;
+    list(file, "channels", &texts(header.channels.iter().map(|c| &c.name))?)?;
+    if let Some(origin) = header.origin {
+        attribute(file, "origin_lat_deg", &origin.lat_deg)?;
+        attribute(file, "origin_lon_deg", &origin.lon_deg)?;
+        attribute(file, "origin_h_m", &origin.h_m)?;
+    }
+    attribute(file, "seed", &header.seed)?;
+    attribute(file, "config", &text(&header.config)?)?;
+    let (start_ns, start_frac_ns) = header.start.to_unix_ns();
+    attribute(file, "start_time_ns", &start_ns)?;
+    attribute(file, "start_time_frac_ns", &start_frac_ns)?;
+    attribute(file, "start_time_s", &header.start.seconds())?;
+    attribute(file, "start_time_fraction_s", &header.start.fraction_s())?;
+    attribute(file, "first_pulse", &header.first_pulse)?;
+    attribute(file, "pulses", &header.pulses)?;
+    for (name, values) in [
+        ("platforms", &header.platforms),
+        ("transmitters", &header.transmitters),
+        ("receivers", &header.receivers),
+    ] {
+        if !values.is_empty() {
+            list(file, name, &texts(values)?)?;
+        }
+    }
+    if let Some(adc) = header.adc {
+        attribute(iq, "adc_step", &adc.step)?;
+        attribute(iq, "adc_bits", &adc.bits)?;
+    }
+    file.new_dataset_builder().with_data(header.replica.as_slice()).create("replica")?;
+    let channels = header
+        .channels
+        .iter()
+        .map(|c| {
+            Ok(ChannelRecord {
+                name: text(&c.name)?,
+                transmitter: text(&c.transmitter)?,
+                receiver: text(&c.receiver)?,
+                polarisations: text(&c.polarisations)?,
+            })
+        })
+        .collect::<Result<Vec<_>, Fault>>()?;
+    file.new_dataset_builder().with_data(channels.as_slice()).create("channel")?;
+    let truth = match file.group("truth") {
+        Ok(group) => group,
+        Err(_) => file.create_group("truth")?,
+    };
+    if !header.targets.is_empty() {
+        truth.new_dataset_builder().with_data(texts(&header.targets)?.as_slice()).create("targets")?;
+    }
+    if !header.pairs.is_empty() {
+        let pairs = header
+            .pairs
+            .iter()
+            .map(|p| Ok(PairRecord { transmitter: text(&p.transmitter)?, receiver: text(&p.receiver)? }))
+            .collect::<Result<Vec<_>, Fault>>()?;
+        truth.new_dataset_builder().with_data(pairs.as_slice()).create("pairs")?;
+    }
+    Ok(())
+}
+
+fn value<T: H5Type>(place: &Location, name: &str) -> Result<T, Fault> {
+    Ok(place.attr(name)?.read_scalar()?)
+}
+
+fn string(place: &Location, name: &str) -> Result<String, Fault> {
+    Ok(value::<VarLenUnicode>(place, name)?.as_str().to_owned())
+}
+
+fn optional<T: H5Type>(place: &Location, name: &str) -> Result<Option<T>, Fault> {
+    if place.attr_names()?.iter().any(|n| n == name) { value(place, name).map(Some) } else { Ok(None) }
+}
+
+fn strings(place: &Location, name: &str) -> Result<Vec<String>, Fault> {
+    if !place.attr_names()?.iter().any(|n| n == name) {
+        return Ok(Vec::new());
+    }
+    let values = place.attr(name)?.read_raw::<VarLenUnicode>()?;
+    Ok(values.iter().map(|v| v.as_str().to_owned()).collect())
+}
+
+/// Reads what [`write`] wrote.
+pub(super) fn read(file: &File) -> Result<Header, Fault> {
+    let format = string(file, "format")?;
+    let version: u32 = value(file, "version")?;
+    if format != "nereus" || version != FORMAT_VERSION {
+        return Err(Fault::Text(format!(
+            "format '{format}' version {version}; 'nereus' version {FORMAT_VERSION} is read"
+        )));
+    }
+    let iq = file.dataset("iq")?;
+    let &[_, channels, samples] = iq.shape().as_slice() else {
+        return Err(Fault::Text(format!("/iq has {} axes; 3 are read", iq.ndim())));
+    };
+    let format = if iq.dtype()?.is::<Complex32>() {
+        SampleFormat::Cf32
+    } else if iq.dtype()?.is::<Complex<i16>>() {
+        SampleFormat::Ci16
+    } else {
+        return Err(Fault::Text("/iq is neither complex64 nor a pair {r, i} of int16".to_owned()));
+    };
+    let table = file.dataset("channel")?.read_raw::<ChannelRecord>()?;
+    let truth = file.group("truth")?;
+    let pairs: Vec<PairRow> = if truth.link_exists("pairs") {
+        let rows = truth.dataset("pairs")?.read_raw::<PairRecord>()?;
+        rows.iter()
+            .map(|r| PairRow {
+                transmitter: r.transmitter.as_str().to_owned(),
+                receiver: r.receiver.as_str().to_owned(),
+            })
+            .collect()
+    } else {
+        Vec::new()
+    };
+    let targets: Vec<String> = if truth.link_exists("targets") {
+        let names = truth.dataset("targets")?.read_raw::<VarLenUnicode>()?;
+        names.iter().map(|n| n.as_str().to_owned()).collect()
+    } else {
+        Vec::new()
+    };
+    let origin = match optional(file, "origin_lat_deg")? {
+        None => None,
+        Some(lat_deg) => {
+            Some(Origin { lat_deg, lon_deg: value(file, "origin_lon_deg")?, h_m: value(file, "origin_h_m")? })
+        }
+    };
+    let adc = match optional(&iq, "adc_step")? {
+        None => None,
+        Some(step) => Some(AdcRow { step, bits: value(&iq, "adc_bits")? }),
+    };
+    let (platforms, transmitters, receivers) =
+        (strings(file, "platforms")?, strings(file, "transmitters")?, strings(file, "receivers")?);
+    Ok(Header {
+        software: string(file, "software")?,
+        carrier_hz: value(file, "carrier_hz")?,
+        sample_rate_hz: value(file, "sample_rate_hz")?,
+        bandwidth_hz: value(file, "bandwidth_hz")?,
+        pulse_s: value(file, "pulse_s")?,
+        prf_hz: value(file, "prf_hz")?,
+        layout: Layout {
+            channels,
+            samples,
+            format,
+            platforms: platforms.len(),
+            phase_centres: transmitters.len() + receivers.len(),
+            targets: targets.len(),
+            pairs: pairs.len(),
+        },
+        channels: table
+            .iter()
+            .map(|r| ChannelRow {
+                name: r.name.as_str().to_owned(),
+                transmitter: r.transmitter.as_str().to_owned(),
+                receiver: r.receiver.as_str().to_owned(),
+                polarisations: r.polarisations.as_str().to_owned(),
+            })
+            .collect(),
+        pairs,
+        origin,
+        seed: value(file, "seed")?,
+        config: string(file, "config")?,
+        replica: file.dataset("replica")?.read_raw()?,
+        platforms,
+        transmitters,
+        receivers,
+        targets,
+        adc,
+        start: TimeTag::new(value(file, "start_time_s")?, value(file, "start_time_fraction_s")?),
+        first_pulse: value(file, "first_pulse")?,
+        pulses: value(file, "pulses")?,
+    })
+}

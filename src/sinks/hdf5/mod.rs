@@ -1,0 +1,244 @@
+//! HDF5 recording, readable while it grows.
+//!
+//! Structure (format bounds 1.10, so any HDF5 from 1.10 on reads it): root attributes `format`,
+//! `version`, `carrier_hz`, `sample_rate_hz`, `bandwidth_hz`, `pulse_s`, `prf_hz`, `channels`,
+//! `origin_lat_deg`, `origin_lon_deg`, `origin_h_m` (absent for a plain local frame), `seed`, `config`,
+//! `software`, `start_time_ns` (emission of pulse 0), `first_pulse`, `pulses`; `/iq`, `/replica`, `/channel`,
+//! `/truth/targets`, `/truth/pairs`, and the per-pulse datasets of [`super::columns`].
+//!
+//! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
+//! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
+//!
+//! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`, then `refresh()` on each dataset;
+//! the first `len(/pulse/index)` rows of every dataset are complete. **After a kill** the file still
+//! bears the mark of an open writer and a plain `"r"` is refused by the library: open it with
+//! `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than [`FLUSH_INTERVAL`]
+//! is in it. A finished file opens either way.
+//!
+//! With `segment_s` the recording is cut by emission time after pulse 0: `name.h5` becomes
+//! `name_0000.h5`, `name_0001.h5`, …, each complete by itself.
+//!
+//! A failing write (full disk) ends the sink with an error; what was flushed before stays readable.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::pulse::Pulse;
+
+use super::columns::{Column, Rows, columns};
+use super::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
+
+pub(super) mod file;
+mod header;
+
+use file::{Fault, Recording};
+
+pub use file::CHUNK_PULSES;
+
+/// An HDF5 recording under way.
+#[derive(Debug)]
+pub struct Hdf5Sink {
+    path: PathBuf,
+    segment_s: Option<f64>,
+    header: Header,
+    recording: Option<Recording>,
+    segment: u64,
+    columns: Vec<Column>,
+    block: Vec<Rows>,
+    block_rows: usize,
+    chunk_pulses: usize,
+    pulses: u64,
+    flushed: Instant,
+    files: Vec<PathBuf>,
+}
+
+/// Name of a segment.
+fn segment_path(path: &Path, segment: u64) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or_else(|| "h5".into(), |e| e.to_string_lossy());
+    path.with_file_name(format!("{stem}_{segment:04}.{extension}"))
+}
+
+/// Files of an earlier run that this output would replace.
+fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
+    if segment_s.is_none() {
+        return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let stem = format!("{}_", path.file_stem().unwrap_or_default().to_string_lossy());
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut found: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| path.with_file_name(entry.file_name()))
+        .filter(|candidate| {
+            let name = candidate.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let number = name.strip_prefix(&stem).and_then(|n| n.parse::<u64>().ok());
+            number.is_some_and(|n| segment_path(path, n) == *candidate)
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+/// Whether a recording may be made here.
+pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Result<(), SinkError> {
+    if let Some(segment_s) = segment_s
+        && !(segment_s.is_finite() && segment_s > 0.0)
+    {
+        return Err(SinkError::Segment { segment_s });
+    }
+    if let (Some(path), false) = (existing(path, segment_s).into_iter().next(), force) {
+        return Err(SinkError::Exists { path });
+    }
+    super::parent_exists(path)
+}
+
+impl Hdf5Sink {
+    /// Makes the file (the first of its segments); nothing is left of it when that fails.
+    pub fn create(
+        path: &Path,
+        segment_s: Option<f64>,
+        force: bool,
+        header: &Header,
+    ) -> Result<Self, SinkError> {
+        header.check()?;
+        preflight(path, segment_s, force)?;
+        for old in existing(path, segment_s) {
+            fs::remove_file(&old).map_err(SinkError::io(&old, "removing the old recording"))?;
+        }
+        let columns = columns(header);
+        let chunk_pulses = file::chunk_pulses(header);
+        let block = columns
+            .iter()
+            .map(|column| Rows::with_capacity(column.element, column.width() * chunk_pulses))
+            .collect();
+        let mut sink = Self {
+            path: path.to_owned(),
+            segment_s,
+            header: header.clone(),
+            recording: None,
+            segment: 0,
+            columns,
+            block,
+            block_rows: 0,
+            chunk_pulses,
+            pulses: 0,
+            flushed: Instant::now(),
+            files: Vec::new(),
+        };
+        // Without segments the file is there from the start; with them the first pulse says which.
+        if segment_s.is_none() {
+            sink.open(path.to_owned())?;
+        }
+        Ok(sink)
+    }
+
+    fn open(&mut self, path: PathBuf) -> Result<(), SinkError> {
+        match Recording::create(&path, &self.header, true) {
+            Ok(recording) => {
+                self.recording = Some(recording);
+                self.files.push(path);
+                self.flushed = Instant::now();
+                Ok(())
+            }
+            Err(fault) => {
+                let error = Fault::at(&path, "making the recording")(fault);
+                let _ = fs::remove_file(&path);
+                Err(error)
+            }
+        }
+    }
+
+    /// The recording that a pulse belongs to: opens the next segment where one begins.
+    fn turn(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
+        let Some(segment_s) = self.segment_s else { return Ok(()) };
+        // Half a nanosecond: an emission meant to be at the cut is in the new segment.
+        let segment = ((pulse.time.since(self.header.start) + 0.5e-9) / segment_s).floor().max(0.0) as u64;
+        if self.recording.is_none() || segment != self.segment {
+            self.close()?;
+            self.segment = segment;
+            self.open(segment_path(&self.path, segment))?;
+        }
+        Ok(())
+    }
+
+    fn write_block(&mut self) -> Result<(), SinkError> {
+        if self.block_rows == 0 {
+            return Ok(());
+        }
+        if let Some(recording) = &mut self.recording {
+            recording.append(&self.block).map_err(Fault::at(&self.path, "writing pulses"))?;
+        }
+        self.block.iter_mut().for_each(Rows::clear);
+        self.block_rows = 0;
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), SinkError> {
+        self.write_block()?;
+        if let Some(recording) = self.recording.take() {
+            recording.close().map_err(Fault::at(&self.path, "closing the recording"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Sink for Hdf5Sink {
+    fn name(&self) -> &'static str {
+        "hdf5"
+    }
+
+    fn describe(&self) -> String {
+        match self.segment_s {
+            None => format!("HDF5 recording {}", self.path.display()),
+            Some(s) => {
+                format!("HDF5 recording {} in segments of {s} s", segment_path(&self.path, 0).display())
+            }
+        }
+    }
+
+    fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
+        for column in &self.columns {
+            column.check(pulse)?;
+        }
+        self.turn(pulse)?;
+        for (column, rows) in self.columns.iter().zip(&mut self.block) {
+            column.push(pulse, rows);
+        }
+        self.block_rows += 1;
+        self.pulses += 1;
+        let written = self.recording.as_ref().map_or(0, Recording::rows);
+        // After a flush in mid-chunk the next block ends where the chunk ends.
+        if (written + self.block_rows).is_multiple_of(self.chunk_pulses) {
+            self.write_block()?;
+        }
+        if self.flushed.elapsed() >= FLUSH_INTERVAL {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        self.write_block()?;
+        if let Some(recording) = &mut self.recording {
+            recording.flush().map_err(Fault::at(recording.path(), "flushing"))?;
+        }
+        self.flushed = Instant::now();
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
+        self.close()?;
+        let row_bytes: usize = self.columns.iter().map(Column::row_bytes).sum();
+        Ok(SinkReport {
+            name: "hdf5".to_owned(),
+            pulses: self.pulses,
+            bytes: self.pulses * row_bytes as u64,
+            files: std::mem::take(&mut self.files),
+        })
+    }
+}

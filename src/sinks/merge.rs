@@ -1,0 +1,217 @@
+//! Joins shards or segments of one run into the recording of the whole.
+//!
+//! Shards are put in the order of their pulses, whatever the order given. Their headers must agree in
+//! everything but the range of pulses; no pulse may be in two of them. A gap between two shards is
+//! refused and named, unless the pulse after it carries `AFTER_GAP`: then those pulses were never
+//! released, and the recording of the whole run would have the same gap. The datasets of the result are
+//! those of the whole run, bit for bit. Shards are copied in blocks of bounded size into a file beside the
+//! output, which is renamed at the end: a merge that fails leaves nothing.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::pulse::flags;
+
+use super::columns::Rows;
+use super::hdf5::file::{Fault, Recorded, Recording};
+use super::sink::SinkError;
+
+/// A block of a copy takes about this much memory.
+const BLOCK_BYTES: usize = 8 << 20;
+
+/// What a merge did.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MergeReport {
+    /// The result.
+    pub out: PathBuf,
+    /// Shards joined, in the order of their pulses.
+    pub shards: Vec<PathBuf>,
+    /// Pulses in the result.
+    pub pulses: u64,
+    /// First pulse.
+    pub first: u64,
+    /// Last pulse.
+    pub last: u64,
+    /// Indices within the range that no shard has, because they were dropped in real time.
+    pub dropped: u64,
+}
+
+/// Why shards cannot be joined.
+#[derive(Debug, Error)]
+pub enum MergeError {
+    /// No shard was given, or none holds a pulse.
+    #[error("nothing to merge: {shards} shards given, none holds a pulse")]
+    Nothing {
+        /// Shards given.
+        shards: usize,
+    },
+    /// Two shards are not of the same run.
+    #[error("{path}: not of the same run as {other}: {field} differs")]
+    Different {
+        /// One shard.
+        path: PathBuf,
+        /// The one that it is compared with.
+        other: PathBuf,
+        /// The first part of the header that differs.
+        field: &'static str,
+    },
+    /// Pulses are in two shards.
+    #[error("{path}: begins with pulse {first}, but {other} goes to pulse {last}; shards must not overlap")]
+    Overlap {
+        /// The later shard.
+        path: PathBuf,
+        /// Its first pulse.
+        first: u64,
+        /// The earlier shard.
+        other: PathBuf,
+        /// Its last pulse.
+        last: u64,
+    },
+    /// Pulses are in no shard.
+    #[error("pulses {from}..{to} are in no shard: between {before} and {after}")]
+    Gap {
+        /// First missing pulse.
+        from: u64,
+        /// One past the last missing pulse.
+        to: u64,
+        /// The shard before.
+        before: PathBuf,
+        /// The shard after.
+        after: PathBuf,
+    },
+    /// A shard's pulses are not in order.
+    #[error("{path}: pulse {index} comes after pulse {before}; a recording's pulses ascend")]
+    Order {
+        /// The shard.
+        path: PathBuf,
+        /// The pulse out of order.
+        index: u64,
+        /// The pulse before it.
+        before: u64,
+    },
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    File(#[from] SinkError),
+}
+
+struct Shard {
+    path: PathBuf,
+    recorded: Recorded,
+    first: u64,
+    last: u64,
+}
+
+/// Joins `shards` into `out`; an existing `out` is replaced only with `force`.
+pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport, MergeError> {
+    if fs::symlink_metadata(out).is_ok() && !force {
+        return Err(SinkError::Exists { path: out.to_owned() }.into());
+    }
+    super::parent_exists(out)?;
+    let list = ordered(shards)?;
+    let (Some(earliest), Some(latest)) = (list.first(), list.last()) else {
+        return Err(MergeError::Nothing { shards: shards.len() });
+    };
+    // The run that the result is the recording of: from the first shard's range to the last's.
+    let mut header = earliest.recorded.header.clone();
+    let ends = list.iter().map(|s| s.recorded.header.first_pulse.saturating_add(s.recorded.header.pulses));
+    header.first_pulse =
+        list.iter().map(|s| s.recorded.header.first_pulse).min().unwrap_or(header.first_pulse);
+    header.pulses = ends.max().unwrap_or(0).saturating_sub(header.first_pulse);
+
+    let name = out.file_name().unwrap_or_default().to_string_lossy();
+    let partial = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+    let _ = fs::remove_file(&partial);
+    let copied = (|| {
+        let mut recording =
+            Recording::create(&partial, &header, false).map_err(Fault::at(&partial, "making the result"))?;
+        for shard in &list {
+            copy(shard, &mut recording)?;
+        }
+        let pulses = recording.rows() as u64;
+        recording.close().map_err(Fault::at(&partial, "closing the result"))?;
+        fs::rename(&partial, out).map_err(SinkError::io(out, "putting the result in place"))?;
+        Ok(pulses)
+    })();
+    let pulses = match copied {
+        Ok(pulses) => pulses,
+        Err(error) => {
+            let _ = fs::remove_file(&partial);
+            return Err(error);
+        }
+    };
+    let (first, last) = (earliest.first, latest.last);
+    Ok(MergeReport {
+        out: out.to_owned(),
+        shards: list.iter().map(|s| s.path.clone()).collect(),
+        pulses,
+        first,
+        last,
+        dropped: last.saturating_sub(first).saturating_add(1).saturating_sub(pulses),
+    })
+}
+
+/// Opens the shards that hold pulses and puts them in order; refuses what does not fit together.
+fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
+    let mut list: Vec<Shard> = Vec::with_capacity(shards.len());
+    for path in shards {
+        let fault = || Fault::at(path, "reading the shard");
+        let recorded = Recorded::open(path).map_err(fault())?;
+        if let Some(other) = list.first()
+            && let Some(field) = other.recorded.header.difference(&recorded.header)
+        {
+            return Err(MergeError::Different { path: path.clone(), other: other.path.clone(), field });
+        }
+        if recorded.pulses > 0 {
+            let first = recorded.index(0).map_err(fault())?;
+            let last = recorded.index(recorded.pulses - 1).map_err(fault())?;
+            list.push(Shard { path: path.clone(), recorded, first, last });
+        }
+    }
+    list.sort_by_key(|shard| shard.first);
+    for pair in list.windows(2) {
+        let [before, after] = pair else { continue };
+        if after.first <= before.last {
+            return Err(MergeError::Overlap {
+                path: after.path.clone(),
+                first: after.first,
+                other: before.path.clone(),
+                last: before.last,
+            });
+        }
+        let flagged = after.recorded.flags(0).map_err(Fault::at(&after.path, "reading the shard"))?;
+        if after.first > before.last.saturating_add(1) && flagged & flags::AFTER_GAP == 0 {
+            return Err(MergeError::Gap {
+                from: before.last.saturating_add(1),
+                to: after.first,
+                before: before.path.clone(),
+                after: after.path.clone(),
+            });
+        }
+    }
+    Ok(list)
+}
+
+fn copy(shard: &Shard, recording: &mut Recording) -> Result<(), MergeError> {
+    let block = (BLOCK_BYTES / shard.recorded.row_bytes().max(1)).clamp(1, 4096);
+    let mut before = None;
+    let mut row = 0;
+    while row < shard.recorded.pulses {
+        let to = (row + block).min(shard.recorded.pulses);
+        let rows = shard.recorded.rows(row, to).map_err(Fault::at(&shard.path, "reading the shard"))?;
+        if let Some(Rows::U64(indices)) = rows.last() {
+            for &index in indices {
+                if let Some(before) = before.filter(|&before| index <= before) {
+                    return Err(MergeError::Order { path: shard.path.clone(), index, before });
+                }
+                before = Some(index);
+            }
+        }
+        recording.append(&rows).map_err(Fault::at(recording.path(), "writing pulses"))?;
+        recording.flush().map_err(Fault::at(recording.path(), "flushing"))?;
+        row = to;
+    }
+    Ok(())
+}

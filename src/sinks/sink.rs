@@ -1,0 +1,324 @@
+//! What every sink is, and what it is told before the first pulse.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use num_complex::Complex32;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::pulse::{Layout, Pulse, SampleFormat};
+use crate::time::TimeTag;
+use crate::transport::fanout::{Fed, Feed};
+
+/// Version of the recordings' structure (HDF5 and plain), attribute `version`.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// What a reader may count on after a kill: everything older than this was handed to the system.
+/// Recordings flush when a pulse finds the last flush older than this, or when none came for as long.
+pub const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
+
+/// A place where pulses go. A sink runs in a thread of its own and may wait; see [`drain`].
+pub trait Sink: Send {
+    /// Short name for counters and messages (`hdf5`).
+    fn name(&self) -> &'static str;
+    /// One line for people: what goes where.
+    fn describe(&self) -> String;
+    /// Takes a pulse.
+    fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError>;
+    /// Makes everything taken so far visible to readers.
+    fn flush(&mut self) -> Result<(), SinkError>;
+    /// Completes and closes the output.
+    fn finish(self: Box<Self>) -> Result<SinkReport, SinkError>;
+}
+
+/// What a sink did.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SinkReport {
+    /// The sink's name.
+    pub name: String,
+    /// Pulses taken.
+    pub pulses: u64,
+    /// Bytes of per-pulse data written.
+    pub bytes: u64,
+    /// What was written, in order.
+    pub files: Vec<PathBuf>,
+}
+
+/// A row of the channel table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ChannelRow {
+    /// Name, such as `HV`.
+    pub name: String,
+    /// Name of the transmitter.
+    pub transmitter: String,
+    /// Name of the receiver.
+    pub receiver: String,
+    /// Receive letter, then transmit letter.
+    pub polarisations: String,
+}
+
+/// A transmitter-receiver pair of the truth record.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PairRow {
+    /// Name of the transmitter.
+    pub transmitter: String,
+    /// Name of the receiver.
+    pub receiver: String,
+}
+
+/// The origin of the ENU frame on the ellipsoid (WGS-84).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Origin {
+    /// Geodetic latitude, degrees.
+    pub lat_deg: f64,
+    /// Longitude, degrees.
+    pub lon_deg: f64,
+    /// Height above the ellipsoid, metres.
+    pub h_m: f64,
+}
+
+/// The converter whose codes are recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AdcRow {
+    /// Bits per component.
+    pub bits: u32,
+    /// sqrt(W) per code: sample = (code + 1/2) step for a mid-rise converter.
+    pub step: f64,
+}
+
+/// Everything that a sink is told before the first pulse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Name and version of the program.
+    pub software: String,
+    /// Carrier, Hz.
+    pub carrier_hz: f64,
+    /// Complex sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// Bandwidth of the waveform, Hz.
+    pub bandwidth_hz: f64,
+    /// Length of the waveform, seconds.
+    pub pulse_s: f64,
+    /// Mean pulse repetition frequency, Hz.
+    pub prf_hz: f64,
+    /// Channels, in the order of the samples.
+    pub channels: Vec<ChannelRow>,
+    /// Transmitter-receiver pairs, in the order of the truth record.
+    pub pairs: Vec<PairRow>,
+    /// Origin of the ENU frame; none for a plain local frame.
+    pub origin: Option<Origin>,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// The scenario as written (TOML).
+    pub config: String,
+    /// Transmitted pulse after the receive filter, at the sample rate.
+    pub replica: Vec<Complex32>,
+    /// Platforms, in the order of the navigation record.
+    pub platforms: Vec<String>,
+    /// Transmitters: the first phase centres.
+    pub transmitters: Vec<String>,
+    /// Receivers: the phase centres after those of the transmitters.
+    pub receivers: Vec<String>,
+    /// Targets, in the order of the truth record.
+    pub targets: Vec<String>,
+    /// Sizes of every pulse.
+    pub layout: Layout,
+    /// The converter, when samples are its codes.
+    pub adc: Option<AdcRow>,
+    /// Emission time of pulse 0.
+    pub start: TimeTag,
+    /// First pulse of this run (not 0 for a shard).
+    pub first_pulse: u64,
+    /// Pulses of this run.
+    pub pulses: u64,
+}
+
+/// Why a sink cannot be opened or has failed.
+#[derive(Debug, Error)]
+pub enum SinkError {
+    /// The output is there already.
+    #[error("{path}: exists already; choose another name, or overwrite it with --force (force = true)")]
+    Exists {
+        /// The output.
+        path: PathBuf,
+    },
+    /// Asked to overwrite a folder that holds something else.
+    #[error(
+        "{path}: not overwritten, because it is not a recording (a folder whose meta.json says format nereus)"
+    )]
+    NotARecording {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Two sinks have the same output.
+    #[error("{path}: is the output of two sinks; each needs its own")]
+    Twice {
+        /// The output.
+        path: PathBuf,
+    },
+    /// The header cannot be recorded.
+    #[error("recording header, {field}: {found}; allowed: {allowed}")]
+    Header {
+        /// Which part.
+        field: &'static str,
+        /// What it holds.
+        found: String,
+        /// What it may hold.
+        allowed: &'static str,
+    },
+    /// A segment length that cannot be kept.
+    #[error("segment_s = {segment_s}: allowed: a finite length above 0 s")]
+    Segment {
+        /// What was asked.
+        segment_s: f64,
+    },
+    /// A pulse does not have the sizes announced.
+    #[error("pulse {index}: {column} has {found} values where the header announced {expected}")]
+    Pulse {
+        /// Which pulse.
+        index: u64,
+        /// Which part of it.
+        column: String,
+        /// Values found.
+        found: usize,
+        /// Values announced.
+        expected: usize,
+    },
+    /// The system refused a file operation.
+    #[error("{path}: {action}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The HDF5 library refused.
+    #[error("{path}: {action}: {detail}")]
+    Hdf5 {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the library said.
+        detail: String,
+    },
+    /// Built without HDF5.
+    #[error("{path}: this build has no HDF5 (feature hdf5); use kind = \"plain\"")]
+    NoHdf5 {
+        /// The file asked for.
+        path: PathBuf,
+    },
+}
+
+impl SinkError {
+    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Io { path, action, source }
+    }
+}
+
+impl Header {
+    /// Whether a recording can hold this: sizes agree with names, names can be names of groups.
+    pub fn check(&self) -> Result<(), SinkError> {
+        let refuse = |field, found: String, allowed| Err(SinkError::Header { field, found, allowed });
+        let sizes = [
+            ("channels", self.channels.len(), self.layout.channels),
+            ("platforms", self.platforms.len(), self.layout.platforms),
+            (
+                "transmitters and receivers",
+                self.transmitters.len() + self.receivers.len(),
+                self.layout.phase_centres,
+            ),
+            ("targets", self.targets.len(), self.layout.targets),
+            ("pairs", self.pairs.len(), self.layout.pairs),
+        ];
+        for (field, names, slots) in sizes {
+            if names != slots {
+                return refuse(field, format!("{names} names for {slots} in the layout"), "a name for each");
+            }
+        }
+        if self.layout.channels == 0 || self.layout.samples == 0 {
+            let found = format!("{} channels of {} samples", self.layout.channels, self.layout.samples);
+            return refuse("layout", found, "at least 1 channel of 1 sample");
+        }
+        if (self.layout.format == SampleFormat::Ci16) != self.adc.is_some() {
+            return refuse("adc", format!("{:?}", self.adc), "one if samples are codes, none otherwise");
+        }
+        let antennas = || self.transmitters.iter().chain(&self.receivers);
+        for (field, names) in [
+            ("platforms", self.platforms.iter().collect::<Vec<_>>()),
+            ("transmitters and receivers", antennas().collect()),
+        ] {
+            let mut seen = BTreeSet::new();
+            for name in names {
+                let dots = name == "." || name == "..";
+                if name.is_empty() || name.len() > 200 || dots || name.contains(['/', '\\', '\0']) {
+                    return refuse(
+                        field,
+                        format!("'{}'", name.escape_debug()),
+                        "1 to 200 bytes without / \\ NUL, not . or ..",
+                    );
+                }
+                if !seen.insert(name) {
+                    return refuse(field, format!("'{name}' twice"), "each name once");
+                }
+            }
+        }
+        let texts = [&self.config, &self.software].into_iter().chain(&self.targets);
+        for text in texts.chain(self.channels.iter().flat_map(|c| [&c.name, &c.polarisations])) {
+            if text.contains('\0') {
+                return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
+            }
+        }
+        Ok(())
+    }
+
+    /// The first part in which two headers of one run differ; range of pulses aside.
+    pub fn difference(&self, other: &Self) -> Option<&'static str> {
+        [
+            ("config", self.config == other.config),
+            ("seed", self.seed == other.seed),
+            ("software", self.software == other.software),
+            ("carrier_hz", self.carrier_hz == other.carrier_hz),
+            ("sample_rate_hz", self.sample_rate_hz == other.sample_rate_hz),
+            ("bandwidth_hz", self.bandwidth_hz == other.bandwidth_hz),
+            ("pulse_s", self.pulse_s == other.pulse_s),
+            ("prf_hz", self.prf_hz == other.prf_hz),
+            ("channel", self.channels == other.channels),
+            ("truth/pairs", self.pairs == other.pairs),
+            ("origin", self.origin == other.origin),
+            ("replica", self.replica == other.replica),
+            ("platforms", self.platforms == other.platforms),
+            ("transmitters", self.transmitters == other.transmitters),
+            ("receivers", self.receivers == other.receivers),
+            ("truth/targets", self.targets == other.targets),
+            ("layout", self.layout == other.layout),
+            ("adc", self.adc == other.adc),
+            ("start time", self.start == other.start),
+        ]
+        .into_iter()
+        .find_map(|(field, same)| (!same).then_some(field))
+    }
+
+    /// Names of the antennas in the order of the phase centres.
+    pub fn antennas(&self) -> impl Iterator<Item = &str> {
+        self.transmitters.iter().chain(&self.receivers).map(String::as_str)
+    }
+}
+
+/// The body of a sink's thread: takes pulses until the stream ends, then closes.
+///
+/// When a write fails the sink is dropped, which closes what can be closed, and the error is returned.
+pub fn drain(mut sink: Box<dyn Sink>, mut feed: Feed) -> Result<SinkReport, SinkError> {
+    loop {
+        match feed.next(FLUSH_INTERVAL, |pulse| sink.write(pulse))? {
+            Fed::Pulse(()) => {}
+            Fed::Idle => sink.flush()?,
+            Fed::Ended => return sink.finish(),
+        }
+    }
+}

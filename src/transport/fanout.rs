@@ -1,0 +1,132 @@
+//! From the pacer to every sink, each through a ring of its own.
+//!
+//! In real time a full queue means that the pulse is missed *by that sink*: counted, and the next
+//! pulse that the sink gets carries `AFTER_GAP`. The others are not held up. At pace `fast` a full
+//! queue holds up the pacer, and through the main ring the generation: nothing is lost.
+//!
+//! The last outlet gets the slot itself in exchange for a free one of its own, the others a copy; with
+//! one sink nothing is copied.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use crate::pulse::{Layout, Pulse, flags};
+
+use super::health::SinkHealth;
+use super::ring::{self, Consumer, Look, Producer};
+use super::{Pace, StreamError};
+
+/// The way to one sink.
+#[derive(Debug)]
+pub struct Outlet {
+    queue: Producer<Pulse>,
+    gap: bool,
+    health: Arc<SinkHealth>,
+}
+
+/// What a sink's thread reads from.
+#[derive(Debug)]
+pub struct Feed {
+    queue: Consumer<Pulse>,
+    health: Arc<SinkHealth>,
+}
+
+/// What a feed gives.
+#[derive(Debug)]
+pub enum Fed<R> {
+    /// A pulse came and was handled with this result.
+    Pulse(R),
+    /// No pulse came in the time allowed.
+    Idle,
+    /// The stream has ended.
+    Ended,
+}
+
+/// All outlets.
+#[derive(Debug)]
+pub struct FanOut {
+    outlets: Vec<Outlet>,
+    pace: Pace,
+}
+
+/// A queue of `slots` pulses for a sink.
+pub fn outlet(name: &str, slots: usize, layout: &Layout) -> Result<(Outlet, Feed), StreamError> {
+    if slots == 0 {
+        return Err(StreamError::EmptyQueue { sink: name.to_owned() });
+    }
+    let (producer, consumer) = ring::ring((0..slots).map(|_| Pulse::new(layout)));
+    let health = Arc::new(SinkHealth::new(name));
+    Ok((
+        Outlet { queue: producer, gap: false, health: Arc::clone(&health) },
+        Feed { queue: consumer, health },
+    ))
+}
+
+impl Outlet {
+    pub(crate) fn health(&self) -> Arc<SinkHealth> {
+        Arc::clone(&self.health)
+    }
+}
+
+impl Feed {
+    /// Waits up to `patience` for a pulse and hands it to `take`; the slot goes back afterwards.
+    pub fn next<R, E>(
+        &mut self,
+        patience: Duration,
+        take: impl FnOnce(&Pulse) -> Result<R, E>,
+    ) -> Result<Fed<R>, E> {
+        match self.queue.wait_for(patience) {
+            Look::Slot(pulse) => {
+                let taken = take(&pulse);
+                self.queue.give_back(pulse);
+                if taken.is_ok() {
+                    self.health.wrote();
+                }
+                taken.map(Fed::Pulse)
+            }
+            Look::Empty => Ok(Fed::Idle),
+            Look::Ended => Ok(Fed::Ended),
+        }
+    }
+}
+
+impl FanOut {
+    /// Over these outlets.
+    pub fn new(outlets: Vec<Outlet>, pace: Pace) -> Self {
+        Self { outlets, pace }
+    }
+
+    /// Hands a pulse to every sink; the slot that comes back is free (its content is of no use).
+    /// `None` when a sink is gone: it failed, or it has had enough; the run ends then.
+    pub fn send(&mut self, mut pulse: Box<Pulse>) -> Option<Box<Pulse>> {
+        // Sinks always empty their queues, so a stop need not cut this wait short.
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        let last = self.outlets.len().checked_sub(1);
+        for (k, outlet) in self.outlets.iter_mut().enumerate() {
+            if outlet.queue.is_abandoned() {
+                return None;
+            }
+            let slot = match self.pace {
+                Pace::Realtime => outlet.queue.try_reserve(),
+                Pace::Fast => Some(outlet.queue.reserve(1, &NEVER)?.first_mut()?),
+            };
+            let Some(slot) = slot else {
+                outlet.gap = true;
+                outlet.health.missed();
+                continue;
+            };
+            if Some(k) == last {
+                std::mem::swap(slot, &mut pulse);
+            } else {
+                slot.copy_from(&pulse);
+            }
+            if std::mem::take(&mut outlet.gap) {
+                slot.flags |= flags::AFTER_GAP;
+            }
+            outlet.queue.commit(1);
+            outlet.health.queue_level(outlet.queue.filled());
+        }
+        Some(pulse)
+    }
+}

@@ -1,0 +1,244 @@
+//! What the stream counts while it runs.
+//!
+//! Counters are atomic and lateness goes into a histogram of fixed size, so recording never
+//! allocates. Lateness is `release - deadline` in whole nanoseconds (3 significant digits, up to one
+//! hour); quantiles are reported in microseconds.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use hdrhistogram::Histogram;
+use serde::Serialize;
+
+/// Counters of a running stream, shared by all of its threads.
+#[derive(Debug)]
+pub struct Health {
+    released: AtomicU64,
+    late: AtomicU64,
+    dropped: AtomicU64,
+    slipped_ns: AtomicU64,
+    made: AtomicU64,
+    busy_ns: AtomicU64,
+    ring_low_water: AtomicU64,
+    generation_ended: AtomicBool,
+    lateness_ns: Mutex<Option<Histogram<u64>>>,
+    sinks: Vec<Arc<SinkHealth>>,
+}
+
+/// Counters of one sink.
+#[derive(Debug)]
+pub struct SinkHealth {
+    name: String,
+    written: AtomicU64,
+    dropped: AtomicU64,
+    high_water: AtomicU64,
+}
+
+/// Lateness, microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Lateness {
+    /// Median.
+    pub p50: f64,
+    /// 99 %.
+    pub p99: f64,
+    /// 99.9 %.
+    pub p999: f64,
+    /// Worst.
+    pub max: f64,
+    /// Mean.
+    pub mean: f64,
+}
+
+/// One sink's counters at an instant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SinkSnapshot {
+    /// The sink's name.
+    pub name: String,
+    /// Pulses that the sink took.
+    pub written: u64,
+    /// Pulses that this sink missed because its queue was full.
+    pub dropped: u64,
+    /// The most pulses that ever waited in its queue.
+    pub queue_high_water: u64,
+}
+
+/// All counters at an instant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Snapshot {
+    /// Pulses released.
+    pub pulses: u64,
+    /// Pulses released more than one PRI after their deadline.
+    pub late: u64,
+    /// Pulses never released: not made in time (policy `drop`).
+    pub dropped: u64,
+    /// By how much the schedule was moved (policy `slip`), seconds.
+    pub slipped_s: f64,
+    /// Lateness of the released pulses; all zero at pace `fast`.
+    pub lateness_us: Lateness,
+    /// Fewest pulses found ready at a release while generation was running; none before a release.
+    pub ring_low_water: Option<u64>,
+    /// Pulses made.
+    pub made: u64,
+    /// Time that generation was at work (not waiting for a free slot), seconds.
+    pub generation_busy_s: f64,
+    /// The sinks.
+    pub sinks: Vec<SinkSnapshot>,
+}
+
+impl Health {
+    pub(crate) fn new(sinks: Vec<Arc<SinkHealth>>) -> Self {
+        Self {
+            released: AtomicU64::new(0),
+            late: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
+            slipped_ns: AtomicU64::new(0),
+            made: AtomicU64::new(0),
+            busy_ns: AtomicU64::new(0),
+            ring_low_water: AtomicU64::new(u64::MAX),
+            generation_ended: AtomicBool::new(false),
+            lateness_ns: Mutex::new(Histogram::new_with_bounds(1, 3_600_000_000_000, 3).ok()),
+            sinks,
+        }
+    }
+
+    /// Counts a release and its lateness.
+    pub(crate) fn release(&self, lateness: Option<Duration>, late: bool) {
+        self.released.fetch_add(1, Ordering::Relaxed);
+        self.late.fetch_add(u64::from(late), Ordering::Relaxed);
+        if let Some(lateness) = lateness {
+            let ns = u64::try_from(lateness.as_nanos()).unwrap_or(u64::MAX);
+            let mut held = self.lateness_ns.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(histogram) = held.as_mut() {
+                histogram.saturating_record(ns);
+            }
+        }
+    }
+
+    pub(crate) fn drop_pulses(&self, n: u64) {
+        self.dropped.fetch_add(n, Ordering::Relaxed);
+    }
+
+    pub(crate) fn slip(&self, by: Duration) {
+        self.slipped_ns.fetch_add(u64::try_from(by.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    pub(crate) fn made(&self, n: u64, busy: Duration) {
+        self.made.fetch_add(n, Ordering::Relaxed);
+        self.busy_ns.fetch_add(u64::try_from(busy.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    pub(crate) fn generation_ended(&self) {
+        self.generation_ended.store(true, Ordering::Relaxed);
+    }
+
+    pub(crate) fn ring_level(&self, filled: usize) {
+        if !self.generation_ended.load(Ordering::Relaxed) {
+            self.ring_low_water.fetch_min(filled as u64, Ordering::Relaxed);
+        }
+    }
+
+    /// Pulses released so far.
+    pub fn released_pulses(&self) -> u64 {
+        self.released.load(Ordering::Relaxed)
+    }
+
+    /// Pulses that were late so far.
+    pub fn late_pulses(&self) -> u64 {
+        self.late.load(Ordering::Relaxed)
+    }
+
+    /// Pulses dropped before release so far.
+    pub fn dropped_pulses(&self) -> u64 {
+        self.dropped.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn made_pulses(&self) -> u64 {
+        self.made.load(Ordering::Relaxed)
+    }
+
+    /// All counters now. Copies the histogram (about 0.3 MB): for a status line, not for every pulse.
+    pub fn snapshot(&self) -> Snapshot {
+        let copy = self.lateness_ns.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let lateness_us = copy.filter(|h| !h.is_empty()).map_or_else(Lateness::default, |h| {
+            let us = |q: f64| h.value_at_quantile(q) as f64 * 1e-3;
+            Lateness {
+                p50: us(0.5),
+                p99: us(0.99),
+                p999: us(0.999),
+                max: h.max() as f64 * 1e-3,
+                mean: h.mean() * 1e-3,
+            }
+        });
+        let low = self.ring_low_water.load(Ordering::Relaxed);
+        Snapshot {
+            pulses: self.released_pulses(),
+            late: self.late_pulses(),
+            dropped: self.dropped_pulses(),
+            slipped_s: self.slipped_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+            lateness_us,
+            ring_low_water: (low != u64::MAX).then_some(low),
+            made: self.made_pulses(),
+            generation_busy_s: self.busy_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+            sinks: self.sinks.iter().map(|s| s.snapshot()).collect(),
+        }
+    }
+}
+
+impl SinkHealth {
+    pub(crate) fn new(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            written: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
+            high_water: AtomicU64::new(0),
+        }
+    }
+
+    pub(crate) fn wrote(&self) {
+        self.written.fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub(crate) fn missed(&self) {
+        self.dropped.fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub(crate) fn queue_level(&self, filled: usize) {
+        self.high_water.fetch_max(filled as u64, Ordering::Relaxed);
+    }
+
+    fn snapshot(&self) -> SinkSnapshot {
+        SinkSnapshot {
+            name: self.name.clone(),
+            written: self.written.load(Ordering::Relaxed),
+            dropped: self.dropped.load(Ordering::Relaxed),
+            queue_high_water: self.high_water.load(Ordering::Relaxed),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_recorded() {
+        let health = Health::new(Vec::new());
+        for us in 1..=1000_u64 {
+            health.release(Some(Duration::from_micros(us)), us > 990);
+        }
+        let shot = health.snapshot();
+        // Three significant digits of the histogram: 0.1 %.
+        for (got, want) in [
+            (shot.lateness_us.p50, 500.0),
+            (shot.lateness_us.p99, 990.0),
+            (shot.lateness_us.p999, 999.0),
+            (shot.lateness_us.max, 1000.0),
+        ] {
+            assert!((got / want - 1.0).abs() <= 1e-3, "{got} {want}");
+        }
+        assert_eq!((shot.pulses, shot.late, shot.ring_low_water), (1000, 10, None));
+        health.release(Some(Duration::MAX), true);
+        assert!(health.snapshot().lateness_us.max >= 3.5e9);
+    }
+}

@@ -1,0 +1,369 @@
+//! A running stream: generation, pacer and sinks, a thread each.
+//!
+//! Everything is allocated before the threads pass one barrier together; the instant at which it
+//! opens is the start of the schedule. The end passes through: when generation returns, the pacer
+//! releases what is in the ring and ends, then each sink empties its queue and ends. The first error
+//! ends the others and is the run's error. The stop flag (Ctrl-C) is looked at by generation at its
+//! next batch and by the pacer within 50 ms; sinks always empty their queues and close.
+//!
+//! ```
+//! use std::sync::{Arc, atomic::AtomicBool};
+//! use nereus::{pulse::{Layout, SampleFormat}, time::PulseTimes};
+//! use nereus::transport::{Pace, Policy, Settings, fanout::Fed, schedule::Schedule, stage::Stream};
+//!
+//! let settings =
+//!     Settings { pace: Pace::Fast, policy: Policy::Stop, latency_s: 0.1, ring_slots: 8, threads: 1 };
+//! let schedule = Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count: 20 };
+//! let layout = Layout { channels: 1, samples: 4, format: SampleFormat::Cf32, platforms: 0,
+//!     phase_centres: 0, targets: 0, pairs: 0 };
+//! let mut stream = Stream::new(settings, schedule, layout, Arc::new(AtomicBool::new(false)));
+//! stream.sink("count", 4, |mut feed| {
+//!     let mut last = None;
+//!     loop {
+//!         match feed.next(std::time::Duration::from_secs(1), |pulse| Ok::<_, ()>(pulse.index))? {
+//!             Fed::Pulse(index) => last = Some(index),
+//!             Fed::Idle => {}
+//!             Fed::Ended => return Ok(last),
+//!         }
+//!     }
+//! }).unwrap();
+//! let outcome = stream.run(|source| {
+//!     for index in 0..20 {
+//!         let Some(batch) = source.reserve(1) else { break };
+//!         batch[0].index = index;
+//!         source.commit(1);
+//!     }
+//!     Ok::<(), ()>(())
+//! });
+//! assert!(outcome.result.is_ok());
+//! assert_eq!(outcome.summary.health.pulses, 20);
+//! assert_eq!(outcome.reports, [("count".to_owned(), Some(19))]);
+//! ```
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread;
+use std::time::Instant;
+
+use crossbeam_channel::Sender;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::pulse::{Layout, Pulse};
+
+use super::fanout::{FanOut, Feed, Outlet, outlet};
+use super::health::{Health, Snapshot};
+use super::pacer::{Pacer, PacerError, Status, Worth};
+use super::ring::{Producer, ring};
+use super::schedule::Schedule;
+use super::{Pace, Settings, StreamError};
+
+/// What a sink's thread does with its feed.
+type SinkBody<'env, R, S> = Box<dyn FnOnce(Feed) -> Result<R, S> + Send + 'env>;
+
+/// A stream that is being put together. `R` is what a sink's thread returns, `S` its error.
+pub struct Stream<'env, R, S> {
+    settings: Settings,
+    schedule: Schedule,
+    layout: Layout,
+    stop: Arc<AtomicBool>,
+    status: Option<Sender<Status>>,
+    sinks: Vec<(String, Outlet, Feed, SinkBody<'env, R, S>)>,
+}
+
+/// Where generation gets slots and delivers pulses.
+#[derive(Debug)]
+pub struct Source {
+    ring: Producer<Pulse>,
+    worth: Worth,
+    stop: Arc<AtomicBool>,
+    health: Arc<Health>,
+    busy_since: Instant,
+}
+
+/// Why a run failed. `G` is generation's error, `S` a sink's.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RunError<G, S> {
+    /// Generation failed.
+    #[error("echo generation: {0}")]
+    Generation(G),
+    /// The pacer ended the run.
+    #[error(transparent)]
+    Pacer(PacerError),
+    /// A sink failed.
+    #[error("sink '{name}': {error}")]
+    Sink {
+        /// Which.
+        name: String,
+        /// Why.
+        error: S,
+    },
+    /// The stream could not be set up.
+    #[error(transparent)]
+    Stream(StreamError),
+    /// A thread panicked: a fault of the program.
+    #[error("thread '{thread}' panicked; this is a fault of the program")]
+    Panic {
+        /// Its name.
+        thread: String,
+    },
+}
+
+/// Figures of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// All counters.
+    #[serde(flatten)]
+    pub health: Snapshot,
+    /// Wall time from the barrier to the end of the last thread, seconds.
+    pub elapsed_s: f64,
+    /// Emission time made per second of generation at work: above 1, generation keeps up.
+    pub real_time_factor: f64,
+    /// Mean of release minus emission on the schedule's clock, milliseconds; none at pace `fast`.
+    pub latency_ms: Option<f64>,
+    /// The run was ended by the stop flag.
+    pub stopped: bool,
+}
+
+/// What became of a run.
+#[derive(Debug)]
+pub struct Outcome<R, G, S> {
+    /// Its figures, also when it failed.
+    pub summary: Summary,
+    /// What the sinks that ended well returned, by name.
+    pub reports: Vec<(String, R)>,
+    /// Done, or the first error.
+    pub result: Result<(), RunError<G, S>>,
+}
+
+/// Threads arrive, one opens.
+#[derive(Default)]
+struct Barrier {
+    state: Mutex<BarrierState>,
+    changed: Condvar,
+}
+
+#[derive(Clone, Copy, Default)]
+struct BarrierState {
+    arrived: usize,
+    opened: Option<Instant>,
+    aborted: bool,
+}
+
+impl Barrier {
+    /// Waits for the opening; `None` when the start was called off.
+    fn arrive(&self) -> Option<Instant> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.arrived += 1;
+        self.changed.notify_all();
+        while state.opened.is_none() && !state.aborted {
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        if state.aborted { None } else { state.opened }
+    }
+
+    /// Opens when `threads` have arrived.
+    fn open(&self, threads: usize) -> Instant {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        while state.arrived < threads {
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        let now = Instant::now();
+        state.opened = Some(now);
+        self.changed.notify_all();
+        now
+    }
+
+    fn abort(&self) {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).aborted = true;
+        self.changed.notify_all();
+    }
+}
+
+impl Source {
+    /// Waits for `n` free slots (at most the whole ring); `None` when the run is over: end then.
+    pub fn reserve(&mut self, n: usize) -> Option<&mut [Box<Pulse>]> {
+        // The wait is not work: stop the watch, then start it again.
+        self.health.made(0, self.busy_since.elapsed());
+        let slots = self.ring.reserve(n, &self.stop);
+        self.busy_since = Instant::now();
+        slots
+    }
+
+    /// Hands over the first `n` reserved slots, in order.
+    pub fn commit(&mut self, n: usize) {
+        self.ring.commit(n);
+        self.health.made(n as u64, self.busy_since.elapsed());
+        self.busy_since = Instant::now();
+    }
+
+    /// The first pulse still worth making: blocks that end before it are skipped without being made.
+    pub fn next_worth(&self) -> u64 {
+        self.worth.next()
+    }
+
+    /// Slots of the ring: no batch can be longer.
+    pub fn slots(&self) -> usize {
+        self.ring.slots()
+    }
+}
+
+impl<'env, R: Send, S: Send> Stream<'env, R, S> {
+    /// A stream without sinks.
+    pub fn new(settings: Settings, schedule: Schedule, layout: Layout, stop: Arc<AtomicBool>) -> Self {
+        Self { settings, schedule, layout, stop, status: None, sinks: Vec::new() }
+    }
+
+    /// Sends progress to a bounded channel, about 10 times a second and once at the end.
+    pub fn status(&mut self, status: Sender<Status>) {
+        self.status = Some(status);
+    }
+
+    /// Adds a sink: `body` runs in a thread of its own and reads the feed until it has ended.
+    pub fn sink(
+        &mut self,
+        name: &str,
+        queue_pulses: usize,
+        body: impl FnOnce(Feed) -> Result<R, S> + Send + 'env,
+    ) -> Result<(), StreamError> {
+        let (outlet, feed) = outlet(name, queue_pulses, &self.layout)?;
+        self.sinks.push((name.to_owned(), outlet, feed, Box::new(body)));
+        Ok(())
+    }
+
+    /// Runs to the end. `generate` runs in a thread of its own.
+    pub fn run<G: Send>(
+        self,
+        generate: impl FnOnce(&mut Source) -> Result<(), G> + Send + 'env,
+    ) -> Outcome<R, G, S> {
+        let Self { settings, schedule, layout, stop, status, sinks } = self;
+        let (producer, consumer) = ring((0..settings.ring_slots).map(|_| Pulse::new(&layout)));
+        let mut outlets = Vec::with_capacity(sinks.len());
+        let mut bodies = Vec::with_capacity(sinks.len());
+        for (name, outlet, feed, body) in sinks {
+            outlets.push(outlet);
+            bodies.push((name, feed, body));
+        }
+        let health = Arc::new(Health::new(outlets.iter().map(Outlet::health).collect()));
+        let worth = Worth::default();
+        let first_error: Mutex<Option<RunError<G, S>>> = Mutex::new(None);
+        let fail = |error| {
+            first_error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        };
+        if settings.ring_slots == 0 {
+            fail(RunError::Stream(StreamError::EmptyRing));
+            return outcome(&health, &schedule, &settings, &stop, 0.0, Vec::new(), first_error);
+        }
+        let mut source = Source {
+            ring: producer,
+            worth: worth.clone(),
+            stop: Arc::clone(&stop),
+            health: Arc::clone(&health),
+            busy_since: Instant::now(),
+        };
+        let pacer = Pacer {
+            ring: consumer,
+            fan_out: FanOut::new(outlets, settings.pace),
+            schedule: schedule.clone(),
+            settings,
+            health: Arc::clone(&health),
+            worth,
+            status,
+        };
+        let barrier = Barrier::default();
+        let mut reports = Vec::with_capacity(bodies.len());
+        let mut elapsed_s = 0.0;
+        thread::scope(|scope| {
+            let mut sink_threads = Vec::with_capacity(bodies.len());
+            let mut arrivals = 2;
+            let mut spawned = true;
+            let refuse = |thread: &str, error: std::io::Error| {
+                fail(RunError::Stream(StreamError::Thread { thread: thread.to_owned(), kind: error.kind() }));
+                false
+            };
+            for (name, feed, body) in bodies {
+                let (barrier, fail) = (&barrier, &fail);
+                let label = name.clone();
+                let thread =
+                    thread::Builder::new().name(format!("sink {name}")).spawn_scoped(scope, move || {
+                        barrier.arrive()?;
+                        body(feed).map_err(|error| fail(RunError::Sink { name: label, error })).ok()
+                    });
+                match thread {
+                    Ok(thread) => sink_threads.push((name, thread)),
+                    Err(error) => spawned = refuse(&name, error),
+                }
+                arrivals += 1;
+            }
+            let pacer_thread = thread::Builder::new().name("pacer".to_owned()).spawn_scoped(scope, || {
+                let Some(start) = barrier.arrive() else { return };
+                if let Err(error) = pacer.run(start, &stop) {
+                    fail(RunError::Pacer(error));
+                }
+            });
+            let generation = thread::Builder::new().name("generation".to_owned()).spawn_scoped(scope, || {
+                if barrier.arrive().is_none() {
+                    return;
+                }
+                source.busy_since = Instant::now();
+                if let Err(error) = generate(&mut source) {
+                    fail(RunError::Generation(error));
+                }
+                source.health.generation_ended();
+                // The producer goes with this thread: the end passes on to the pacer.
+                drop(source);
+            });
+            let pacer_thread = pacer_thread.map_err(|error| spawned = refuse("pacer", error)).ok();
+            let generation = generation.map_err(|error| spawned = refuse("generation", error)).ok();
+            if !spawned {
+                barrier.abort();
+                return;
+            }
+            let start = barrier.open(arrivals);
+            for (name, thread) in [("generation", generation), ("pacer", pacer_thread)] {
+                if thread.is_some_and(|t| t.join().is_err()) {
+                    fail(RunError::Panic { thread: name.to_owned() });
+                }
+            }
+            for (name, thread) in sink_threads {
+                match thread.join() {
+                    Ok(Some(report)) => reports.push((name, report)),
+                    Ok(None) => {}
+                    Err(_) => fail(RunError::Panic { thread: format!("sink {name}") }),
+                }
+            }
+            elapsed_s = start.elapsed().as_secs_f64();
+        });
+        outcome(&health, &schedule, &settings, &stop, elapsed_s, reports, first_error)
+    }
+}
+
+fn outcome<R, G, S>(
+    health: &Health,
+    schedule: &Schedule,
+    settings: &Settings,
+    stop: &AtomicBool,
+    elapsed_s: f64,
+    reports: Vec<(String, R)>,
+    first_error: Mutex<Option<RunError<G, S>>>,
+) -> Outcome<R, G, S> {
+    let shot = health.snapshot();
+    let made_s = shot.made as f64 / schedule.times.mean_prf_hz();
+    let error = first_error.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Outcome {
+        summary: Summary {
+            elapsed_s,
+            real_time_factor: if shot.generation_busy_s > 0.0 {
+                made_s / shot.generation_busy_s
+            } else {
+                0.0
+            },
+            latency_ms: (settings.pace == Pace::Realtime)
+                .then_some(settings.latency_s * 1e3 + shot.lateness_us.mean * 1e-3),
+            stopped: stop.load(Ordering::Acquire),
+            health: shot,
+        },
+        reports,
+        result: error.map_or(Ok(()), Err),
+    }
+}

@@ -1,0 +1,93 @@
+//! Allocations of the whole process while a stream runs. The counted run has a process of its own, so
+//! that no other test allocates meanwhile.
+
+// SAFETY of the only unsafe code here: both calls are passed on to the system's allocator unchanged.
+#![allow(unsafe_code)]
+
+use std::alloc::{GlobalAlloc, Layout as Memory, System};
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use nereus::sinks::null::NullSink;
+use nereus::sinks::sink::Sink;
+use nereus::time::PulseTimes;
+use nereus::transport::fanout::Fed;
+use nereus::transport::schedule::Schedule;
+use nereus::transport::stage::Stream;
+use nereus::transport::{Pace, Policy, Settings};
+
+use crate::stream_fixture::{LAYOUT, generate};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, memory: Memory) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(memory) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, memory: Memory) {
+        unsafe { System.dealloc(at, memory) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn steady_state_allocates_nothing() {
+    let child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "stream_allocations::counted_run", "--ignored", "--nocapture", "--test-threads=1"])
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&child.stdout);
+    println!("{text}{}", String::from_utf8_lossy(&child.stderr));
+    assert!(child.status.success() && text.contains("1 passed"));
+}
+
+#[test]
+#[ignore = "run by steady_state_allocates_nothing in a process of its own"]
+fn counted_run() {
+    for (pace, end, from, to) in [(Pace::Fast, 20_000, 1000, 19_000), (Pace::Realtime, 1500, 200, 1400)] {
+        let settings = Settings { pace, policy: Policy::Drop, latency_s: 0.05, ring_slots: 64, threads: 1 };
+        let schedule = Schedule { times: PulseTimes::uniform(2000.0).unwrap(), first: 0, count: end };
+        let mut run = Stream::new(settings, schedule, LAYOUT, Arc::new(AtomicBool::new(false)));
+        for name in ["a", "b"] {
+            run.sink(name, 16, move |mut feed| {
+                let mut sink = NullSink::new();
+                let (mut before, mut after) = (None, None);
+                loop {
+                    let take = |pulse: &nereus::pulse::Pulse| sink.write(pulse).map(|()| pulse.index);
+                    match feed.next(Duration::from_secs(1), take).map_err(|e| e.to_string())? {
+                        Fed::Pulse(index) => {
+                            // The nearest pulses that came: some may be dropped on a busy machine.
+                            if index >= from && before.is_none() {
+                                before = Some(ALLOCATIONS.load(Ordering::Relaxed));
+                            }
+                            if index <= to {
+                                after = Some(ALLOCATIONS.load(Ordering::Relaxed));
+                            }
+                        }
+                        Fed::Idle => {}
+                        Fed::Ended => return Ok::<_, String>((before, after)),
+                    }
+                }
+            })
+            .unwrap();
+        }
+        let (sender, _receiver) = crossbeam_channel::bounded(4);
+        run.status(sender);
+        let outcome = run.run(|source| generate(source, 0, end, 8, Duration::ZERO));
+        outcome.result.unwrap();
+        for (name, (before, after)) in outcome.reports {
+            let (before, after) = (before.unwrap(), after.unwrap());
+            println!("{pace:?}, sink {name}: {} allocations between pulses {from} and {to}", after - before);
+            assert_eq!(after - before, 0);
+        }
+        assert!(outcome.summary.health.pulses > end / 2);
+    }
+}

@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""Reads a recording of nereus: finished, growing, or left by a killed run.
+
+As a program:   reader.py RECORDING [--follow] [--json]
+As a module:    with reader.open_recording(path) as rec: rec.pulses, rec["iq"][a:b], rec.nav("rx", "true")
+
+A recording is an HDF5 file (needs h5py) or a folder made by the plain sink (needs numpy alone).
+Both hold the same columns under the same paths. The first `rec.pulses` rows of every column are
+complete; `rec.refresh()` looks again. A killed HDF5 file bears the mark of an open writer, so it is
+opened with swmr=True where a plain open is refused.
+"""
+import argparse
+import json
+import os
+import sys
+import time
+
+import numpy as np
+
+FLAGS = {1: "late", 2: "after a gap", 4: "ADC saturated", 8: "outside the window"}
+
+
+class Recording:
+    """What both kinds have in common. `meta` holds the attributes by name."""
+
+    def refresh(self):
+        """Looks for new pulses; returns how many are complete."""
+        raise NotImplementedError
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def samples(self, a=0, b=None):
+        """Samples of rows a..b as complex64 [pulse, channel, sample], in sqrt(W)."""
+        iq = self["iq"][a : self.pulses if b is None else min(b, self.pulses)]
+        step = self.meta.get("adc_step")
+        if iq.dtype.names:  # codes of a mid-rise converter in HDF5
+            iq = np.stack([iq["r"], iq["i"]], axis=-1)
+        if iq.dtype.kind == "i":
+            iq = (iq.astype(np.float32) + np.float32(0.5)) * np.float32(step)
+            iq = iq[..., 0] + 1j * iq[..., 1]
+        return iq.astype(np.complex64)
+
+    def nav(self, platform, which="reported"):
+        """Position, velocity, attitude quaternion of a platform, per pulse."""
+        base = f"nav/{platform}/{which}/"
+        names = ("position_m", "velocity_mps", "attitude_quat")
+        return tuple(self[base + name][: self.pulses] for name in names)
+
+    def emission(self):
+        """Emission times as (integer ns UTC, fraction of a ns)."""
+        n = self.pulses
+        return self["pulse/time_ns"][:n], self["pulse/time_frac_ns"][:n]
+
+
+class Hdf5Recording(Recording):
+    def __init__(self, path):
+        import h5py
+
+        self.path = path
+        try:
+            self.file = h5py.File(path, "r")
+            self.state = "finished"
+        except OSError:
+            self.file = h5py.File(path, "r", swmr=True)
+            self.state = "growing, or left by a killed run"
+        self.meta = {k: _plain(v) for k, v in self.file.attrs.items()}
+        if self.meta.get("format") != "nereus":
+            raise ValueError(f"{path}: not a recording of nereus")
+        self.meta.update({k: _plain(v) for k, v in self.file["iq"].attrs.items()})
+        self.columns = []
+        self.file.visititems(self._note)
+        self.refresh()
+
+    def _note(self, name, item):
+        if hasattr(item, "shape") and item.maxshape and item.maxshape[0] is None:
+            self.columns.append(name)
+
+    def refresh(self):
+        for name in self.columns:
+            self.file[name].refresh()
+        self.pulses = len(self.file["pulse/index"])
+        return self.pulses
+
+    def __getitem__(self, column):
+        return self.file[column]
+
+    def close(self):
+        self.file.close()
+
+
+class PlainRecording(Recording):
+    def __init__(self, path):
+        self.path = path
+        with open(os.path.join(path, "meta.json"), encoding="utf-8") as f:
+            self.meta = json.load(f)
+        if self.meta.get("format") != "nereus":
+            raise ValueError(f"{path}: not a recording of nereus")
+        self.columns = list(self.meta["columns"])
+        self.state = "finished, growing, or left by a killed run"
+        self.refresh()
+
+    def refresh(self):
+        self.pulses = os.path.getsize(os.path.join(self.path, "pulse/index.bin")) // 8
+        return self.pulses
+
+    def __getitem__(self, column):
+        if column == "replica":
+            return np.fromfile(os.path.join(self.path, "replica.bin"), self.meta["replica_dtype"])
+        what = self.meta["columns"][column]
+        dtype, shape = np.dtype(what["dtype"]), tuple(what["shape"])
+        if self.pulses == 0:
+            return np.zeros((0, *shape), dtype)
+        file = os.path.join(self.path, column + ".bin")
+        return np.memmap(file, dtype, "r", shape=(self.pulses, *shape))
+
+    def close(self):
+        pass
+
+
+def _plain(value):
+    """An attribute as a Python value."""
+    if isinstance(value, bytes):
+        return value.decode()
+    if isinstance(value, np.ndarray):
+        return [_plain(v) for v in value.tolist()]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def open_recording(path):
+    """Opens a recording of either kind."""
+    return PlainRecording(path) if os.path.isdir(path) else Hdf5Recording(path)
+
+
+def summary(rec):
+    """What a recording holds, as a dictionary."""
+    n = rec.pulses
+    index = np.asarray(rec["pulse/index"][:n])
+    flags = np.asarray(rec["pulse/flags"][:n])
+    out = {
+        "path": rec.path,
+        "state": rec.state,
+        "pulses": int(n),
+        "first": int(index[0]) if n else None,
+        "last": int(index[-1]) if n else None,
+        "missing": int(index[-1] - index[0] + 1 - n) if n else 0,
+        "flags": {name: int(np.count_nonzero(flags & bit)) for bit, name in FLAGS.items()},
+        "channels": rec.meta["channels"],
+        "iq_shape": [int(n), *(int(k) for k in rec["iq"].shape[1:])],
+        "columns": {c: list(map(int, rec[c].shape)) for c in sorted(rec.columns)},
+    }
+    keys = ("carrier_hz", "sample_rate_hz", "bandwidth_hz", "pulse_s", "prf_hz", "seed", "software")
+    out.update({k: rec.meta[k] for k in keys})
+    if n:
+        last = rec.samples(n - 1, n)[0]
+        out["last_rms"] = [float(np.sqrt(np.mean(np.abs(channel) ** 2))) for channel in last]
+    return out
+
+
+def show(s):
+    """A summary as text."""
+    print(f"{s['path']}: {s['state']}; {s['software']}, seed {s['seed']}")
+    print(f"  {s['pulses']} pulses ({s['first']} to {s['last']}, {s['missing']} missing) at {s['prf_hz']:g} Hz")
+    print(f"  channels {' '.join(s['channels'])}; iq {s['iq_shape']} at {s['sample_rate_hz']:g} Hz")
+    print(f"  carrier {s['carrier_hz']:g} Hz, bandwidth {s['bandwidth_hz']:g} Hz, pulse {s['pulse_s']:g} s")
+    print("  flagged: " + ", ".join(f"{v} {k}" for k, v in s["flags"].items()))
+    if "last_rms" in s:
+        rms = ", ".join(f"{c} {v:.3e}" for c, v in zip(s["channels"], s["last_rms"]))
+        print(f"  rms of the last pulse, sqrt(W): {rms}")
+    for name, shape in s["columns"].items():
+        print(f"  /{name} {shape}")
+
+
+def follow(rec, patience_s):
+    """Prints a line when pulses have come; ends when none came for `patience_s`."""
+    seen, last = 0, time.monotonic()
+    while True:
+        n = rec.refresh()
+        if n > seen:
+            index = np.asarray(rec["pulse/index"][seen:n])
+            print(f"{n} pulses, up to {int(index[-1])}", flush=True)
+            seen, last = n, time.monotonic()
+        elif time.monotonic() - last > patience_s:
+            return
+        time.sleep(0.1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("recording")
+    parser.add_argument("--follow", action="store_true", help="report pulses while the recording grows")
+    parser.add_argument("--patience-s", type=float, default=5.0, help="--follow ends after this silence")
+    parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
+    args = parser.parse_args()
+    try:
+        with open_recording(args.recording) as rec:
+            if args.follow:
+                follow(rec, args.patience_s)
+            s = summary(rec)
+    except (OSError, ValueError) as error:
+        print(f"reader.py: {args.recording}: {error}", file=sys.stderr)
+        return 2
+    print(json.dumps(s)) if args.json else show(s)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
