@@ -1,0 +1,412 @@
+//! From a scene and settings to a running stream.
+//!
+//! ```text
+//! generation thread (a pool of workers fills a batch, one commit) -> ring -> pacer -> a queue per sink
+//! ```
+//!
+//! The batch is bookkeeping only: a pulse depends on its number alone, so neither batch length nor
+//! thread count changes a bit of it.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+
+use crossbeam_channel::Sender;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use thiserror::Error;
+
+use crate::config::Run;
+use crate::echo::reference::ReferenceEcho;
+use crate::frames::SceneFrame;
+use crate::motion::PlatformTracks;
+use crate::motion::track::{SourceReport, Track, TrackError};
+use crate::nav::{PlatformNav, TrackSource};
+use crate::pulse::{Layout, Pulse, SampleFormat};
+use crate::radar::illumination::{Illumination, RadarError};
+use crate::radar::receiver::Receiver;
+use crate::radar::waveform::{self, WaveformError};
+use crate::scene::Scene;
+use crate::sinks::sink::{
+    AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain,
+};
+use crate::sinks::{self, Kind};
+use crate::time::TimeTag;
+use crate::transport::fanout::Fed;
+use crate::transport::pacer::Status;
+use crate::transport::schedule::Schedule;
+use crate::transport::stage::{Outcome, Source, Stream};
+use crate::transport::{self, StreamError};
+
+use super::stages::{PulseFactory, Workspace};
+
+/// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
+const PULSES_PER_WORKER: usize = 4;
+
+/// Why a run cannot be started. Each entry is one fault of the input.
+#[derive(Debug, Error)]
+pub enum BuildError {
+    /// A platform's track.
+    #[error("platform '{platform}', {role} track: {source}")]
+    Track {
+        /// The platform.
+        platform: String,
+        /// `true` or `reported`.
+        role: &'static str,
+        /// What is wrong.
+        source: TrackError,
+    },
+    /// The waveform.
+    #[error(transparent)]
+    Waveform(#[from] WaveformError),
+    /// The instrument or its way through the scene.
+    #[error(transparent)]
+    Radar(#[from] RadarError),
+    /// A sink's output.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+    /// Pulses that the run does not have.
+    #[error("pulses {from}..{to}: the run has pulses 0..{pulses}; at least one of them is needed")]
+    Range {
+        /// First pulse asked.
+        from: u64,
+        /// One past the last pulse asked.
+        to: u64,
+        /// Pulses of the run.
+        pulses: u64,
+    },
+    /// The worker threads.
+    #[error("worker threads: {0}")]
+    Pool(#[from] ThreadPoolBuildError),
+    /// The stream.
+    #[error(transparent)]
+    Stream(#[from] StreamError),
+}
+
+/// Every fault found while building a run.
+#[derive(Debug, Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct BuildErrors(pub Vec<BuildError>);
+
+impl<E: Into<BuildError>> From<E> for BuildErrors {
+    fn from(error: E) -> Self {
+        Self(vec![error.into()])
+    }
+}
+
+/// How a platform's track was made from its source.
+#[derive(Clone, Debug)]
+pub struct TrackNote {
+    /// The platform.
+    pub platform: String,
+    /// `true` or `reported`.
+    pub role: &'static str,
+    /// Counts and residuals.
+    pub report: SourceReport,
+}
+
+/// Loads every platform's tracks. Their faults are collected.
+pub fn tracks(
+    nav: &[PlatformNav],
+    names: &[String],
+    frame: &SceneFrame,
+    start: TimeTag,
+) -> Result<(Vec<PlatformTracks>, Vec<TrackNote>), BuildErrors> {
+    let mut tracks = Vec::with_capacity(nav.len());
+    let mut notes = Vec::new();
+    let mut faults = Vec::new();
+    for (source, platform) in nav.iter().zip(names) {
+        let mut load = |role: &'static str, source: &TrackSource| -> Option<Track> {
+            match Track::from_source(source, frame, start) {
+                Ok((track, report)) => {
+                    notes.extend(report.map(|report| TrackNote { platform: platform.clone(), role, report }));
+                    Some(track)
+                }
+                Err(source) => {
+                    faults.push(BuildError::Track { platform: platform.clone(), role, source });
+                    None
+                }
+            }
+        };
+        let truth = load("true", &source.truth);
+        let reported = source.reported.as_ref().map(|source| load("reported", source));
+        if let Some(truth) = truth {
+            let reported = match reported {
+                None => truth.clone(),
+                Some(Some(reported)) => reported,
+                Some(None) => continue,
+            };
+            tracks.push(PlatformTracks { truth, reported });
+        }
+    }
+    if faults.is_empty() { Ok((tracks, notes)) } else { Err(BuildErrors(faults)) }
+}
+
+/// What makes the pulses of a scene whose platforms move on the given tracks.
+///
+/// This is the way in for a scene built in Rust; see `examples/scene_in_rust.rs`.
+pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
+    let waveform = waveform::from_description(&scene.radar.waveform)?;
+    let illumination = Illumination::new(scene, tracks, waveform.duration_s())?;
+    let echo = ReferenceEcho::new(
+        Arc::clone(&waveform),
+        scene.radar.carrier_hz,
+        scene.radar.sample_rate_hz,
+        scene.radar.window.samples,
+        illumination.channel_pairs().to_vec(),
+    );
+    let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
+    let layout = Layout {
+        channels: scene.radar.channels.len(),
+        samples: scene.radar.window.samples,
+        format: if scene.radar.adc.is_some() { SampleFormat::Ci16 } else { SampleFormat::Cf32 },
+        platforms: scene.platforms.len(),
+        phase_centres: scene.radar.transmitters.len() + scene.radar.receivers.len(),
+        targets: scene.targets.len(),
+        pairs: scene.radar.pairs().len(),
+    };
+    Ok(PulseFactory { illumination, echo, receiver, waveform, layout })
+}
+
+/// A run that is ready to start.
+pub struct PulseStream {
+    factory: PulseFactory,
+    settings: transport::Settings,
+    schedule: Schedule,
+    header: Header,
+    sinks: Vec<sinks::Settings>,
+    pool: ThreadPool,
+    notes: Vec<TrackNote>,
+}
+
+/// How a run ended.
+pub type RunOutcome = Outcome<Option<SinkReport>, std::convert::Infallible, SinkError>;
+
+/// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
+/// reported, and nothing has been written when there is one.
+pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+    let scene = &run.scene;
+    let mut faults: Vec<BuildError> =
+        sinks::preflight(&run.sinks).into_iter().map(BuildError::from).collect();
+    if range.is_empty() || range.end > scene.pulses {
+        faults.push(BuildError::Range { from: range.start, to: range.end, pulses: scene.pulses });
+    }
+    let built = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)
+        .and_then(|(tracks, notes)| Ok((factory(scene, tracks)?, notes)));
+    let (factory, notes) = match built {
+        Ok(built) if faults.is_empty() => built,
+        Ok(_) => return Err(BuildErrors(faults)),
+        Err(errors) => {
+            faults.extend(errors.0);
+            return Err(BuildErrors(faults));
+        }
+    };
+    let threads = match run.stream.threads {
+        0 => thread::available_parallelism().map_or(1, usize::from),
+        n => n,
+    };
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("generation {i}"))
+        .build()?;
+    let schedule = Schedule {
+        times: scene.radar.emissions.clone(),
+        first: range.start,
+        count: range.end - range.start,
+    };
+    let header = header(run, &factory, &schedule);
+    header.check()?;
+    Ok(PulseStream {
+        factory,
+        settings: run.stream,
+        schedule,
+        header,
+        sinks: run.sinks.clone(),
+        pool,
+        notes,
+    })
+}
+
+fn header(run: &Run, factory: &PulseFactory, schedule: &Schedule) -> Header {
+    let scene = &run.scene;
+    let radar = &scene.radar;
+    let transmitter = |i: usize| radar.transmitters[i].name.clone();
+    let receiver = |i: usize| radar.receivers[i].name.clone();
+    Header {
+        software: format!("nereus {}", env!("CARGO_PKG_VERSION")),
+        carrier_hz: radar.carrier_hz,
+        sample_rate_hz: radar.sample_rate_hz,
+        bandwidth_hz: factory.waveform.bandwidth_hz(),
+        pulse_s: factory.waveform.duration_s(),
+        prf_hz: radar.emissions.mean_prf_hz(),
+        channels: radar
+            .channels
+            .iter()
+            .map(|channel| ChannelRow {
+                name: channel.name.clone(),
+                transmitter: transmitter(channel.transmitter),
+                receiver: receiver(channel.receiver),
+                polarisations: [channel.rx.letter(), channel.tx.letter()].iter().collect(),
+            })
+            .collect(),
+        pairs: radar
+            .pairs()
+            .into_iter()
+            .map(|pair| PairRow {
+                transmitter: transmitter(pair.transmitter),
+                receiver: receiver(pair.receiver),
+            })
+            .collect(),
+        origin: scene.frame.origin().map(|origin| Origin {
+            lat_deg: origin.lat_rad.to_degrees(),
+            lon_deg: origin.lon_rad.to_degrees(),
+            h_m: origin.h_m,
+        }),
+        seed: scene.seed,
+        config: run.text.clone(),
+        replica: factory.replica(),
+        platforms: scene.platforms.clone(),
+        transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
+        receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
+        targets: scene.targets.iter().map(|t| t.name.clone()).collect(),
+        layout: *factory.layout(),
+        adc: radar.adc.map(|adc| AdcRow { bits: adc.bits, step: adc.step() }),
+        start: scene.start,
+        first_pulse: schedule.first,
+        pulses: schedule.count,
+    }
+}
+
+fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, SinkError> {
+    Ok(match &settings.kind {
+        #[cfg(feature = "hdf5")]
+        Kind::Hdf5 { path, segment_s, force } => {
+            Box::new(sinks::hdf5::Hdf5Sink::create(path, *segment_s, *force, header)?)
+        }
+        #[cfg(not(feature = "hdf5"))]
+        Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
+        Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
+        Kind::Null => Box::new(sinks::null::NullSink::new()),
+    })
+}
+
+impl PulseStream {
+    /// How the tracks were made.
+    pub fn notes(&self) -> &[TrackNote] {
+        &self.notes
+    }
+
+    /// What makes the pulses.
+    pub fn factory(&self) -> &PulseFactory {
+        &self.factory
+    }
+
+    /// Which pulses, and when.
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// Worker threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    pub(super) fn pool(&self) -> &ThreadPool {
+        &self.pool
+    }
+
+    /// Slots of the ring and of all queues.
+    pub(super) fn waiting_pulses(&self) -> usize {
+        self.settings.ring_slots + self.sinks.iter().map(|sink| sink.queue_pulses).sum::<usize>()
+    }
+
+    /// Runs to the end or until `stop` is set; progress goes to `status`.
+    pub fn run(
+        self,
+        stop: &Arc<AtomicBool>,
+        status: Option<Sender<Status>>,
+    ) -> Result<RunOutcome, BuildErrors> {
+        self.start(stop, status, None::<fn(&Pulse)>)
+    }
+
+    /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
+    /// queue of its own.
+    pub fn tap(
+        self,
+        stop: &Arc<AtomicBool>,
+        see: impl FnMut(&Pulse) + Send,
+    ) -> Result<RunOutcome, BuildErrors> {
+        self.start(stop, None, Some(see))
+    }
+
+    fn start(
+        self,
+        stop: &Arc<AtomicBool>,
+        status: Option<Sender<Status>>,
+        tap: Option<impl FnMut(&Pulse) + Send>,
+    ) -> Result<RunOutcome, BuildErrors> {
+        let Self { factory, settings, schedule, header, sinks, pool, notes: _ } = self;
+        let range = schedule.first..schedule.end();
+        let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
+        if let Some(status) = status {
+            stream.status(status);
+        }
+        for (place, settings) in sinks.iter().enumerate() {
+            let sink = open(settings, &header)?;
+            let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
+                0 => sink.name().to_owned(),
+                n => format!("{} {}", sink.name(), n + 1),
+            };
+            stream.sink(&name, settings.queue_pulses, move |feed| drain(sink, feed).map(Some))?;
+        }
+        if let Some(mut see) = tap {
+            stream.sink("tap", settings.ring_slots, move |mut feed| {
+                loop {
+                    let fed = feed.next(sinks::sink::FLUSH_INTERVAL, |pulse| {
+                        see(pulse);
+                        Ok::<_, SinkError>(())
+                    })?;
+                    if matches!(fed, Fed::Ended) {
+                        return Ok(None);
+                    }
+                }
+            })?;
+        }
+        let mut workspaces: Vec<Workspace> =
+            (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
+        Ok(stream.run(|source| {
+            // The loop runs inside the pool: handing work in from outside would allocate.
+            pool.install(|| generate(source, &factory, range, &mut workspaces));
+            Ok(())
+        }))
+    }
+}
+
+fn same_kind(a: &Kind, b: &Kind) -> bool {
+    std::mem::discriminant(a) == std::mem::discriminant(b)
+}
+
+/// Fills batches of slots with the pulses of `range` until all are made or the stream ends.
+fn generate(source: &mut Source, factory: &PulseFactory, range: Range<u64>, work: &mut [Workspace]) {
+    let batch = (PULSES_PER_WORKER * work.len()).min(source.slots().div_ceil(2));
+    let mut next = range.start;
+    loop {
+        next = next.max(source.next_worth());
+        if next >= range.end {
+            return;
+        }
+        let wanted = usize::try_from(range.end - next).map_or(batch, |left| left.min(batch));
+        let Some(slots) = source.reserve(wanted) else { return };
+        let count = slots.len();
+        let share = count.div_ceil(work.len());
+        slots.par_chunks_mut(share).zip(work.par_iter_mut()).enumerate().for_each(|(part, (slots, work))| {
+            let first = next + (part * share) as u64;
+            for (index, slot) in (first..).zip(slots) {
+                factory.make(index, slot, work);
+            }
+        });
+        source.commit(count);
+        next += count as u64;
+    }
+}

@@ -1,0 +1,82 @@
+//! What a run will take: memory, recording and speed, told before it starts.
+//!
+//! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
+//! at once, for about [`TRIAL`], and thrown away.
+
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::build::PulseStream;
+
+/// How long the trial lasts.
+pub const TRIAL: Duration = Duration::from_millis(300);
+
+/// A forecast.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Forecast {
+    /// Pulses of the run.
+    pub pulses: u64,
+    /// Length of the run, emission of the first pulse to one interval after the last, s.
+    pub duration_s: f64,
+    /// Workers that make pulses.
+    pub threads: usize,
+    /// One pulse with its records, bytes.
+    pub pulse_bytes: usize,
+    /// Memory of the ring and of the sinks' queues, bytes.
+    pub memory_bytes: u64,
+    /// What every recording sink will hold, bytes.
+    pub recording_bytes: u64,
+    /// Data rate at the pulse repetition frequency, bytes per second.
+    pub bytes_per_s: f64,
+    /// Pulses made in the trial.
+    pub trial_pulses: u64,
+    /// Pulses per second, measured.
+    pub pulses_per_s: f64,
+    /// Pulses per second made over pulses per second needed; real time needs more than 1.
+    pub real_time_factor: f64,
+}
+
+impl PulseStream {
+    /// Makes pulses for a moment and tells what the run will take.
+    pub fn forecast(&self) -> Forecast {
+        let factory = self.factory();
+        let schedule = self.schedule();
+        let threads = self.threads();
+        let mut hands: Vec<_> = (0..threads).map(|_| (factory.slot(), factory.workspace())).collect();
+        // Each worker walks over the whole run in strides that visit every part of it.
+        let stride = (schedule.count / 64).max(1);
+        let begun = Instant::now();
+        let made: u64 = self.pool().install(|| {
+            hands
+                .par_iter_mut()
+                .enumerate()
+                .map(|(hand, (slot, work))| {
+                    let mut made = 0;
+                    while made == 0 || begun.elapsed() < TRIAL {
+                        let step = (made * threads as u64 + hand as u64).wrapping_mul(stride);
+                        factory.make(schedule.first + step % schedule.count, slot, work);
+                        made += 1;
+                    }
+                    made
+                })
+                .sum()
+        });
+        let pulses_per_s = made as f64 / begun.elapsed().as_secs_f64();
+        let pulse_bytes = factory.layout().slot_bytes();
+        let prf_hz = schedule.times.mean_prf_hz();
+        Forecast {
+            pulses: schedule.count,
+            duration_s: schedule.times.interval_s(schedule.first, schedule.end()),
+            threads,
+            pulse_bytes,
+            memory_bytes: (self.waiting_pulses() * pulse_bytes) as u64,
+            recording_bytes: schedule.count * pulse_bytes as u64,
+            bytes_per_s: prf_hz * pulse_bytes as f64,
+            trial_pulses: made,
+            pulses_per_s,
+            real_time_factor: pulses_per_s / prf_hz,
+        }
+    }
+}

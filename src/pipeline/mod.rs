@@ -1,0 +1,8 @@
+//! The only factory: a [`Run`](crate::config::Run) becomes a running stream.
+//!
+//! This is the one floor that sees both halves of the house: the physics that makes a pulse
+//! ([`stages`]) and the transport that releases it ([`crate::transport`]).
+
+pub mod build;
+pub mod forecast;
+pub mod stages;

@@ -1,0 +1,70 @@
+//! Physics dressed as a stage: from a pulse number to a finished pulse.
+//!
+//! ```text
+//! tracks -> illumination -> contacts -> reference echo -> spectrum -> receiver -> samples
+//! ```
+//!
+//! A pulse depends on its number alone, so any thread may make any pulse and the bits are the same.
+
+use std::sync::Arc;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::echo::reference::ReferenceEcho;
+use crate::pulse::{Layout, Pulse};
+use crate::radar::illumination::Illumination;
+use crate::radar::receiver::{Receiver, ReceiverScratch};
+use crate::radar::waveform::Waveform;
+use crate::scattering::contact::Contacts;
+
+/// Makes pulses. Immutable, shared by all threads.
+pub struct PulseFactory {
+    pub(super) illumination: Illumination,
+    pub(super) echo: ReferenceEcho,
+    pub(super) receiver: Receiver,
+    pub(super) waveform: Arc<dyn Waveform>,
+    pub(super) layout: Layout,
+}
+
+/// What one thread needs to make pulses without allocating.
+pub struct Workspace {
+    contacts: Contacts,
+    spectrum: Vec<Complex64>,
+    receiver: ReceiverScratch,
+}
+
+impl PulseFactory {
+    /// Sizes of the pulses made.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// An empty slot for a pulse.
+    pub fn slot(&self) -> Pulse {
+        Pulse::new(&self.layout)
+    }
+
+    /// The transmitted pulse after the receive filter; see [`Receiver::replica`].
+    pub fn replica(&self) -> Vec<Complex32> {
+        self.receiver.replica(&*self.waveform)
+    }
+
+    /// Memory for one thread.
+    pub fn workspace(&self) -> Workspace {
+        // Every target and the direct path, of this pulse and of two neighbours.
+        let contacts = 3 * (self.layout.targets + 1);
+        Workspace {
+            contacts: Contacts::new(self.layout.pairs, self.layout.channels, contacts),
+            spectrum: vec![Complex64::ZERO; self.layout.channels * self.echo.fft_len()],
+            receiver: self.receiver.scratch(),
+        }
+    }
+
+    /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has
+    /// seen the largest contact list.
+    pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) {
+        self.illumination.pulse(index, &mut work.contacts, pulse);
+        self.echo.spectrum(&work.contacts, pulse.window_start_s, &mut work.spectrum);
+        self.receiver.receive(&mut work.spectrum, pulse, &mut work.receiver);
+    }
+}

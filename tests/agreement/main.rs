@@ -1,0 +1,7 @@
+//! Whole pulses against what they must agree with.
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+mod matched_filter;
+mod radar_equation;
+mod same_bits;
+mod scenes;

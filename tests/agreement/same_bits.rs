@@ -1,0 +1,35 @@
+//! A pulse depends on its number alone.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use nereus::pipeline::build;
+use nereus::pulse::Pulse;
+use nereus::time::TimeTag;
+
+/// Runs a scenario and keeps every pulse.
+fn pulses(threads: usize, range: std::ops::Range<u64>) -> Vec<Pulse> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/quickstart.toml");
+    let overrides = [
+        ("stream.threads".to_owned(), threads.to_string()),
+        ("stream.pace".to_owned(), "\"fast\"".to_owned()),
+    ];
+    let run = nereus::config::load(&path, &overrides).unwrap();
+    let stream = build::stream(&run, range).unwrap();
+    let mut kept = Vec::new();
+    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone()));
+    outcome.result.unwrap();
+    kept
+}
+
+#[test]
+fn threads_and_ranges_do_not_change_a_bit() {
+    let whole = pulses(2, 0..230);
+    assert_eq!(whole.len(), 230);
+    assert!(whole.iter().any(|p| p.samples.as_bytes().iter().any(|b| *b != 0)));
+    assert!(pulses(1, 0..230) == whole, "one thread and two threads differ");
+    assert!(pulses(3, 0..230) == whole, "three threads and two threads differ");
+    assert!(pulses(2, 100..200) == whole[100..200], "a range differs from that part of the run");
+    assert!(whole[0].time > TimeTag::default());
+}

@@ -1,0 +1,123 @@
+//! Small scenes, built in Rust.
+
+use nereus::frames::{Earth, Enu, Point, SceneFrame, Vector};
+use nereus::motion::PlatformTracks;
+use nereus::motion::track::Track;
+use nereus::scene::radar::{
+    AntennaMount, Channel, Gate, Pattern, Pointing, Polarisation, Receiver, Sweep, Transmitter,
+    TxPolarisation, Waveform, Window,
+};
+use nereus::scene::{Radar, Scene, Target};
+use nereus::time::{PulseTimes, TimeTag};
+
+/// An end of the path: where at pulse 0, how fast.
+#[derive(Clone, Copy)]
+pub struct End {
+    pub position_m: [f64; 3],
+    pub velocity_mps: [f64; 3],
+}
+
+impl End {
+    pub fn at(self, t_s: f64) -> [f64; 3] {
+        std::array::from_fn(|i| self.position_m[i] + self.velocity_mps[i] * t_s)
+    }
+}
+
+/// Gain of both isotropic antennas, dBi.
+pub const GAIN_DBI: f64 = 20.0;
+pub const CARRIER_HZ: f64 = 10e9;
+pub const RATE_HZ: f64 = 100e6;
+pub const BANDWIDTH_HZ: f64 = 60e6;
+pub const PULSE_S: f64 = 2e-6;
+pub const POWER_W: f64 = 50.0;
+
+fn mount(platform: usize) -> AntennaMount {
+    AntennaMount {
+        platform,
+        lever_arm: Vector::ZERO,
+        pattern: Pattern::Isotropic { gain_dbi: GAIN_DBI },
+        pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
+        cross_pol_isolation_db: None,
+    }
+}
+
+/// One transmitter, one receiver and spheres, noiseless, HH and VV.
+pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targets: &[(End, f64)]) -> Scene {
+    let channel = |name: &str, pol| Channel { name: name.into(), transmitter: 0, receiver: 0, tx: pol, rx: pol };
+    Scene {
+        frame: SceneFrame::plain(Earth::Flat),
+        start: TimeTag::new(1_700_000_000, 0.25),
+        pulses,
+        seed: 11,
+        platforms: vec!["tx".into(), "rx".into()],
+        radar: Radar {
+            carrier_hz: CARRIER_HZ,
+            sample_rate_hz: RATE_HZ,
+            waveform: Waveform::Lfm { bandwidth_hz: BANDWIDTH_HZ, duration_s: PULSE_S, sweep: Sweep::Up },
+            emissions: PulseTimes::uniform(prf_hz).unwrap(),
+            tx_polarisation: TxPolarisation::Simultaneous,
+            window: Window { samples, gate: Gate::Fixed { start_s: window_start_s } },
+            losses_db: 3.0,
+            atmosphere_db_per_km: 0.0,
+            noise_figure_db: None,
+            adc: None,
+            direct_path: false,
+            transmitters: vec![Transmitter { name: "t".into(), power_w: POWER_W, antenna: mount(0) }],
+            receivers: vec![Receiver { name: "r".into(), antenna: mount(1) }],
+            channels: vec![channel("HH", Polarisation::H), channel("VV", Polarisation::V)],
+        },
+        targets: targets
+            .iter()
+            .enumerate()
+            .map(|(i, (end, rcs_m2))| Target {
+                name: format!("t{i}"),
+                position: Point::from_raw(end.position_m.into()),
+                velocity: Vector::from_raw(end.velocity_mps.into()),
+                scattering: Target::sphere(*rcs_m2),
+            })
+            .collect(),
+    }
+}
+
+/// Straight tracks for the two platforms.
+pub fn tracks(scene: &Scene, tx: End, rx: End) -> Vec<PlatformTracks> {
+    [tx, rx]
+        .into_iter()
+        .map(|end| {
+            let position: Point<Enu> = Point::from_raw(end.position_m.into());
+            let velocity: Vector<Enu> = Vector::from_raw(end.velocity_mps.into());
+            let level = nereus::frames::Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
+            let truth = Track::straight(position, scene.start, velocity, Some(level));
+            PlatformTracks { reported: truth.clone(), truth }
+        })
+        .collect()
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let n = dot(a, a).sqrt();
+    a.map(|x| x / n)
+}
+
+/// `e_r^T S e_t` of a unit sphere for level antennas whose boresight is North: the electric axis (East
+/// for H, up for V) projected on each wave front, in the bases h = z x k, v = h x k.
+pub fn polarisation_factor(tx: &[f64; 3], bounce: &[f64; 3], rx: &[f64; 3], channel: usize) -> f64 {
+    let axis = if channel == 0 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
+    let components = |k: [f64; 3]| {
+        let along = dot(axis, k);
+        let e = unit(std::array::from_fn(|i| axis[i] - along * k[i]));
+        let h = unit(cross([0.0, 0.0, 1.0], k));
+        let v = cross(h, k);
+        [dot(v, e), dot(h, e)]
+    };
+    let t = components(unit(std::array::from_fn(|i| bounce[i] - tx[i])));
+    let r = components(unit(std::array::from_fn(|i| rx[i] - bounce[i])));
+    r[0] * t[0] - r[1] * t[1]
+}
