@@ -274,11 +274,8 @@ fn read_number(field: &[u8], column: &'static str, (min, max): (f64, f64)) -> Re
 }
 
 fn read_iso(field: &[u8]) -> Result<TimeTag, FaultKind> {
-    let bad = || FaultKind::NotATime {
-        column: "time_utc",
-        text: quote(field),
-        example: "2018-05-30T18:40:00.25Z",
-    };
+    let bad =
+        || FaultKind::NotATime { column: "time_utc", text: quote(field), example: "2018-05-30T18:40:00.25Z" };
     // The shape is checked here, so that a zone such as +02:00 is refused and not passed over.
     let shape = b"dddd-dd-ddTdd:dd:dd";
     let well_formed = field.len() >= shape.len()

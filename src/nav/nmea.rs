@@ -11,10 +11,10 @@
 //!   by more than half a day, midnight has passed. Epochs before the first date are dated backwards.
 //! * **Order.** An epoch up to 5 s earlier than one already seen (two talkers with different delays) is
 //!   skipped and counted; a larger step back is a fault of the file.
-//! * **Height** above the ellipsoid: altitude of GGA + geoid separation of the same sentence; where it
-//!   gives no separation, the datum of the source decides (`Ellipsoid`: as it is; `MeanSeaLevel`:
-//!   + `undulation_m`; `Barometric`: + `offset_m` + `undulation_m`). A fix without an altitude gets one
-//!   interpolated between those beside it (held at the ends); a log without any altitude is taken to
+//! * **Height** above the ellipsoid: altitude of GGA plus geoid separation of the same sentence; where it
+//!   gives no separation, the datum of the source decides: `Ellipsoid` takes it as it is, `MeanSeaLevel`
+//!   adds `undulation_m`, `Barometric` adds `offset_m` and `undulation_m`. A fix without an altitude gets
+//!   one interpolated between those beside it (held at the ends); a log without any altitude is taken to
 //!   be at mean sea level, `undulation_m`. Both are counted as `heights_filled`.
 //! * **Attitude.** HDT alone gives yaw, with pitch and roll zero. Fixes without a heading get one
 //!   interpolated (the short way round; held at the ends) and are counted as `headings_filled`.
@@ -337,9 +337,14 @@ fn date_all(epochs: &mut [Epoch]) -> bool {
 
 /// Gives a height to those that have none; how many.
 fn fill_heights(kept: &mut [(TimeTag, Epoch)], sea_level_m: f64) -> u64 {
-    fill(kept, |epoch| epoch.height_m, |a, b, s| a + (b - a) * s, |epoch, height| {
-        epoch.height_m = Some(height.unwrap_or(sea_level_m));
-    })
+    fill(
+        kept,
+        |epoch| epoch.height_m,
+        |a, b, s| a + (b - a) * s,
+        |epoch, height| {
+            epoch.height_m = Some(height.unwrap_or(sea_level_m));
+        },
+    )
 }
 
 /// Gives an attitude to those that have none, if any has one; how many.
@@ -351,7 +356,8 @@ fn fill_attitudes(kept: &mut [(TimeTag, Epoch)]) -> u64 {
         let turn = (b - a).rem_euclid(std::f64::consts::TAU);
         if turn > std::f64::consts::PI { turn - std::f64::consts::TAU } else { turn }
     };
-    let between = |a: [f64; 3], b: [f64; 3], s: f64| std::array::from_fn(|i| a[i] + short_way(a[i], b[i]) * s);
+    let between =
+        |a: [f64; 3], b: [f64; 3], s: f64| std::array::from_fn(|i| a[i] + short_way(a[i], b[i]) * s);
     fill(kept, |epoch| epoch.yaw_pitch_roll_rad, between, |epoch, angles| epoch.yaw_pitch_roll_rad = angles)
 }
 

@@ -138,7 +138,13 @@ pub(super) fn ellipsoidal_height_m(height_m: f64, source: &FileSource) -> f64 {
 }
 
 /// Notes what is wrong between a fix and the one before it; false if the fix cannot be kept.
-pub(super) fn follows(fixes: &[Fix], next: &Fix, line: u64, source: &FileSource, faults: &mut Faults) -> bool {
+pub(super) fn follows(
+    fixes: &[Fix],
+    next: &Fix,
+    line: u64,
+    source: &FileSource,
+    faults: &mut Faults,
+) -> bool {
     let Some(before) = fixes.last() else { return true };
     let gap_s = next.time.since(before.time);
     if gap_s <= 0.0 {
