@@ -1,9 +1,22 @@
 //! Where platforms say they are: recorded fixes from track files and NMEA logs.
+//!
+//! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in
+//! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
+//! Formats: [`csv`] (documented columns) and [`nmea`] (NMEA 0183 logs). What becomes of the fixes is the
+//! business of `motion::track`.
+
+pub mod csv;
+pub mod faults;
+pub mod nmea;
+pub mod replay;
 
 use std::path::PathBuf;
 
 use crate::frames::{Body, Enu, Geodetic, Point, Rotation, Vector};
 use crate::time::TimeTag;
+
+pub use faults::{Fault, FaultKind, Faults, NavError};
+pub use replay::{LoadReport, Recording, load};
 
 /// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
 /// `nav[i]` says.

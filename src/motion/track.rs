@@ -1,0 +1,428 @@
+//! The trajectory of a platform: position, velocity, acceleration, attitude at any instant.
+//!
+//! A recorded track is a chain of quintic Hermite segments on (position, velocity, acceleration) at its
+//! nodes, see [`super::hermite`]: position is C2 (velocity and acceleration are continuous), evaluation depends on
+//! the two nodes beside the instant alone, and it is exact at the nodes. Node states come from the fixes
+//! ([`super::fit`]), the attitude from [`super::attitude`].
+//!
+//! A track never extrapolates: outside its span it answers with [`TrackError::OutOfSpan`]. Times are exact
+//! ([`TimeTag`]); within a segment they are counted from its first node, so a fix of the year 2018 costs no digits.
+//!
+//! Positions m, velocities m/s, accelerations m/s^2, all along the scene's East, North, up; the attitude takes
+//! body (forward, starboard, down) to ENU; the angular rate is in rad/s along ENU.
+//!
+//! ```
+//! use nereus::frames::{Point, Vector};
+//! use nereus::motion::Track;
+//! use nereus::time::TimeTag;
+//!
+//! let start = TimeTag::new(1_527_705_600, 0.0);
+//! let track = Track::straight(Point::new(0.0, 0.0, 3000.0), start, Vector::new(150.0, 0.0, 0.0), None);
+//! let state = track.state(start.plus(2.0))?;
+//! assert_eq!(state.position.to_array(), [300.0, 0.0, 3000.0]);
+//! assert!((state.attitude.to_yaw_pitch_roll()[0].to_degrees() - 90.0).abs() < 1e-12);
+//! # Ok::<(), nereus::motion::TrackError>(())
+//! ```
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+use serde::Serialize;
+use thiserror::Error;
+
+use super::attitude::{self, MAX_STEP_DEG, MIN_SPEED_MPS, Turn};
+use super::fit::{self, FitReport, Node};
+use super::hermite::Basis;
+use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
+use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place, TrackSource};
+use crate::time::TimeTag;
+
+/// Where a platform is, and how it moves, at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Position.
+    pub position: Point<Enu>,
+    /// Velocity, m/s.
+    pub velocity: Vector<Enu>,
+    /// Acceleration, m/s^2.
+    pub acceleration: Vector<Enu>,
+    /// Attitude.
+    pub attitude: Rotation<Body, Enu>,
+    /// Angular rate of the body, rad/s, components along ENU.
+    pub angular_rate: Vector<Enu>,
+}
+
+/// Why there is no track, or no state at an instant.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TrackError {
+    /// The instant lies outside the track.
+    #[error("the track covers {first} to {last}; asked for {asked}")]
+    OutOfSpan {
+        /// The instant.
+        asked: TimeTag,
+        /// Begin of the track.
+        first: TimeTag,
+        /// End of the track.
+        last: TimeTag,
+    },
+    /// A stretch of time lies partly outside the track.
+    #[error(
+        "the track covers {first} to {last} ({:.3} s); asked for {from} to {to}: {}",
+        last.since(*first),
+        Missing { from: *from, to: *to, first: *first, last: *last }
+    )]
+    Uncovered {
+        /// Begin of what is asked.
+        from: TimeTag,
+        /// End of what is asked.
+        to: TimeTag,
+        /// Begin of the track.
+        first: TimeTag,
+        /// End of the track.
+        last: TimeTag,
+    },
+    /// Too few fixes for a track.
+    #[error("{}: {found} usable fixes; needed: at least {needed}", path.display())]
+    TooFewFixes {
+        /// The file.
+        path: PathBuf,
+        /// Usable fixes.
+        found: usize,
+        /// Needed.
+        needed: usize,
+    },
+    /// A fix that is not finite or not later than the one before.
+    #[error("{}: fix {index} ({time}) is not finite or not later than the one before", path.display())]
+    BadFix {
+        /// The file.
+        path: PathBuf,
+        /// Position among the fixes.
+        index: usize,
+        /// Its time.
+        time: TimeTag,
+    },
+    /// Latitudes and longitudes in a scene that lies nowhere on Earth.
+    #[error(
+        "{}: positions are latitudes and longitudes, but the scene is a plain local frame; \
+         give the scene an origin, or the track x_m, y_m, z_m",
+        path.display()
+    )]
+    NoOrigin {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A platform is placed by latitude and longitude in a scene that lies nowhere on Earth.
+    #[error(
+        "a platform is placed by latitude and longitude, but the scene is a plain local frame; \
+         give the scene an origin, or the platform a local position"
+    )]
+    PlaceNeedsOrigin,
+    /// Recorded attitude is asked for and not there.
+    #[error("{}: attitude = recorded, but {missing} of {fixes} fixes have none", path.display())]
+    NoAttitude {
+        /// The file.
+        path: PathBuf,
+        /// Fixes without attitude.
+        missing: usize,
+        /// All fixes.
+        fixes: usize,
+    },
+    /// A heading cannot be derived from hardly any motion.
+    #[error(
+        "{}: the heading is to follow the motion, but at {time} the horizontal speed is {speed_mps:.3} m/s; \
+         needed: at least {MIN_SPEED_MPS} m/s, or a recorded or constant attitude",
+        path.display()
+    )]
+    HeadingUndefined {
+        /// The file.
+        path: PathBuf,
+        /// When.
+        time: TimeTag,
+        /// Horizontal speed there, m/s.
+        speed_mps: f64,
+    },
+    /// A straight track that does not move horizontally has no heading of its own.
+    #[error("the heading is to follow the motion, but the horizontal velocity is zero; give an attitude")]
+    NoHeading,
+    /// The attitude turns too far between two fixes.
+    #[error(
+        "{}: the attitude turns by {step_deg:.1} deg to the fix at {time}; allowed: {MAX_STEP_DEG} deg between fixes",
+        path.display()
+    )]
+    AttitudeStep {
+        /// The file.
+        path: PathBuf,
+        /// The later fix.
+        time: TimeTag,
+        /// The rotation, degrees.
+        step_deg: f64,
+    },
+    /// A setting of the smoother out of range.
+    #[error("{}: {name} = {value} is not allowed: 0.0001 to 10000", path.display())]
+    SmoothingSetting {
+        /// The file.
+        path: PathBuf,
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// No smooth track stays below the acceleration bound.
+    #[error(
+        "{}: even the smoothest track through the fixes reaches {reached:.3} m/s^2; allowed: {allowed_mps2} m/s^2",
+        path.display()
+    )]
+    AccelerationBound {
+        /// The file.
+        path: PathBuf,
+        /// What the smoothest track reaches, m/s^2.
+        reached: f64,
+        /// The bound, m/s^2.
+        allowed_mps2: f64,
+    },
+    /// Rejecting outliers left a gap.
+    #[error(
+        "{}: without the outliers there is no fix for {gap_s:.3} s before {time}; longest gap allowed: {allowed_s} s",
+        path.display()
+    )]
+    RejectedGap {
+        /// The file.
+        path: PathBuf,
+        /// The fix after the gap.
+        time: TimeTag,
+        /// Its length, s.
+        gap_s: f64,
+        /// `max_gap_s` of the source.
+        allowed_s: f64,
+    },
+}
+
+struct Missing {
+    from: TimeTag,
+    to: TimeTag,
+    first: TimeTag,
+    last: TimeTag,
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (early, late) = (self.first.since(self.from), self.to.since(self.last));
+        match (early > 0.0, late > 0.0) {
+            (true, true) => {
+                write!(f, "{early:.3} s are missing at the beginning and {late:.3} s at the end")
+            }
+            (true, false) => write!(f, "{early:.3} s are missing at the beginning"),
+            _ => write!(f, "{late:.3} s are missing at the end"),
+        }
+    }
+}
+
+/// Why a source gives no track.
+#[derive(Debug, Error)]
+pub enum SourceError {
+    /// Its file cannot be used.
+    #[error(transparent)]
+    Nav(#[from] NavError),
+    /// Its fixes make no track.
+    #[error(transparent)]
+    Track(#[from] TrackError),
+}
+
+/// What became of the file of a recorded track.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SourceReport {
+    /// Reading it.
+    pub load: LoadReport,
+    /// Making a track of it.
+    pub fit: FitReport,
+}
+
+impl fmt::Display for SourceReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}\n  {}", self.load.path, self.load, self.fit)
+    }
+}
+
+/// A trajectory. Cheap to clone; clones share their nodes.
+#[derive(Clone, Debug)]
+pub struct Track(Kind);
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Straight { position: Point<Enu>, at: TimeTag, velocity: Vector<Enu>, attitude: Rotation<Body, Enu> },
+    Recorded { nodes: Arc<[Node]>, attitude: Attitude },
+}
+
+#[derive(Clone, Debug)]
+enum Attitude {
+    Constant(Rotation<Body, Enu>),
+    Nodes(Arc<[Turn]>),
+}
+
+impl Track {
+    /// Stays at a place.
+    pub fn fixed(position: Point<Enu>, attitude: Rotation<Body, Enu>) -> Self {
+        Self(Kind::Straight { position, at: TimeTag::default(), velocity: Vector::ZERO, attitude })
+    }
+
+    /// A straight line through `position` at the instant `at`, at constant velocity. Without an attitude
+    /// the nose follows the velocity and the wings are level; a velocity without horizontal part looks
+    /// North.
+    pub fn straight(
+        position: Point<Enu>,
+        at: TimeTag,
+        velocity: Vector<Enu>,
+        attitude: Option<Rotation<Body, Enu>>,
+    ) -> Self {
+        let attitude = attitude.unwrap_or_else(|| {
+            let [yaw, pitch, roll] = attitude::coordinated_turn(velocity.to_array(), [0.0; 3]);
+            Rotation::from_yaw_pitch_roll(yaw, pitch, roll)
+        });
+        Self(Kind::Straight { position, at, velocity, attitude })
+    }
+
+    /// A smooth track through recorded fixes, as the source asks for it.
+    pub fn recorded(
+        fixes: &[Fix],
+        frame: &SceneFrame,
+        source: &FileSource,
+    ) -> Result<(Self, FitReport), TrackError> {
+        let (nodes, report) = fit::nodes(fixes, frame, source)?;
+        let attitude = match source.attitude {
+            AttitudeSource::Constant(attitude) => Attitude::Constant(attitude),
+            _ => Attitude::Nodes(turns(&nodes, fixes, frame, source)?.into()),
+        };
+        Ok((Self(Kind::Recorded { nodes: nodes.into(), attitude }), report))
+    }
+
+    /// The track of any source; `start` is the emission of pulse 0. A file is read here.
+    pub fn from_source(
+        source: &TrackSource,
+        frame: &SceneFrame,
+        start: TimeTag,
+    ) -> Result<(Self, Option<SourceReport>), SourceError> {
+        let locate = |place: &Place| match place {
+            Place::Local(point) => Ok(*point),
+            Place::Geodetic(geodetic) => frame.from_geodetic(*geodetic).ok_or(TrackError::PlaceNeedsOrigin),
+        };
+        match source {
+            TrackSource::Fixed { place, attitude } => Ok((Self::fixed(locate(place)?, *attitude), None)),
+            TrackSource::Straight { place, velocity, attitude } => {
+                let [east, north, _] = velocity.to_array();
+                if attitude.is_none() && east == 0.0 && north == 0.0 {
+                    return Err(TrackError::NoHeading.into());
+                }
+                Ok((Self::straight(locate(place)?, start, *velocity, *attitude), None))
+            }
+            TrackSource::File(file) => {
+                let recording = nav::load(file)?;
+                let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
+                Ok((track, Some(SourceReport { load: recording.report, fit })))
+            }
+        }
+    }
+
+    /// First and last instant of the track; `None` if it has no end.
+    pub fn span(&self) -> Option<(TimeTag, TimeTag)> {
+        match &self.0 {
+            Kind::Straight { .. } => None,
+            Kind::Recorded { nodes, .. } => Some((nodes.first()?.time, nodes.last()?.time)),
+        }
+    }
+
+    /// Whether the track covers a stretch of time, ends included.
+    pub fn covers(&self, from: TimeTag, to: TimeTag) -> Result<(), TrackError> {
+        match self.span() {
+            Some((first, last)) if first.since(from) > 0.0 || to.since(last) > 0.0 => {
+                Err(TrackError::Uncovered { from, to, first, last })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The state at an instant. Nothing is allocated.
+    pub fn state(&self, t: TimeTag) -> Result<State, TrackError> {
+        match &self.0 {
+            Kind::Straight { position, at, velocity, attitude } => Ok(State {
+                position: *position + *velocity * t.since(*at),
+                velocity: *velocity,
+                acceleration: Vector::ZERO,
+                attitude: *attitude,
+                angular_rate: Vector::ZERO,
+            }),
+            Kind::Recorded { nodes, attitude } => recorded_state(nodes, attitude, t),
+        }
+    }
+}
+
+fn recorded_state(nodes: &[Node], attitude: &Attitude, t: TimeTag) -> Result<State, TrackError> {
+    let (first, last) = (&nodes[0], &nodes[nodes.len() - 1]);
+    if !(t >= first.time && t <= last.time) {
+        return Err(TrackError::OutOfSpan { asked: t, first: first.time, last: last.time });
+    }
+    // The last node belongs to the last segment.
+    let index = nodes.partition_point(|node| node.time <= t).clamp(1, nodes.len() - 1) - 1;
+    let (from, to) = (&nodes[index], &nodes[index + 1]);
+    let h = to.time.since(from.time);
+    let basis = Basis::at(t.since(from.time) / h, h);
+    let rise = to.p - from.p;
+    let sum = |w: &[f64; 5]| rise * w[0] + from.v * w[1] + to.v * w[2] + from.a * w[3] + to.a * w[4];
+    let (attitude, angular_rate) = match attitude {
+        Attitude::Constant(attitude) => (*attitude, Vector::ZERO),
+        Attitude::Nodes(turns) => {
+            let (q, omega) = attitude::between(&turns[index], &turns[index + 1], &basis);
+            (Rotation::from_raw(q), Vector::from_raw(omega))
+        }
+    };
+    Ok(State {
+        position: Point::from_raw(from.p + sum(&basis.value)),
+        velocity: Vector::from_raw(sum(&basis.first)),
+        acceleration: Vector::from_raw(sum(&basis.second)),
+        attitude,
+        angular_rate,
+    })
+}
+
+/// Attitudes of the nodes. Smoothing may have cut fixes from the ends.
+fn turns(
+    nodes: &[Node],
+    fixes: &[Fix],
+    frame: &SceneFrame,
+    source: &FileSource,
+) -> Result<Vec<Turn>, TrackError> {
+    let path = || source.path.clone();
+    let cut = fixes.partition_point(|fix| fix.time < nodes[0].time);
+    let fixes = &fixes[cut..cut + nodes.len()];
+    let mut attitudes: Vec<DQuat> = Vec::with_capacity(nodes.len());
+    for (node, fix) in nodes.iter().zip(fixes) {
+        let axes = fit::to_local_axes(&fix.place, frame);
+        let (v, a): (DVec3, DVec3) = (axes * node.v, axes * node.a);
+        let derived = |angles: [f64; 3]| {
+            let speed_mps = v.truncate().length();
+            if speed_mps < MIN_SPEED_MPS {
+                return Err(TrackError::HeadingUndefined { path: path(), time: node.time, speed_mps });
+            }
+            Ok(angles)
+        };
+        let [yaw, pitch, roll] = match source.attitude {
+            AttitudeSource::CoordinatedTurn => {
+                derived(attitude::coordinated_turn(v.to_array(), a.to_array()))?
+            }
+            AttitudeSource::Level => derived(attitude::level(v.to_array()))?,
+            AttitudeSource::Recorded | AttitudeSource::Constant(_) => {
+                fix.yaw_pitch_roll_rad.ok_or_else(|| TrackError::NoAttitude {
+                    path: path(),
+                    missing: fixes.iter().filter(|fix| fix.yaw_pitch_roll_rad.is_none()).count(),
+                    fixes: fixes.len(),
+                })?
+            }
+        };
+        let local = Rotation::from_yaw_pitch_roll(yaw, pitch, roll).raw();
+        attitudes.push((DQuat::from_mat3(&axes.transpose()) * local).normalize());
+    }
+    attitude::turns(&attitudes, |from, to| nodes[to].time.since(nodes[from].time)).map_err(|far| {
+        TrackError::AttitudeStep { path: path(), time: nodes[far.node].time, step_deg: far.step_deg }
+    })
+}

@@ -1,0 +1,256 @@
+//! What can be wrong with a track file: every fault with its line, the value found and what is allowed.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::replay::LoadReport;
+use crate::time::TimeTag;
+
+/// Faults kept in full; the rest are only counted.
+pub const FAULTS_KEPT: usize = 20;
+/// Characters of a faulty value that are quoted.
+const QUOTED_CHARS: usize = 40;
+
+/// Why a track file gives no fixes.
+#[derive(Debug, Error)]
+pub enum NavError {
+    /// The file cannot be opened or read.
+    #[error("{}: cannot read the track file: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is larger than is read.
+    #[error("{}: larger than {allowed_bytes} bytes; cut the stretch that is needed", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The most that is read.
+        allowed_bytes: u64,
+    },
+    /// The file was read and holds faults.
+    #[error("{}: {faults}", path.display())]
+    Faulty {
+        /// The file.
+        path: PathBuf,
+        /// All of them.
+        faults: Faults,
+    },
+    /// An NMEA log without a single usable fix.
+    #[error("{}: no usable fix: {reason}\n  {report}", path.display())]
+    NoFix {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: NoFix,
+        /// What was read.
+        report: Box<LoadReport>,
+    },
+}
+
+/// Why an NMEA log holds no usable fix.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum NoFix {
+    /// Nothing in the file is an NMEA sentence with a right checksum.
+    #[error("no line is an NMEA 0183 sentence with a right checksum")]
+    NoSentence,
+    /// Sentences, but none with a valid position and time.
+    #[error("no GGA, RMC or GLL sentence has a valid position and a time of day")]
+    NoPosition,
+    /// Positions with a time of day, but no date.
+    #[error(
+        "positions have a time of day but no date: no RMC sentence, and no ZDA sentence with its date filled in"
+    )]
+    NoDate,
+}
+
+/// All faults of one file: the first [`FAULTS_KEPT`] in full, the others counted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Faults {
+    kept: Vec<Fault>,
+    more: usize,
+}
+
+impl Faults {
+    /// Notes a fault.
+    pub fn push(&mut self, line: u64, kind: FaultKind) {
+        if self.kept.len() < FAULTS_KEPT {
+            self.kept.push(Fault { line, kind });
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.kept.len() + self.more
+    }
+
+    /// Those kept in full.
+    pub fn kept(&self) -> &[Fault] {
+        &self.kept
+    }
+
+    /// Nothing if there is no fault, else the error that carries them all.
+    pub(super) fn into_result(self, path: &std::path::Path) -> Result<(), NavError> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        Err(NavError::Faulty { path: path.to_owned(), faults: self })
+    }
+}
+
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.count() {
+            1 => write!(f, "1 fault")?,
+            count => write!(f, "{count} faults")?,
+        }
+        for fault in &self.kept {
+            write!(f, "\n  {fault}")?;
+        }
+        if self.more > 0 {
+            write!(f, "\n  and {} more", self.more)?;
+        }
+        Ok(())
+    }
+}
+
+/// One fault and its line (counted from 1; comment lines count).
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("line {line}: {kind}")]
+pub struct Fault {
+    /// Line of the file.
+    pub line: u64,
+    /// What is wrong there.
+    pub kind: FaultKind,
+}
+
+/// What is wrong with a line.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FaultKind {
+    /// A column that the format does not know.
+    #[error("unknown column '{name}'; allowed: {allowed}")]
+    UnknownColumn {
+        /// As written.
+        name: String,
+        /// The columns that exist.
+        allowed: &'static str,
+    },
+    /// A column given twice.
+    #[error("column '{name}' is given twice")]
+    RepeatedColumn {
+        /// Its name.
+        name: &'static str,
+    },
+    /// Columns that must be there are not.
+    #[error("missing: {needed}")]
+    MissingColumns {
+        /// What must be there.
+        needed: &'static str,
+    },
+    /// Columns that contradict each other.
+    #[error("both {first} and {second} are given; give one of them")]
+    ContradictingColumns {
+        /// One.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// A row with more or fewer fields than the header.
+    #[error("{found} fields; the header has {expected}")]
+    FieldCount {
+        /// Fields of the row.
+        found: usize,
+        /// Columns of the header.
+        expected: usize,
+    },
+    /// A field that is no number.
+    #[error("{column} = '{text}' is not a finite number")]
+    NotANumber {
+        /// The column.
+        column: &'static str,
+        /// As written.
+        text: String,
+    },
+    /// A number outside its range.
+    #[error("{column} = {value} is out of range: {min} to {max}")]
+    OutOfRange {
+        /// The column.
+        column: &'static str,
+        /// As read.
+        value: f64,
+        /// Least allowed.
+        min: f64,
+        /// Most allowed.
+        max: f64,
+    },
+    /// A field that is no time.
+    #[error("{column} = '{text}' is not a time such as {example}")]
+    NotATime {
+        /// The column.
+        column: &'static str,
+        /// As written.
+        text: String,
+        /// A right one.
+        example: &'static str,
+    },
+    /// A fix that is not later than the one before.
+    #[error("time {time} is not later than {before} of the fix before: times must increase")]
+    TimeOrder {
+        /// Time of the fix.
+        time: TimeTag,
+        /// Time of the fix before it.
+        before: TimeTag,
+    },
+    /// Too long without a fix.
+    #[error("no fix for {gap_s:.3} s before {time}; longest gap allowed: {allowed_s} s")]
+    Gap {
+        /// Time of the fix after the gap.
+        time: TimeTag,
+        /// Its length, s.
+        gap_s: f64,
+        /// `max_gap_s` of the source.
+        allowed_s: f64,
+    },
+    /// Not enough fixes.
+    #[error("the file ends with {found} usable fixes; needed: at least {needed}")]
+    TooFewFixes {
+        /// Usable fixes.
+        found: usize,
+        /// Needed.
+        needed: usize,
+    },
+    /// More fixes than are read.
+    #[error("more than {allowed} fixes; cut the stretch that is needed")]
+    TooManyFixes {
+        /// The most that is read.
+        allowed: usize,
+    },
+    /// No header at all.
+    #[error("the file is empty; needed: a header line and fixes")]
+    Empty,
+}
+
+/// A piece of foreign text, short and printable, for an error message.
+pub(super) fn quote(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * QUOTED_CHARS)]);
+    let mut quoted: String = text
+        .chars()
+        .take(QUOTED_CHARS)
+        .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
+        .collect();
+    if text.chars().count() > QUOTED_CHARS {
+        quoted.push_str("...");
+    }
+    quoted
+}
