@@ -126,7 +126,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
     let _ = fs::remove_file(&partial);
     let copied = (|| {
         let mut recording =
-            Recording::create(&partial, &header, false).map_err(Fault::at(&partial, "making the result"))?;
+            Recording::create(&partial, &header).map_err(Fault::at(&partial, "making the result"))?;
         for shard in &list {
             copy(shard, &mut recording)?;
         }

@@ -18,7 +18,7 @@ const LONG: u64 = 1_000_000;
 #[test]
 fn a_failing_sink_ends_the_run_and_the_others_close() {
     for pace in [Pace::Fast, Pace::Realtime] {
-        let mut run = stream(pace, Policy::Stop, 0.02, 0, LONG);
+        let mut run = stream(pace, Policy::Stop, 0.2, 0, LONG);
         run.sink("whole", 64, |feed| remember(feed, NONE)).unwrap();
         run.sink("broken", 64, |mut feed| {
             for _ in 0..50 {
@@ -47,7 +47,7 @@ fn a_failing_sink_ends_the_run_and_the_others_close() {
 fn the_stop_flag_ends_a_run_cleanly() {
     for (pace, prf_hz) in [(Pace::Realtime, 1000.0), (Pace::Realtime, 0.01), (Pace::Fast, 1000.0)] {
         let stop = Arc::new(AtomicBool::new(false));
-        let settings = Settings { pace, policy: Policy::Stop, latency_s: 0.02, ring_slots: 32, threads: 1 };
+        let settings = Settings { pace, policy: Policy::Stop, latency_s: 0.1, ring_slots: 32, threads: 1 };
         let schedule = Schedule { times: PulseTimes::uniform(prf_hz).unwrap(), first: 0, count: LONG };
         let mut run: Stream<Vec<Seen>, String> = Stream::new(settings, schedule, LAYOUT, Arc::clone(&stop));
         run.sink("one", 32, |feed| remember(feed, NONE)).unwrap();

@@ -48,7 +48,7 @@ fn fast_is_lossless_and_in_order_even_with_a_slow_sink() {
 
 #[test]
 fn realtime_keeps_the_schedule() {
-    let latency_s = 0.05;
+    let latency_s = 0.2;
     let mut run = stream(Pace::Realtime, Policy::Stop, latency_s, 0, 500);
     run.sink("one", 600, |feed| remember(feed, NONE)).unwrap();
     let begun = Instant::now();
@@ -68,7 +68,7 @@ fn realtime_keeps_the_schedule() {
     let flagged = seen.iter().filter(|s| s.flags & LATE != 0).count() as u64;
     assert_eq!(flagged, health.late);
     let latency_ms = outcome.summary.latency_ms.unwrap();
-    assert!(latency_ms >= 50.0 && (latency_ms - 50.0 - lateness.mean * 1e-3).abs() < 1e-9, "{latency_ms}");
+    assert!(latency_ms >= 200.0 && (latency_ms - 200.0 - lateness.mean * 1e-3).abs() < 1e-9, "{latency_ms}");
     assert!(health.ring_low_water.is_some());
 }
 
@@ -137,7 +137,7 @@ fn drop_keeps_real_time_and_shows_every_gap() {
 
 #[test]
 fn a_slow_sink_misses_pulses_and_the_others_do_not() {
-    let mut run = stream(Pace::Realtime, Policy::Stop, 0.05, 0, 400);
+    let mut run = stream(Pace::Realtime, Policy::Stop, 0.2, 0, 400);
     run.sink("slow", 8, |feed| remember(feed, Duration::from_millis(5))).unwrap();
     run.sink("quick", 512, |feed| remember(feed, NONE)).unwrap();
     let outcome = run.run(|source| generate(source, 0, 400, 16, NONE));

@@ -30,15 +30,18 @@ pub(crate) enum Fault {
     #[error("{0}")]
     Text(String),
     /// The library's error stack.
-    #[error("{}", innermost(.0))]
+    #[error("{}", one_line(.0))]
     Library(#[from] ::hdf5::Error),
 }
 
-/// The frame where it happened says more (`No space left on device`) than the one where it ended.
-fn innermost(error: &::hdf5::Error) -> String {
-    let Some(stack) = error.stack() else { return error.to_string() };
-    let deepest = stack.iter().last().map(|frame| frame.desc().trim().to_owned()).unwrap_or_default();
-    format!("{}: {deepest}", stack.description())
+/// One line: what was tried and, where the system said why (`No space left on device`), that.
+fn one_line(error: &::hdf5::Error) -> String {
+    let text = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    let reason = text.split_once("error message = '").and_then(|(_, rest)| rest.split('\'').next());
+    match (reason, text.split(": time = ").next()) {
+        (Some(reason), Some(tried)) => format!("{tried}: {reason}"),
+        _ => text,
+    }
 }
 
 impl Fault {
@@ -101,8 +104,8 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
 }
 
 impl Recording {
-    /// Makes the file (which must not exist); with `swmr` readers may open it from now on.
-    pub(crate) fn create(path: &Path, header: &Header, swmr: bool) -> Result<Self, Fault> {
+    /// Makes the file (which must not exist); readers may open it from now on.
+    pub(crate) fn create(path: &Path, header: &Header) -> Result<Self, Fault> {
         let file = File::with_options()
             .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
             .create_excl(path)?;
@@ -124,9 +127,8 @@ impl Recording {
             header::write(&file, iq, header)?;
         }
         file.flush()?;
-        if swmr {
-            file.start_swmr()?;
-        }
+        // Also gives up the library's lock on the file, which a forked child would keep.
+        file.start_swmr()?;
         let pending = Vec::with_capacity(4096);
         Ok(Self { datasets, file, path: path.to_owned(), columns: list, rows: 0, pending })
     }

@@ -13,7 +13,7 @@
 //! the first `len(/pulse/index)` rows of every dataset are complete. **After a kill** the file still
 //! bears the mark of an open writer and a plain `"r"` is refused by the library: open it with
 //! `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than [`FLUSH_INTERVAL`]
-//! is in it. A finished file opens either way.
+//! is in it, and all but the last 16 MiB. A finished file opens either way.
 //!
 //! With `segment_s` the recording is cut by emission time after pulse 0: `name.h5` becomes
 //! `name_0000.h5`, `name_0001.h5`, …, each complete by itself.
@@ -36,6 +36,9 @@ use file::{Fault, Recording};
 
 pub use file::CHUNK_PULSES;
 
+/// A fast run flushes after this much data, too.
+const FLUSH_BYTES: usize = 16 << 20;
+
 /// An HDF5 recording under way.
 #[derive(Debug)]
 pub struct Hdf5Sink {
@@ -50,6 +53,8 @@ pub struct Hdf5Sink {
     chunk_pulses: usize,
     pulses: u64,
     flushed: Instant,
+    row_bytes: usize,
+    unflushed_bytes: usize,
     files: Vec<PathBuf>,
 }
 
@@ -112,6 +117,7 @@ impl Hdf5Sink {
         }
         let columns = columns(header);
         let chunk_pulses = file::chunk_pulses(header);
+        let row_bytes = columns.iter().map(Column::row_bytes).sum();
         let block = columns
             .iter()
             .map(|column| Rows::with_capacity(column.element, column.width() * chunk_pulses))
@@ -128,6 +134,8 @@ impl Hdf5Sink {
             chunk_pulses,
             pulses: 0,
             flushed: Instant::now(),
+            row_bytes,
+            unflushed_bytes: 0,
             files: Vec::new(),
         };
         // Without segments the file is there from the start; with them the first pulse says which.
@@ -138,7 +146,7 @@ impl Hdf5Sink {
     }
 
     fn open(&mut self, path: PathBuf) -> Result<(), SinkError> {
-        match Recording::create(&path, &self.header, true) {
+        match Recording::create(&path, &self.header) {
             Ok(recording) => {
                 self.recording = Some(recording);
                 self.files.push(path);
@@ -216,7 +224,8 @@ impl Sink for Hdf5Sink {
         if (written + self.block_rows).is_multiple_of(self.chunk_pulses) {
             self.write_block()?;
         }
-        if self.flushed.elapsed() >= FLUSH_INTERVAL {
+        self.unflushed_bytes += self.row_bytes;
+        if self.unflushed_bytes >= FLUSH_BYTES || self.flushed.elapsed() >= FLUSH_INTERVAL {
             self.flush()?;
         }
         Ok(())
@@ -228,16 +237,16 @@ impl Sink for Hdf5Sink {
             recording.flush().map_err(Fault::at(recording.path(), "flushing"))?;
         }
         self.flushed = Instant::now();
+        self.unflushed_bytes = 0;
         Ok(())
     }
 
     fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
         self.close()?;
-        let row_bytes: usize = self.columns.iter().map(Column::row_bytes).sum();
         Ok(SinkReport {
             name: "hdf5".to_owned(),
             pulses: self.pulses,
-            bytes: self.pulses * row_bytes as u64,
+            bytes: self.pulses * self.row_bytes as u64,
             files: std::mem::take(&mut self.files),
         })
     }

@@ -1,0 +1,13 @@
+//! Recordings: what is in them, while they grow, after a kill, on a full disk, merged.
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+mod recording_fixture;
+mod recording_outputs;
+mod recording_plain;
+
+#[cfg(feature = "hdf5")]
+mod recording_breakdowns;
+#[cfg(feature = "hdf5")]
+mod recording_hdf5;
+#[cfg(feature = "hdf5")]
+mod recording_merge;

@@ -1,0 +1,146 @@
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use hdf5::{Dataset, File, Group};
+
+use nereus::pulse::{SampleFormat, flags};
+use nereus::sinks::hdf5::Hdf5Sink;
+use nereus::sinks::merge::{MergeError, merge};
+use nereus::sinks::sink::{Header, Sink, SinkError};
+
+use crate::recording_fixture::{header, pulse};
+use crate::recording_hdf5::record;
+
+fn datasets(group: &Group, list: &mut Vec<Dataset>) {
+    list.extend(group.datasets().unwrap());
+    for inner in group.groups().unwrap() {
+        datasets(&inner, list);
+    }
+}
+
+/// Every dataset with its type, shape and raw bytes (strings as strings), sorted by path.
+fn content(path: &Path) -> Vec<(String, String, Vec<usize>, Vec<u8>)> {
+    let file = File::open(path).unwrap();
+    let mut list = Vec::new();
+    datasets(&file, &mut list);
+    let mut out: Vec<_> = list
+        .iter()
+        .map(|d| {
+            let dtype = d.dtype().unwrap().to_descriptor().unwrap();
+            // Memory of variable-length strings is addresses: these are compared by the header.
+            let name = d.name();
+            let bytes = if ["/channel", "/truth/targets", "/truth/pairs"].contains(&name.as_str()) {
+                Vec::new()
+            } else {
+                raw(d)
+            };
+            (name, format!("{dtype:?}"), d.shape(), bytes)
+        })
+        .collect();
+    out.sort();
+    out
+}
+
+fn raw(d: &Dataset) -> Vec<u8> {
+    use num_complex::{Complex, Complex32};
+    let dtype = d.dtype().unwrap();
+    if dtype.is::<f64>() {
+        bytemuck::cast_slice(&d.read_raw::<f64>().unwrap()).to_vec()
+    } else if dtype.is::<Complex32>() {
+        bytemuck::cast_slice(&d.read_raw::<Complex32>().unwrap()).to_vec()
+    } else if dtype.is::<Complex<i16>>() {
+        bytemuck::cast_slice(&d.read_raw::<Complex<i16>>().unwrap()).to_vec()
+    } else if dtype.is::<u64>() {
+        bytemuck::cast_slice(&d.read_raw::<u64>().unwrap()).to_vec()
+    } else if dtype.is::<i64>() {
+        bytemuck::cast_slice(&d.read_raw::<i64>().unwrap()).to_vec()
+    } else if dtype.is::<u32>() {
+        bytemuck::cast_slice(&d.read_raw::<u32>().unwrap()).to_vec()
+    } else {
+        d.read_raw::<u8>().unwrap()
+    }
+}
+
+fn shard(folder: &Path, header: &Header, from: u64, to: u64) -> PathBuf {
+    let path = folder.join(format!("{from}.h5"));
+    let header = Header { first_pulse: from, pulses: to - from, ..header.clone() };
+    record(&path, None, &header, from, to);
+    path
+}
+
+#[test]
+fn shards_and_segments_become_the_whole_run() {
+    for format in [SampleFormat::Cf32, SampleFormat::Ci16] {
+        let dir = tempfile::tempdir().unwrap();
+        let header = Header { pulses: 500, ..header(format) };
+        let whole = dir.path().join("whole.h5");
+        record(&whole, None, &header, 0, 500);
+        let segments = record(&dir.path().join("s.h5"), Some(0.4), &header, 0, 500).files;
+        let shards: Vec<PathBuf> = [(300, 500), (0, 17), (17, 300), (500, 500)]
+            .map(|(from, to)| shard(dir.path(), &header, from, to))
+            .into();
+        for (name, parts) in [("a.h5", &shards), ("b.h5", &segments)] {
+            let out = dir.path().join(name);
+            let report = merge(parts, &out, false).unwrap();
+            assert_eq!((report.pulses, report.first, report.last, report.dropped), (500, 0, 499, 0));
+            assert!(content(&out) == content(&whole), "{name} differs from the whole run");
+            let (a, b) = (File::open(&out).unwrap(), File::open(&whole).unwrap());
+            for attribute in ["first_pulse", "pulses", "seed"] {
+                let read = |f: &File| f.attr(attribute).unwrap().read_scalar::<u64>().unwrap();
+                assert_eq!(read(&a), read(&b), "{attribute}");
+            }
+        }
+        let again = merge(&shards, &whole, false);
+        assert!(matches!(again, Err(MergeError::File(SinkError::Exists { .. }))));
+        merge(&shards, &whole, true).unwrap();
+        let leftovers = fs::read_dir(dir.path()).unwrap().flatten();
+        assert_eq!(leftovers.filter(|e| e.file_name().to_string_lossy().contains("partial")).count(), 0);
+    }
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let header = header(SampleFormat::Cf32);
+    let out = dir.path().join("out.h5");
+    let a = shard(dir.path(), &header, 0, 20);
+    let b = shard(dir.path(), &header, 19, 40);
+    let c = shard(dir.path(), &header, 42, 60);
+    let other = shard(dir.path(), &Header { seed: 43, ..header.clone() }, 100, 110);
+    let empty = shard(dir.path(), &header, 70, 70);
+    let cases = [
+        (vec![b.clone(), a.clone()], "begins with pulse 19"),
+        (vec![b.clone(), c], "pulses 40..42 are in no shard"),
+        (vec![a.clone(), other], "seed differs"),
+        (vec![empty], "none holds a pulse"),
+        (vec![], "nothing to merge"),
+        (vec![a.clone(), dir.path().join("missing.h5")], "missing.h5"),
+    ];
+    for (shards, says) in cases {
+        let error = merge(&shards, &out, false).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+        assert!(!out.exists());
+    }
+    let junk = dir.path().join("junk.h5");
+    for bytes in [vec![], vec![0x89, b'H', b'D', b'F'], fs::read(&a).unwrap()[..900].to_vec()] {
+        fs::write(&junk, bytes).unwrap();
+        assert!(matches!(merge(&[junk.clone()], &out, false), Err(MergeError::File(SinkError::Hdf5 { .. }))));
+    }
+}
+
+#[test]
+fn a_gap_that_was_dropped_in_real_time_is_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    let header = header(SampleFormat::Cf32);
+    let a = shard(dir.path(), &header, 0, 20);
+    let path = dir.path().join("later.h5");
+    let mut sink = Box::new(Hdf5Sink::create(&path, None, false, &header).unwrap());
+    for n in 25..30 {
+        let mut pulse = pulse(&header, n);
+        pulse.flags = if n == 25 { flags::AFTER_GAP } else { 0 };
+        sink.write(&pulse).unwrap();
+    }
+    sink.finish().unwrap();
+    let report = merge(&[path, a], &dir.path().join("out.h5"), false).unwrap();
+    assert_eq!((report.pulses, report.dropped), (25, 5));
+}

@@ -1,0 +1,96 @@
+use std::fs;
+use std::path::PathBuf;
+
+use nereus::pulse::SampleFormat;
+use nereus::sinks::sink::{Header, SinkError};
+use nereus::sinks::{Kind, Settings, preflight};
+
+use crate::recording_fixture::header;
+
+fn plain(path: PathBuf) -> Settings {
+    Settings { kind: Kind::Plain { path, force: false }, queue_pulses: 8 }
+}
+
+#[test]
+fn every_fault_is_told_before_anything_is_made() {
+    let dir = tempfile::tempdir().unwrap();
+    let there = dir.path().join("there");
+    fs::create_dir(&there).unwrap();
+    let twice = dir.path().join("twice");
+    let lost = dir.path().join("no/such/folder/rec");
+    let faults = preflight(&[
+        plain(there.clone()),
+        plain(twice.clone()),
+        plain(twice.clone()),
+        plain(lost),
+        Settings { kind: Kind::Null, queue_pulses: 8 },
+    ]);
+    assert!(
+        matches!(
+            faults.as_slice(),
+            [SinkError::Exists { path }, SinkError::Twice { path: second }, SinkError::Io { .. }]
+                if *path == there && *second == twice
+        ),
+        "{faults:?}"
+    );
+    assert!(faults[0].to_string().contains("--force"), "{}", faults[0]);
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn hdf5_outputs_and_their_segments() {
+    let dir = tempfile::tempdir().unwrap();
+    let hdf5 = |name: &str, segment_s, force| Settings {
+        kind: Kind::Hdf5 { path: dir.path().join(name), segment_s, force },
+        queue_pulses: 8,
+    };
+    fs::write(dir.path().join("a.h5"), "").unwrap();
+    fs::write(dir.path().join("b_0003.h5"), "").unwrap();
+    assert_eq!(preflight(&[hdf5("a.h5", None, false)]).len(), 1);
+    assert_eq!(preflight(&[hdf5("a.h5", None, true)]).len(), 0);
+    assert_eq!(preflight(&[hdf5("b.h5", None, false)]).len(), 0);
+    assert_eq!(preflight(&[hdf5("b.h5", Some(1.0), false)]).len(), 1);
+    assert_eq!(preflight(&[hdf5("b.h5", Some(1.0), true)]).len(), 0);
+    for segment_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let faults = preflight(&[hdf5("c.h5", Some(segment_s), false)]);
+        assert!(matches!(faults.as_slice(), [SinkError::Segment { .. }]), "{faults:?}");
+    }
+}
+
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn a_build_without_hdf5_says_so() {
+    let kind = Kind::Hdf5 { path: "x.h5".into(), segment_s: None, force: false };
+    let faults = preflight(&[Settings { kind, queue_pulses: 8 }]);
+    assert!(matches!(faults.as_slice(), [SinkError::NoHdf5 { .. }]));
+}
+
+#[test]
+fn headers_that_cannot_be_recorded_are_refused() {
+    type Spoil = fn(&mut Header);
+    let spoils: [(Spoil, &str); 9] = [
+        (|h| h.platforms[0] = "a/b".to_owned(), "platforms"),
+        (|h| h.platforms[0] = "..".to_owned(), "platforms"),
+        (|h| h.platforms[0] = String::new(), "platforms"),
+        (|h| h.platforms[1] = "tower".to_owned(), "platforms"),
+        (|h| h.receivers[0] = "mast".to_owned(), "transmitters and receivers"),
+        (|h| h.targets.truncate(1), "targets"),
+        (|h| h.config.push('\0'), "texts"),
+        (|h| h.layout.format = SampleFormat::Ci16, "adc"),
+        (
+            |h| {
+                h.layout.channels = 0;
+                h.channels.clear();
+            },
+            "layout",
+        ),
+    ];
+    for (spoil, field) in spoils {
+        let mut bad = header(SampleFormat::Cf32);
+        assert!(bad.check().is_ok());
+        spoil(&mut bad);
+        let error = bad.check().unwrap_err();
+        assert!(error.to_string().contains(field), "{error}");
+    }
+}
