@@ -40,3 +40,4 @@ pub mod radar;
 pub mod echo;
 pub mod transport;
 pub mod sinks;
+pub mod config;

@@ -1,0 +1,1 @@
+//! The list of keys, the reader and the manual say the same.
