@@ -41,3 +41,4 @@ pub mod echo;
 pub mod transport;
 pub mod sinks;
 pub mod config;
+pub mod cli;

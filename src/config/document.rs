@@ -7,6 +7,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{At, Fault, Problem};
 
+/// Longest piece of a scenario that a fault quotes, characters.
+const LONGEST: usize = 60;
+
 /// A value and its place.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Node {
@@ -44,7 +47,6 @@ impl Node {
 
     /// The value as a fault shows it: short, on one line.
     pub(super) fn shown(&self) -> String {
-        const LONGEST: usize = 60;
         let text = match &self.value {
             Value::Table(_) => "a table".to_owned(),
             Value::Array(items) if items.iter().any(|n| matches!(n.value, Value::Table(_))) => {
@@ -85,10 +87,14 @@ pub(super) fn read(text: &str) -> (Node, Vec<Fault>) {
     let (table, errors) = DeTable::parse_recoverable(text);
     let faults = errors
         .iter()
-        .map(|error| Fault {
-            at: places.at(error.span().map_or(0, |span| span.start)),
-            key: String::new(),
-            problem: Problem::Syntax { message: error.message().trim().replace('\n', " ") },
+        .map(|error| {
+            let span = error.span().unwrap_or_default();
+            let mut message = error.message().trim().replace('\n', " ");
+            if let Some(written) = text.get(span.clone()).filter(|t| !t.is_empty() && !t.contains('\n')) {
+                message = format!("{message} (at {})", written.chars().take(LONGEST).collect::<String>());
+            }
+            let problem = Problem::Syntax { message };
+            Fault { at: places.at(span.start), key: String::new(), problem }
         })
         .collect();
     let root = Node { value: entries(table.get_ref(), &places), at: At::File { line: 1, column: 1 } };

@@ -186,7 +186,9 @@ pub enum Problem {
     )]
     NeedsOrigin,
     /// More bandwidth than can be sampled.
-    #[error("{bandwidth_hz:e} Hz is more than radar.sample_rate_hz holds; allowed: up to {sample_rate_hz:e} Hz")]
+    #[error(
+        "{bandwidth_hz:e} Hz is more than radar.sample_rate_hz holds; allowed: up to {sample_rate_hz:e} Hz"
+    )]
     Bandwidth {
         /// Bandwidth.
         bandwidth_hz: f64,
@@ -208,7 +210,9 @@ pub enum Problem {
         least: u64,
     },
     /// A channel whose polarisation is never radiated.
-    #[error("channel \"{channel}\" needs transmit polarisation {letter}, which tx_sequence never sends; allowed: a sequence with {letter}")]
+    #[error(
+        "channel \"{channel}\" needs transmit polarisation {letter}, which tx_sequence never sends; allowed: a sequence with {letter}"
+    )]
     NeverSent {
         /// The channel.
         channel: String,
@@ -216,7 +220,9 @@ pub enum Problem {
         letter: char,
     },
     /// A pulse that fills the memory.
-    #[error("one pulse takes {bytes} bytes ({channels} channels of {samples} samples); allowed: at most {allowed}")]
+    #[error(
+        "one pulse takes {bytes} bytes ({channels} channels of {samples} samples); allowed: at most {allowed}"
+    )]
     PulseSize {
         /// Bytes of a pulse.
         bytes: u128,

@@ -359,8 +359,7 @@ impl Kind {
                 }
             }
             Self::Numbers { unit, least, most, min, max } => {
-                let entries =
-                    if least == most { format!("{least}") } else { format!("{least} to {most}") };
+                let entries = if least == most { format!("{least}") } else { format!("{least} to {most}") };
                 format!("a list of {entries} numbers from {} to {}{}", figure(*min), figure(*max), of(unit))
             }
             Self::Count { min, max } if *max == u64::MAX => format!("a whole number from {min} to 2^64 - 1"),
@@ -374,7 +373,9 @@ impl Kind {
             Self::PolarisationPair => {
                 "two letters, receive then transmit polarisation, each H, V, R or L".to_owned()
             }
-            Self::Name => "a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'".to_owned(),
+            Self::Name => {
+                "a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'".to_owned()
+            }
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
             Self::Output => "a path (relative to the working directory)".to_owned(),

@@ -66,8 +66,8 @@ use crate::nav::PlatformNav;
 use crate::scene::Scene;
 use crate::{sinks, transport};
 
-pub use error::{ConfigError, Fault, Warning};
 use error::{At, Problem};
+pub use error::{ConfigError, Fault, Warning};
 
 /// Largest scenario file, bytes.
 pub const LARGEST_FILE: u64 = 4 << 20;
@@ -167,7 +167,8 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
 fn with_overrides(root: &document::Node, overrides: &[(String, String)]) -> String {
     let mut text = String::new();
     for (key, value) in overrides {
-        let line: String = format!("{key}={value}").chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let line: String =
+            format!("{key}={value}").chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         text.push_str(&format!("# --set {line}\n"));
     }
     text + &document::write(root)

@@ -60,13 +60,7 @@ impl<'a> Section<'a> {
         Self::new(reader, &keys::root::TABLE, String::new(), node.at, node.table().unwrap_or(&[]))
     }
 
-    fn new(
-        reader: &'a Reader,
-        table: &'static Table,
-        path: String,
-        at: At,
-        entries: &'a [Entry],
-    ) -> Self {
+    fn new(reader: &'a Reader, table: &'static Table, path: String, at: At, entries: &'a [Entry]) -> Self {
         Self {
             reader,
             table,
@@ -189,10 +183,7 @@ impl<'a> Section<'a> {
                 Value::Text(text) => {
                     let word = words.iter().find(|word| *word == text).copied();
                     if word.is_none() {
-                        self.fault(
-                            key,
-                            Problem::Type { found: node.shown(), allowed: key.kind.allowed() },
-                        );
+                        self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
                     }
                     word
                 }
@@ -297,11 +288,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of texts that `read` understands; `None` when absent or faulty.
-    pub(super) fn words<T>(
-        &self,
-        key: &'static Key,
-        read: impl Fn(&str) -> Option<T>,
-    ) -> Option<Vec<T>> {
+    pub(super) fn words<T>(&self, key: &'static Key, read: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
         let node = self.ask(key)?;
         let Kind::Words { least, most, .. } = key.kind else { return None };
         let words = match &node.value {
@@ -443,9 +430,7 @@ fn plain_number(node: &Node) -> Option<f64> {
 pub(super) fn polarisation_pair(text: &str) -> Option<[Polarisation; 2]> {
     let mut letters = text.chars();
     match (letters.next(), letters.next(), letters.next()) {
-        (Some(rx), Some(tx), None) => {
-            Some([Polarisation::from_letter(rx)?, Polarisation::from_letter(tx)?])
-        }
+        (Some(rx), Some(tx), None) => Some([Polarisation::from_letter(rx)?, Polarisation::from_letter(tx)?]),
         _ => None,
     }
 }

@@ -75,7 +75,8 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
     let kind = section.choice(&k::KIND);
     let pointing = match kind {
         Some("fixed") => {
-            let [yaw, pitch, roll] = [&k::YAW_DEG, &k::PITCH_DEG, &k::ROLL_DEG].map(|key| section.number(key));
+            let [yaw, pitch, roll] =
+                [&k::YAW_DEG, &k::PITCH_DEG, &k::ROLL_DEG].map(|key| section.number(key));
             yaw.zip(pitch).zip(roll).map(|((yaw, pitch), roll)| Pointing::Fixed {
                 yaw_rad: yaw.to_radians(),
                 pitch_rad: pitch.to_radians(),
@@ -97,7 +98,8 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
             };
             let aim = aim(&section, kind, &keys, ground, platforms);
             let aim_from = aim_from(&section, &k::AIM_FROM);
-            let [lag_s, az, el] = [&k::LAG_S, &k::BIAS_AZ_DEG, &k::BIAS_EL_DEG].map(|key| section.number(key));
+            let [lag_s, az, el] =
+                [&k::LAG_S, &k::BIAS_AZ_DEG, &k::BIAS_EL_DEG].map(|key| section.number(key));
             aim.zip(aim_from).zip(lag_s).zip(az.zip(el)).map(|(((aim, aim_from), lag_s), (az, el))| {
                 Pointing::At { aim, aim_from, lag_s, bias_rad: [az.to_radians(), el.to_radians()] }
             })

@@ -71,7 +71,8 @@ impl Names {
         let name = section.name(key)?;
         let found = self.names.iter().position(|n| n.as_ref() == Some(&name));
         if found.is_none() && self.names.iter().all(Option::is_some) {
-            let known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
+            let mut known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
+            known.dedup();
             let known = if known.is_empty() { "none are defined".to_owned() } else { known.join(", ") };
             section.fault(key, Problem::NoSuch { name, what: self.what, known });
         }
@@ -106,8 +107,10 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     }
     let radar = radar::radar(&root, &ground, &platforms);
     let targets = target::targets(&root, &ground);
-    let stream = stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
-    let sinks = stream::sinks(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+    let stream =
+        stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+    let sinks =
+        stream::sinks(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
     root.finish();
 
     let radar = radar?;

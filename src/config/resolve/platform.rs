@@ -5,7 +5,9 @@ use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
 use crate::frames::{Body, Enu, Rotation, Vector};
-use crate::nav::{AttitudeSource, FileFormat, FileSource, PlatformNav, Smoothing, TrackSource, VerticalDatum};
+use crate::nav::{
+    AttitudeSource, FileFormat, FileSource, PlatformNav, Smoothing, TrackSource, VerticalDatum,
+};
 
 /// One `[[platform]]`; its name has been read.
 pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<PlatformNav> {
@@ -62,9 +64,9 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
     let datum = match section.choice(&DATUM) {
         Some("ellipsoid") => Some(VerticalDatum::Ellipsoid),
         Some("msl") => Some(VerticalDatum::MeanSeaLevel),
-        Some(_) => section
-            .number(&BAROMETRIC_OFFSET_M)
-            .map(|offset_m| VerticalDatum::Barometric { offset_m }),
+        Some(_) => {
+            section.number(&BAROMETRIC_OFFSET_M).map(|offset_m| VerticalDatum::Barometric { offset_m })
+        }
         // Without an origin a recording holds local coordinates, which have no datum.
         None if !section.has(&DATUM) && ground.origin_h_m.is_none() => Some(VerticalDatum::Ellipsoid),
         None => {
@@ -108,9 +110,13 @@ fn smoothing(section: Section<'_>) -> Option<Smoothing> {
             let horizontal = section.number(&HORIZONTAL_SIGMA_M);
             let vertical = section.number(&VERTICAL_SIGMA_M);
             let acceleration = section.number(&MAX_ACCELERATION_MPS2);
-            horizontal.zip(vertical).zip(acceleration).map(|((horizontal_sigma_m, vertical_sigma_m), bound)| {
-                Smoothing::Rts { horizontal_sigma_m, vertical_sigma_m, max_acceleration_mps2: bound }
-            })
+            horizontal.zip(vertical).zip(acceleration).map(
+                |((horizontal_sigma_m, vertical_sigma_m), bound)| Smoothing::Rts {
+                    horizontal_sigma_m,
+                    vertical_sigma_m,
+                    max_acceleration_mps2: bound,
+                },
+            )
         }
         Some(_) => Some(Smoothing::Off),
         None => None,

@@ -6,7 +6,6 @@ use super::{Ground, Names};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::{Section, polarisation, polarisation_pair};
-use crate::pulse::{Layout, SampleFormat};
 use crate::scene::radar::{
     Adc, Channel, Gate, Polarisation, Radar, Receiver, Sweep, Transmitter, TxPolarisation, Waveform, Window,
 };
@@ -46,7 +45,8 @@ pub(super) fn radar(root: &Section<'_>, ground: &Ground, platforms: &Names) -> O
         Some(Waveform::Lfm { duration_s, .. }) => Some(*duration_s),
         _ => None,
     };
-    let window = section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
+    let window =
+        section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
     let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names };
     let channels = channels(&section, &antennas);
     let tx_polarisation = tx_polarisation(&section, channels.as_deref());
@@ -229,12 +229,19 @@ struct Antennas<'n> {
 
 impl Antennas<'_> {
     /// The default name of a channel: `HV`, or `HV-coast-aircraft` where there are several antennas.
-    fn channel_name(&self, rx: Polarisation, tx: Polarisation, transmitter: usize, receiver: usize) -> String {
+    fn channel_name(
+        &self,
+        rx: Polarisation,
+        tx: Polarisation,
+        transmitter: usize,
+        receiver: usize,
+    ) -> String {
         let pair = format!("{}{}", rx.letter(), tx.letter());
         if self.transmitters.names.len() == 1 && self.receivers.names.len() == 1 {
             return pair;
         }
-        let name = |names: &Names, index: usize| names.names.get(index).cloned().flatten().unwrap_or_default();
+        let name =
+            |names: &Names, index: usize| names.names.get(index).cloned().flatten().unwrap_or_default();
         format!("{pair}-{}-{}", name(self.transmitters, transmitter), name(self.receivers, receiver))
     }
 }
@@ -247,7 +254,8 @@ fn channels(section: &Section<'_>, antennas: &Antennas<'_>) -> Option<Vec<Channe
     if section.has(&CHANNEL) {
         let empty = rows.is_empty();
         let mut names = Names::new("channel");
-        let rows: Vec<Option<Channel>> = rows.into_iter().map(|row| channel(row, antennas, &mut names)).collect();
+        let rows: Vec<Option<Channel>> =
+            rows.into_iter().map(|row| channel(row, antennas, &mut names)).collect();
         if empty {
             section.fault(&CHANNEL, Problem::NoneOf { keys: "channels, [[radar.channel]]".to_owned() });
             return None;
@@ -321,7 +329,8 @@ fn tx_polarisation(section: &Section<'_>, channels: Option<&[Channel]>) -> Optio
     let given = section.words(&TX_SEQUENCE, polarisation);
     if !alternating {
         if section.has(&TX_SEQUENCE) {
-            section.fault(&TX_SEQUENCE, Problem::Idle { when: "tx_polarisation = \"simultaneous\"".to_owned() });
+            section
+                .fault(&TX_SEQUENCE, Problem::Idle { when: "tx_polarisation = \"simultaneous\"".to_owned() });
         }
         return Some(TxPolarisation::Simultaneous);
     }
@@ -348,8 +357,7 @@ fn check_size(section: &Section<'_>, channels: usize, samples: usize, has_adc: b
     let sample_bytes = if has_adc { 4 } else { 8 };
     let bytes = channels as u128 * samples as u128 * sample_bytes;
     if bytes > LARGEST_PULSE {
-        let problem =
-            Problem::PulseSize { bytes, channels, samples: samples as u64, allowed: LARGEST_PULSE };
+        let problem = Problem::PulseSize { bytes, channels, samples: samples as u64, allowed: LARGEST_PULSE };
         section.fault(&keys::radar::WINDOW, problem);
     }
 }
@@ -365,18 +373,5 @@ fn warn_unused(section: &Section<'_>, channels: &[Channel], antennas: &Antennas<
     }
     for name in unused(antennas.receivers, &|channel| channel.receiver) {
         section.reader().warn(Warning::Unused { what: "receiver", name });
-    }
-}
-
-/// The sizes of a pulse of this radar.
-pub(super) fn layout(radar: &Radar, platforms: usize, targets: usize) -> Layout {
-    Layout {
-        channels: radar.channels.len(),
-        samples: radar.window.samples,
-        format: if radar.adc.is_some() { SampleFormat::Ci16 } else { SampleFormat::Cf32 },
-        platforms,
-        phase_centres: radar.transmitters.len() + radar.receivers.len(),
-        targets,
-        pairs: radar.pairs().len(),
     }
 }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::radar;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
@@ -23,7 +22,7 @@ const QUEUE_S: f64 = 2.0;
 
 /// What a pulse takes in memory.
 fn slot_bytes(radar: &Radar, platforms: usize, targets: usize) -> u64 {
-    radar::layout(radar, platforms, targets).slot_bytes() as u64
+    radar.layout(platforms, targets).slot_bytes() as u64
 }
 
 /// `[stream]`.
@@ -35,8 +34,7 @@ pub(super) fn stream(
 ) -> Option<transport::Settings> {
     use keys::stream::{LATENCY_MS, PACE, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
-    let pace =
-        section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
+    let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
     let policy = section.choice(&POLICY).map(|word| match word {
         "slip" => Policy::Slip,
         "drop" => Policy::Drop,
@@ -122,7 +120,8 @@ fn hdf5(section: &Section<'_>, path: PathBuf, segment_s: Option<f64>) -> sinks::
     if cfg!(feature = "hdf5") {
         return sinks::Kind::Hdf5 { path, segment_s, force: false };
     }
-    let taken = if path.extension().is_some() { path.with_extension("") } else { path.with_extension("plain") };
+    let taken =
+        if path.extension().is_some() { path.with_extension("") } else { path.with_extension("plain") };
     let warning = Warning::NoHdf5 { asked: path, taken: taken.clone(), segmented: segment_s.is_some() };
     section.reader().warn(warning);
     sinks::Kind::Plain { path: taken, force: false }

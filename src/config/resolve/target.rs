@@ -85,7 +85,8 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
     use keys::target::{CONVENTION, RCS_DBSM, RCS_M2, S_HH, S_HV, S_VH, S_VV};
     let elements = [&S_VV, &S_VH, &S_HV, &S_HH];
     let matrix = elements.iter().any(|key| section.has(key));
-    let written = usize::from(matrix) + usize::from(section.has(&RCS_M2)) + usize::from(section.has(&RCS_DBSM));
+    let written =
+        usize::from(matrix) + usize::from(section.has(&RCS_M2)) + usize::from(section.has(&RCS_DBSM));
     let rcs_m2 = section.number(&RCS_M2);
     let rcs_dbsm = section.number(&RCS_DBSM);
     let values = elements.map(|key| {
@@ -112,7 +113,12 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
     Some([[complex(vv?), complex(vh?)], [complex(hv?) * sign, complex(hh?) * sign]])
 }
 
-fn grid(section: Section<'_>, name: Option<String>, ground: &Ground, targets: &mut Vec<Target>) -> Option<()> {
+fn grid(
+    section: Section<'_>,
+    name: Option<String>,
+    ground: &Ground,
+    targets: &mut Vec<Target>,
+) -> Option<()> {
     use keys::target_grid as k;
     let surface = SurfaceKeys {
         position_m: &k::POSITION_M,
@@ -124,8 +130,10 @@ fn grid(section: Section<'_>, name: Option<String>, ground: &Ground, targets: &m
     let count = section.vector::<2>(&k::COUNT);
     let count = match count {
         Some(count) if count.iter().any(|n| n.fract() != 0.0) => {
-            let problem =
-                Problem::Type { found: format!("{count:?}"), allowed: "two whole numbers from 1 to 1000".to_owned() };
+            let problem = Problem::Type {
+                found: format!("{count:?}"),
+                allowed: "two whole numbers from 1 to 1000".to_owned(),
+            };
             section.fault(&k::COUNT, problem);
             None
         }
