@@ -40,3 +40,5 @@ pub mod radar;
 pub mod echo;
 pub mod transport;
 pub mod sinks;
+pub mod config;
+pub mod cli;

@@ -1,3 +1,7 @@
 //! The `nereus` program.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    nereus::cli::main(std::env::args_os())
+}

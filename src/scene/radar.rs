@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::frames::{Body, Enu, Point, Vector};
+use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
 /// The radar: every emission and every receive window of a run.
@@ -55,6 +56,19 @@ impl Radar {
             }
         }
         pairs
+    }
+
+    /// The sizes of a pulse of this radar in a scene with so many platforms and targets.
+    pub fn layout(&self, platforms: usize, targets: usize) -> Layout {
+        Layout {
+            channels: self.channels.len(),
+            samples: self.window.samples,
+            format: if self.adc.is_some() { SampleFormat::Ci16 } else { SampleFormat::Cf32 },
+            platforms,
+            phase_centres: self.transmitters.len() + self.receivers.len(),
+            targets,
+            pairs: self.pairs().len(),
+        }
     }
 }
 

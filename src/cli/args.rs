@@ -1,0 +1,242 @@
+//! Arguments.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use thiserror::Error;
+
+/// Hardware-in-the-loop bistatic marine radar emulator.
+#[derive(Debug, Parser)]
+#[command(name = "nereus", version, about, disable_help_subcommand = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario: every pulse in PRF order at PRF rate into its sinks
+    Run(RunArgs),
+    /// Validate a scenario, explain it, predict what it takes
+    Check(CheckArgs),
+    /// Print a commented scenario to start from, or the list of keys
+    New(NewArgs),
+    /// Print physics as CSV
+    Table(TableArgs),
+    /// Join recordings of parts of one run
+    Merge(MergeArgs),
+}
+
+/// `nereus run`
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Release pulses in real time or as fast as they are made (instead of stream.pace)
+    #[arg(long, value_enum)]
+    pub pace: Option<Pace>,
+    /// Length of the run (instead of scene.duration_s)
+    #[arg(long, value_name = "S")]
+    pub duration_s: Option<String>,
+    /// Make only these pulses of the run, the last one excluded
+    #[arg(long, value_name = "A..B")]
+    pub pulses: Option<PulseRange>,
+    /// Recording (instead of the path of the scenario's recording)
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite recordings that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `nereus check`
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `nereus new`
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// What to print
+    #[arg(value_enum, default_value_t = Template::Coastal)]
+    pub kind: Template,
+}
+
+/// What `nereus new` prints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Template {
+    /// Coastal transmitter, airborne receiver; stands alone
+    Coastal,
+    /// One aircraft, alternating polarisation, ADC; stands alone
+    Monostatic,
+    /// From orbit, several pulses in the air; stands alone
+    Spaceborne,
+    /// Recorded flight; needs configs/tracks beside it
+    Quickstart,
+    /// Every key with unit, default and range (Markdown)
+    Keys,
+}
+
+/// `nereus table`
+#[derive(Debug, Args)]
+pub struct TableArgs {
+    /// Which quantity
+    #[command(subcommand)]
+    pub quantity: Quantity,
+}
+
+/// What can be tabulated.
+#[derive(Debug, Subcommand)]
+pub enum Quantity {
+    /// Gain of an aperture along a cut through its boresight
+    Antenna(TableAntennaArgs),
+}
+
+/// `nereus table antenna`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableAntennaArgs {
+    /// Shape of the aperture
+    #[arg(long, value_enum, default_value_t = Aperture::Rect)]
+    pub shape: Aperture,
+    /// Full width, or diameter of a circle, m
+    #[arg(long)]
+    pub width_m: Option<f64>,
+    /// Full height, m
+    #[arg(long)]
+    pub height_m: Option<f64>,
+    /// Gain of an isotropic antenna, dBi
+    #[arg(long, default_value_t = 0.0)]
+    pub gain_dbi: f64,
+    /// Carrier frequency, Hz
+    #[arg(long)]
+    pub carrier_hz: f64,
+    /// Plane of the cut
+    #[arg(long, value_enum, default_value_t = Cut::Az)]
+    pub cut: Cut,
+    /// First angle from boresight, degrees
+    #[arg(long, default_value_t = -5.0)]
+    pub from_deg: f64,
+    /// Last angle from boresight, degrees
+    #[arg(long, default_value_t = 5.0)]
+    pub to_deg: f64,
+    /// Step, degrees
+    #[arg(long, default_value_t = 0.05)]
+    pub step_deg: f64,
+}
+
+/// Shape of an aperture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Aperture {
+    /// Rectangle
+    Rect,
+    /// Ellipse
+    Ellipse,
+    /// Circle
+    Circle,
+    /// Equal gain everywhere
+    Isotropic,
+}
+
+/// Plane of a cut through the boresight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cut {
+    /// Azimuth: along the width
+    Az,
+    /// Elevation: along the height
+    El,
+}
+
+/// `nereus merge`
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Recordings of parts of one run
+    #[arg(required = true)]
+    pub shards: Vec<PathBuf>,
+    /// The recording to make
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Overwrite a recording that exists
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How pulses are released.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Pace {
+    /// At their emission times plus the latency
+    Realtime,
+    /// As soon as they are made
+    Fast,
+}
+
+/// A part of a run: pulses `first..end`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PulseRange {
+    /// First pulse.
+    pub first: u64,
+    /// The pulse after the last one.
+    pub end: u64,
+}
+
+/// Not a range of pulses.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("allowed: two whole numbers A..B, A below B, such as 100..200")]
+pub struct NotARange;
+
+impl FromStr for PulseRange {
+    type Err = NotARange;
+
+    fn from_str(text: &str) -> Result<Self, NotARange> {
+        let (first, end) = text.split_once("..").ok_or(NotARange)?;
+        let (first, end) = (first.parse().map_err(|_| NotARange)?, end.parse().map_err(|_| NotARange)?);
+        if first < end { Ok(Self { first, end }) } else { Err(NotARange) }
+    }
+}
+
+/// `KEY=VALUE` of `--set`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Dotted path of the key.
+    pub key: String,
+    /// The value, TOML or plain text.
+    pub value: String,
+}
+
+/// Not `KEY=VALUE`.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("allowed: KEY=VALUE such as radar.prf_hz=500")]
+pub struct NotASetting;
+
+impl FromStr for Setting {
+    type Err = NotASetting;
+
+    fn from_str(text: &str) -> Result<Self, NotASetting> {
+        let (key, value) = text.split_once('=').ok_or(NotASetting)?;
+        let (key, value) = (key.trim(), value.trim());
+        if key.is_empty() || value.is_empty() {
+            return Err(NotASetting);
+        }
+        Ok(Self { key: key.to_owned(), value: value.to_owned() })
+    }
+}

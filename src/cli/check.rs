@@ -1,0 +1,339 @@
+//! `nereus check`: validate, explain, predict.
+
+use std::fmt::Write as _;
+use std::io::Write;
+
+use serde::Serialize;
+
+use super::args::CheckArgs;
+use super::error::CliError;
+use super::run::overrides;
+use crate::config::{self, Run};
+use crate::frames::Earth;
+use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
+use crate::pulse::SampleFormat;
+use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
+use crate::sinks::Kind;
+use crate::transport::{Pace, Policy};
+
+/// What a scenario is and takes.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    scenario: String,
+    start_utc: String,
+    duration_s: f64,
+    pulses: u64,
+    mean_prf_hz: f64,
+    channels: Vec<String>,
+    samples: usize,
+    platforms: Vec<Described>,
+    targets: usize,
+    sinks: Vec<String>,
+    modelled: Vec<Described>,
+    not_modelled: Vec<Described>,
+    /// Samples and records of one pulse as held in memory.
+    pulse_bytes: usize,
+    /// Samples alone, all channels, at the mean PRF.
+    sample_rate_mb_per_s: f64,
+    /// Samples of the whole run.
+    samples_mb: f64,
+    /// Ring and queues.
+    memory_mib: f64,
+    warnings: Vec<String>,
+    #[serde(skip)]
+    lines: Vec<Described>,
+}
+
+/// Something and what there is to say about it.
+#[derive(Debug, Serialize)]
+struct Described {
+    what: String,
+    how: String,
+}
+
+fn described(what: &str, how: impl Into<String>) -> Described {
+    Described { what: what.to_owned(), how: how.into() }
+}
+
+/// Prints the report.
+pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let run = config::load(&args.config, &overrides(&args.settings))?;
+    for warning in &run.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let report = report(&run);
+    let text = if args.json { json(&report)? } else { text(&report) };
+    out.write_all(text.as_bytes()).map_err(CliError::Output)
+}
+
+fn json(report: &Report) -> Result<String, CliError> {
+    let text = serde_json::to_string(report).map_err(|error| CliError::Output(error.into()))?;
+    Ok(text + "\n")
+}
+
+fn text(report: &Report) -> String {
+    let mut text = String::new();
+    let mut section = |title: &str, rows: &[Described]| {
+        if !rows.is_empty() {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{title}");
+            let width = rows.iter().map(|row| row.what.chars().count()).max().unwrap_or(0);
+            for row in rows {
+                let _ = writeln!(text, "  {:width$}  {}", row.what, row.how);
+            }
+        }
+    };
+    section(&report.scenario, &report.lines);
+    section("platforms", &report.platforms);
+    section("modelled", &report.modelled);
+    section("not modelled", &report.not_modelled);
+    text
+}
+
+/// Everything that the scenario says by itself, without opening the files it names.
+pub(super) fn report(run: &Run) -> Report {
+    let (scene, radar) = (&run.scene, &run.scene.radar);
+    let layout = radar.layout(scene.platforms.len(), scene.targets.len());
+    let sample_bytes = match layout.format {
+        SampleFormat::Cf32 => 8,
+        SampleFormat::Ci16 => 4,
+    };
+    let pulse_mb = (layout.channels * layout.samples * sample_bytes) as f64 / 1e6;
+    let prf_hz = radar.emissions.mean_prf_hz();
+    let slots = run.stream.ring_slots + run.sinks.iter().map(|sink| sink.queue_pulses).sum::<usize>();
+    let duration_s = radar.emissions.interval_s(0, scene.pulses);
+    let sinks: Vec<String> = run.sinks.iter().map(|sink| sink_text(&sink.kind)).collect();
+    let (modelled, not_modelled) = models(run);
+    let mut report = Report {
+        scenario: run.path.display().to_string(),
+        start_utc: scene.start.to_string(),
+        duration_s,
+        pulses: scene.pulses,
+        mean_prf_hz: prf_hz,
+        channels: radar.channels.iter().map(|channel| channel.name.clone()).collect(),
+        samples: layout.samples,
+        platforms: platforms(run),
+        targets: scene.targets.len(),
+        sinks,
+        modelled,
+        not_modelled,
+        pulse_bytes: layout.slot_bytes(),
+        sample_rate_mb_per_s: pulse_mb * prf_hz,
+        samples_mb: pulse_mb * scene.pulses as f64,
+        memory_mib: slots as f64 * layout.slot_bytes() as f64 / f64::from(1 << 20),
+        warnings: run.warnings.iter().map(ToString::to_string).collect(),
+        lines: Vec::new(),
+    };
+    report.lines = lines(run, &report);
+    report
+}
+
+fn lines(run: &Run, report: &Report) -> Vec<Described> {
+    let (scene, radar) = (&run.scene, &run.scene.radar);
+    let earth = match scene.frame.earth() {
+        Earth::Flat => "flat earth".to_owned(),
+        Earth::Curved { radius_factor } => format!("curved earth, radius factor {radius_factor}"),
+    };
+    let frame = match scene.frame.origin() {
+        Some(origin) => format!(
+            "East, North, up at latitude {:.6} deg, longitude {:.6} deg; sea level {} m above the ellipsoid; {earth}",
+            origin.lat_rad.to_degrees(),
+            origin.lon_rad.to_degrees(),
+            origin.h_m
+        ),
+        None => format!("plain East, North, up; {earth}"),
+    };
+    let waveform = match &radar.waveform {
+        Waveform::Lfm { bandwidth_hz, duration_s, sweep } => format!(
+            "linear FM {}, {} MHz in {} us, time-bandwidth product {:.1}",
+            if *sweep == Sweep::Up { "up" } else { "down" },
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6),
+            bandwidth_hz * duration_s
+        ),
+        Waveform::Samples { path, rate_hz } => {
+            format!("samples of {} at {} MHz", path.display(), neat(rate_hz / 1e6))
+        }
+    };
+    let window_us = radar.window.samples as f64 / radar.sample_rate_hz * 1e6;
+    let gate = match &radar.window.gate {
+        Gate::Fixed { start_s } => format!("opens {} us after the emission", neat(start_s * 1e6)),
+        Gate::Follow { aim, lead_s, aim_from } => format!(
+            "opens {} us before the echo of {}, from {} tracks",
+            neat(lead_s * 1e6),
+            aim_text(aim, &scene.platforms),
+            if *aim_from == AimFrom::True { "true" } else { "reported" }
+        ),
+    };
+    let polarisation = match &radar.tx_polarisation {
+        TxPolarisation::Simultaneous => "simultaneous transmit polarisations".to_owned(),
+        TxPolarisation::Alternating(sequence) => {
+            let letters: String = sequence.iter().map(|p| p.letter()).collect();
+            format!("transmit polarisations in turn: {letters}")
+        }
+    };
+    let pace = match (run.stream.pace, run.stream.policy) {
+        (Pace::Fast, _) => "as fast as pulses are made".to_owned(),
+        (Pace::Realtime, policy) => {
+            let policy = match policy {
+                Policy::Stop => "ends when generation cannot keep up",
+                Policy::Slip => "slips when generation cannot keep up",
+                Policy::Drop => "drops pulses when generation cannot keep up",
+            };
+            format!("real time, {} ms after the emission, {policy}", neat(run.stream.latency_s * 1e3))
+        }
+    };
+    vec![
+        described("frame", frame),
+        described(
+            "time",
+            format!(
+                "{}, {} pulses in {:.6} s, mean PRF {} Hz",
+                report.start_utc, report.pulses, report.duration_s, report.mean_prf_hz
+            ),
+        ),
+        described(
+            "carrier",
+            format!("{} GHz, wavelength {:.6} m", neat(radar.carrier_hz / 1e9), radar.wavelength_m()),
+        ),
+        described("waveform", waveform),
+        described(
+            "window",
+            format!(
+                "{} samples at {} MHz, {window_us:.3} us, {gate}",
+                radar.window.samples,
+                neat(radar.sample_rate_hz / 1e6)
+            ),
+        ),
+        described("channels", format!("{}; {polarisation}", report.channels.join(" "))),
+        described("targets", report.targets.to_string()),
+        described("release", pace),
+        described("sinks", report.sinks.join("; ")),
+        described(
+            "data",
+            format!(
+                "{:.3} MB/s of samples, {:.3} MB in all; {} bytes a pulse in memory, {:.1} MiB of ring and queues",
+                report.sample_rate_mb_per_s, report.samples_mb, report.pulse_bytes, report.memory_mib
+            ),
+        ),
+    ]
+}
+
+/// A scaled figure without the last digits that scaling made up.
+fn neat(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+fn aim_text(aim: &Aim, platforms: &[String]) -> String {
+    match aim {
+        Aim::Point { position, .. } => {
+            let [e, n, u] = position.to_array();
+            format!("the point {e:.1} m East, {n:.1} m North, {u:.1} m up")
+        }
+        Aim::Beside { platform, along_m, across_m } => {
+            let name = platforms.get(*platform).map_or("", String::as_str);
+            let side = if *across_m < 0.0 { "port" } else { "starboard" };
+            format!("the sea {} m to {side} and {along_m} m ahead of {name}", across_m.abs())
+        }
+    }
+}
+
+fn sink_text(kind: &Kind) -> String {
+    match kind {
+        Kind::Hdf5 { path, segment_s: None, .. } => format!("HDF5 recording {}", path.display()),
+        Kind::Hdf5 { path, segment_s: Some(segment_s), .. } => {
+            format!("HDF5 recordings {} of {segment_s} s each", path.display())
+        }
+        Kind::Plain { path, .. } => format!("plain folder {}", path.display()),
+        Kind::Null => "none (pulses are counted)".to_owned(),
+    }
+}
+
+fn platforms(run: &Run) -> Vec<Described> {
+    let text = |nav: &PlatformNav| {
+        let truth = source_text(&nav.truth);
+        match &nav.reported {
+            Some(reported) => format!("{truth}; reports: {}", source_text(reported)),
+            None => format!("{truth}; reports where it is"),
+        }
+    };
+    let rows = run.scene.platforms.iter().zip(&run.nav);
+    rows.map(|(name, nav)| described(name, text(nav))).collect()
+}
+
+fn source_text(source: &TrackSource) -> String {
+    match source {
+        TrackSource::Fixed { place, .. } => format!("fixed at {}", place_text(place)),
+        TrackSource::Straight { place, velocity, .. } => {
+            format!("straight from {} at {:.1} m/s", place_text(place), velocity.norm())
+        }
+        TrackSource::File(source) => file_text(source),
+    }
+}
+
+fn file_text(source: &FileSource) -> String {
+    let format = match source.format {
+        FileFormat::Csv => "CSV",
+        FileFormat::Nmea => "NMEA",
+    };
+    let datum = match source.datum {
+        VerticalDatum::Ellipsoid => "above the ellipsoid".to_owned(),
+        VerticalDatum::MeanSeaLevel => "above mean sea level".to_owned(),
+        VerticalDatum::Barometric { offset_m } => format!("barometric, offset {offset_m} m"),
+    };
+    let attitude = match source.attitude {
+        AttitudeSource::Recorded => "as recorded",
+        AttitudeSource::CoordinatedTurn => "of a coordinated turn (derived)",
+        AttitudeSource::Level => "level along the track (derived)",
+        AttitudeSource::Constant(_) => "constant",
+    };
+    format!("{format} recording {}, heights {datum}, attitude {attitude}", source.path.display())
+}
+
+fn place_text(place: &Place) -> String {
+    match place {
+        Place::Geodetic(at) => format!(
+            "latitude {:.6} deg, longitude {:.6} deg, {:.1} m above the ellipsoid",
+            at.lat_rad.to_degrees(),
+            at.lon_rad.to_degrees(),
+            at.h_m
+        ),
+        Place::Local(at) => {
+            let [e, n, u] = at.to_array();
+            format!("{e} m East, {n} m North, {u} m up")
+        }
+    }
+}
+
+/// What is modelled, and what is not and why.
+fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
+    let radar = &run.scene.radar;
+    let (mut with, mut without) = (Vec::new(), Vec::new());
+    with.push(described("propagation", "exact light time of every pulse; Doppler within the pulse"));
+    if run.scene.targets.is_empty() {
+        without.push(described("point targets", "no [[target]]"));
+    } else {
+        with.push(described("point targets", run.scene.targets.len().to_string()));
+    }
+    if radar.direct_path {
+        with.push(described("direct path", "transmitter to receiver"));
+    } else {
+        without.push(described("direct path", "radar.direct_path = false"));
+    }
+    match radar.noise_figure_db {
+        Some(figure_db) => with.push(described("thermal noise", format!("noise figure {figure_db} dB"))),
+        None => without.push(described("thermal noise", "no radar.noise_figure_db")),
+    }
+    match radar.adc {
+        Some(adc) => with.push(described("converter", format!("{} bits", adc.bits))),
+        None => without.push(described("converter", "no [radar.adc]: floating-point samples")),
+    }
+    let errors = run.nav.iter().filter(|nav| nav.reported.is_some()).count();
+    if errors > 0 {
+        with.push(described("navigation errors", format!("{errors} platforms report another track")));
+    } else {
+        without.push(described("navigation errors", "no [platform.reported]: platforms report the truth"));
+    }
+    without.push(described("sea and wakes", "this version knows point targets only"));
+    (with, without)
+}

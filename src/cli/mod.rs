@@ -1,0 +1,57 @@
+//! The command line: one file a subcommand.
+//!
+//! Data goes to standard output, everything else to standard error. Exit 0: done; 1: the run failed;
+//! 2: the input is wrong (arguments, scenario, files it names). `--json` prints one object, last.
+
+mod args;
+mod check;
+mod error;
+mod merge;
+mod new;
+mod run;
+mod table;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+pub use args::{
+    Aperture, Arguments, CheckArgs, Command, Cut, MergeArgs, NewArgs, Pace, PulseRange, Quantity, RunArgs,
+    Setting, TableAntennaArgs, TableArgs, Template,
+};
+pub use error::CliError;
+
+/// Runs the program.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are data; a failure to print them has nowhere to go.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let mut out = std::io::stdout().lock();
+    let done = execute(&arguments, &mut out).and_then(|()| out.flush().map_err(CliError::Output));
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe has seen enough.
+        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn execute(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    match &arguments.command {
+        Command::Run(args) => run::run(args, out),
+        Command::Check(args) => check::check(args, out),
+        Command::New(args) => new::new(args, out),
+        Command::Table(args) => table::table(args, out),
+        Command::Merge(args) => merge::merge(args, out),
+    }
+}

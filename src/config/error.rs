@@ -1,0 +1,328 @@
+//! What can be wrong with a scenario.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// Why a scenario is not a run.
+#[derive(Debug, Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read scenario {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The file is not a scenario by its size.
+    #[error("scenario {} has {bytes} bytes; allowed: at most {allowed}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// The bound.
+        allowed: u64,
+    },
+    /// The file is not text.
+    #[error("scenario {} is not UTF-8 text (byte {offset})", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first offending byte.
+        offset: usize,
+    },
+    /// Every fault of the scenario, in the order of the file.
+    #[error("{}", list(path, faults))]
+    Faults {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        faults: Vec<Fault>,
+    },
+}
+
+impl ConfigError {
+    /// The faults, where the file could be read.
+    pub fn faults(&self) -> &[Fault] {
+        match self {
+            Self::Faults { faults, .. } => faults,
+            _ => &[],
+        }
+    }
+}
+
+fn list(path: &std::path::Path, faults: &[Fault]) -> String {
+    let mut text = String::new();
+    for fault in faults {
+        let place = match fault.at {
+            At::File { line, column } => format!("{}:{line}:{column}", path.display()),
+            At::Override => "--set".to_owned(),
+        };
+        text.push_str(&format!("{place}: {fault}\n"));
+    }
+    let plural = if faults.len() == 1 { "fault" } else { "faults" };
+    text.push_str(&format!("{}: {} {plural}", path.display(), faults.len()));
+    text
+}
+
+/// Where a value was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum At {
+    /// In the scenario, lines and columns from 1.
+    File {
+        /// Line.
+        line: usize,
+        /// Column, characters.
+        column: usize,
+    },
+    /// On the command line.
+    Override,
+}
+
+/// One fault: where, which key, what.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{}{problem}", if key.is_empty() { String::new() } else { format!("{key}: ") })]
+pub struct Fault {
+    /// Where.
+    pub at: At,
+    /// Dotted path of the key, entries of arrays by number from 0.
+    pub key: String,
+    /// What.
+    pub problem: Problem,
+}
+
+/// What is wrong, with the value and what is allowed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Problem {
+    /// Not TOML.
+    #[error("not valid TOML: {message}")]
+    Syntax {
+        /// What the parser says.
+        message: String,
+    },
+    /// A key that no table of this kind has.
+    #[error("unknown key{hint}")]
+    Unknown {
+        /// What may have been meant.
+        hint: Hint,
+    },
+    /// A key of this table that has no meaning beside the others.
+    #[error("has no meaning here ({when})")]
+    Idle {
+        /// Why.
+        when: String,
+    },
+    /// A value of another type.
+    #[error("{found} is not allowed; allowed: {allowed}")]
+    Type {
+        /// What was written.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A value out of range.
+    #[error("{found} is out of range; allowed: {allowed}")]
+    Range {
+        /// What was written.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A required key.
+    #[error("is missing; required: {allowed}")]
+    Missing {
+        /// What is allowed.
+        allowed: String,
+    },
+    /// None of several keys.
+    #[error("one of {keys} is required")]
+    NoneOf {
+        /// The keys.
+        keys: String,
+    },
+    /// Several of which one is wanted.
+    #[error("{keys} exclude each other; allowed: one of them")]
+    Several {
+        /// The keys.
+        keys: String,
+    },
+    /// Keys that stand together or not at all.
+    #[error("stands alone; allowed: {keys} together, or none of them")]
+    Alone {
+        /// The keys.
+        keys: String,
+    },
+    /// A name given twice.
+    #[error("\"{name}\" is already the name of another {what}; allowed: unique names")]
+    Duplicate {
+        /// The name.
+        name: String,
+        /// Of what.
+        what: &'static str,
+    },
+    /// A name that nothing has.
+    #[error("there is no {what} \"{name}\"; allowed: {known}")]
+    NoSuch {
+        /// The name.
+        name: String,
+        /// What was looked for.
+        what: &'static str,
+        /// The names there are.
+        known: String,
+    },
+    /// A missing file.
+    #[error("there is no file {}; allowed: a file that exists (relative to the scenario file)", path.display())]
+    NoFile {
+        /// Where it was looked for.
+        path: PathBuf,
+    },
+    /// Latitude and longitude in a scene that lies nowhere.
+    #[error(
+        "a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"
+    )]
+    NeedsOrigin,
+    /// More bandwidth than can be sampled.
+    #[error(
+        "{bandwidth_hz:e} Hz is more than radar.sample_rate_hz holds; allowed: up to {sample_rate_hz:e} Hz"
+    )]
+    Bandwidth {
+        /// Bandwidth.
+        bandwidth_hz: f64,
+        /// Sample rate.
+        sample_rate_hz: f64,
+    },
+    /// A window that cannot hold one pulse.
+    #[error(
+        "{samples} samples ({window_s:e} s) are shorter than the pulse ({pulse_s:e} s); allowed: at least {least}"
+    )]
+    ShortWindow {
+        /// Samples of the window.
+        samples: u64,
+        /// Its length.
+        window_s: f64,
+        /// Pulse length.
+        pulse_s: f64,
+        /// Fewest samples.
+        least: u64,
+    },
+    /// A channel whose polarisation is never radiated.
+    #[error(
+        "channel \"{channel}\" needs transmit polarisation {letter}, which tx_sequence never sends; allowed: a sequence with {letter}"
+    )]
+    NeverSent {
+        /// The channel.
+        channel: String,
+        /// The polarisation.
+        letter: char,
+    },
+    /// A pulse that fills the memory.
+    #[error(
+        "one pulse takes {bytes} bytes ({channels} channels of {samples} samples); allowed: at most {allowed}"
+    )]
+    PulseSize {
+        /// Bytes of a pulse.
+        bytes: u128,
+        /// Channels.
+        channels: usize,
+        /// Samples per channel.
+        samples: u64,
+        /// The bound.
+        allowed: u128,
+    },
+    /// Too many of something.
+    #[error("{count} {what}; allowed: at most {allowed}")]
+    TooMany {
+        /// How many.
+        count: u64,
+        /// Of what.
+        what: &'static str,
+        /// The bound.
+        allowed: u64,
+    },
+    /// Recorded tracks without a start time.
+    #[error("is missing; required with a recorded track: a UTC time within the recording")]
+    NeedsStart,
+    /// An override that leads nowhere.
+    #[error("leads to nothing: {reason}")]
+    Lost {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// What may have been meant by an unknown key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Hint {
+    /// No idea; the keys there are.
+    Known(String),
+    /// A key like it.
+    Like(&'static str),
+    /// The same quantity in another unit.
+    Unit {
+        /// The key.
+        key: &'static str,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// The key of another table.
+    Elsewhere {
+        /// The table.
+        table: &'static str,
+    },
+}
+
+impl fmt::Display for Hint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Known(keys) => write!(f, "; allowed: {keys}"),
+            Self::Like(key) => write!(f, "; did you mean {key}?"),
+            Self::Unit { key, unit } => write!(f, "; did you mean {key}, in {unit}?"),
+            Self::Elsewhere { table } => write!(f, "; it belongs to {table}"),
+        }
+    }
+}
+
+/// Something legal that the user should know.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Warning {
+    /// No sink at all.
+    #[error("no [[sink]]: pulses are counted and forgotten")]
+    NoSink,
+    /// HDF5 asked of a build without it.
+    #[error(
+        "this build has no HDF5 (feature `hdf5`): {} is recorded as the plain folder {}{}",
+        asked.display(), taken.display(), if *segmented { ", in one piece" } else { "" }
+    )]
+    NoHdf5 {
+        /// The file asked for.
+        asked: PathBuf,
+        /// The folder taken.
+        taken: PathBuf,
+        /// Whether segments were asked for.
+        segmented: bool,
+    },
+    /// An antenna that no channel uses.
+    #[error("no channel uses the {what} \"{name}\"")]
+    Unused {
+        /// Transmitter or receiver.
+        what: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// The ring cannot hold the latency.
+    #[error(
+        "{wanted} pulses are under way within the latency, {slots} fit in {mebibytes} MiB: pulses are made {slots} ahead"
+    )]
+    ShortRing {
+        /// Slots for the whole latency.
+        wanted: u64,
+        /// Slots taken.
+        slots: usize,
+        /// Memory they take, MiB.
+        mebibytes: u64,
+    },
+}

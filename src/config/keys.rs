@@ -1,0 +1,415 @@
+//! Every key of a scenario, once: name, unit, range, default, meaning.
+//!
+//! The reader checks values against this list, faults quote it, and `docs/scenario.md` is written from
+//! it ([`super::manual`]), so none of the three can say something else.
+
+/// One table of a scenario.
+#[derive(Debug)]
+pub struct Table {
+    /// As written, with brackets: `[radar.window]`.
+    pub heading: &'static str,
+    /// What it describes.
+    pub about: &'static str,
+    /// Its keys.
+    pub keys: &'static [&'static Key],
+}
+
+/// One key.
+#[derive(Debug)]
+pub struct Key {
+    /// As written, the unit at its end.
+    pub name: &'static str,
+    /// What its value may be.
+    pub kind: Kind,
+    /// What its absence means.
+    pub absent: Absent,
+    /// What it means.
+    pub about: &'static str,
+}
+
+/// What a value may be.
+#[derive(Debug)]
+pub enum Kind {
+    /// A finite number, both ends of the range included unless `above`.
+    Number {
+        /// Unit; empty for a plain number.
+        unit: &'static str,
+        /// Smallest value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+        /// Whether the smallest value itself is excluded.
+        above: bool,
+    },
+    /// A list of numbers.
+    Numbers {
+        /// Unit; empty for plain numbers.
+        unit: &'static str,
+        /// Fewest entries.
+        least: usize,
+        /// Most entries.
+        most: usize,
+        /// Smallest value of an entry.
+        min: f64,
+        /// Greatest value of an entry.
+        max: f64,
+    },
+    /// A whole number.
+    Count {
+        /// Smallest value.
+        min: u64,
+        /// Greatest value.
+        max: u64,
+    },
+    /// `true` or `false`.
+    Flag,
+    /// One of some words.
+    Choice(&'static [&'static str]),
+    /// A list of words.
+    Words {
+        /// Fewest entries.
+        least: usize,
+        /// Most entries.
+        most: usize,
+        /// What an entry may be.
+        entry: &'static str,
+    },
+    /// Polarisation pair, receive then transmit.
+    PolarisationPair,
+    /// A name: letters, digits, `_`, `-`, `.`, at most 64 of them.
+    Name,
+    /// An instant, UTC.
+    Time,
+    /// A file that exists, relative to the scenario file.
+    File,
+    /// A file or folder to be made, relative to the working directory.
+    Output,
+    /// A table of its own.
+    Section(&'static Table),
+    /// An array of tables.
+    Sections(&'static Table),
+}
+
+/// What the absence of a key means.
+#[derive(Debug)]
+pub enum Absent {
+    /// A fault.
+    Required,
+    /// This number.
+    Number(f64),
+    /// This whole number.
+    Count(u64),
+    /// This flag.
+    Flag(bool),
+    /// This word.
+    Word(&'static str),
+    /// A list of zeros.
+    Zeros,
+    /// Something that is not a value, in words.
+    Means(&'static str),
+}
+
+use Absent::{Count, Flag, Means, Required, Word, Zeros};
+use Kind::{Choice, File, Name, Output, PolarisationPair, Section, Sections, Time, Words};
+
+const fn number(unit: &'static str, min: f64, max: f64) -> Kind {
+    Kind::Number { unit, min, max, above: false }
+}
+const fn above(unit: &'static str, min: f64, max: f64) -> Kind {
+    Kind::Number { unit, min, max, above: true }
+}
+const fn vector(unit: &'static str, entries: usize, limit: f64) -> Kind {
+    Kind::Numbers { unit, least: entries, most: entries, min: -limit, max: limit }
+}
+const fn count(min: u64, max: u64) -> Kind {
+    Kind::Count { min, max }
+}
+const fn default(value: f64) -> Absent {
+    Absent::Number(value)
+}
+
+/// Farthest coordinate, m: beyond geostationary orbit.
+const FAR_M: f64 = 1e8;
+/// Greatest speed, m/s: above escape velocity.
+const FAST_MPS: f64 = 2e4;
+/// Most pulse repetition intervals in a sequence.
+const MOST_PRI: usize = 65_536;
+/// Most targets of a scene.
+pub(super) const MOST_TARGETS: u64 = 100_000;
+
+macro_rules! tables {
+    ($($module:ident $heading:literal $about_table:literal {
+        $($key:ident $name:literal, $kind:expr, $absent:expr, $about:literal;)*
+    })*) => {
+        $(
+            #[doc = $about_table]
+            #[allow(unused_imports)]
+            pub mod $module {
+                use super::*;
+                $(
+                    #[doc = $about]
+                    pub static $key: Key = Key { name: $name, kind: $kind, absent: $absent, about: $about };
+                )*
+                /// The table.
+                pub static TABLE: Table = Table { heading: $heading, about: $about_table, keys: &[$(&$key),*] };
+            }
+        )*
+        /// Every table, in the order of the manual.
+        pub static TABLES: &[&Table] = &[$(&$module::TABLE),*];
+    };
+}
+
+tables! {
+    root "(top level)" "The tables of a scenario." {
+        SCENE "scene", Section(&scene::TABLE), Required, "Where and when.";
+        RADAR "radar", Section(&radar::TABLE), Required, "The instrument.";
+        PLATFORM "platform", Sections(&platform::TABLE), Required, "What moves; at least one.";
+        TRANSMITTER "transmitter", Sections(&transmitter::TABLE), Required, "Transmitters; at least one.";
+        RECEIVER "receiver", Sections(&receiver::TABLE), Required, "Receivers; at least one.";
+        TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";
+        TARGET_GRID "target_grid", Sections(&target_grid::TABLE), Means("none"), "Fields of equal point targets.";
+        STREAM "stream", Section(&stream::TABLE), Means("all defaults"), "How pulses are released.";
+        SINK "sink", Sections(&sink::TABLE), Means("pulses are counted and forgotten"), "Where pulses go.";
+    }
+    scene "[scene]" "Where and when. The scene frame is East, North, up at the origin, a point of mean sea level." {
+        ORIGIN_LAT_DEG "origin_lat_deg", number("deg", -90.0, 90.0), Means("a plain local frame that lies nowhere on Earth"), "Latitude of the origin, WGS-84. The three origin keys stand together or not at all.";
+        ORIGIN_LON_DEG "origin_lon_deg", number("deg", -180.0, 360.0), Means("see origin_lat_deg"), "Longitude of the origin, East positive.";
+        ORIGIN_H_M "origin_h_m", number("m", -500.0, 10_000.0), Means("see origin_lat_deg"), "Height of mean sea level above the WGS-84 ellipsoid at the origin (the geoid undulation). It converts every height above sea level of the scenario.";
+        EARTH "earth", Choice(&["flat", "curved"]), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";
+        EARTH_RADIUS_FACTOR "earth_radius_factor", number("", 0.1, 100.0), default(1.0), "Curved earth: effective radius over 6371 km; 4/3 is standard refraction.";
+        START_UTC "start_utc", Time, Means("2000-01-01T00:00:00Z; required with recorded tracks"), "Emission of pulse 0.";
+        DURATION_S "duration_s", above("s", 0.0, 1e7), Required, "Pulses leave from start_utc until just before this much later.";
+        SEED "seed", count(0, u64::MAX), Count(0), "Seed of every random stream.";
+    }
+    radar "[radar]" "The instrument." {
+        CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Required, "Carrier frequency.";
+        SAMPLE_RATE_HZ "sample_rate_hz", number("Hz", 1e3, 1e11), Required, "Complex sample rate; not below the bandwidth.";
+        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Pulse repetition frequency. Exactly one of prf_hz and pri_us.";
+        PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: MOST_PRI, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Pulse repetition intervals, repeated in turn.";
+        WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What is radiated.";
+        WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
+        TX_POLARISATION "tx_polarisation", Choice(&["simultaneous", "alternating"]), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse, or one after the other.";
+        TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
+        CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every transmitter and receiver, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
+        CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
+        LOSSES_DB "losses_db", number("dB", -100.0, 300.0), default(0.0), "System losses, positive = loss.";
+        ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
+        NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure at 290 K.";
+        ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
+        DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
+    }
+    waveform "[radar.waveform]" "What is radiated, at unit amplitude." {
+        KIND "kind", Choice(&["lfm", "file"]), Required, "Linear frequency modulation, or samples from a file.";
+        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm: swept bandwidth.";
+        PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm: pulse length.";
+        SWEEP "sweep", Choice(&["up", "down"]), Word("up"), "lfm: direction of the sweep.";
+        PATH "path", File, Required, "file: CSV, columns re,im.";
+        RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
+    }
+    window "[radar.window]" "The receive window. Exactly one of start_us and follow." {
+        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel; not shorter than the pulse.";
+        START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
+        FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
+    }
+    follow "[radar.window.follow]" "A window that follows the echo of an aim point." {
+        KIND "kind", Choice(&["at", "beside"]), Required, "A point of the scene, or one beside a platform.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "at: East, North, height above the sea, at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "at: latitude; the point lies on the sea.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "at: longitude.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "at: velocity East, North, up.";
+        PLATFORM "platform", Name, Required, "beside: the platform.";
+        ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
+        ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
+        LEAD_US "lead_us", number("us", 0.0, 1e6), Required, "How much earlier than the echo of the aim point the window opens.";
+        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "Which tracks the range gate knows.";
+    }
+    adc "[radar.adc]" "Analogue-to-digital converter: mid-rise, I and Q separately, saturating." {
+        BITS "bits", count(1, 16), Required, "Bits.";
+        FULL_SCALE_DBW "full_scale_dbw", number("dBW", -400.0, 200.0), Required, "Full scale of I and of Q: 20 log10 of the amplitude in sqrt(W).";
+    }
+    channel "[[radar.channel]]" "One recorded channel." {
+        POLARISATION "polarisation", PolarisationPair, Required, "Receive then transmit polarisation, e.g. \"HV\".";
+        TRANSMITTER "transmitter", Name, Means("the only transmitter"), "Its transmitter.";
+        RECEIVER "receiver", Name, Means("the only receiver"), "Its receiver.";
+        NAME "name", Name, Means("the polarisation pair, with the names of the antennas where there are several"), "Its name in recordings.";
+    }
+    platform "[[platform]]" "Something that carries antennas." {
+        NAME "name", Name, Required, "Its name, unique among platforms.";
+        TRACK "track", Section(&track::TABLE), Required, "Where it is: drives delays, phases and gains.";
+        REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it says it is, in the same form.";
+    }
+    track "[platform.track] and [platform.reported]" "A trajectory." {
+        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea"]), Required, "Stays; straight line at constant speed; recorded track.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg, lon_deg and h_m are given"), "fixed, straight: East, North, up in the scene frame (tangent plane at the origin), at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "fixed, straight: latitude, WGS-84.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "fixed, straight: longitude.";
+        H_M "h_m", number("m", -11_000.0, FAR_M), Means("position_m is given"), "fixed, straight: height above the datum.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Required, "straight: velocity East, North, up.";
+        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), Means("0; straight: along the velocity"), "Yaw clockwise from North. fixed, straight, and csv or nmea with attitude = \"constant\".";
+        PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), Means("0; straight: along the velocity"), "Pitch, nose up.";
+        ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), Means("0"), "Roll, right wing down.";
+        PATH "path", File, Required, "csv, nmea: the recording.";
+        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m and for recordings in a scene without origin"), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings) standard pressure altitude.";
+        BAROMETRIC_OFFSET_M "barometric_offset_m", number("m", -2000.0, 2000.0), default(0.0), "barometric: added to make a pressure altitude a height above mean sea level.";
+        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "csv, nmea: longest gap between fixes that is interpolated.";
+        SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "csv, nmea: how fixes become a smooth track.";
+        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "csv, nmea: where the attitude comes from. ADS-B records none.";
+    }
+    smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {
+        KIND "kind", Choice(&["off", "rts"]), Required, "Fixes are exact, or a Rauch-Tung-Striebel smoother.";
+        HORIZONTAL_SIGMA_M "horizontal_sigma_m", number("m", 1e-4, 1e4), default(5.0), "rts: standard deviation of the horizontal position of a fix.";
+        VERTICAL_SIGMA_M "vertical_sigma_m", number("m", 1e-4, 1e4), default(5.0), "rts: standard deviation of the height of a fix.";
+        MAX_ACCELERATION_MPS2 "max_acceleration_mps2", number("m/s^2", 0.01, 1e3), default(3.0), "rts: bound on the acceleration of the track.";
+    }
+    transmitter "[[transmitter]]" "An antenna that radiates." {
+        NAME "name", Name, Required, "Its name, unique among transmitters and receivers.";
+        PLATFORM "platform", Name, Required, "The platform that carries it.";
+        POWER_W "power_w", above("W", 0.0, 1e12), Required, "Peak power per polarisation.";
+        LEVER_ARM_M "lever_arm_m", vector("m", 3, 1e4), Zeros, "Phase centre: forward, starboard, down from the platform's reference.";
+        ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
+        POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
+        CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
+    }
+    receiver "[[receiver]]" "An antenna that receives." {
+        NAME "name", Name, Required, "Its name, unique among transmitters and receivers.";
+        PLATFORM "platform", Name, Required, "The platform that carries it.";
+        LEVER_ARM_M "lever_arm_m", vector("m", 3, 1e4), Zeros, "Phase centre: forward, starboard, down from the platform's reference.";
+        ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
+        POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
+        CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
+    }
+    antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
+        KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly lit.";
+        GAIN_DBI "gain_dbi", number("dBi", -200.0, 200.0), default(0.0), "isotropic: gain in every direction.";
+        WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
+        HEIGHT_M "height_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full height.";
+        DIAMETER_M "diameter_m", above("m", 0.0, 1e4), Required, "circle: diameter.";
+        PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid.";
+        FLOOR_DBI "floor_dbi", number("dBi", -400.0, 200.0), default(-60.0), "file: gain outside the grid.";
+    }
+    pointing "pointing = { ... } of [[transmitter]] and [[receiver]]" "Where an antenna points." {
+        KIND "kind", Choice(&["fixed", "at", "beside"]), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
+        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard.";
+        PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), default(0.0), "fixed: relative to the body, positive up.";
+        ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), default(0.0), "fixed: about the boresight.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "at: East, North, height above the sea, at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "at: latitude; the point lies on the sea.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "at: longitude.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "at: velocity East, North, up.";
+        PLATFORM "platform", Name, Required, "beside: the platform.";
+        ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
+        ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
+        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "at, beside: which tracks the servo knows.";
+        LAG_S "lag_s", number("s", 0.0, 100.0), default(0.0), "at, beside: the servo acts on what was known this long ago.";
+        BIAS_AZ_DEG "bias_az_deg", number("deg", -180.0, 180.0), default(0.0), "at, beside: constant misalignment about the antenna's z axis.";
+        BIAS_EL_DEG "bias_el_deg", number("deg", -90.0, 90.0), default(0.0), "at, beside: constant misalignment about the antenna's y axis.";
+    }
+    target "[[target]]" "A point target on a straight course. Its strength is one of rcs_m2, rcs_dbsm, or a scattering matrix." {
+        NAME "name", Name, Means("target-<number>, counted from 0"), "Its name, unique among targets.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "East, North, height above the sea, at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude.";
+        HEIGHT_M "height_m", number("m", -11_000.0, FAR_M), default(0.0), "With lat_deg and lon_deg: height above the sea.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
+        RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("another strength is given"), "Radar cross section of a sphere or trihedral: HH and VV equal, no HV.";
+        RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("another strength is given"), "The same in dB over 1 m^2.";
+        S_VV "s_vv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, [re, im], receive then transmit; |S|^2 is the radar cross section.";
+        S_VH "s_vh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received V, transmitted H.";
+        S_HV "s_hv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received H, transmitted V.";
+        S_HH "s_hh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, HH.";
+        CONVENTION "convention", Choice(&["fsa", "bsa"]), Word("fsa"), "Scattering matrix: forward-scatter alignment, or back-scatter alignment (the received basis seen from the antenna, a sphere is the unit matrix). S_fsa = diag(1, -1) S_bsa in the order v, h.";
+    }
+    target_grid "[[target_grid]]" "A field of equal point targets, named <name>-<east>-<north>." {
+        NAME "name", Name, Means("grid-<number>, counted from 0"), "First part of the names.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "Centre: East, North, height above the sea.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude of the centre.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude of the centre.";
+        HEIGHT_M "height_m", number("m", -11_000.0, FAR_M), default(0.0), "With lat_deg and lon_deg: height above the sea.";
+        COUNT "count", Kind::Numbers { unit: "", least: 2, most: 2, min: 1.0, max: 1000.0 }, Required, "Targets eastward and northward, whole numbers.";
+        SPACING_M "spacing_m", vector("m", 2, 1e6), Required, "Distance between neighbours, eastward and northward.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
+        RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("rcs_dbsm is given"), "Radar cross section of each.";
+        RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("rcs_m2 is given"), "The same in dB over 1 m^2.";
+    }
+    stream "[stream]" "How pulses are released." {
+        PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
+        POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When generation cannot keep up: end with an error, stretch time, or drop pulses.";
+        LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), default(500.0), "Release minus emission time: how far ahead pulses are made.";
+        THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
+    }
+    sink "[[sink]]" "A place where pulses go." {
+        KIND "kind", Choice(&["hdf5", "plain", "null"]), Required, "HDF5 recording; folder of plain files; nowhere.";
+        PATH "path", Output, Required, "hdf5: the file; plain: the folder.";
+        SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
+        QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
+    }
+}
+
+impl Kind {
+    /// What is allowed, in words.
+    pub fn allowed(&self) -> String {
+        let of = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        match self {
+            Self::Number { unit, min, max, above } => {
+                let (min, max) = (figure(*min), figure(*max));
+                if *above {
+                    format!("a number above {min}, up to {max}{}", of(unit))
+                } else {
+                    format!("a number from {min} to {max}{}", of(unit))
+                }
+            }
+            Self::Numbers { unit, least, most, min, max } => {
+                let entries = if least == most { format!("{least}") } else { format!("{least} to {most}") };
+                format!("a list of {entries} numbers from {} to {}{}", figure(*min), figure(*max), of(unit))
+            }
+            Self::Count { min, max } if *max == u64::MAX => format!("a whole number from {min} to 2^64 - 1"),
+            Self::Count { min, max } => format!("a whole number from {min} to {max}"),
+            Self::Flag => "true or false".to_owned(),
+            Self::Choice(words) => {
+                let words: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
+                words.join(", ")
+            }
+            Self::Words { least, most, entry } => format!("a list of {least} to {most} texts, each {entry}"),
+            Self::PolarisationPair => {
+                "two letters, receive then transmit polarisation, each H, V, R or L".to_owned()
+            }
+            Self::Name => {
+                "a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'".to_owned()
+            }
+            Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
+            Self::File => "a file that exists (relative to the scenario file)".to_owned(),
+            Self::Output => "a path (relative to the working directory)".to_owned(),
+            Self::Section(table) => format!("a table {}", table.heading),
+            Self::Sections(table) => format!("an array of tables {}", table.heading),
+        }
+    }
+
+    /// The unit, where there is one.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Number { unit, .. } | Self::Numbers { unit, .. } => unit,
+            _ => "",
+        }
+    }
+}
+
+impl Absent {
+    /// For the manual.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Required => "required".to_owned(),
+            Self::Number(value) => figure(*value),
+            Self::Count(value) => value.to_string(),
+            Self::Flag(value) => value.to_string(),
+            Self::Word(word) => format!("\"{word}\""),
+            Self::Zeros => "zeros".to_owned(),
+            Self::Means(words) => (*words).to_owned(),
+        }
+    }
+}
+
+/// A number as one would write it in a scenario.
+pub(super) fn figure(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
+}

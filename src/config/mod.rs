@@ -1,0 +1,178 @@
+//! A scenario as written, then as meant.
+//!
+//! A scenario is a TOML file; its keys bear their units, angles are in degrees **here only**. It becomes
+//! a [`Run`]: plain descriptions for the other rooms, in SI units and radians. Nothing is built, no track
+//! or pattern is opened (that they exist is checked), no physics is called.
+//!
+//! * Every key is listed once, in [`keys`]: the reader, the faults and the manual
+//!   (`docs/scenario.md`, see [`manual`]) follow that list.
+//! * All faults are reported in one go, each with line, column, key, value and what is allowed.
+//!   Unknown keys are faults.
+//! * Paths of files to be read are relative to the scenario file, so that a scenario can be run from
+//!   anywhere. Paths of files to be made are relative to the working directory, so that recordings
+//!   land where the user is.
+//! * Heights: `position_m` of a platform is East, North, up in the scene frame (the tangent plane at the
+//!   origin); `position_m` of a target or an aim point is East, North, height above the sea, which on a
+//!   curved earth lies [`Earth::drop_m`](crate::frames::Earth::drop_m) lower. Heights above mean sea
+//!   level become ellipsoidal heights by adding `scene.origin_h_m`, one undulation for the whole scene.
+//! * Scattering matrices given in back-scatter alignment (BSA) are converted: the received basis of the
+//!   forward-scatter alignment (FSA) is that of the propagating wave, and `h(-k) = -h(k)`,
+//!   `v(-k) = v(k)`, so `S_fsa = diag(1, -1) S_bsa` in the order (v, h), rows received.
+//!
+//! ```
+//! use std::path::Path;
+//! let text = r#"
+//!     [scene]
+//!     duration_s = 1.0
+//!     [radar]
+//!     carrier_hz = 10e9
+//!     sample_rate_hz = 100e6
+//!     prf_hz = 222.0
+//!     channels = ["VV"]
+//!     waveform = { kind = "lfm", bandwidth_hz = 60e6, pulse_s = 0.333e-6 }
+//!     window = { samples = 512, start_us = 26.5 }
+//!     [[platform]]
+//!     name = "mast"
+//!     track = { kind = "fixed", position_m = [0, 0, 15] }
+//!     [[transmitter]]
+//!     name = "tx"
+//!     platform = "mast"
+//!     power_w = 1.0
+//!     antenna = { kind = "isotropic" }
+//!     [[receiver]]
+//!     name = "rx"
+//!     platform = "mast"
+//!     antenna = { kind = "isotropic" }
+//! "#;
+//! let run = nereus::config::parse(text, Path::new("mast.toml"), &[]).unwrap();
+//! assert_eq!(run.scene.pulses, 222);
+//!
+//! let error = nereus::config::parse("[scene]\nduration = 1", Path::new("bad.toml"), &[]).unwrap_err();
+//! assert!(error.to_string().contains("did you mean duration_s, in s?"));
+//! ```
+
+mod document;
+pub mod error;
+pub mod keys;
+pub mod manual;
+mod resolve;
+mod section;
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::nav::PlatformNav;
+use crate::scene::Scene;
+use crate::{sinks, transport};
+
+use error::{At, Problem};
+pub use error::{ConfigError, Fault, Warning};
+
+/// Largest scenario file, bytes.
+pub const LARGEST_FILE: u64 = 4 << 20;
+
+/// A scenario as meant: everything `pipeline` needs to build a running stream.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// What there is.
+    pub scene: Scene,
+    /// Where platforms go; `nav[i]` belongs to `scene.platforms[i]`.
+    pub nav: Vec<PlatformNav>,
+    /// How pulses are released.
+    pub stream: transport::Settings,
+    /// Where pulses go.
+    pub sinks: Vec<sinks::Settings>,
+    /// The scenario as TOML text, for the record: the file itself, or, with overrides, a scenario
+    /// that reads as the same run (its comments are lost).
+    pub text: String,
+    /// The scenario file.
+    pub path: PathBuf,
+    /// What is legal but worth knowing.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads a scenario file. Overrides are (`key`, `value`): dotted path of the key, entries of arrays by
+/// number from 0 (`target.0.rcs_m2`), and the value as TOML, or as plain text where it is not TOML.
+pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
+    let read_error = |source| ConfigError::Read { path: path.to_owned(), source };
+    let file = std::fs::File::open(path).map_err(read_error)?;
+    let mut bytes = Vec::new();
+    // One byte more than allowed, so that a file of any length (or a device) is refused without being read.
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(read_error)?;
+    let size = bytes.len() as u64;
+    if size > LARGEST_FILE {
+        let bytes = std::fs::metadata(path).map_or(size, |data| data.len().max(size));
+        return Err(ConfigError::TooLarge { path: path.to_owned(), bytes, allowed: LARGEST_FILE });
+    }
+    let text = String::from_utf8(bytes).map_err(|error| ConfigError::NotText {
+        path: path.to_owned(),
+        offset: error.utf8_error().valid_up_to(),
+    })?;
+    parse(&text, path, overrides)
+}
+
+/// Reads a scenario from memory; `path` names it in faults, and files are looked for beside it.
+pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
+    let read = read(text, path, overrides);
+    match read.run {
+        Some(run) if read.faults.is_empty() => Ok(run),
+        _ => Err(ConfigError::Faults { path: path.to_owned(), faults: read.faults }),
+    }
+}
+
+/// A scenario read to the end, whatever its faults.
+struct Outcome {
+    run: Option<Run>,
+    faults: Vec<Fault>,
+    /// Keys asked for, for the test of the manual.
+    #[cfg_attr(not(test), allow(dead_code))]
+    asked: BTreeSet<(&'static str, &'static str)>,
+}
+
+fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
+    let (mut root, syntax) = document::read(text);
+    let lost = document::put(&mut root, overrides);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let reader = section::Reader::new(folder, lost);
+    let run = resolve::resolve(section::Section::root(&reader, &root));
+    let (mut faults, warnings, asked) = reader.finish();
+    if !syntax.is_empty() {
+        // What the parser could not read may look missing or misplaced: keep faults that cannot be
+        // echoes of it.
+        let line = |at: At| match at {
+            At::File { line, .. } => Some(line),
+            At::Override => None,
+        };
+        faults.retain(|fault| {
+            let echo = matches!(fault.problem, Problem::Missing { .. } | Problem::NoneOf { .. });
+            !echo && !syntax.iter().any(|s| line(s.at).is_some() && line(s.at) == line(fault.at))
+        });
+        faults.splice(0..0, syntax);
+    }
+    faults.sort_by_key(|fault| fault.at);
+    let text = if overrides.is_empty() { text.to_owned() } else { with_overrides(&root, overrides) };
+    let run = run.map(|parts| Run {
+        scene: parts.scene,
+        nav: parts.nav,
+        stream: parts.stream,
+        sinks: parts.sinks,
+        text,
+        path: path.to_owned(),
+        warnings,
+    });
+    Outcome { run, faults, asked }
+}
+
+fn with_overrides(root: &document::Node, overrides: &[(String, String)]) -> String {
+    let mut text = String::new();
+    for (key, value) in overrides {
+        let line: String =
+            format!("{key}={value}").chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        text.push_str(&format!("# --set {line}\n"));
+    }
+    text + &document::write(root)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+//! Antennas: where they sit, what they look like, where they point; and aim points.
+
+use super::place::{self, SurfaceKeys};
+use super::{Ground, Names};
+use crate::config::keys::{self, Key};
+use crate::config::section::Section;
+use crate::frames::Vector;
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Pattern, Pointing};
+
+/// The keys that transmitters and receivers share.
+pub(super) struct MountKeys {
+    pub(super) platform: &'static Key,
+    pub(super) lever_arm_m: &'static Key,
+    pub(super) antenna: &'static Key,
+    pub(super) pointing: &'static Key,
+    pub(super) cross_pol_isolation_db: &'static Key,
+}
+
+/// The antenna of a transmitter or receiver.
+pub(super) fn mount(
+    section: &Section<'_>,
+    keys: &MountKeys,
+    ground: &Ground,
+    platforms: &Names,
+) -> Option<AntennaMount> {
+    let platform = platforms.find(section, keys.platform);
+    let lever_arm = section.vector(keys.lever_arm_m);
+    let pattern = section.section(keys.antenna).and_then(pattern);
+    let pointing = section.section(keys.pointing).map(|section| pointing(section, ground, platforms));
+    let pointing = if section.has(keys.pointing) {
+        pointing.flatten()
+    } else {
+        Some(Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 })
+    };
+    let cross_pol_isolation_db = section.number(keys.cross_pol_isolation_db);
+    let [forward, starboard, down] = lever_arm?;
+    Some(AntennaMount {
+        platform: platform?,
+        lever_arm: Vector::new(forward, starboard, down),
+        pattern: pattern?,
+        pointing: pointing?,
+        cross_pol_isolation_db,
+    })
+}
+
+fn pattern(section: Section<'_>) -> Option<Pattern> {
+    use keys::antenna::{DIAMETER_M, FLOOR_DBI, GAIN_DBI, HEIGHT_M, KIND, PATH, WIDTH_M};
+    let pattern = match section.choice(&KIND) {
+        Some("isotropic") => section.number(&GAIN_DBI).map(|gain_dbi| Pattern::Isotropic { gain_dbi }),
+        Some("rectangle") => sides(&section, &WIDTH_M, &HEIGHT_M)
+            .map(|[width_m, height_m]| Pattern::Rectangle { width_m, height_m }),
+        Some("ellipse") => sides(&section, &WIDTH_M, &HEIGHT_M)
+            .map(|[width_m, height_m]| Pattern::Ellipse { width_m, height_m }),
+        Some("circle") => section
+            .number(&DIAMETER_M)
+            .map(|diameter_m| Pattern::Ellipse { width_m: diameter_m, height_m: diameter_m }),
+        Some(_) => {
+            let path = section.file(&PATH);
+            let floor_dbi = section.number(&FLOOR_DBI);
+            path.zip(floor_dbi).map(|(path, floor_dbi)| Pattern::File { path, floor_dbi })
+        }
+        None => None,
+    };
+    section.finish();
+    pattern
+}
+
+fn sides(section: &Section<'_>, width: &'static Key, height: &'static Key) -> Option<[f64; 2]> {
+    let (width_m, height_m) = (section.number(width), section.number(height));
+    Some([width_m?, height_m?])
+}
+
+fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Pointing> {
+    use keys::pointing as k;
+    let kind = section.choice(&k::KIND);
+    let pointing = match kind {
+        Some("fixed") => {
+            let [yaw, pitch, roll] =
+                [&k::YAW_DEG, &k::PITCH_DEG, &k::ROLL_DEG].map(|key| section.number(key));
+            yaw.zip(pitch).zip(roll).map(|((yaw, pitch), roll)| Pointing::Fixed {
+                yaw_rad: yaw.to_radians(),
+                pitch_rad: pitch.to_radians(),
+                roll_rad: roll.to_radians(),
+            })
+        }
+        Some(kind) => {
+            let keys = AimKeys {
+                surface: SurfaceKeys {
+                    position_m: &k::POSITION_M,
+                    lat_deg: &k::LAT_DEG,
+                    lon_deg: &k::LON_DEG,
+                    height_m: None,
+                },
+                velocity_mps: &k::VELOCITY_MPS,
+                platform: &k::PLATFORM,
+                along_m: &k::ALONG_M,
+                across_m: &k::ACROSS_M,
+            };
+            let aim = aim(&section, kind, &keys, ground, platforms);
+            let aim_from = aim_from(&section, &k::AIM_FROM);
+            let [lag_s, az, el] =
+                [&k::LAG_S, &k::BIAS_AZ_DEG, &k::BIAS_EL_DEG].map(|key| section.number(key));
+            aim.zip(aim_from).zip(lag_s).zip(az.zip(el)).map(|(((aim, aim_from), lag_s), (az, el))| {
+                Pointing::At { aim, aim_from, lag_s, bias_rad: [az.to_radians(), el.to_radians()] }
+            })
+        }
+        None => None,
+    };
+    section.finish();
+    pointing
+}
+
+/// The keys of an aim point.
+pub(super) struct AimKeys {
+    pub(super) surface: SurfaceKeys,
+    pub(super) velocity_mps: &'static Key,
+    pub(super) platform: &'static Key,
+    pub(super) along_m: &'static Key,
+    pub(super) across_m: &'static Key,
+}
+
+/// An aim point of kind `at` or `beside`.
+pub(super) fn aim(
+    section: &Section<'_>,
+    kind: &str,
+    keys: &AimKeys,
+    ground: &Ground,
+    platforms: &Names,
+) -> Option<Aim> {
+    if kind == "at" {
+        let position = place::above_sea(section, &keys.surface, ground);
+        let [e, n, u] = section.vector(keys.velocity_mps)?;
+        return Some(Aim::Point { position: position?, velocity: Vector::new(e, n, u) });
+    }
+    let platform = platforms.find(section, keys.platform);
+    let (along_m, across_m) = (section.number(keys.along_m), section.number(keys.across_m));
+    Some(Aim::Beside { platform: platform?, along_m: along_m?, across_m: across_m? })
+}
+
+/// Which tracks a servo or a range gate knows.
+pub(super) fn aim_from(section: &Section<'_>, key: &'static Key) -> Option<AimFrom> {
+    section.choice(key).map(|word| if word == "true" { AimFrom::True } else { AimFrom::Reported })
+}

@@ -1,0 +1,185 @@
+//! Tables become descriptions.
+//!
+//! Every function reads all keys of its table first, then closes the table, and only then gives up on
+//! what is missing: so one pass reports every fault.
+
+mod antenna;
+mod place;
+mod platform;
+mod radar;
+mod stream;
+mod target;
+
+use super::error::Problem;
+use super::keys::{self, Key};
+use super::section::Section;
+use crate::frames::{Earth, Geodetic, SceneFrame};
+use crate::nav::{PlatformNav, TrackSource};
+use crate::scene::Scene;
+use crate::time::TimeTag;
+use crate::{sinks, transport};
+
+/// What a scenario holds.
+pub(super) struct Parts {
+    pub(super) scene: Scene,
+    pub(super) nav: Vec<PlatformNav>,
+    pub(super) stream: transport::Settings,
+    pub(super) sinks: Vec<sinks::Settings>,
+}
+
+/// The scene frame, or what stands for it while faults are collected.
+struct Ground {
+    frame: SceneFrame,
+    /// Undulation at the origin; `None` for a plain local frame.
+    origin_h_m: Option<f64>,
+    /// Whether the origin could be read (or is rightly absent).
+    sound: bool,
+}
+
+impl Ground {
+    /// Whether geodetic positions are possible; a faulty origin is not held against them.
+    fn geodetic_allowed(&self) -> bool {
+        self.origin_h_m.is_some() || !self.sound
+    }
+}
+
+/// Names given so far, each beside the place where faulty ones were left out.
+struct Names {
+    what: &'static str,
+    names: Vec<Option<String>>,
+}
+
+impl Names {
+    fn new(what: &'static str) -> Self {
+        Self { what, names: Vec::new() }
+    }
+
+    /// Takes the name of a new entry, faulting duplicates (also against `others`).
+    fn take(&mut self, section: &Section<'_>, key: &'static Key, others: &[&Names]) {
+        let name = section.name(key);
+        if let Some(name) = &name {
+            let taken = |names: &Names| names.names.iter().flatten().any(|n| n == name);
+            if taken(self) || others.iter().any(|names| taken(names)) {
+                section.fault(key, Problem::Duplicate { name: name.clone(), what: self.what });
+            }
+        }
+        self.names.push(name);
+    }
+
+    /// Place of a name, faulting names that nothing has.
+    fn find(&self, section: &Section<'_>, key: &'static Key) -> Option<usize> {
+        let name = section.name(key)?;
+        let found = self.names.iter().position(|n| n.as_ref() == Some(&name));
+        if found.is_none() && self.names.iter().all(Option::is_some) {
+            let mut known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
+            known.dedup();
+            let known = if known.is_empty() { "none are defined".to_owned() } else { known.join(", ") };
+            section.fault(key, Problem::NoSuch { name, what: self.what, known });
+        }
+        found
+    }
+}
+
+/// Reads a whole scenario.
+pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
+    let scene = root.section(&keys::root::SCENE);
+    let (ground, time) = match &scene {
+        Some(section) => (ground(section), scene_time(section)),
+        None => (no_ground(), SceneTime { start: None, start_written: true, duration_s: None, seed: None }),
+    };
+    let platform_sections = root.sections(&keys::root::PLATFORM);
+    let mut platforms = Names::new("platform");
+    let nav: Vec<Option<PlatformNav>> = platform_sections
+        .into_iter()
+        .map(|section| {
+            platforms.take(&section, &keys::platform::NAME, &[]);
+            platform::platform(section, &ground)
+        })
+        .collect();
+    if let Some(section) = scene {
+        let recorded = nav.iter().flatten().any(|nav| {
+            matches!(nav.truth, TrackSource::File(_)) || matches!(nav.reported, Some(TrackSource::File(_)))
+        });
+        if recorded && !time.start_written {
+            section.fault(&keys::scene::START_UTC, Problem::NeedsStart);
+        }
+        section.finish();
+    }
+    let radar = radar::radar(&root, &ground, &platforms);
+    let targets = target::targets(&root, &ground);
+    let stream =
+        stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+    let sinks =
+        stream::sinks(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+    root.finish();
+
+    let radar = radar?;
+    let scene = Scene {
+        frame: ground.frame,
+        start: time.start?,
+        pulses: radar.emissions.count_within(time.duration_s?),
+        seed: time.seed?,
+        platforms: platforms.names.into_iter().collect::<Option<_>>()?,
+        radar,
+        targets: targets?,
+    };
+    Some(Parts { scene, nav: nav.into_iter().collect::<Option<_>>()?, stream: stream?, sinks: sinks? })
+}
+
+struct SceneTime {
+    start: Option<TimeTag>,
+    start_written: bool,
+    duration_s: Option<f64>,
+    seed: Option<u64>,
+}
+
+fn scene_time(section: &Section<'_>) -> SceneTime {
+    use keys::scene::{DURATION_S, SEED, START_UTC};
+    let start_written = section.has(&START_UTC);
+    // 2000-01-01T00:00:00Z.
+    let midnight_2000 = TimeTag::new(946_684_800, 0.0);
+    let given = section.time(&START_UTC);
+    SceneTime {
+        start: if start_written { given } else { Some(midnight_2000) },
+        start_written,
+        duration_s: section.number(&DURATION_S),
+        seed: section.count(&SEED),
+    }
+}
+
+fn no_ground() -> Ground {
+    Ground { frame: SceneFrame::plain(Earth::Flat), origin_h_m: None, sound: false }
+}
+
+fn ground(section: &Section<'_>) -> Ground {
+    use keys::scene::{EARTH, EARTH_RADIUS_FACTOR, ORIGIN_H_M, ORIGIN_LAT_DEG, ORIGIN_LON_DEG};
+    let trio = [&ORIGIN_LAT_DEG, &ORIGIN_LON_DEG, &ORIGIN_H_M];
+    let written = trio.iter().filter(|key| section.has(key)).count();
+    let [lat_deg, lon_deg, h_m] = trio.map(|key| section.number(key));
+    if let Some(first) = trio.iter().find(|key| section.has(key)).filter(|_| written < trio.len()) {
+        section.fault(first, Problem::Alone { keys: super::section::names(&trio) });
+    }
+    let earth = section.choice(&EARTH);
+    let curved = match earth {
+        Some(word) => word == "curved",
+        None => written == trio.len(),
+    };
+    let mut factor = Some(1.0);
+    if curved {
+        factor = section.number(&EARTH_RADIUS_FACTOR);
+    } else if section.has(&EARTH_RADIUS_FACTOR) {
+        section.number(&EARTH_RADIUS_FACTOR);
+        section.fault(&EARTH_RADIUS_FACTOR, Problem::Idle { when: "the earth is flat".to_owned() });
+    }
+    let Some(radius_factor) = factor else { return no_ground() };
+    let earth = if curved { Earth::Curved { radius_factor } } else { Earth::Flat };
+    match (written, lat_deg, lon_deg, h_m) {
+        (0, ..) => Ground { frame: SceneFrame::plain(earth), origin_h_m: None, sound: true },
+        (3, Some(lat_deg), Some(lon_deg), Some(h_m)) => Ground {
+            frame: SceneFrame::at(Geodetic::from_deg(lat_deg, lon_deg, h_m), earth),
+            origin_h_m: Some(h_m),
+            sound: true,
+        },
+        _ => no_ground(),
+    }
+}

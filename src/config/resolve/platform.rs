@@ -1,0 +1,126 @@
+//! Platforms: where their trajectories come from.
+
+use super::{Ground, place};
+use crate::config::error::Problem;
+use crate::config::keys;
+use crate::config::section::Section;
+use crate::frames::{Body, Enu, Rotation, Vector};
+use crate::nav::{
+    AttitudeSource, FileFormat, FileSource, PlatformNav, Smoothing, TrackSource, VerticalDatum,
+};
+
+/// One `[[platform]]`; its name has been read.
+pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<PlatformNav> {
+    use keys::platform::{REPORTED, TRACK};
+    let truth = section.section(&TRACK).map(|section| track(section, ground));
+    let has_report = section.has(&REPORTED);
+    let reported = section.section(&REPORTED).map(|section| track(section, ground));
+    section.finish();
+    let reported = if has_report { Some(reported??) } else { None };
+    Some(PlatformNav { truth: truth??, reported })
+}
+
+fn track(section: Section<'_>, ground: &Ground) -> Option<TrackSource> {
+    let source = match section.choice(&keys::track::KIND) {
+        Some("fixed") => fixed(&section, ground),
+        Some("straight") => straight(&section, ground),
+        Some("csv") => file(&section, ground, FileFormat::Csv).map(TrackSource::File),
+        Some(_) => file(&section, ground, FileFormat::Nmea).map(TrackSource::File),
+        None => None,
+    };
+    section.finish();
+    source
+}
+
+fn fixed(section: &Section<'_>, ground: &Ground) -> Option<TrackSource> {
+    let place = place::platform(section, ground);
+    let attitude = attitude(section)?;
+    Some(TrackSource::Fixed { place: place?, attitude })
+}
+
+fn straight(section: &Section<'_>, ground: &Ground) -> Option<TrackSource> {
+    use keys::track::{PITCH_DEG, ROLL_DEG, VELOCITY_MPS, YAW_DEG};
+    let place = place::platform(section, ground);
+    let velocity = section.vector(&VELOCITY_MPS).map(|[e, n, u]| Vector::new(e, n, u));
+    let given = [&YAW_DEG, &PITCH_DEG, &ROLL_DEG].into_iter().any(|key| section.has(key));
+    let attitude = attitude(section)?;
+    Some(TrackSource::Straight { place: place?, velocity: velocity?, attitude: given.then_some(attitude) })
+}
+
+/// Yaw, pitch and roll, zero where absent.
+fn attitude(section: &Section<'_>) -> Option<Rotation<Body, Enu>> {
+    use keys::track::{PITCH_DEG, ROLL_DEG, YAW_DEG};
+    let angles = [&YAW_DEG, &PITCH_DEG, &ROLL_DEG].map(|key| {
+        let angle_deg = section.number(key);
+        if section.has(key) { angle_deg } else { Some(0.0) }
+    });
+    let [yaw, pitch, roll] = angles;
+    Some(Rotation::from_yaw_pitch_roll(yaw?.to_radians(), pitch?.to_radians(), roll?.to_radians()))
+}
+
+fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<FileSource> {
+    use keys::track::{ATTITUDE, BAROMETRIC_OFFSET_M, DATUM, MAX_GAP_S, PATH, SMOOTHING};
+    let path = section.file(&PATH);
+    let datum = match section.choice(&DATUM) {
+        Some("ellipsoid") => Some(VerticalDatum::Ellipsoid),
+        Some("msl") => Some(VerticalDatum::MeanSeaLevel),
+        Some(_) => {
+            section.number(&BAROMETRIC_OFFSET_M).map(|offset_m| VerticalDatum::Barometric { offset_m })
+        }
+        // Without an origin a recording holds local coordinates, which have no datum.
+        None if !section.has(&DATUM) && ground.origin_h_m.is_none() => Some(VerticalDatum::Ellipsoid),
+        None => {
+            if !section.has(&DATUM) {
+                section.fault(&DATUM, Problem::Missing { allowed: DATUM.kind.allowed() });
+            }
+            None
+        }
+    };
+    let max_gap_s = section.number(&MAX_GAP_S);
+    let smoothing = match section.has(&SMOOTHING) {
+        true => section.section(&SMOOTHING).and_then(smoothing),
+        false => {
+            section.section(&SMOOTHING);
+            Some(Smoothing::Off)
+        }
+    };
+    let attitude = match section.choice(&ATTITUDE) {
+        Some("recorded") => Some(AttitudeSource::Recorded),
+        Some("coordinated_turn") => Some(AttitudeSource::CoordinatedTurn),
+        Some("level") => Some(AttitudeSource::Level),
+        Some(_) => attitude(section).map(AttitudeSource::Constant),
+        None => None,
+    };
+    Some(FileSource {
+        path: path?,
+        format,
+        datum: datum?,
+        undulation_m: ground.origin_h_m.unwrap_or(0.0),
+        max_gap_s: max_gap_s?,
+        smoothing: smoothing?,
+        attitude: attitude?,
+    })
+}
+
+fn smoothing(section: Section<'_>) -> Option<Smoothing> {
+    use keys::smoothing::{HORIZONTAL_SIGMA_M, KIND, MAX_ACCELERATION_MPS2, VERTICAL_SIGMA_M};
+    let kind = section.choice(&KIND);
+    let smoothing = match kind {
+        Some("rts") => {
+            let horizontal = section.number(&HORIZONTAL_SIGMA_M);
+            let vertical = section.number(&VERTICAL_SIGMA_M);
+            let acceleration = section.number(&MAX_ACCELERATION_MPS2);
+            horizontal.zip(vertical).zip(acceleration).map(
+                |((horizontal_sigma_m, vertical_sigma_m), bound)| Smoothing::Rts {
+                    horizontal_sigma_m,
+                    vertical_sigma_m,
+                    max_acceleration_mps2: bound,
+                },
+            )
+        }
+        Some(_) => Some(Smoothing::Off),
+        None => None,
+    };
+    section.finish();
+    smoothing
+}

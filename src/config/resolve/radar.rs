@@ -1,0 +1,377 @@
+//! The instrument.
+
+use super::antenna::{self, AimKeys, MountKeys};
+use super::place::SurfaceKeys;
+use super::{Ground, Names};
+use crate::config::error::{Problem, Warning};
+use crate::config::keys;
+use crate::config::section::{Section, polarisation, polarisation_pair};
+use crate::scene::radar::{
+    Adc, Channel, Gate, Polarisation, Radar, Receiver, Sweep, Transmitter, TxPolarisation, Waveform, Window,
+};
+use crate::time::PulseTimes;
+
+/// Most bytes of one pulse.
+const LARGEST_PULSE: u128 = 1 << 30;
+
+/// `[radar]`, `[[transmitter]]`, `[[receiver]]`.
+pub(super) fn radar(root: &Section<'_>, ground: &Ground, platforms: &Names) -> Option<Radar> {
+    let mut transmitter_names = Names::new("transmitter");
+    let transmitters: Vec<Option<Transmitter>> = root
+        .sections(&keys::root::TRANSMITTER)
+        .into_iter()
+        .map(|section| {
+            transmitter_names.take(&section, &keys::transmitter::NAME, &[]);
+            transmitter(section, &transmitter_names, ground, platforms)
+        })
+        .collect();
+    let mut receiver_names = Names::new("receiver");
+    let receivers: Vec<Option<Receiver>> = root
+        .sections(&keys::root::RECEIVER)
+        .into_iter()
+        .map(|section| {
+            receiver_names.take(&section, &keys::receiver::NAME, &[&transmitter_names]);
+            receiver(section, &receiver_names, ground, platforms)
+        })
+        .collect();
+
+    use keys::radar as k;
+    let section = root.section(&keys::root::RADAR)?;
+    let carrier_hz = section.number(&k::CARRIER_HZ);
+    let sample_rate_hz = section.number(&k::SAMPLE_RATE_HZ);
+    let emissions = emissions(&section);
+    let waveform = section.section(&k::WAVEFORM).and_then(|s| waveform(s, sample_rate_hz));
+    let pulse_s = match &waveform {
+        Some(Waveform::Lfm { duration_s, .. }) => Some(*duration_s),
+        _ => None,
+    };
+    let window =
+        section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
+    let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names };
+    let channels = channels(&section, &antennas);
+    let tx_polarisation = tx_polarisation(&section, channels.as_deref());
+    let losses_db = section.number(&k::LOSSES_DB);
+    let atmosphere_db_per_km = section.number(&k::ATMOSPHERE_DB_PER_KM);
+    let noise_figure_db = section.number(&k::NOISE_FIGURE_DB);
+    let has_adc = section.has(&k::ADC);
+    let adc = section.section(&k::ADC).and_then(adc);
+    let direct_path = section.flag(&k::DIRECT_PATH);
+    if let (Some(channels), Some(window)) = (&channels, &window) {
+        check_size(&section, channels.len(), window.samples, has_adc);
+    }
+    if let Some(channels) = &channels {
+        warn_unused(&section, channels, &antennas);
+    }
+    section.finish();
+
+    Some(Radar {
+        carrier_hz: carrier_hz?,
+        sample_rate_hz: sample_rate_hz?,
+        waveform: waveform?,
+        emissions: emissions?,
+        tx_polarisation: tx_polarisation?,
+        window: window?,
+        losses_db: losses_db?,
+        atmosphere_db_per_km: atmosphere_db_per_km?,
+        noise_figure_db,
+        adc: if has_adc { Some(adc?) } else { None },
+        direct_path: direct_path?,
+        transmitters: transmitters.into_iter().collect::<Option<_>>()?,
+        receivers: receivers.into_iter().collect::<Option<_>>()?,
+        channels: channels?,
+    })
+}
+
+/// The name that was just taken.
+fn last(names: &Names) -> Option<String> {
+    names.names.last().cloned().flatten()
+}
+
+fn transmitter(
+    section: Section<'_>,
+    names: &Names,
+    ground: &Ground,
+    platforms: &Names,
+) -> Option<Transmitter> {
+    use keys::transmitter as k;
+    let power_w = section.number(&k::POWER_W);
+    let mount_keys = MountKeys {
+        platform: &k::PLATFORM,
+        lever_arm_m: &k::LEVER_ARM_M,
+        antenna: &k::ANTENNA,
+        pointing: &k::POINTING,
+        cross_pol_isolation_db: &k::CROSS_POL_ISOLATION_DB,
+    };
+    let antenna = antenna::mount(&section, &mount_keys, ground, platforms);
+    section.finish();
+    Some(Transmitter { name: last(names)?, power_w: power_w?, antenna: antenna? })
+}
+
+fn receiver(section: Section<'_>, names: &Names, ground: &Ground, platforms: &Names) -> Option<Receiver> {
+    use keys::receiver as k;
+    let mount_keys = MountKeys {
+        platform: &k::PLATFORM,
+        lever_arm_m: &k::LEVER_ARM_M,
+        antenna: &k::ANTENNA,
+        pointing: &k::POINTING,
+        cross_pol_isolation_db: &k::CROSS_POL_ISOLATION_DB,
+    };
+    let antenna = antenna::mount(&section, &mount_keys, ground, platforms);
+    section.finish();
+    Some(Receiver { name: last(names)?, antenna: antenna? })
+}
+
+fn emissions(section: &Section<'_>) -> Option<PulseTimes> {
+    use keys::radar::{PRF_HZ, PRI_US};
+    let written = section.exactly_one(&[&PRF_HZ, &PRI_US]);
+    let (prf_hz, pri_us) = (section.number(&PRF_HZ), section.numbers(&PRI_US));
+    written?;
+    // Both ranges lie within those of PulseTimes, so that neither can fail.
+    match (prf_hz, pri_us) {
+        (Some(prf_hz), _) => PulseTimes::uniform(prf_hz).ok(),
+        (None, Some(pri_us)) => {
+            let pri_s: Vec<f64> = pri_us.iter().map(|us| us / 1e6).collect();
+            PulseTimes::sequence(&pri_s).ok()
+        }
+        (None, None) => None,
+    }
+}
+
+fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Option<Waveform> {
+    use keys::waveform::{BANDWIDTH_HZ, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
+    let waveform = match section.choice(&KIND) {
+        Some("lfm") => {
+            let bandwidth_hz = section.number(&BANDWIDTH_HZ);
+            if let (Some(bandwidth_hz), Some(sample_rate_hz)) = (bandwidth_hz, sample_rate_hz)
+                && bandwidth_hz > sample_rate_hz
+            {
+                section.fault(&BANDWIDTH_HZ, Problem::Bandwidth { bandwidth_hz, sample_rate_hz });
+            }
+            let duration_s = section.number(&PULSE_S);
+            let sweep = section.choice(&SWEEP).map(|word| if word == "up" { Sweep::Up } else { Sweep::Down });
+            bandwidth_hz.zip(duration_s).zip(sweep).map(|((bandwidth_hz, duration_s), sweep)| Waveform::Lfm {
+                bandwidth_hz,
+                duration_s,
+                sweep,
+            })
+        }
+        Some(_) => {
+            let (path, rate_hz) = (section.file(&PATH), section.number(&RATE_HZ));
+            path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
+        }
+        None => None,
+    };
+    section.finish();
+    waveform
+}
+
+fn window(
+    section: Section<'_>,
+    sample_rate_hz: Option<f64>,
+    pulse_s: Option<f64>,
+    ground: &Ground,
+    platforms: &Names,
+) -> Option<Window> {
+    use keys::window::{FOLLOW, SAMPLES, START_US};
+    let samples = section.count(&SAMPLES);
+    if let (Some(samples), Some(sample_rate_hz), Some(pulse_s)) = (samples, sample_rate_hz, pulse_s) {
+        let window_s = samples as f64 / sample_rate_hz;
+        // A pulse of a whole number of samples must pass although its product with the rate is rounded.
+        let least = (pulse_s * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as u64;
+        if samples < least {
+            section.fault(&SAMPLES, Problem::ShortWindow { samples, window_s, pulse_s, least });
+        }
+    }
+    let written = section.exactly_one(&[&START_US, &FOLLOW]);
+    let start_us = section.number(&START_US);
+    let follow = section.section(&FOLLOW).and_then(|s| follow(s, ground, platforms));
+    section.finish();
+    written?;
+    let fixed = start_us.map(|us| Gate::Fixed { start_s: us / 1e6 });
+    let gate = fixed.or(follow)?;
+    Some(Window { samples: usize::try_from(samples?).ok()?, gate })
+}
+
+fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Gate> {
+    use keys::follow as k;
+    let aim_keys = AimKeys {
+        surface: SurfaceKeys {
+            position_m: &k::POSITION_M,
+            lat_deg: &k::LAT_DEG,
+            lon_deg: &k::LON_DEG,
+            height_m: None,
+        },
+        velocity_mps: &k::VELOCITY_MPS,
+        platform: &k::PLATFORM,
+        along_m: &k::ALONG_M,
+        across_m: &k::ACROSS_M,
+    };
+    let kind = section.choice(&k::KIND);
+    let aim = kind.and_then(|kind| antenna::aim(&section, kind, &aim_keys, ground, platforms));
+    let lead_us = section.number(&k::LEAD_US);
+    let aim_from = antenna::aim_from(&section, &k::AIM_FROM);
+    section.finish();
+    Some(Gate::Follow { aim: aim?, lead_s: lead_us? / 1e6, aim_from: aim_from? })
+}
+
+fn adc(section: Section<'_>) -> Option<Adc> {
+    use keys::adc::{BITS, FULL_SCALE_DBW};
+    let (bits, full_scale_dbw) = (section.count(&BITS), section.number(&FULL_SCALE_DBW));
+    section.finish();
+    let full_scale = crate::units::Decibels(full_scale_dbw?).amplitude_ratio();
+    Some(Adc { bits: u32::try_from(bits?).ok()?, full_scale })
+}
+
+struct Antennas<'n> {
+    transmitters: &'n Names,
+    receivers: &'n Names,
+}
+
+impl Antennas<'_> {
+    /// The default name of a channel: `HV`, or `HV-coast-aircraft` where there are several antennas.
+    fn channel_name(
+        &self,
+        rx: Polarisation,
+        tx: Polarisation,
+        transmitter: usize,
+        receiver: usize,
+    ) -> String {
+        let pair = format!("{}{}", rx.letter(), tx.letter());
+        if self.transmitters.names.len() == 1 && self.receivers.names.len() == 1 {
+            return pair;
+        }
+        let name =
+            |names: &Names, index: usize| names.names.get(index).cloned().flatten().unwrap_or_default();
+        format!("{pair}-{}-{}", name(self.transmitters, transmitter), name(self.receivers, receiver))
+    }
+}
+
+fn channels(section: &Section<'_>, antennas: &Antennas<'_>) -> Option<Vec<Channel>> {
+    use keys::radar::{CHANNEL, CHANNELS};
+    let written = section.exactly_one(&[&CHANNELS, &CHANNEL]);
+    let pairs = section.words(&CHANNELS, polarisation_pair);
+    let rows = section.sections(&CHANNEL);
+    if section.has(&CHANNEL) {
+        let empty = rows.is_empty();
+        let mut names = Names::new("channel");
+        let rows: Vec<Option<Channel>> =
+            rows.into_iter().map(|row| channel(row, antennas, &mut names)).collect();
+        if empty {
+            section.fault(&CHANNEL, Problem::NoneOf { keys: "channels, [[radar.channel]]".to_owned() });
+            return None;
+        }
+        written?;
+        return rows.into_iter().collect();
+    }
+    let pairs = pairs?;
+    let mut channels = Vec::new();
+    for transmitter in 0..antennas.transmitters.names.len() {
+        for receiver in 0..antennas.receivers.names.len() {
+            for &[rx, tx] in &pairs {
+                let name = antennas.channel_name(rx, tx, transmitter, receiver);
+                if channels.iter().any(|channel: &Channel| channel.name == name) {
+                    section.fault(&CHANNELS, Problem::Duplicate { name: name.clone(), what: "channel" });
+                }
+                channels.push(Channel { name, transmitter, receiver, tx, rx });
+                if channels.len() > 4096 {
+                    let count = channels.len() as u64;
+                    section.fault(&CHANNELS, Problem::TooMany { count, what: "channels", allowed: 4096 });
+                    return None;
+                }
+            }
+        }
+    }
+    Some(channels)
+}
+
+fn channel(section: Section<'_>, antennas: &Antennas<'_>, names: &mut Names) -> Option<Channel> {
+    use keys::channel::{NAME, POLARISATION, RECEIVER, TRANSMITTER};
+    let polarisations = section.polarisations(&POLARISATION);
+    let end = |key, names: &Names| {
+        if section.has(key) {
+            return names.find(&section, key);
+        }
+        section.name(key);
+        if names.names.len() > 1 {
+            let known: Vec<&str> = names.names.iter().flatten().map(String::as_str).collect();
+            section.fault(key, Problem::Missing { allowed: format!("one of {}", known.join(", ")) });
+        }
+        (names.names.len() == 1).then_some(0)
+    };
+    let transmitter = end(&TRANSMITTER, antennas.transmitters);
+    let receiver = end(&RECEIVER, antennas.receivers);
+    let written = section.has(&NAME);
+    let name = if written {
+        names.take(&section, &NAME, &[]);
+        last(names)
+    } else {
+        section.name(&NAME);
+        let name = match (polarisations, transmitter, receiver) {
+            (Some([rx, tx]), Some(transmitter), Some(receiver)) => {
+                Some(antennas.channel_name(rx, tx, transmitter, receiver))
+            }
+            _ => None,
+        };
+        if let Some(name) = name.as_ref().filter(|name| names.names.iter().flatten().any(|n| n == *name)) {
+            section.fault(&NAME, Problem::Duplicate { name: name.clone(), what: "channel" });
+        }
+        names.names.push(name.clone());
+        name
+    };
+    section.finish();
+    let [rx, tx] = polarisations?;
+    Some(Channel { name: name?, transmitter: transmitter?, receiver: receiver?, tx, rx })
+}
+
+fn tx_polarisation(section: &Section<'_>, channels: Option<&[Channel]>) -> Option<TxPolarisation> {
+    use keys::radar::{TX_POLARISATION, TX_SEQUENCE};
+    let alternating = section.choice(&TX_POLARISATION)? == "alternating";
+    let given = section.words(&TX_SEQUENCE, polarisation);
+    if !alternating {
+        if section.has(&TX_SEQUENCE) {
+            section
+                .fault(&TX_SEQUENCE, Problem::Idle { when: "tx_polarisation = \"simultaneous\"".to_owned() });
+        }
+        return Some(TxPolarisation::Simultaneous);
+    }
+    let channels = channels?;
+    if !section.has(&TX_SEQUENCE) {
+        let mut sequence = Vec::new();
+        for channel in channels {
+            if !sequence.contains(&channel.tx) {
+                sequence.push(channel.tx);
+            }
+        }
+        // No channels means no antennas, which has been reported.
+        return (!sequence.is_empty()).then_some(TxPolarisation::Alternating(sequence));
+    }
+    let sequence = given?;
+    for channel in channels.iter().filter(|channel| !sequence.contains(&channel.tx)) {
+        let (channel, letter) = (channel.name.clone(), channel.tx.letter());
+        section.fault(&TX_SEQUENCE, Problem::NeverSent { channel, letter });
+    }
+    Some(TxPolarisation::Alternating(sequence))
+}
+
+fn check_size(section: &Section<'_>, channels: usize, samples: usize, has_adc: bool) {
+    let sample_bytes = if has_adc { 4 } else { 8 };
+    let bytes = channels as u128 * samples as u128 * sample_bytes;
+    if bytes > LARGEST_PULSE {
+        let problem = Problem::PulseSize { bytes, channels, samples: samples as u64, allowed: LARGEST_PULSE };
+        section.fault(&keys::radar::WINDOW, problem);
+    }
+}
+
+fn warn_unused(section: &Section<'_>, channels: &[Channel], antennas: &Antennas<'_>) {
+    let unused = |names: &Names, used: &dyn Fn(&Channel) -> usize| {
+        let spare = |index: &usize| !channels.iter().any(|channel| used(channel) == *index);
+        let spare: Vec<usize> = (0..names.names.len()).filter(spare).collect();
+        spare.into_iter().filter_map(|index| names.names[index].clone()).collect::<Vec<String>>()
+    };
+    for name in unused(antennas.transmitters, &|channel| channel.transmitter) {
+        section.reader().warn(Warning::Unused { what: "transmitter", name });
+    }
+    for name in unused(antennas.receivers, &|channel| channel.receiver) {
+        section.reader().warn(Warning::Unused { what: "receiver", name });
+    }
+}

@@ -1,0 +1,128 @@
+//! How pulses are released, and where they go.
+
+use std::path::PathBuf;
+
+use crate::config::error::{Problem, Warning};
+use crate::config::keys;
+use crate::config::section::Section;
+use crate::scene::Radar;
+use crate::sinks;
+use crate::transport::{self, Pace, Policy};
+
+/// Memory of the ring between generation and release.
+const RING_BYTES: u64 = 512 << 20;
+/// Memory of a sink's queue.
+const QUEUE_BYTES: u64 = 256 << 20;
+/// Fewest and most slots of the ring: two blocks of pulses, and what one second at 65 kHz takes.
+const RING_SLOTS: [u64; 2] = [32, 65_536];
+/// Fewest and most pulses of a sink's queue.
+const QUEUE_PULSES: [u64; 2] = [64, 65_536];
+/// Time that a sink may be held up, s.
+const QUEUE_S: f64 = 2.0;
+
+/// What a pulse takes in memory.
+fn slot_bytes(radar: &Radar, platforms: usize, targets: usize) -> u64 {
+    radar.layout(platforms, targets).slot_bytes() as u64
+}
+
+/// `[stream]`.
+pub(super) fn stream(
+    root: &Section<'_>,
+    radar: Option<&Radar>,
+    platforms: usize,
+    targets: usize,
+) -> Option<transport::Settings> {
+    use keys::stream::{LATENCY_MS, PACE, POLICY, THREADS};
+    let section = root.section_or_empty(&keys::root::STREAM)?;
+    let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
+    let policy = section.choice(&POLICY).map(|word| match word {
+        "slip" => Policy::Slip,
+        "drop" => Policy::Drop,
+        _ => Policy::Stop,
+    });
+    let latency_ms = section.number(&LATENCY_MS);
+    let threads = section.count(&THREADS);
+    section.finish();
+    let latency_s = latency_ms? / 1e3;
+    let radar = radar?;
+    let wanted = (latency_s * radar.emissions.mean_prf_hz()).ceil() as u64 + 1;
+    let fit = (RING_BYTES / slot_bytes(radar, platforms, targets).max(1)).max(2);
+    let slots = wanted.clamp(RING_SLOTS[0], RING_SLOTS[1]).min(fit) as usize;
+    if (slots as u64) < wanted {
+        let mebibytes = (slots as u64 * slot_bytes(radar, platforms, targets)) >> 20;
+        root.reader().warn(Warning::ShortRing { wanted, slots, mebibytes });
+    }
+    let threads = usize::try_from(threads?).ok()?;
+    Some(transport::Settings { pace: pace?, policy: policy?, latency_s, ring_slots: slots, threads })
+}
+
+/// `[[sink]]`.
+pub(super) fn sinks(
+    root: &Section<'_>,
+    radar: Option<&Radar>,
+    platforms: usize,
+    targets: usize,
+) -> Option<Vec<sinks::Settings>> {
+    let default_queue = radar.map(|radar| {
+        let wanted = (QUEUE_S * radar.emissions.mean_prf_hz()).ceil() as u64;
+        let fit = (QUEUE_BYTES / slot_bytes(radar, platforms, targets).max(1)).max(2);
+        wanted.clamp(QUEUE_PULSES[0], QUEUE_PULSES[1]).min(fit)
+    });
+    let sections = root.sections(&keys::root::SINK);
+    if !root.has(&keys::root::SINK) || sections.is_empty() {
+        root.reader().warn(Warning::NoSink);
+        return Some(vec![sinks::Settings {
+            kind: sinks::Kind::Null,
+            queue_pulses: usize::try_from(default_queue?).ok()?,
+        }]);
+    }
+    let mut taken = Vec::new();
+    let sinks: Vec<Option<sinks::Settings>> =
+        sections.into_iter().map(|section| sink(section, default_queue, &mut taken)).collect();
+    sinks.into_iter().collect()
+}
+
+fn sink(
+    section: Section<'_>,
+    default_queue: Option<u64>,
+    taken: &mut Vec<PathBuf>,
+) -> Option<sinks::Settings> {
+    use keys::sink::{KIND, PATH, QUEUE_PULSES as QUEUE, SEGMENT_S};
+    let kind = match section.choice(&KIND) {
+        Some("hdf5") => {
+            let has_segments = section.has(&SEGMENT_S);
+            let segment_s = section.number(&SEGMENT_S);
+            let path = output(&section, taken);
+            path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
+        }
+        Some("plain") => output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false }),
+        Some(_) => Some(sinks::Kind::Null),
+        None => None,
+    };
+    let asked_queue = section.count(&QUEUE);
+    let queue = if section.has(&QUEUE) { asked_queue } else { default_queue };
+    section.finish();
+    return Some(sinks::Settings { kind: kind?, queue_pulses: usize::try_from(queue?).ok()? });
+
+    fn output(section: &Section<'_>, taken: &mut Vec<PathBuf>) -> Option<PathBuf> {
+        let path = section.output(&PATH)?;
+        if taken.contains(&path) {
+            let problem = Problem::Duplicate { name: path.display().to_string(), what: "sink" };
+            section.fault(&PATH, problem);
+        }
+        taken.push(path.clone());
+        Some(path)
+    }
+}
+
+/// An HDF5 recording, or the plain folder that stands for it in a build without HDF5.
+fn hdf5(section: &Section<'_>, path: PathBuf, segment_s: Option<f64>) -> sinks::Kind {
+    if cfg!(feature = "hdf5") {
+        return sinks::Kind::Hdf5 { path, segment_s, force: false };
+    }
+    let taken =
+        if path.extension().is_some() { path.with_extension("") } else { path.with_extension("plain") };
+    let warning = Warning::NoHdf5 { asked: path, taken: taken.clone(), segmented: segment_s.is_some() };
+    section.reader().warn(warning);
+    sinks::Kind::Plain { path: taken, force: false }
+}

@@ -1,0 +1,168 @@
+//! Point targets.
+
+use num_complex::Complex64;
+
+use super::place::{self, SurfaceKeys};
+use super::{Ground, Names};
+use crate::config::error::Problem;
+use crate::config::keys::{self, Key, MOST_TARGETS};
+use crate::config::section::Section;
+use crate::frames::{Enu, Point, Vector};
+use crate::scene::Target;
+use crate::units::Decibels;
+
+/// `[[target]]`, then `[[target_grid]]`.
+pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>> {
+    let mut names = Names::new("target");
+    let mut targets = Vec::new();
+    let mut sound = true;
+    for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
+        name(&section, &keys::target::NAME, &format!("target-{index}"), &mut names);
+        match target(section, names.names.last().cloned().flatten(), ground) {
+            Some(target) => targets.push(target),
+            None => sound = false,
+        }
+    }
+    let grids = root.sections(&keys::root::TARGET_GRID);
+    let mut grid_names = Names::new("target_grid");
+    for (index, section) in grids.into_iter().enumerate() {
+        name(&section, &keys::target_grid::NAME, &format!("grid-{index}"), &mut grid_names);
+        let first = targets.len();
+        match grid(section, grid_names.names.last().cloned().flatten(), ground, &mut targets) {
+            Some(()) => {
+                for target in &targets[first..] {
+                    // Only a [[target]] can have taken such a name: grids have names of their own.
+                    if names.names.iter().flatten().any(|name| *name == target.name) {
+                        let problem = Problem::Duplicate { name: target.name.clone(), what: "target" };
+                        root.fault(&keys::root::TARGET_GRID, problem);
+                    }
+                }
+            }
+            None => sound = false,
+        }
+    }
+    let count = targets.len() as u64;
+    if count > MOST_TARGETS {
+        root.fault_here(Problem::TooMany { count, what: "targets", allowed: MOST_TARGETS });
+        sound = false;
+    }
+    sound.then_some(targets)
+}
+
+/// Takes the written name or the default one.
+fn name(section: &Section<'_>, key: &'static Key, default: &str, names: &mut Names) {
+    if section.has(key) {
+        names.take(section, key, &[]);
+        return;
+    }
+    section.name(key);
+    if names.names.iter().flatten().any(|name| name == default) {
+        section.fault(key, Problem::Duplicate { name: default.to_owned(), what: names.what });
+    }
+    names.names.push(Some(default.to_owned()));
+}
+
+fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<Target> {
+    use keys::target as k;
+    let surface = SurfaceKeys {
+        position_m: &k::POSITION_M,
+        lat_deg: &k::LAT_DEG,
+        lon_deg: &k::LON_DEG,
+        height_m: if section.has(&k::POSITION_M) { None } else { Some(&k::HEIGHT_M) },
+    };
+    let position = place::above_sea(&section, &surface, ground);
+    let velocity = velocity(&section, &k::VELOCITY_MPS);
+    let scattering = scattering(&section);
+    section.finish();
+    Some(Target { name: name?, position: position?, velocity: velocity?, scattering: scattering? })
+}
+
+fn velocity(section: &Section<'_>, key: &'static Key) -> Option<Vector<Enu>> {
+    section.vector(key).map(|[e, n, u]| Vector::new(e, n, u))
+}
+
+fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
+    use keys::target::{CONVENTION, RCS_DBSM, RCS_M2, S_HH, S_HV, S_VH, S_VV};
+    let elements = [&S_VV, &S_VH, &S_HV, &S_HH];
+    let matrix = elements.iter().any(|key| section.has(key));
+    let written =
+        usize::from(matrix) + usize::from(section.has(&RCS_M2)) + usize::from(section.has(&RCS_DBSM));
+    let rcs_m2 = section.number(&RCS_M2);
+    let rcs_dbsm = section.number(&RCS_DBSM);
+    let values = elements.map(|key| {
+        let value = section.vector::<2>(key);
+        if section.has(key) { value } else { Some([0.0, 0.0]) }
+    });
+    let convention = if matrix { section.choice(&CONVENTION) } else { Some("fsa") };
+    let keys = "rcs_m2, rcs_dbsm, (s_vv, s_vh, s_hv, s_hh)".to_owned();
+    match written {
+        0 => section.fault_here(Problem::NoneOf { keys }),
+        1 => {}
+        _ => section.fault_here(Problem::Several { keys }),
+    }
+    if written != 1 {
+        return None;
+    }
+    if !matrix {
+        return Some(Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?));
+    }
+    let [vv, vh, hv, hh] = values;
+    let complex = |[re, im]: [f64; 2]| Complex64::new(re, im);
+    // The received h of the forward-scatter alignment is the opposite of the back-scatter one.
+    let sign = if convention? == "bsa" { -1.0 } else { 1.0 };
+    Some([[complex(vv?), complex(vh?)], [complex(hv?) * sign, complex(hh?) * sign]])
+}
+
+fn grid(
+    section: Section<'_>,
+    name: Option<String>,
+    ground: &Ground,
+    targets: &mut Vec<Target>,
+) -> Option<()> {
+    use keys::target_grid as k;
+    let surface = SurfaceKeys {
+        position_m: &k::POSITION_M,
+        lat_deg: &k::LAT_DEG,
+        lon_deg: &k::LON_DEG,
+        height_m: if section.has(&k::POSITION_M) { None } else { Some(&k::HEIGHT_M) },
+    };
+    let centre = place::above_sea(&section, &surface, ground);
+    let count = section.vector::<2>(&k::COUNT);
+    let count = match count {
+        Some(count) if count.iter().any(|n| n.fract() != 0.0) => {
+            let problem = Problem::Type {
+                found: format!("{count:?}"),
+                allowed: "two whole numbers from 1 to 1000".to_owned(),
+            };
+            section.fault(&k::COUNT, problem);
+            None
+        }
+        other => other,
+    };
+    let spacing = section.vector::<2>(&k::SPACING_M);
+    let velocity = velocity(&section, &k::VELOCITY_MPS);
+    let written = section.exactly_one(&[&k::RCS_M2, &k::RCS_DBSM]);
+    let rcs_m2 = section.number(&k::RCS_M2);
+    let rcs_dbsm = section.number(&k::RCS_DBSM);
+    section.finish();
+    written?;
+    let (name, centre, velocity) = (name?, centre?, velocity?);
+    let ([columns, rows], [east_m, north_m]) = (count?, spacing?);
+    let scattering = Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?);
+    let [x_m, y_m, z_m] = centre.to_array();
+    let height_m = z_m + ground.frame.earth().drop_m(x_m, y_m);
+    // Whole numbers up to 1000: the casts are exact. A field larger than the bound is cut just above it
+    // and then refused.
+    for column in 0..columns as usize {
+        for row in 0..rows as usize {
+            if targets.len() as u64 > MOST_TARGETS {
+                return Some(());
+            }
+            let x_m = x_m + (column as f64 - (columns - 1.0) / 2.0) * east_m;
+            let y_m = y_m + (row as f64 - (rows - 1.0) / 2.0) * north_m;
+            let position: Point<Enu> = ground.frame.above_sea(x_m, y_m, height_m);
+            targets.push(Target { name: format!("{name}-{column}-{row}"), position, velocity, scattering });
+        }
+    }
+    Some(())
+}

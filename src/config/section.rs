@@ -1,0 +1,548 @@
+//! A table being read: hands out checked values, collects faults, and at the end knows which keys
+//! nobody asked for.
+
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::document::{Entry, Node, Value};
+use super::error::{At, Fault, Hint, Problem, Warning};
+use super::keys::{self, Absent, Key, Kind, Table};
+use crate::scene::radar::Polarisation;
+use crate::time::TimeTag;
+
+/// What all sections of one scenario share.
+pub(super) struct Reader {
+    /// Folder of the scenario file.
+    folder: PathBuf,
+    faults: RefCell<Vec<Fault>>,
+    warnings: RefCell<Vec<Warning>>,
+    /// Keys asked for, as (heading, key): the manual's test holds them against the list.
+    asked: RefCell<BTreeSet<(&'static str, &'static str)>>,
+}
+
+impl Reader {
+    pub(super) fn new(folder: &Path, faults: Vec<Fault>) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            faults: RefCell::new(faults),
+            warnings: RefCell::new(Vec::new()),
+            asked: RefCell::new(BTreeSet::new()),
+        }
+    }
+
+    pub(super) fn warn(&self, warning: Warning) {
+        self.warnings.borrow_mut().push(warning);
+    }
+
+    pub(super) fn finish(self) -> (Vec<Fault>, Vec<Warning>, BTreeSet<(&'static str, &'static str)>) {
+        (self.faults.into_inner(), self.warnings.into_inner(), self.asked.into_inner())
+    }
+}
+
+/// One table.
+pub(super) struct Section<'a> {
+    reader: &'a Reader,
+    table: &'static Table,
+    path: String,
+    at: At,
+    entries: &'a [Entry],
+    asked: RefCell<Vec<&'static str>>,
+    /// Value of the key `kind`, for the message about keys of other kinds.
+    kind: Cell<Option<&'static str>>,
+    /// Set when it is unknown which keys belong here; only keys that belong nowhere are then faults.
+    lenient: Cell<bool>,
+}
+
+impl<'a> Section<'a> {
+    /// The whole document.
+    pub(super) fn root(reader: &'a Reader, node: &'a Node) -> Self {
+        Self::new(reader, &keys::root::TABLE, String::new(), node.at, node.table().unwrap_or(&[]))
+    }
+
+    fn new(reader: &'a Reader, table: &'static Table, path: String, at: At, entries: &'a [Entry]) -> Self {
+        Self {
+            reader,
+            table,
+            path,
+            at,
+            entries,
+            asked: RefCell::new(Vec::new()),
+            kind: Cell::new(None),
+            lenient: Cell::new(false),
+        }
+    }
+
+    pub(super) fn reader(&self) -> &'a Reader {
+        self.reader
+    }
+
+    /// Whether the key is written.
+    pub(super) fn has(&self, key: &Key) -> bool {
+        self.entry(key.name).is_some()
+    }
+
+    fn entry(&self, name: &str) -> Option<&'a Entry> {
+        self.entries.iter().find(|entry| entry.name == name)
+    }
+
+    fn path_of(&self, name: &str) -> String {
+        if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) }
+    }
+
+    /// Reports a problem with a key, at its value, or at the table where it is not written.
+    pub(super) fn fault(&self, key: &Key, problem: Problem) {
+        let at = self.entry(key.name).map_or(self.at, |entry| entry.node.at);
+        self.push(at, self.path_of(key.name), problem);
+    }
+
+    /// Reports a problem with the table.
+    pub(super) fn fault_here(&self, problem: Problem) {
+        self.push(self.at, self.path.clone(), problem);
+    }
+
+    fn push(&self, at: At, key: String, problem: Problem) {
+        self.reader.faults.borrow_mut().push(Fault { at, key, problem });
+    }
+
+    fn wrong_type(&self, key: &'static Key, node: &Node) {
+        self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
+    }
+
+    fn out_of_range(&self, key: &'static Key, found: String) {
+        self.fault(key, Problem::Range { found, allowed: key.kind.allowed() });
+    }
+
+    fn ask(&self, key: &'static Key) -> Option<&'a Node> {
+        self.asked.borrow_mut().push(key.name);
+        self.reader.asked.borrow_mut().insert((self.table.heading, key.name));
+        let found = self.entry(key.name).map(|entry| &entry.node);
+        if found.is_none() && matches!(key.absent, Absent::Required) {
+            self.fault(key, Problem::Missing { allowed: key.kind.allowed() });
+        }
+        found
+    }
+
+    /// A number; `None` when absent or faulty.
+    pub(super) fn number(&self, key: &'static Key) -> Option<f64> {
+        let Some(node) = self.ask(key) else {
+            return match key.absent {
+                Absent::Number(value) => Some(value),
+                _ => None,
+            };
+        };
+        let Kind::Number { min, max, above, .. } = key.kind else { return None };
+        let Some(value) = plain_number(node) else {
+            self.wrong_type(key, node);
+            return None;
+        };
+        let legal = (min..=max).contains(&value) && !(above && value == min);
+        if !legal {
+            self.out_of_range(key, node.shown());
+        }
+        legal.then_some(value)
+    }
+
+    /// A whole number; `None` when absent or faulty.
+    pub(super) fn count(&self, key: &'static Key) -> Option<u64> {
+        let Some(node) = self.ask(key) else {
+            return match key.absent {
+                Absent::Count(value) => Some(value),
+                _ => None,
+            };
+        };
+        let Kind::Count { min, max } = key.kind else { return None };
+        let Value::Integer(value) = node.value else {
+            self.wrong_type(key, node);
+            return None;
+        };
+        let value = u64::try_from(value).ok().filter(|value| (min..=max).contains(value));
+        if value.is_none() {
+            self.out_of_range(key, node.shown());
+        }
+        value
+    }
+
+    /// A flag; `None` when faulty.
+    pub(super) fn flag(&self, key: &'static Key) -> Option<bool> {
+        match (self.ask(key), &key.absent) {
+            (Some(Node { value: Value::Flag(flag), .. }), _) => Some(*flag),
+            (Some(node), _) => {
+                self.wrong_type(key, node);
+                None
+            }
+            (None, Absent::Flag(flag)) => Some(*flag),
+            (None, _) => None,
+        }
+    }
+
+    /// One of the words of the key; `None` when absent or faulty.
+    pub(super) fn choice(&self, key: &'static Key) -> Option<&'static str> {
+        let chosen = match (self.ask(key), &key.absent, &key.kind) {
+            (Some(node), _, Kind::Choice(words)) => match &node.value {
+                Value::Text(text) => {
+                    let word = words.iter().find(|word| *word == text).copied();
+                    if word.is_none() {
+                        self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
+                    }
+                    word
+                }
+                _ => {
+                    self.wrong_type(key, node);
+                    None
+                }
+            },
+            (None, Absent::Word(word), _) => Some(*word),
+            _ => None,
+        };
+        if key.name == "kind" {
+            self.kind.set(chosen);
+            self.lenient.set(chosen.is_none());
+        }
+        chosen
+    }
+
+    fn text(&self, key: &'static Key) -> Option<(&'a str, &'a Node)> {
+        let node = self.ask(key)?;
+        match &node.value {
+            Value::Text(text) => Some((text, node)),
+            _ => {
+                self.wrong_type(key, node);
+                None
+            }
+        }
+    }
+
+    /// A name; `None` when absent or faulty.
+    pub(super) fn name(&self, key: &'static Key) -> Option<String> {
+        let (text, node) = self.text(key)?;
+        let letter = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+        // Names become folders and groups of recordings.
+        let legal =
+            !text.is_empty() && text.len() <= 64 && !text.starts_with('.') && text.chars().all(letter);
+        if !legal {
+            self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
+        }
+        legal.then(|| text.to_owned())
+    }
+
+    /// A path to something to be made; `None` when absent or faulty.
+    pub(super) fn output(&self, key: &'static Key) -> Option<PathBuf> {
+        let (text, node) = self.text(key)?;
+        if text.is_empty() || text.contains('\0') {
+            self.wrong_type(key, node);
+            return None;
+        }
+        Some(PathBuf::from(text))
+    }
+
+    /// A file that exists; `None` when faulty.
+    pub(super) fn file(&self, key: &'static Key) -> Option<PathBuf> {
+        let path = self.reader.folder.join(self.output(key)?);
+        if !path.is_file() {
+            self.fault(key, Problem::NoFile { path });
+            return None;
+        }
+        Some(path)
+    }
+
+    /// An instant; `None` when absent or faulty.
+    pub(super) fn time(&self, key: &'static Key) -> Option<TimeTag> {
+        let node = self.ask(key)?;
+        let time = match &node.value {
+            Value::Text(text) | Value::Time(text) => utc(text),
+            _ => None,
+        };
+        if time.is_none() {
+            self.wrong_type(key, node);
+        }
+        time
+    }
+
+    /// A list of numbers; `None` when absent without default or faulty.
+    pub(super) fn numbers(&self, key: &'static Key) -> Option<Vec<f64>> {
+        let Kind::Numbers { least, most, min, max, .. } = key.kind else { return None };
+        let Some(node) = self.ask(key) else {
+            return matches!(key.absent, Absent::Zeros).then(|| vec![0.0; least]);
+        };
+        let values = match &node.value {
+            Value::Array(items) if (least..=most).contains(&items.len()) => {
+                items.iter().map(plain_number).collect::<Option<Vec<f64>>>()
+            }
+            _ => None,
+        };
+        let Some(values) = values else {
+            self.wrong_type(key, node);
+            return None;
+        };
+        if let Some(index) = values.iter().position(|value| !(min..=max).contains(value)) {
+            self.out_of_range(key, format!("entry {index}, {},", keys::figure(values[index])));
+            return None;
+        }
+        Some(values)
+    }
+
+    /// A list of as many numbers as asked; `None` when absent without default or faulty.
+    pub(super) fn vector<const N: usize>(&self, key: &'static Key) -> Option<[f64; N]> {
+        self.numbers(key)?.try_into().ok()
+    }
+
+    /// A list of texts that `read` understands; `None` when absent or faulty.
+    pub(super) fn words<T>(&self, key: &'static Key, read: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
+        let node = self.ask(key)?;
+        let Kind::Words { least, most, .. } = key.kind else { return None };
+        let words = match &node.value {
+            Value::Array(items) if (least..=most).contains(&items.len()) => items
+                .iter()
+                .map(|item| match &item.value {
+                    Value::Text(text) => read(text),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        };
+        if words.is_none() {
+            self.wrong_type(key, node);
+        }
+        words
+    }
+
+    /// Receive and transmit polarisation; `None` when faulty.
+    pub(super) fn polarisations(&self, key: &'static Key) -> Option<[Polarisation; 2]> {
+        let (text, node) = self.text(key)?;
+        let pair = polarisation_pair(text);
+        if pair.is_none() {
+            self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
+        }
+        pair
+    }
+
+    /// A table of this table; `None` when absent or faulty.
+    pub(super) fn section(&self, key: &'static Key) -> Option<Section<'a>> {
+        let entry_at = self.entry(key.name).map(|entry| entry.at);
+        let node = self.ask(key)?;
+        let Kind::Section(table) = key.kind else { return None };
+        let Some(entries) = node.table() else {
+            self.wrong_type(key, node);
+            return None;
+        };
+        // A table header is a better place than the value's own.
+        let at = entry_at.unwrap_or(node.at);
+        Some(Section::new(self.reader, table, self.path_of(key.name), at, entries))
+    }
+
+    /// A table of this table, or an empty one; `None` when faulty.
+    pub(super) fn section_or_empty(&self, key: &'static Key) -> Option<Section<'a>> {
+        if self.has(key) {
+            return self.section(key);
+        }
+        self.ask(key);
+        let Kind::Section(table) = key.kind else { return None };
+        Some(Section::new(self.reader, table, self.path_of(key.name), self.at, &[]))
+    }
+
+    /// The entries of an array of tables; empty when absent or faulty.
+    pub(super) fn sections(&self, key: &'static Key) -> Vec<Section<'a>> {
+        let Some(node) = self.ask(key) else { return Vec::new() };
+        let Kind::Sections(table) = key.kind else { return Vec::new() };
+        let Value::Array(items) = &node.value else {
+            self.wrong_type(key, node);
+            return Vec::new();
+        };
+        if items.is_empty() && matches!(key.absent, Absent::Required) {
+            self.fault(key, Problem::Missing { allowed: key.kind.allowed() });
+        }
+        let mut sections = Vec::with_capacity(items.len());
+        for (index, item) in items.iter().enumerate() {
+            let path = format!("{}.{index}", self.path_of(key.name));
+            match item.table() {
+                Some(entries) => {
+                    sections.push(Section::new(self.reader, table, path, item.at, entries));
+                }
+                None => {
+                    let problem = Problem::Type { found: item.shown(), allowed: key.kind.allowed() };
+                    self.push(item.at, path, problem);
+                }
+            }
+        }
+        sections
+    }
+
+    /// Faults unless exactly one of the keys is written; returns which.
+    pub(super) fn exactly_one(&self, keys: &[&'static Key]) -> Option<&'static Key> {
+        let written = self.at_most_one(keys);
+        if !keys.iter().any(|key| self.has(key)) {
+            self.fault_here(Problem::NoneOf { keys: names(keys) });
+        }
+        written
+    }
+
+    /// Faults when more than one of the keys is written; returns the one.
+    pub(super) fn at_most_one(&self, keys: &[&'static Key]) -> Option<&'static Key> {
+        let written: Vec<&'static Key> = keys.iter().copied().filter(|key| self.has(key)).collect();
+        match written[..] {
+            [] => None,
+            [one] => Some(one),
+            [.., last] => {
+                self.fault(last, Problem::Several { keys: names(&written) });
+                None
+            }
+        }
+    }
+
+    /// The table has been read: every key that nobody asked for is a fault.
+    pub(super) fn finish(self) {
+        let asked = self.asked.borrow();
+        for entry in self.entries {
+            if asked.iter().any(|name| *name == entry.name) {
+                continue;
+            }
+            let problem = match self.table.keys.iter().find(|key| key.name == entry.name) {
+                Some(_) if self.lenient.get() => continue,
+                Some(_) => {
+                    let when = match self.kind.get() {
+                        Some(kind) => format!("kind = \"{kind}\""),
+                        None => "beside the other keys".to_owned(),
+                    };
+                    Problem::Idle { when }
+                }
+                None => Problem::Unknown { hint: hint(&entry.name, self.table) },
+            };
+            self.push(entry.at, self.path_of(&entry.name), problem);
+        }
+    }
+}
+
+pub(super) fn names(keys: &[&'static Key]) -> String {
+    let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
+    names.join(", ")
+}
+
+fn plain_number(node: &Node) -> Option<f64> {
+    match node.value {
+        Value::Number(value) => Some(value),
+        Value::Integer(value) => Some(value as f64),
+        _ => None,
+    }
+}
+
+/// `HV`: receive H, transmit V.
+pub(super) fn polarisation_pair(text: &str) -> Option<[Polarisation; 2]> {
+    let mut letters = text.chars();
+    match (letters.next(), letters.next(), letters.next()) {
+        (Some(rx), Some(tx), None) => Some([Polarisation::from_letter(rx)?, Polarisation::from_letter(tx)?]),
+        _ => None,
+    }
+}
+
+/// One polarisation.
+pub(super) fn polarisation(text: &str) -> Option<Polarisation> {
+    let mut letters = text.chars();
+    match (letters.next(), letters.next()) {
+        (Some(letter), None) => Polarisation::from_letter(letter),
+        _ => None,
+    }
+}
+
+/// A UTC time `YYYY-MM-DD[T ]hh:mm:ss[.f][Z]`; other offsets are refused, not converted.
+fn utc(text: &str) -> Option<TimeTag> {
+    let pattern = b"dddd-dd-ddTdd:dd:dd";
+    let bytes = text.as_bytes();
+    let (whole, rest) = (bytes.get(..pattern.len())?, text.get(pattern.len()..)?);
+    let matches = whole.iter().zip(pattern).all(|(byte, wanted)| match wanted {
+        b'd' => byte.is_ascii_digit(),
+        b'T' => matches!(byte, b'T' | b't' | b' '),
+        other => byte == other,
+    });
+    let rest = rest.strip_suffix(['Z', 'z']).unwrap_or(rest);
+    let fraction = match rest.strip_prefix('.') {
+        Some(digits) => !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()),
+        None => rest.is_empty(),
+    };
+    let year: u32 = text.get(..4)?.parse().ok()?;
+    if !(matches && fraction && (1970..2200).contains(&year)) {
+        return None;
+    }
+    let iso: String = text.chars().map(|c| if matches!(c, ' ' | 't') { 'T' } else { c }).collect();
+    TimeTag::from_iso8601(&iso).ok()
+}
+
+/// What may have been meant by a key that the table does not have.
+fn hint(name: &str, table: &'static Table) -> Hint {
+    let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
+    for key in table.keys {
+        let unit = key.kind.unit();
+        if !unit.is_empty() && (stem(key.name) == stem(name) || stem(key.name) == name) {
+            return Hint::Unit { key: key.name, unit };
+        }
+    }
+    let near = table
+        .keys
+        .iter()
+        .map(|key| (distance(key.name, name), key.name))
+        .filter(|(distance, key)| *distance <= 1 + key.len() / 4)
+        .min();
+    if let Some((_, key)) = near {
+        return Hint::Like(key);
+    }
+    let elsewhere = keys::TABLES.iter().find(|other| other.keys.iter().any(|key| key.name == name));
+    match elsewhere {
+        Some(other) => Hint::Elsewhere { table: other.heading },
+        None => Hint::Known(names(table.keys)),
+    }
+}
+
+/// Edit distance where a swap of neighbours counts once.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().take(100).collect());
+    let width = b.len() + 1;
+    let mut cost = vec![0usize; (a.len() + 1) * width];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            cost[i * width + j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let change = cost[(i - 1) * width + j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let edit = change.min(cost[(i - 1) * width + j] + 1).min(cost[i * width + j - 1] + 1);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    edit.min(cost[(i - 2) * width + j - 2] + 1)
+                } else {
+                    edit
+                }
+            };
+        }
+    }
+    cost[cost.len() - 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances() {
+        assert_eq!(distance("prf_hz", "prf_hz"), 0);
+        assert_eq!(distance("prf_hz", "pfr_hz"), 1);
+        assert_eq!(distance("samples", "sample"), 1);
+        assert_eq!(distance("", "abc"), 3);
+    }
+
+    #[test]
+    fn times() {
+        assert!(utc("2018-05-30T20:15:00.5Z").is_some());
+        assert!(utc("2018-05-30 20:15:00").is_some());
+        for bad in [
+            "2018-05-30T20:15:00+02:00",
+            "2018-13-30T20:15:00Z",
+            "2018-02-30T20:15:00Z",
+            "2018-05-30T24:15:00Z",
+            "1969-05-30T20:15:00Z",
+            "2018-05-30T20:15:00.",
+            "2018-05-30",
+            "",
+            "2018-05-30T20:15:0\u{e9}Z",
+        ] {
+            assert!(utc(bad).is_none(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,469 @@
+//! The list of keys, the reader and the manual say the same; faults are complete; no text makes it panic.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use num_complex::Complex64;
+use proptest::prelude::*;
+
+use super::*;
+use crate::frames::{Geodetic, SceneFrame};
+use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
+use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
+
+const COASTAL: &str = include_str!("../../configs/coastal.toml");
+const QUICKSTART: &str = include_str!("../../configs/quickstart.toml");
+const MONOSTATIC: &str = include_str!("../../configs/monostatic.toml");
+const SPACEBORNE: &str = include_str!("../../configs/spaceborne.toml");
+
+fn in_configs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/test.toml")
+}
+
+fn settings(list: &[(&str, &str)]) -> Vec<(String, String)> {
+    list.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect()
+}
+
+fn coastal_with(list: &[(&str, &str)]) -> Result<Run, ConfigError> {
+    parse(COASTAL, &in_configs(), &settings(list))
+}
+
+/// The faults of the coastal scenario with overrides, without the path.
+fn faults_of(list: &[(&str, &str)]) -> String {
+    let error = coastal_with(list).unwrap_err();
+    error.faults().iter().map(|fault| format!("{fault}\n")).collect()
+}
+
+#[test]
+fn every_listed_key_is_read_and_every_read_key_is_listed() {
+    let mut asked: BTreeSet<(&str, &str)> = BTreeSet::new();
+    let track = "platform.0.track";
+    let variants: &[(&str, &[(&str, &str)])] = &[
+        (QUICKSTART, &[]),
+        (COASTAL, &[]),
+        (MONOSTATIC, &[]),
+        (SPACEBORNE, &[]),
+        (COASTAL, &[("radar.waveform", "{ kind = 'file', path = 'README.md', rate_hz = 1e8 }")]),
+        (COASTAL, &[("radar.channel", "[{ polarisation = 'HH', name = 'a' }]")]),
+        (COASTAL, &[("receiver.0.antenna", "{ kind = 'isotropic', gain_dbi = 3 }")]),
+        (COASTAL, &[("receiver.0.antenna", "{ kind = 'circle', diameter_m = 3 }")]),
+        (COASTAL, &[("receiver.0.antenna", "{ kind = 'file', path = 'README.md', floor_dbi = -40 }")]),
+        (COASTAL, &[(track, "{ kind = 'nmea', path = 'README.md', attitude = 'constant' }")]),
+        (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', lat_deg = 1, lon_deg = 2, lead_us = 1 }")]),
+    ];
+    for (text, overrides) in variants {
+        asked.extend(read(text, &in_configs(), &settings(overrides)).asked);
+    }
+    let listed: BTreeSet<(&str, &str)> = keys::TABLES
+        .iter()
+        .flat_map(|table| table.keys.iter().map(|key| (table.heading, key.name)))
+        .collect();
+    assert_eq!(
+        listed.difference(&asked).collect::<Vec<_>>(),
+        Vec::<&(&str, &str)>::new(),
+        "listed, never read"
+    );
+    assert_eq!(
+        asked.difference(&listed).collect::<Vec<_>>(),
+        Vec::<&(&str, &str)>::new(),
+        "read, not listed"
+    );
+}
+
+#[test]
+fn the_manual_is_up_to_date() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scenario.md");
+    let written = std::fs::read_to_string(path).unwrap();
+    assert!(written == manual::page(), "run `nereus new keys > docs/scenario.md`");
+}
+
+#[test]
+fn names_of_keys_bear_their_unit() {
+    let endings = [
+        ("deg", "_deg"),
+        ("m", "_m"),
+        ("s", "_s"),
+        ("Hz", "_hz"),
+        ("us", "_us"),
+        ("ms", "_ms"),
+        ("dB", "_db"),
+        ("dB/km", "_db_per_km"),
+        ("dBW", "_dbw"),
+        ("dBi", "_dbi"),
+        ("W", "_w"),
+        ("m/s", "_mps"),
+        ("m^2", "_m2"),
+        ("dBsm", "_dbsm"),
+        ("m/s^2", "_mps2"),
+    ];
+    for table in keys::TABLES {
+        for key in table.keys.iter().filter(|key| !key.kind.unit().is_empty()) {
+            let unit = key.kind.unit();
+            let ending = endings.iter().find(|(u, _)| *u == unit).unwrap_or_else(|| panic!("unit {unit}")).1;
+            // The elements of a scattering matrix keep their name in the trade.
+            assert!(
+                key.name.ends_with(ending) || key.name.starts_with("s_"),
+                "{} {}",
+                table.heading,
+                key.name
+            );
+        }
+    }
+}
+
+#[test]
+fn defaults_lie_in_their_ranges() {
+    for table in keys::TABLES {
+        for key in table.keys {
+            if let (keys::Kind::Number { min, max, above, .. }, keys::Absent::Number(value)) =
+                (&key.kind, &key.absent)
+            {
+                assert!((*min..=*max).contains(value) && !(*above && value == min), "{}", key.name);
+            }
+            if let (keys::Kind::Choice(words), keys::Absent::Word(word)) = (&key.kind, &key.absent) {
+                assert!(words.contains(word), "{}", key.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_recorded_flight_is_resolved() {
+    let run = parse(QUICKSTART, &in_configs(), &[]).unwrap();
+    assert_eq!(run.scene.pulses, 2220);
+    assert_eq!(run.scene.start.to_string(), "2018-05-30T18:45:00.000000Z");
+    assert_eq!(run.scene.platforms, ["coast", "aircraft"]);
+    assert_eq!(run.scene.targets.len(), 25);
+    assert_eq!(run.text, QUICKSTART);
+    let TrackSource::Fixed { place: Place::Geodetic(mast), .. } = run.nav[0].truth else { panic!() };
+    // 30 m above mean sea level, which lies 42 m above the ellipsoid.
+    assert_eq!(mast.h_m, 72.0);
+    let TrackSource::File(flight) = &run.nav[1].truth else { panic!() };
+    assert_eq!(flight.datum, VerticalDatum::Barometric { offset_m: 0.0 });
+    assert_eq!(flight.undulation_m, 42.0);
+    assert_eq!(flight.attitude, AttitudeSource::CoordinatedTurn);
+    assert!(matches!(flight.smoothing, Smoothing::Rts { max_acceleration_mps2: 2.0, .. }));
+    assert!(flight.path.is_file());
+    let names: Vec<&str> = run.scene.radar.channels.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["HH", "HV", "VH", "VV"]);
+    let hv = &run.scene.radar.channels[1];
+    assert_eq!((hv.rx, hv.tx), (Polarisation::H, Polarisation::V));
+    assert_eq!(run.scene.radar.receivers[0].antenna.lever_arm.to_array(), [2.0, -1.0, 1.5]);
+    let Gate::Follow { aim, lead_s, aim_from } = &run.scene.radar.window.gate else { panic!() };
+    assert_eq!(*aim, Aim::Beside { platform: 1, along_m: 0.0, across_m: -5000.0 });
+    assert_eq!((*lead_s, *aim_from), (2e-6, AimFrom::Reported));
+    // Latency 0.5 s at 222 Hz and the pulse under way.
+    assert_eq!(run.stream.ring_slots, 112);
+    assert_eq!(run.sinks[0].queue_pulses, 444);
+}
+
+#[test]
+fn angles_become_radians_and_other_settings_arrive() {
+    let run = parse(MONOSTATIC, &in_configs(), &[]).unwrap();
+    let radar = &run.scene.radar;
+    let Pointing::Fixed { yaw_rad, pitch_rad, .. } = radar.transmitters[0].antenna.pointing else { panic!() };
+    assert_eq!((yaw_rad, pitch_rad), (90f64.to_radians(), (-45f64).to_radians()));
+    let Pointing::At { bias_rad, lag_s, .. } = radar.receivers[0].antenna.pointing else { panic!() };
+    assert_eq!((bias_rad, lag_s), ([0.1f64.to_radians(), 0.0], 0.02));
+    assert_eq!(radar.receivers[0].antenna.pattern, Pattern::Ellipse { width_m: 0.6, height_m: 0.1 });
+    assert_eq!(radar.tx_polarisation, TxPolarisation::Alternating(vec![Polarisation::V, Polarisation::H]));
+    let adc = radar.adc.unwrap();
+    // -85 dBW of squared amplitude.
+    assert!((adc.full_scale.powi(2).log10() * 10.0 + 85.0).abs() < 1e-12);
+    assert_eq!(adc.bits, 12);
+    let run =
+        coastal_with(&[("radar.tx_polarisation", "alternating"), ("radar.tx_sequence", "['H','H','V']")])
+            .unwrap();
+    assert_eq!(run.scene.radar.tx_polarisation.of_pulse(5), Some(Polarisation::V));
+}
+
+#[test]
+fn back_scatter_alignment_is_converted() {
+    let run = parse(COASTAL, &in_configs(), &[]).unwrap();
+    let [[vv, vh], [hv, hh]] = run.scene.targets[1].scattering;
+    // Reciprocal in back-scatter alignment: symmetric; in forward-scatter alignment: S_vh = -S_hv.
+    assert_eq!(vv, Complex64::new(12.0, 0.0));
+    assert_eq!(hh, Complex64::new(-10.0, -2.0));
+    assert_eq!(vh, Complex64::new(1.5, -0.5));
+    assert_eq!(hv, -vh);
+    // A sphere is the unit matrix there.
+    let set = settings(&[
+        ("target.1.s_vv", "[10,0]"),
+        ("target.1.s_hh", "[10,0]"),
+        ("target.1.s_vh", "[0,0]"),
+        ("target.1.s_hv", "[0,0]"),
+        ("target.0.rcs_dbsm", "20"),
+    ]);
+    let run = parse(COASTAL, &in_configs(), &set).unwrap();
+    // 20 dBsm by way of powf: a few ulp.
+    for (row, other) in run.scene.targets[0].scattering.iter().zip(&run.scene.targets[1].scattering) {
+        for (a, b) in row.iter().zip(other) {
+            assert!((a - b).norm() < 1e-13, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn heights_are_above_the_sea_that_curves() {
+    let origin =
+        [("scene.origin_lat_deg", "53"), ("scene.origin_lon_deg", "4.5"), ("scene.origin_h_m", "42")];
+    let far = [
+        ("target.0.position_m", "[30000, 40000, 5]"),
+        ("target.1", "{ lat_deg = 53.2, lon_deg = 4.9, height_m = 7, rcs_m2 = 1 }"),
+    ];
+    let run = coastal_with(&[origin.as_slice(), &far].concat()).unwrap();
+    let drop_m = 50e3f64.powi(2) / (2.0 * 6_371_000.0);
+    assert!((run.scene.targets[0].position.to_array()[2] - (5.0 - drop_m)).abs() < 1e-9);
+    let [x, y, z] = run.scene.targets[1].position.to_array();
+    assert!((z - (7.0 - (x * x + y * y) / (2.0 * 6_371_000.0))).abs() < 1e-9);
+    // On the true ellipsoid, 7 m above the sea, the point is the same within the difference between
+    // sphere and ellipsoid (radius of curvature 6371 to 6400 km: 0.5 % of the 38 m drop).
+    let frame = SceneFrame::at(Geodetic::from_deg(53.0, 4.5, 42.0), run.scene.frame.earth());
+    let [tx, ty, tz] = frame.from_geodetic(Geodetic::from_deg(53.2, 4.9, 49.0)).unwrap().to_array();
+    assert!((x - tx).abs() < 0.1 && (y - ty).abs() < 0.1, "{x} {tx} {y} {ty}");
+    assert!((z - tz).abs() < 0.2, "{z} {tz}");
+    // The same in a flat scene.
+    let flat = coastal_with(&[origin.as_slice(), &far, &[("scene.earth", "flat")]].concat()).unwrap();
+    assert_eq!(flat.scene.targets[0].position.to_array()[2], 5.0);
+    assert_eq!(flat.scene.targets[1].position.to_array()[2], 7.0);
+}
+
+#[test]
+fn a_grid_is_centred() {
+    let grid =
+        "[{ name = 'g', position_m = [100, 200, 3], count = [3, 2], spacing_m = [10, 20], rcs_m2 = 4 }]";
+    let run = coastal_with(&[("target_grid", grid)]).unwrap();
+    let grid = &run.scene.targets[2..];
+    let names: Vec<&str> = grid.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(names, ["g-0-0", "g-0-1", "g-1-0", "g-1-1", "g-2-0", "g-2-1"]);
+    assert_eq!(grid[0].position.to_array(), [90.0, 190.0, 3.0]);
+    assert_eq!(grid[5].position.to_array(), [110.0, 210.0, 3.0]);
+}
+
+#[test]
+fn overrides_are_recorded_as_a_scenario_that_reads_the_same() {
+    for text in [COASTAL, QUICKSTART, MONOSTATIC, SPACEBORNE] {
+        let set = settings(&[
+            ("radar.prf_hz", "333.25"),
+            ("stream.pace", "fast"),
+            ("receiver.0.lever_arm_m.1", "0.125"),
+        ]);
+        let with_arm =
+            set.iter().filter(|(key, _)| text.contains("lever_arm_m") || !key.starts_with("receiver"));
+        let set: Vec<(String, String)> = with_arm.cloned().collect();
+        let run = parse(text, &in_configs(), &set).unwrap();
+        assert_eq!(run.scene.radar.emissions.mean_prf_hz(), 333.25);
+        assert!(run.text.starts_with("# --set radar.prf_hz=333.25\n"));
+        let again = parse(&run.text, &in_configs(), &[]).unwrap();
+        assert_eq!(Run { text: String::new(), ..again }, Run { text: String::new(), ..run });
+    }
+}
+
+#[test]
+fn a_name_is_needed_where_there_are_several() {
+    let two = [("transmitter.1", "{}")];
+    assert!(faults_of(&two).contains("transmitter has entries 0 to 0, not 1"));
+    let both = "[{ name = 'a', platform = 'coast', power_w = 1, antenna = { kind = 'isotropic' } }, \
+                 { name = 'b', platform = 'aircraft', power_w = 1, antenna = { kind = 'isotropic' } }]";
+    let run = coastal_with(&[("transmitter", both)]).unwrap();
+    assert_eq!(run.scene.radar.channels.len(), 8);
+    assert_eq!(run.scene.radar.channels[4].name, "HH-b-rx");
+    assert_eq!(run.scene.radar.channels[4].transmitter, 1);
+}
+
+#[test]
+fn unused_antennas_are_said() {
+    let receivers = "[{ name = 'a', platform = 'coast', antenna = { kind = 'isotropic' } }, \
+                      { name = 'b', platform = 'aircraft', antenna = { kind = 'isotropic' } }]";
+    let text = COASTAL.replace(
+        "channels = [\"HH\", \"HV\", \"VH\", \"VV\"]",
+        "channel = [{ polarisation = 'VV', receiver = 'b' }]",
+    );
+    let run = parse(&text, &in_configs(), &settings(&[("receiver", receivers)])).unwrap();
+    assert_eq!(run.warnings, [Warning::Unused { what: "receiver", name: "a".to_owned() }]);
+    assert_eq!(run.scene.radar.channels[0].receiver, 1);
+}
+
+#[test]
+fn a_ring_that_cannot_hold_the_latency_is_said() {
+    let run = coastal_with(&[("stream.latency_ms", "60000"), ("radar.prf_hz", "1e6")]).unwrap();
+    assert!(
+        matches!(run.warnings[..], [Warning::ShortRing { wanted: 60_000_001, .. }]),
+        "{:?}",
+        run.warnings
+    );
+    let slot = run.scene.radar.layout(2, 2).slot_bytes();
+    assert!(run.stream.ring_slots * slot <= 512 << 20);
+}
+
+#[test]
+fn inconsistent_settings() {
+    insta::assert_snapshot!(faults_of(&[("radar.waveform.bandwidth_hz", "100.1e6")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.window.samples", "33")]), @"");
+    assert!(coastal_with(&[("radar.window.samples", "34")]).is_ok());
+    insta::assert_snapshot!(faults_of(&[("radar.pri_us", "[1000, 2000]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.prf_hz", "-222")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.prf_hz", "nan"), ("radar.carrier_hz", "inf"), ("target.0.position_m", "[0, nan, 0]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("receiver.0.platform", "ship")]), @"");
+    insta::assert_snapshot!(faults_of(&[("receiver.0.name", "tx")]), @"");
+    insta::assert_snapshot!(faults_of(&[("target.1.name", "sphere")]), @"");
+    insta::assert_snapshot!(faults_of(&[("platform.1.name", "coast")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.channels", "['HH', 'HH']")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.channel", "[{ polarisation = 'HH', receiver = 'ry' }]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.tx_polarisation", "alternating"), ("radar.tx_sequence", "['V']")]), @"");
+    insta::assert_snapshot!(faults_of(&[("target.0", "{ lat_deg = 1, lon_deg = 2, rcs_m2 = 1 }")]), @"");
+    insta::assert_snapshot!(faults_of(&[("scene.origin_lat_deg", "50"), ("scene.earth_radius_factor", "1.33")]), @"");
+    insta::assert_snapshot!(faults_of(&[("radar.window.samples", "16777216"), ("radar.channels", "['HH','HV','VH','VV','RR','RL','LR','LL','HR']")]), @"");
+    insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1000, 1000], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1.5, 1], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("platform.1.track", "{ kind = 'csv', path = 'tracks/north_sea.csv' }")]), @"");
+    insta::assert_snapshot!(faults_of(&[("platform.0.track.yaw", "3"), ("platform.0.track.velocity_mps", "[1,2,3]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'plain', path = 'x' }, { kind = 'plain', path = 'x' }]")]), @"");
+    insta::assert_snapshot!(faults_of(&[("platform", "[]"), ("sink", "3"), ("stream", "'fast'")]), @"");
+    insta::assert_snapshot!(faults_of(&[("receiver.0.name", "a/b"), ("transmitter.0.name", "..")]), @"");
+    insta::assert_snapshot!(faults_of(&[("", "1"), ("a..b", "2"), ("scene.seed.x", "1"), ("scene.seed", "-1")]), @"");
+}
+
+#[test]
+fn all_faults_of_a_file_at_once() {
+    let text = r#"[scene]
+origin_lat_deg = 95
+duration = 10
+seed = "x"
+start_utc = "yesterday"
+
+[radar]
+carrier_ghz = 10
+sample_rate_hz = 50e6
+prf_hz = -222
+pri_us = [1000]
+channels = ["HH", "XX"]
+noise_figure_db = nan
+
+[radar.waveform]
+kind = "lfm"
+bandwidth_hz = 60e6
+pulse_s = 20e-6
+path = "a"
+
+[radar.window]
+samples = 0
+
+[[platform]]
+name = "coast"
+track = { kind = "fixed", lat_deg = 1, lon_deg = 2 }
+
+[[transmitter]]
+name = "tx"
+platform = "cost"
+power_w = "1 kW"
+antenna = { kind = "rect", width_m = 1 }
+
+[[target]]
+position_m = [0, 0]
+rcs_m2 = 1
+rcs_dbsm = 1
+
+[stream]
+polcy = "stop"
+prf_hz = 3
+
+[[sink]]
+kind = "plain"
+"#;
+    let error =
+        parse(text, Path::new("scenes/bad.toml"), &settings(&[("radar.adc.bits", "99")])).unwrap_err();
+    insta::assert_snapshot!(error.to_string(), @"");
+}
+
+#[test]
+fn faults_of_the_language_come_first() {
+    let text = "a = = 1\n[scene]\nduration_s = 1\nduration_s = 2\nseed = -1\nb = [1,\n";
+    let error = parse(text, Path::new("bad.toml"), &[]).unwrap_err();
+    insta::assert_snapshot!(error.to_string(), @"");
+}
+
+#[test]
+fn files_that_are_no_scenarios() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.toml");
+    assert!(matches!(load(&path, &[]), Err(ConfigError::Read { .. })));
+    std::fs::write(&path, b"x = \"\xff\"").unwrap();
+    assert!(matches!(load(&path, &[]), Err(ConfigError::NotText { offset: 5, .. })));
+    std::fs::write(&path, vec![b'#'; LARGEST_FILE as usize + 1]).unwrap();
+    assert!(matches!(load(&path, &[]), Err(ConfigError::TooLarge { .. })));
+    std::fs::write(&path, "").unwrap();
+    // An empty file lacks the five required tables.
+    assert_eq!(load(&path, &[]).unwrap_err().faults().len(), 5);
+    std::fs::write(&path, "[".repeat(100_000)).unwrap();
+    assert!(!load(&path, &[]).unwrap_err().faults().is_empty());
+    std::fs::write(&path, format!("a = {}", "[".repeat(100_000))).unwrap();
+    assert!(!load(&path, &[]).unwrap_err().faults().is_empty());
+    std::fs::write(&path, format!("{} = 1", "a.".repeat(10_000) + "a")).unwrap();
+    assert!(!load(&path, &[]).unwrap_err().faults().is_empty());
+}
+
+/// A refused scenario always says why.
+fn survives(text: &str) {
+    if let Err(error) = parse(text, &in_configs(), &[]) {
+        assert!(!error.faults().is_empty(), "{text}");
+        assert!(!error.to_string().is_empty());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_is_read_or_refused(text in "(?s).{0,200}") {
+        survives(&text);
+    }
+
+    #[test]
+    fn a_spoiled_scenario_is_read_or_refused(
+        which in 0usize..4,
+        at in 0.0f64..1.0,
+        cut in 0usize..40,
+        put in "[a-z0-9_.=\\[\\]{}\"'\\-+#\n ,é]{0,12}",
+    ) {
+        let text = [COASTAL, QUICKSTART, MONOSTATIC, SPACEBORNE][which];
+        let chars: Vec<char> = text.chars().collect();
+        let start = (at * chars.len() as f64) as usize;
+        let end = (start + cut).min(chars.len());
+        let spoiled: String =
+            chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect();
+        survives(&spoiled);
+    }
+
+    #[test]
+    fn any_override_is_taken_or_refused(key in "[a-z0-9_.]{0,30}", value in "(?s).{0,20}") {
+        let set = [(key, value)];
+        match parse(COASTAL, &in_configs(), &set) {
+            Ok(run) => prop_assert!(parse(&run.text, &in_configs(), &[]).is_ok()),
+            Err(error) => prop_assert!(!error.faults().is_empty()),
+        }
+    }
+
+    #[test]
+    fn extreme_numbers_are_read_or_refused(
+        index in 0usize..14,
+        value in prop_oneof![any::<f64>(), (-12i32..13).prop_map(|e| 10f64.powi(e))],
+    ) {
+        let key = [
+            "radar.carrier_hz", "radar.sample_rate_hz", "radar.prf_hz", "radar.waveform.bandwidth_hz",
+            "radar.waveform.pulse_s", "radar.window.start_us", "scene.duration_s", "stream.latency_ms",
+            "transmitter.0.power_w", "target.0.rcs_dbsm", "receiver.0.antenna.width_m",
+            "radar.losses_db", "platform.0.track.yaw_deg", "radar.pri_us.0",
+        ][index];
+        let mut set = vec![(key.to_owned(), format!("{value:?}"))];
+        let mut text = COASTAL.to_owned();
+        if key.starts_with("radar.pri_us") {
+            text = text.replace("prf_hz = 222.0", "pri_us = [1000.0, 1.0]");
+        }
+        set.push(("stream.threads".to_owned(), "1".to_owned()));
+        match parse(&text, &in_configs(), &set) {
+            Ok(run) => prop_assert!(run.stream.ring_slots >= 2 && run.scene.pulses >= 1),
+            Err(error) => prop_assert!(!error.faults().is_empty()),
+        }
+    }
+}
