@@ -41,4 +41,5 @@ pub mod echo;
 pub mod transport;
 pub mod sinks;
 pub mod config;
+pub mod pipeline;
 pub mod cli;

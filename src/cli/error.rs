@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::config::ConfigError;
+use crate::pipeline::build::{BuildErrors, RunFailure};
 
 /// Why a command ends early.
 #[derive(Debug, Error)]
@@ -16,16 +17,19 @@ pub enum CliError {
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
     Output(#[source] io::Error),
-    /// Pulses that the run does not have.
-    #[error("--pulses {first}..{end} is not part of the run; allowed: within 0..{pulses}")]
-    Pulses {
-        /// First pulse asked.
-        first: u64,
-        /// First pulse not asked.
-        end: u64,
-        /// Pulses of the run.
-        pulses: u64,
-    },
+    /// The run cannot be built: tracks, patterns, waveform, outputs.
+    #[error(transparent)]
+    Build(#[from] BuildErrors),
+    /// The run failed.
+    #[error("{0}")]
+    Run(Box<RunFailure>),
+    /// Recordings cannot be joined.
+    #[cfg(feature = "hdf5")]
+    #[error(transparent)]
+    Merge(#[from] crate::sinks::merge::MergeError),
+    /// No handler for Ctrl-C.
+    #[error("cannot listen for Ctrl-C: {0}")]
+    Signal(#[source] ctrlc::Error),
     /// `--out` with several recordings.
     #[error("--out {} does not say which of {recordings} recordings; allowed with one, else --set sink.<n>.path=...", out.display())]
     WhichSink {
@@ -68,12 +72,6 @@ pub enum CliError {
         /// What was given.
         value: f64,
     },
-    /// A part of the program that has not been joined.
-    #[error("`nereus {command}` is not part of this build")]
-    Absent {
-        /// The command.
-        command: &'static str,
-    },
 }
 
 impl CliError {
@@ -81,13 +79,15 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Config(_)
-            | Self::Pulses { .. }
+            | Self::Build(_)
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
             | Self::Sweep { .. }
             | Self::Size { .. }
             | Self::Gain { .. } => 2,
-            Self::Output(_) | Self::Absent { .. } => 1,
+            Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
+            #[cfg(feature = "hdf5")]
+            Self::Merge(_) => 2,
         }
     }
 }

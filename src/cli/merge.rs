@@ -6,6 +6,19 @@ use super::args::MergeArgs;
 use super::error::CliError;
 
 /// Joins the recordings.
-pub(super) fn merge(_args: &MergeArgs, _out: &mut dyn Write) -> Result<(), CliError> {
-    Err(CliError::Absent { command: "merge" })
+#[cfg(feature = "hdf5")]
+pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let report = crate::sinks::merge::merge(&args.shards, &args.out, args.force)?;
+    if args.json {
+        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
+        return writeln!(out, "{text}").map_err(CliError::Output);
+    }
+    eprintln!("{report}");
+    Ok(())
+}
+
+/// A build without HDF5 has nothing to join.
+#[cfg(not(feature = "hdf5"))]
+pub(super) fn merge(args: &MergeArgs, _out: &mut dyn Write) -> Result<(), CliError> {
+    Err(CliError::NoHdf5 { out: args.out.clone() })
 }

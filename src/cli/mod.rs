@@ -8,6 +8,7 @@ mod check;
 mod error;
 mod merge;
 mod new;
+mod progress;
 mod run;
 mod table;
 

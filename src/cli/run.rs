@@ -3,20 +3,95 @@
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::Serialize;
 
 use super::args::{Pace, RunArgs, Setting};
 use super::error::CliError;
+use super::progress;
 use crate::config::{self, Run};
+use crate::pipeline::build::{self, RunOutcome};
 use crate::sinks::Kind;
+use crate::sinks::sink::SinkReport;
 use crate::transport;
+use crate::transport::stage::Summary;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    /// What each recording holds.
+    out: Vec<&'a SinkReport>,
+    /// Why the run failed, if it did.
+    error: Option<String>,
+}
 
 /// Runs the scenario.
-pub(super) fn run(args: &RunArgs, _out: &mut dyn Write) -> Result<(), CliError> {
-    let (run, _pulses) = prepare(args)?;
+pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let (run, pulses) = prepare(args)?;
     for warning in &run.warnings {
         eprintln!("warning: {warning}");
     }
-    Err(CliError::Absent { command: "run" })
+    let stream = build::stream(&run, pulses)?;
+    for note in stream.notes() {
+        eprintln!("platform '{}', {} track: {}", note.platform, note.role, note.report);
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        // The second signal of an impatient user ends the program where it is.
+        if asked.swap(true, Ordering::AcqRel) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(CliError::Signal)?;
+    let (status, watcher) = progress::watch(stream.schedule().count);
+    let outcome = stream.run(&stop, Some(status));
+    watcher.finish();
+    let outcome = outcome?;
+    let recordings: Vec<&SinkReport> = outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
+    tell(&run, &outcome, &recordings);
+    if args.json {
+        let error = outcome.result.as_ref().err().map(ToString::to_string);
+        let report = Report { summary: &outcome.summary, out: recordings, error };
+        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
+        writeln!(out, "{text}").map_err(CliError::Output)?;
+    }
+    outcome.result.map_err(|error| CliError::Run(Box::new(error)))
+}
+
+/// The summary for people.
+fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
+    let (summary, health) = (&outcome.summary, &outcome.summary.health);
+    let how = if summary.stopped { "stopped after" } else { "released" };
+    eprintln!(
+        "{how} {} pulses in {:.2} s: {} late, {} dropped; made at {:.1} times real time",
+        health.pulses, summary.elapsed_s, health.late, health.dropped, summary.real_time_factor
+    );
+    if run.stream.pace == transport::Pace::Realtime {
+        let lateness = &health.lateness_us;
+        eprintln!(
+            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms",
+            lateness.p50,
+            lateness.p99,
+            lateness.p999,
+            lateness.max,
+            summary.latency_ms.unwrap_or(f64::NAN)
+        );
+    }
+    for sink in &health.sinks {
+        if sink.dropped > 0 {
+            eprintln!("warning: sink '{}' was too slow and missed {} pulses", sink.name, sink.dropped);
+        }
+    }
+    for report in recordings {
+        for file in &report.files {
+            eprintln!("{}: {}", report.name, file.display());
+        }
+    }
 }
 
 /// Overrides as `config` takes them.
@@ -32,6 +107,7 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
         overrides.push(("scene.duration_s".to_owned(), duration_s.clone()));
     }
     let mut run = config::load(&args.config, &overrides)?;
+    without_hdf5(&mut run);
     if let Some(pace) = args.pace {
         run.stream.pace = match pace {
             Pace::Realtime => transport::Pace::Realtime,
@@ -48,14 +124,26 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
             }
         }
     }
-    let pulses = match args.pulses {
-        None => 0..run.scene.pulses,
-        Some(range) if range.end <= run.scene.pulses => range.first..range.end,
-        Some(range) => {
-            return Err(CliError::Pulses { first: range.first, end: range.end, pulses: run.scene.pulses });
-        }
-    };
+    let pulses = args.pulses.map_or(0..run.scene.pulses, |range| range.first..range.end);
     Ok((run, pulses))
+}
+
+/// A build without HDF5 records into a plain folder of the same name instead, and says so.
+fn without_hdf5(run: &mut Run) {
+    if cfg!(feature = "hdf5") {
+        return;
+    }
+    for sink in &mut run.sinks {
+        if let Kind::Hdf5 { path, force, .. } = &sink.kind {
+            let (folder, force) = (path.with_extension("plain"), *force);
+            eprintln!(
+                "warning: this build has no HDF5 (feature `hdf5`): recording into the folder {} instead of {}",
+                folder.display(),
+                path.display()
+            );
+            sink.kind = Kind::Plain { path: folder, force };
+        }
+    }
 }
 
 /// Sends the recording elsewhere, or adds one where the scenario has none.

@@ -21,9 +21,9 @@ use crate::config::Run;
 use crate::echo::reference::ReferenceEcho;
 use crate::frames::SceneFrame;
 use crate::motion::PlatformTracks;
-use crate::motion::track::{SourceReport, Track, TrackError};
+use crate::motion::track::{SourceReport, Track, Track};
 use crate::nav::{PlatformNav, TrackSource};
-use crate::pulse::{Layout, Pulse, SampleFormat};
+use crate::pulse::Pulse;
 use crate::radar::illumination::{Illumination, RadarError};
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
@@ -36,7 +36,7 @@ use crate::time::TimeTag;
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
-use crate::transport::stage::{Outcome, Source, Stream};
+use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
 use super::stages::{PulseFactory, Workspace};
@@ -55,7 +55,7 @@ pub enum BuildError {
         /// `true` or `reported`.
         role: &'static str,
         /// What is wrong.
-        source: TrackError,
+        source: SourceError,
     },
     /// The waveform.
     #[error(transparent)]
@@ -157,15 +157,7 @@ pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactor
         illumination.channel_pairs().to_vec(),
     );
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
-    let layout = Layout {
-        channels: scene.radar.channels.len(),
-        samples: scene.radar.window.samples,
-        format: if scene.radar.adc.is_some() { SampleFormat::Ci16 } else { SampleFormat::Cf32 },
-        platforms: scene.platforms.len(),
-        phase_centres: scene.radar.transmitters.len() + scene.radar.receivers.len(),
-        targets: scene.targets.len(),
-        pairs: scene.radar.pairs().len(),
-    };
+    let layout = scene.radar.layout(scene.platforms.len(), scene.targets.len());
     Ok(PulseFactory { illumination, echo, receiver, waveform, layout })
 }
 
@@ -182,6 +174,9 @@ pub struct PulseStream {
 
 /// How a run ended.
 pub type RunOutcome = Outcome<Option<SinkReport>, std::convert::Infallible, SinkError>;
+
+/// Why a run failed after it had started.
+pub type RunFailure = RunError<std::convert::Infallible, SinkError>;
 
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.

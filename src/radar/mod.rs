@@ -1,6 +1,10 @@
 //! The instrument.
 
+pub mod antenna;
 pub mod filter;
+pub mod illumination;
+pub mod link;
+pub mod pattern;
 pub mod phasor;
 pub mod receiver;
 pub mod waveform;

@@ -1,0 +1,64 @@
+//! Progress of long work: a bar on a terminal, plain lines elsewhere.
+
+use std::io::IsTerminal;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::transport::pacer::Status;
+
+/// Plain lines come this often.
+const LINE_EVERY: Duration = Duration::from_secs(2);
+
+/// Something that shows progress until its sender is gone.
+pub(super) struct Watcher(Option<JoinHandle<()>>);
+
+/// A sender for progress, and what shows it.
+pub(super) fn watch(total: u64) -> (Sender<Status>, Watcher) {
+    let (sender, receiver) = bounded(8);
+    let show = move || if std::io::stderr().is_terminal() { bar(&receiver, total) } else { lines(&receiver) };
+    // A machine that cannot start a thread shows no progress; the run itself will say what is wrong.
+    (sender, Watcher(thread::Builder::new().name("progress".to_owned()).spawn(show).ok()))
+}
+
+impl Watcher {
+    /// Waits until the last word is shown.
+    pub(super) fn finish(self) {
+        if let Some(thread) = self.0 {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn trouble(status: &Status) -> String {
+    match (status.late, status.dropped) {
+        (0, 0) => String::new(),
+        (late, dropped) => format!("{late} late, {dropped} dropped"),
+    }
+}
+
+fn bar(receiver: &Receiver<Status>, total: u64) {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+    if let Ok(style) =
+        ProgressStyle::with_template("{bar:40} {pos}/{len} pulses, {per_sec}, {eta} left {msg:.red}")
+    {
+        bar.set_style(style);
+    }
+    for status in receiver {
+        bar.set_position(status.passed);
+        bar.set_message(trouble(&status));
+    }
+    bar.finish_and_clear();
+}
+
+fn lines(receiver: &Receiver<Status>) {
+    let mut last = Instant::now();
+    for status in receiver {
+        if last.elapsed() >= LINE_EVERY {
+            last = Instant::now();
+            eprintln!("{} of {} pulses {}", status.passed, status.total, trouble(&status));
+        }
+    }
+}
