@@ -57,7 +57,7 @@ impl Lfm {
             return Err(WaveformError::Duration { duration_s });
         }
         let product = bandwidth_hz * duration_s;
-        if !(product <= super::MAX_TIME_BANDWIDTH) {
+        if product > super::MAX_TIME_BANDWIDTH {
             return Err(WaveformError::TimeBandwidth { product });
         }
         Ok(Self {
