@@ -91,6 +91,11 @@ impl Receiver {
         ReceiverScratch { transform: vec![Complex64::ZERO; self.transform.get_inplace_scratch_len()] }
     }
 
+    /// Complex sample rate, Hz.
+    pub fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
     /// Variance of the noise of a complex sample, W; zero for a noiseless receiver.
     pub fn noise_variance_w(&self) -> f64 {
         self.noise_variance_w
