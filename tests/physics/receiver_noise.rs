@@ -96,7 +96,7 @@ fn noise_is_white_before_the_filter_and_circular() {
             *p += s.norm_sqr() / trials as f64;
         }
     }
-    // |X_k|^2 = N^2 (fs/N)^2 E|S_k|^2 / ... : the mean over bins of the input level is variance N / 0.875.
+    // X_k = fs S_k and E|S_k|^2 = k T0 F (N/fs) |H|^2, with k T0 F = variance / (0.875 fs).
     let level = receiver.noise_variance_w() * n as f64 / 0.875;
     for (k, p) in power.iter().enumerate() {
         let expected = level * filter.response(bin_frequency_hz(k, n, FS_HZ)).powi(2);

@@ -60,6 +60,8 @@ impl Lfm {
         if product > super::MAX_TIME_BANDWIDTH {
             return Err(WaveformError::TimeBandwidth { product });
         }
+        // Built here rather than within the first pulse.
+        fresnel::table();
         Ok(Self {
             bandwidth_hz,
             duration_s,
