@@ -13,7 +13,7 @@
 //! ```
 //!
 //! which is smooth on the whole of [0, 1]. `W` is tabulated from this integral (double-exponential
-//! rule) once per process, as polynomials on equal intervals of `s`: relative accuracy 1e-14 for
+//! rule) once per process, as polynomials on equal intervals of `s`: relative accuracy 2e-14 for
 //! every `u >= 0`.
 
 use std::sync::LazyLock;

@@ -57,9 +57,11 @@ impl Lfm {
             return Err(WaveformError::Duration { duration_s });
         }
         let product = bandwidth_hz * duration_s;
-        if !(product <= super::MAX_TIME_BANDWIDTH) {
+        if product > super::MAX_TIME_BANDWIDTH {
             return Err(WaveformError::TimeBandwidth { product });
         }
+        // Built here rather than within the first pulse.
+        fresnel::table();
         Ok(Self {
             bandwidth_hz,
             duration_s,

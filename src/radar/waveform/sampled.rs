@@ -195,7 +195,7 @@ impl Waveform for Sampled {
 
     fn spectrum(&self, f_hz: f64) -> Complex64 {
         let x = f_hz / self.rate_hz;
-        if !(x.abs() < 0.5) {
+        if x.is_nan() || x.abs() >= 0.5 {
             return Complex64::ZERO;
         }
         // Cell of the table: at least POINTS/2, at most cells + POINTS/2.
@@ -236,5 +236,57 @@ impl Waveform for Sampled {
             sum += sample * sinc;
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn reads_samples_and_comments() {
+        let text = b"# a pulse\r\n1, 0\r\n\n0.5,-0.5 # second\n -1e-3 , 2E0\n";
+        let expected = [Complex64::new(1.0, 0.0), Complex64::new(0.5, -0.5), Complex64::new(-1e-3, 2.0)];
+        assert_eq!(parse(text).unwrap(), expected);
+    }
+
+    #[test]
+    fn names_every_fault_and_its_line() {
+        let faults = parse(b"1,2\n1\n1,2,3\nx,inf\n# fine\n,2\n\xff,1").unwrap_err();
+        insta::assert_snapshot!(faults.to_string(), @"line 2: '1' has 1 value(s), a sample is 're,im'; line 3: '1,2,3' has 3 value(s), a sample is 're,im'; line 4: 'x' is not a finite number; line 4: 'inf' is not a finite number; line 6: '' is not a finite number; line 7: '\u{fffd}' is not a finite number");
+        let many = parse("1\n".repeat(50).as_bytes()).unwrap_err();
+        assert_eq!((many.shown.len(), many.total), (SampleFaults::SHOWN, 50));
+        assert!(many.to_string().ends_with("; and 30 more"));
+    }
+
+    #[test]
+    fn sizes_are_bounded() {
+        let lines = "1,0\n".repeat(MAX_SAMPLES);
+        assert_eq!(parse(lines.as_bytes()).unwrap().len(), MAX_SAMPLES);
+        let faults = parse((lines + "1,0\n").as_bytes()).unwrap_err();
+        assert_eq!(faults.shown, [SampleFault::TooMany]);
+        let faults = parse(&vec![b'#'; MAX_BYTES as usize + 1]).unwrap_err();
+        assert_eq!(faults.shown, [SampleFault::TooLong { allowed: MAX_BYTES }]);
+    }
+
+    proptest! {
+        #[test]
+        fn never_panics_on_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+            let _ = parse(&bytes);
+        }
+
+        #[test]
+        fn never_panics_on_nearly_right_text(text in "([-+0-9.eEinfa ]{0,6},?){0,4}(#.{0,4})?(\r?\n[-0-9,. ]{0,9}){0,9}") {
+            if let Ok(samples) = parse(text.as_bytes()) {
+                prop_assert!(samples.iter().all(|s| s.is_finite()));
+                if let Ok(pulse) = Sampled::new(samples, 1e6) {
+                    for f_hz in [0.0, 499_999.999, -499_999.999, 5e5, -5e5, 1e9, f64::NAN] {
+                        let p = pulse.spectrum(f_hz);
+                        prop_assert!(p.is_finite() || pulse.samples.iter().any(|s| s.norm() > 1e150));
+                    }
+                }
+            }
+        }
     }
 }

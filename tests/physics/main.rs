@@ -1,0 +1,10 @@
+//! Physics against golden values, closed forms and independent computations.
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+mod echo_golden;
+mod echo_peak;
+mod echo_quadrature;
+mod quadrature;
+mod receiver_converter;
+mod receiver_noise;
+mod waveform_spectrum;
