@@ -20,10 +20,10 @@
 //! stream.sink("count", 4, |mut feed| {
 //!     let mut last = None;
 //!     loop {
-//!         match feed.next(std::time::Duration::from_secs(1), |pulse| Ok::<_, ()>(pulse.index))? {
+//!         match feed.next(std::time::Duration::from_secs(1), |pulse| Ok::<_, String>(pulse.index))? {
 //!             Fed::Pulse(index) => last = Some(index),
 //!             Fed::Idle => {}
-//!             Fed::Ended => return Ok(last),
+//!             Fed::Ended => return Ok::<_, String>(last),
 //!         }
 //!     }
 //! }).unwrap();
