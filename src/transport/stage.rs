@@ -182,6 +182,7 @@ impl Barrier {
 
 impl Source {
     /// Waits for `n` free slots (at most the whole ring); `None` when the run is over: end then.
+    /// A slot still holds some earlier pulse: every field, `flags` too, is to be overwritten.
     pub fn reserve(&mut self, n: usize) -> Option<&mut [Box<Pulse>]> {
         // The wait is not work: stop the watch, then start it again.
         self.health.made(0, self.busy_since.elapsed());
