@@ -12,6 +12,7 @@ opened with swmr=True where a plain open is refused.
 import argparse
 import json
 import os
+import signal
 import sys
 import time
 
@@ -63,10 +64,10 @@ class Hdf5Recording(Recording):
         self.path = path
         try:
             self.file = h5py.File(path, "r")
-            self.state = "finished"
+            self.state = "closed"
         except OSError:
             self.file = h5py.File(path, "r", swmr=True)
-            self.state = "growing, or left by a killed run"
+            self.state = "open: growing, or left by a killed run"
         self.meta = {k: _plain(v) for k, v in self.file.attrs.items()}
         if self.meta.get("format") != "nereus":
             raise ValueError(f"{path}: not a recording of nereus")
@@ -80,9 +81,12 @@ class Hdf5Recording(Recording):
             self.columns.append(name)
 
     def refresh(self):
-        for name in self.columns:
-            self.file[name].refresh()
+        # The index first: whatever the writer does meanwhile, the others are at least as long.
+        self.file["pulse/index"].refresh()
         self.pulses = len(self.file["pulse/index"])
+        for name in self.columns:
+            if name != "pulse/index":
+                self.file[name].refresh()
         return self.pulses
 
     def __getitem__(self, column):
@@ -100,7 +104,7 @@ class PlainRecording(Recording):
         if self.meta.get("format") != "nereus":
             raise ValueError(f"{path}: not a recording of nereus")
         self.columns = list(self.meta["columns"])
-        self.state = "finished, growing, or left by a killed run"
+        self.state = "closed, growing, or left by a killed run"
         self.refresh()
 
     def refresh(self):
@@ -195,6 +199,8 @@ def main():
     parser.add_argument("--patience-s", type=float, default=5.0, help="--follow ends after this silence")
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     args = parser.parse_args()
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `reader.py ... | head` ends quietly
     try:
         with open_recording(args.recording) as rec:
             if args.follow:

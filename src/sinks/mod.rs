@@ -2,6 +2,18 @@
 //!
 //! A sink implements [`sink::Sink`] and runs in a thread of its own ([`sink::drain`]). [`preflight`]
 //! says everything that is wrong with the outputs asked for before anything is made.
+//!
+//! ```
+//! use nereus::sinks::{Kind, Settings, preflight};
+//! let plain = |path: &str| Settings {
+//!     kind: Kind::Plain { path: path.into(), force: false },
+//!     queue_pulses: 64,
+//! };
+//! // A folder that is there already, and one whose parent is missing.
+//! let faults = preflight(&[plain("src"), plain("no/such/folder/recording")]);
+//! assert_eq!(faults.len(), 2);
+//! assert!(faults[0].to_string().starts_with("src: exists already"));
+//! ```
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -20,10 +20,10 @@
 //! stream.sink("count", 4, |mut feed| {
 //!     let mut last = None;
 //!     loop {
-//!         match feed.next(std::time::Duration::from_secs(1), |pulse| Ok::<_, ()>(pulse.index))? {
+//!         match feed.next(std::time::Duration::from_secs(1), |pulse| Ok::<_, String>(pulse.index))? {
 //!             Fed::Pulse(index) => last = Some(index),
 //!             Fed::Idle => {}
-//!             Fed::Ended => return Ok(last),
+//!             Fed::Ended => return Ok::<_, String>(last),
 //!         }
 //!     }
 //! }).unwrap();
@@ -182,6 +182,7 @@ impl Barrier {
 
 impl Source {
     /// Waits for `n` free slots (at most the whole ring); `None` when the run is over: end then.
+    /// A slot still holds some earlier pulse: every field, `flags` too, is to be overwritten.
     pub fn reserve(&mut self, n: usize) -> Option<&mut [Box<Pulse>]> {
         // The wait is not work: stop the watch, then start it again.
         self.health.made(0, self.busy_since.elapsed());

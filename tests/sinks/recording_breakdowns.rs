@@ -133,3 +133,30 @@ fn a_full_disk_ends_the_run_and_leaves_a_readable_recording() {
         }
     }
 }
+
+#[test]
+fn the_reader_program_follows_a_run() {
+    for name in ["rec.h5", "rec"] {
+        if python(name == "rec.h5", "").is_none() {
+            continue;
+        }
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(name);
+        let mut writer = child(&path, 500, None).spawn().unwrap();
+        thread::sleep(Duration::from_millis(700));
+        let reader = Command::new("python3")
+            .arg("-B")
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tools/reader.py"))
+            .arg(&path)
+            .args(["--follow", "--patience-s", "1.5"])
+            .output()
+            .unwrap();
+        assert!(writer.wait().unwrap().success());
+        let out = String::from_utf8_lossy(&reader.stdout);
+        println!("{out}{}", String::from_utf8_lossy(&reader.stderr));
+        assert!(reader.status.success());
+        // 500 pulses come in batches of 16, so 512 were made; they take 1.5 s: three flushes or so.
+        assert!(out.lines().filter(|l| l.contains("pulses, up to")).count() >= 2);
+        assert!(out.contains("512 pulses (0 to 511, 0 missing) at 333.3 Hz"));
+    }
+}

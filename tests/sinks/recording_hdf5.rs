@@ -56,7 +56,7 @@ fn every_column_comes_back() {
             &format!(
                 r#"
 rec = reader.open_recording({path:?})
-assert rec.state == "finished", rec.state
+assert rec.state == "closed", rec.state
 check(rec, 7, 100)
 reader.show(reader.summary(rec))
 import h5py
@@ -138,7 +138,7 @@ fn readers_follow_while_it_grows() {
         let seen = python(
             true,
             &format!(
-                "rec = reader.open_recording({path:?}); assert rec.state != 'finished'; check(rec, 0, rec.pulses); print(rec.pulses)"
+                "rec = reader.open_recording({path:?}); assert rec.state != 'closed'; check(rec, 0, rec.pulses); print(rec.pulses)"
             ),
         );
         looks.extend(seen.map(|s| s.trim().parse::<u64>().unwrap() == upto));
@@ -147,7 +147,7 @@ fn readers_follow_while_it_grows() {
     assert!(looks.iter().all(|&good| good), "{looks:?}");
     python(
         true,
-        &format!("rec = reader.open_recording({path:?}); assert rec.state == 'finished'; check(rec, 0, 301)"),
+        &format!("rec = reader.open_recording({path:?}); assert rec.state == 'closed'; check(rec, 0, 301)"),
     );
 }
 

@@ -124,7 +124,10 @@ fn what_does_not_fit_together_is_refused() {
     let junk = dir.path().join("junk.h5");
     for bytes in [vec![], vec![0x89, b'H', b'D', b'F'], fs::read(&a).unwrap()[..900].to_vec()] {
         fs::write(&junk, bytes).unwrap();
-        assert!(matches!(merge(&[junk.clone()], &out, false), Err(MergeError::File(SinkError::Hdf5 { .. }))));
+        assert!(matches!(
+            merge(std::slice::from_ref(&junk), &out, false),
+            Err(MergeError::File(SinkError::Hdf5 { .. }))
+        ));
     }
 }
 

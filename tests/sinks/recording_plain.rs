@@ -17,7 +17,7 @@ fn a_folder_holds_every_column() {
             sink.write(&pulse(&header, n)).unwrap();
         }
         let report = sink.finish().unwrap();
-        assert_eq!((report.pulses, report.files.as_slice()), (100, std::slice::from_ref(&path).as_ref()));
+        assert_eq!((report.pulses, report.files.as_slice()), (100, std::slice::from_ref(&path)));
         // Without Python: the index and one sample, straight from the bytes.
         let index = fs::read(path.join("pulse/index.bin")).unwrap();
         let want: Vec<u8> = (7..107_u64).flat_map(u64::to_ne_bytes).collect();

@@ -98,7 +98,6 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
         .new_dataset::<T>()
         .chunk(chunk)
         .chunk_cache(across * 4 + 1, bytes.max(1 << 16), 1.0)
-        .fill_time(::hdf5::dataset::FillTime::Never)
         .shape(extents)
         .create(column.path.as_str())?)
 }

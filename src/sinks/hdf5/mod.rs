@@ -9,8 +9,8 @@
 //! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
 //! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
 //!
-//! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`, then `refresh()` on each dataset;
-//! the first `len(/pulse/index)` rows of every dataset are complete. **After a kill** the file still
+//! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`; to look again, `refresh()`
+//! `/pulse/index`, take its length n, then `refresh()` the other datasets: their first n rows are complete. **After a kill** the file still
 //! bears the mark of an open writer and a plain `"r"` is refused by the library: open it with
 //! `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than [`FLUSH_INTERVAL`]
 //! is in it, and all but the last 16 MiB. A finished file opens either way.
@@ -18,7 +18,8 @@
 //! With `segment_s` the recording is cut by emission time after pulse 0: `name.h5` becomes
 //! `name_0000.h5`, `name_0001.h5`, …, each complete by itself.
 //!
-//! A failing write (full disk) ends the sink with an error; what was flushed before stays readable.
+//! A failing write (full disk) ends the sink with an error; what was flushed before stays readable. Other
+//! datasets may then be longer than `/pulse/index`: their further rows are not complete.
 
 use std::fs;
 use std::path::{Path, PathBuf};
