@@ -3,5 +3,6 @@
 
 mod inspection;
 mod program;
+mod readme;
 #[cfg(unix)]
 mod setup_script;
