@@ -177,13 +177,13 @@ fn mark(node: &mut Node) {
 }
 
 fn put_one(root: &mut Node, key: &str, value: Value) -> Result<(), String> {
+    if key.split('.').any(str::is_empty) {
+        return Err("a key is names joined by dots, such as radar.prf_hz or target.0.rcs_m2".to_owned());
+    }
     let mut here = root;
     let mut parts = key.split('.').peekable();
     let mut path = String::new();
     while let Some(part) = parts.next() {
-        if part.is_empty() {
-            return Err("a key is names joined by dots, such as radar.prf_hz or target.0.rcs_m2".to_owned());
-        }
         let last = parts.peek().is_none();
         let parent = if path.is_empty() { "the scenario".to_owned() } else { path.clone() };
         path = if path.is_empty() { part.to_owned() } else { format!("{path}.{part}") };

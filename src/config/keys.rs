@@ -142,12 +142,12 @@ macro_rules! tables {
         $($key:ident $name:literal, $kind:expr, $absent:expr, $about:literal;)*
     })*) => {
         $(
-            #[doc = $about_table]
+            #[doc = concat!("Keys of `", $heading, "`.")]
             #[allow(unused_imports)]
             pub mod $module {
                 use super::*;
                 $(
-                    #[doc = $about]
+                    #[doc = concat!("The key `", $name, "`.")]
                     pub static $key: Key = Key { name: $name, kind: $kind, absent: $absent, about: $about };
                 )*
                 /// The table.

@@ -54,13 +54,14 @@ impl Names {
         Self { what, names: Vec::new() }
     }
 
-    /// Takes the name of a new entry, faulting duplicates (also against `others`).
+    /// Takes the name of a new entry, faulting duplicates (also against the antennas of `others`).
     fn take(&mut self, section: &Section<'_>, key: &'static Key, others: &[&Names]) {
         let name = section.name(key);
         if let Some(name) = &name {
             let taken = |names: &Names| names.names.iter().flatten().any(|n| n == name);
             if taken(self) || others.iter().any(|names| taken(names)) {
-                section.fault(key, Problem::Duplicate { name: name.clone(), what: self.what });
+                let what = if taken(self) { self.what } else { "antenna" };
+                section.fault(key, Problem::Duplicate { name: name.clone(), what });
             }
         }
         self.names.push(name);

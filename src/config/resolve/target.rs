@@ -127,14 +127,18 @@ fn grid(
         height_m: if section.has(&k::POSITION_M) { None } else { Some(&k::HEIGHT_M) },
     };
     let centre = place::above_sea(&section, &surface, ground);
-    let count = section.vector::<2>(&k::COUNT);
-    let count = match count {
+    let count = match section.vector::<2>(&k::COUNT) {
         Some(count) if count.iter().any(|n| n.fract() != 0.0) => {
             let problem = Problem::Type {
                 found: format!("{count:?}"),
                 allowed: "two whole numbers from 1 to 1000".to_owned(),
             };
             section.fault(&k::COUNT, problem);
+            None
+        }
+        Some([columns, rows]) if targets.len() as u64 + (columns * rows) as u64 > MOST_TARGETS => {
+            let count = targets.len() as u64 + (columns * rows) as u64;
+            section.fault(&k::COUNT, Problem::TooMany { count, what: "targets", allowed: MOST_TARGETS });
             None
         }
         other => other,
@@ -151,13 +155,9 @@ fn grid(
     let scattering = Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?);
     let [x_m, y_m, z_m] = centre.to_array();
     let height_m = z_m + ground.frame.earth().drop_m(x_m, y_m);
-    // Whole numbers up to 1000: the casts are exact. A field larger than the bound is cut just above it
-    // and then refused.
+    // Whole numbers up to 1000: the casts are exact.
     for column in 0..columns as usize {
         for row in 0..rows as usize {
-            if targets.len() as u64 > MOST_TARGETS {
-                return Some(());
-            }
             let x_m = x_m + (column as f64 - (columns - 1.0) / 2.0) * east_m;
             let y_m = y_m + (row as f64 - (rows - 1.0) / 2.0) * north_m;
             let position: Point<Enu> = ground.frame.above_sea(x_m, y_m, height_m);

@@ -1,0 +1,8 @@
+//! The built program: exit codes, what goes to which stream, texts.
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+mod inspection;
+mod program;
+mod readme;
+#[cfg(unix)]
+mod setup_script;
