@@ -33,7 +33,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::attitude::{self, MAX_STEP_DEG, MIN_SPEED_MPS, Turn};
-use super::fit::{self, FitReport, Node};
+use super::fit::{self, FitReport, MAX_MISFIT_SIGMAS, Node};
 use super::hermite::Basis;
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
 use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place, TrackSource};
@@ -180,6 +180,25 @@ pub enum TrackError {
         /// What the smoothest track reaches, m/s^2.
         reached: f64,
         /// The bound, m/s^2.
+        allowed_mps2: f64,
+    },
+    /// The smooth track is far from its fixes.
+    #[error(
+        "{}: the track smoothed to {allowed_mps2} m/s^2 misses the fixes by {rms_m:.1} m rms ({axis}), more than \
+         {MAX_MISFIT_SIGMAS} times {axis}_sigma_m = {sigma_m}; allow more acceleration, state a larger deviation, \
+         or cut the manoeuvre",
+        path.display()
+    )]
+    Misfit {
+        /// The file.
+        path: PathBuf,
+        /// `horizontal` or `vertical`.
+        axis: &'static str,
+        /// Residual, m.
+        rms_m: f64,
+        /// Stated standard deviation of a fix, m.
+        sigma_m: f64,
+        /// The acceleration bound, m/s^2.
         allowed_mps2: f64,
     },
     /// Rejecting outliers left a gap.
