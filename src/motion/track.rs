@@ -58,7 +58,11 @@ pub struct State {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TrackError {
     /// The instant lies outside the track.
-    #[error("the track covers {first} to {last}; asked for {asked}")]
+    #[error(
+        "the track covers {first} to {last}; asked for {asked}, {:.9} s {}",
+        if first.since(*asked) > 0.0 { first.since(*asked) } else { asked.since(*last) },
+        if first.since(*asked) > 0.0 { "before its begin" } else { "after its end" }
+    )]
     OutOfSpan {
         /// The instant.
         asked: TimeTag,
@@ -84,7 +88,7 @@ pub enum TrackError {
         last: TimeTag,
     },
     /// Too few fixes for a track.
-    #[error("{}: {found} usable fixes; needed: at least {needed}", path.display())]
+    #[error("{}: usable fixes: {found}, needed: at least {needed}", path.display())]
     TooFewFixes {
         /// The file.
         path: PathBuf,

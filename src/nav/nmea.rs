@@ -42,7 +42,7 @@
 //!            $GPRMC,195720,A,5310.8115,N,00525.7025,E,0.0,0.0,160414,0.7,E,A*1B\r\n";
 //! let error = nmea::parse(log.as_bytes(), &source).unwrap_err();
 //! // The second checksum is wrong: one fix is left, and a track needs two.
-//! assert!(error.to_string().contains("1 usable fix"));
+//! assert!(error.to_string().contains("usable fixes: 1, needed: at least 2"));
 //! ```
 
 use ::nmea::ParseResult;

@@ -107,7 +107,7 @@ fn headers_are_checked_by_name() {
     "#);
     assert_snapshot!(error("unix_s,x_m,y_m,z_m\n"), @r#"
     track.csv: 1 fault
-      line 1: the file ends with 0 usable fixes; needed: at least 2
+      line 1: the file ends; usable fixes: 0, needed: at least 2
     "#);
     assert_snapshot!(error(""), @r#"
     track.csv: 1 fault

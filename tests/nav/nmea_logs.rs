@@ -4,12 +4,7 @@ use insta::assert_snapshot;
 use nereus::nav::{AttitudeSource, Fix, Place, Recording, VerticalDatum, load, nmea};
 use proptest::prelude::*;
 
-use crate::sources;
-
-fn sentence(body: &str) -> String {
-    let sum = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
-    format!("${body}*{sum:02X}\r\n")
-}
+use crate::sources::{self, sentence};
 
 fn read(text: &str) -> Recording {
     nmea::parse(text.as_bytes(), &sources::nmea("log.nmea")).unwrap()
@@ -178,7 +173,7 @@ fn faults_and_empty_logs() {
     "#);
     assert_snapshot!(told(&rmc("120000")), @r#"
     log.nmea: 1 fault
-      line 1: the file ends with 1 usable fixes; needed: at least 2
+      line 1: the file ends; usable fixes: 1, needed: at least 2
     "#);
 }
 

@@ -39,3 +39,9 @@ pub fn adsb(path: &str, max_acceleration_mps2: f64) -> FileSource {
         ..csv(path)
     }
 }
+
+/// An NMEA sentence with its checksum and line end.
+pub fn sentence(body: &str) -> String {
+    let sum = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
+    format!("${body}*{sum:02X}\r\n")
+}

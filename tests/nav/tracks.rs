@@ -81,7 +81,7 @@ fn nothing_is_extrapolated() {
     let (track, _) = Track::recorded(&fixes, &plain(), &source(AttitudeSource::Level)).unwrap();
     let (first, last) = track.span().unwrap();
     assert!(track.state(first).is_ok() && track.state(last).is_ok());
-    assert_snapshot!(track.state(first.plus(-1e-9)).unwrap_err(), @"the track covers 2018-05-30T18:40:00.123456Z to 2018-05-30T18:40:03.123456Z; asked for 2018-05-30T18:40:00.123456Z");
+    assert_snapshot!(track.state(first.plus(-1e-9)).unwrap_err(), @"the track covers 2018-05-30T18:40:00.123456Z to 2018-05-30T18:40:03.123456Z; asked for 2018-05-30T18:40:00.123456Z, 0.000000001 s before its begin");
     assert!(track.state(last.plus(1e-9)).is_err());
     assert_eq!(track.covers(first, last), Ok(()));
     assert_snapshot!(track.covers(first, last.plus(7.5)).unwrap_err(), @"the track covers 2018-05-30T18:40:00.123456Z to 2018-05-30T18:40:03.123456Z (3.000 s); asked for 2018-05-30T18:40:00.123456Z to 2018-05-30T18:40:10.623456Z: 7.500 s are missing at the end");
@@ -98,7 +98,7 @@ fn faults_of_building_are_told() {
     };
     let frame = plain();
     let level = source(AttitudeSource::Level);
-    assert_snapshot!(told(&helix_fixes(&[0.0]), &frame, &level), @"helix.csv: 1 usable fixes; needed: at least 2");
+    assert_snapshot!(told(&helix_fixes(&[0.0]), &frame, &level), @"helix.csv: usable fixes: 1, needed: at least 2");
     assert_snapshot!(told(&helix_fixes(&[0.0, 2.0, 1.0]), &frame, &level), @"helix.csv: fix 2 (2018-05-30T18:40:01.123456Z) is not finite or not later than the one before");
     assert_snapshot!(told(&helix_fixes(&[0.0, 1.0]), &frame, &source(AttitudeSource::Recorded)), @"helix.csv: attitude = recorded, but 2 of 2 fixes have none");
     let mut there = helix_fixes(&[0.0, 1.0, 2.0]);
