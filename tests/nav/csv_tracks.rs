@@ -130,6 +130,19 @@ fn many_faults_are_bounded() {
 }
 
 #[test]
+fn the_ends_of_the_calendar_are_read_and_printed() {
+    for (time, printed) in
+        [("-62135596800", "0001-01-01T00:00:00"), ("253402300799.5", "9999-12-31T23:59:59.5")]
+    {
+        let told = error(&format!("unix_s,x_m,y_m,z_m\n{time},0,0,0\n{time},0,0,0\n"));
+        assert!(told.contains(printed), "{told}");
+    }
+    for time in ["-62135596801", "253402300800", "99999999999999999999"] {
+        assert!(error(&format!("unix_s,x_m,y_m,z_m\n{time},0,0,0\n")).contains("unix_s"));
+    }
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let found = nereus::nav::load(&sources::csv("/nowhere/track.csv")).unwrap_err();
     assert!(matches!(found, NavError::Read { .. }));

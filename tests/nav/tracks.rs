@@ -294,3 +294,59 @@ fn states_do_not_depend_on_the_epoch() {
         assert_eq!(at(&a.state(old.plus(t)).unwrap()), at(&b.state(new.plus(t)).unwrap()));
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+
+    /// Whatever the fixes are: a clear error, or a track that is finite everywhere and keeps its bound.
+    #[test]
+    fn wild_fixes_give_an_error_or_a_finite_track(
+        raw in proptest::collection::vec((-4.0f64..3.0, -7.0f64..7.0, any::<[bool; 3]>(), any::<[i8; 3]>()), 2..40),
+        log10_bound in -3.0f64..3.0,
+        rts in any::<bool>(),
+        which in 0usize..3,
+    ) {
+        let mut time = start();
+        let fixes: Vec<Fix> = raw
+            .iter()
+            .map(|(log10_step, log10_scale, signs, angles)| {
+                time = time.plus(10f64.powf(*log10_step));
+                let [x, y, z] = signs.map(|sign| if sign { 1.0 } else { -1.0 } * 10f64.powf(*log10_scale));
+                let yaw_pitch_roll_rad = Some(angles.map(|angle| f64::from(angle) / 40.0));
+                Fix { time, place: Place::Local(Point::new(x, y, z)), yaw_pitch_roll_rad }
+            })
+            .collect();
+        let attitude = [
+            AttitudeSource::CoordinatedTurn,
+            AttitudeSource::Recorded,
+            AttitudeSource::Constant(Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)),
+        ][which];
+        let bound = 10f64.powf(log10_bound);
+        let smoothing = if rts {
+            Smoothing::Rts { horizontal_sigma_m: 1e4, vertical_sigma_m: 1e4, max_acceleration_mps2: bound }
+        } else {
+            Smoothing::Off
+        };
+        let wanted = FileSource { smoothing, max_gap_s: 1e9, ..source(attitude) };
+        match Track::recorded(&fixes, &plain(), &wanted) {
+            Err(error) => prop_assert!(error.to_string().starts_with("helix.csv: ")),
+            Ok((track, report)) => {
+                prop_assert!(!rts || report.max_acceleration_mps2 <= bound);
+                let (first, last) = track.span().unwrap();
+                for i in 0..=200 {
+                    let t = first.plus(last.since(first) * f64::from(i) / 200.0);
+                    // The last instant may round past the end.
+                    let Ok(state) = track.state(t) else { continue };
+                    let q = state.attitude.raw();
+                    prop_assert!(at(&state).iter().all(|x| x.is_finite()) && (q.length() - 1.0).abs() < 1e-12);
+                    let rates = [state.velocity, state.acceleration, state.angular_rate];
+                    prop_assert!(rates.iter().all(|v| v.norm().is_finite()));
+                    if rts {
+                        // Sampled in rounding of 1e-16 of the largest terms of the segment.
+                        prop_assert!(state.acceleration.norm() <= bound * (1.0 + 1e-6) + 1e-6);
+                    }
+                }
+            }
+        }
+    }
+}
