@@ -10,7 +10,7 @@
 
 use std::fmt;
 
-use hifitime::Epoch;
+use hifitime::{Epoch, Unit};
 use thiserror::Error;
 
 const ATTOSECONDS_PER_SECOND: u128 = 1_000_000_000_000_000_000;
@@ -108,7 +108,7 @@ impl TimeTag {
 impl fmt::Display for TimeTag {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let micros = (self.fraction_s * 1e6).floor() as i64;
-        let epoch = Epoch::from_unix_seconds(self.seconds as f64);
+        let epoch = Epoch::from_unix_duration(self.seconds * Unit::Second);
         let (y, mo, d, h, mi, s, _) = epoch.to_gregorian_utc();
         write!(f, "{y:04}-{mo:02}-{d:02}T{h:02}:{mi:02}:{s:02}.{micros:06}Z")
     }
@@ -264,6 +264,8 @@ mod tests {
         assert_eq!(tag.seconds(), 1_527_711_300);
         assert_eq!(tag.to_unix_ns().0, 1_527_711_300_123_456_789);
         assert_eq!(tag.to_string(), "2018-05-30T20:15:00.123456Z");
+        // Past 2^62 ns, where a count of nanoseconds in f64 is no longer exact.
+        assert_eq!(TimeTag::new(253_402_300_799, 0.5).to_string(), "9999-12-31T23:59:59.500000Z");
         assert!(TimeTag::from_iso8601("yesterday").is_err());
         assert!(TimeTag::from_iso8601("2018-05-30T20:15:00.Z").is_err());
     }

@@ -20,6 +20,7 @@ Standard library only. Exit 0 done, 2 the input is wrong.
 import argparse
 import datetime
 import gzip
+import itertools
 import json
 import math
 import os
@@ -117,15 +118,14 @@ def clean(rows, start_ms, end_ms, altitude_gate_m, position_gate_m):
 
 
 def predicted(fixes, index, value, reach=REACH):
-    """Median of the lines through a fix before and one after it, at its time; itself at an end."""
+    """Median of the lines through pairs of neighbours, at the time of a fix; its own value without any."""
     time = fixes[index][0]
-    before = fixes[max(0, index - reach) : index]
-    after = fixes[index + 1 : index + 1 + reach]
-    if not before or not after:
-        return value(fixes[index])
-    return statistics.median(
-        value(a) + (value(b) - value(a)) * (time - a[0]) / (b[0] - a[0]) for a in before for b in after
-    )
+    near = fixes[max(0, index - reach) : index] + fixes[index + 1 : index + 1 + reach]
+    lines = [
+        value(a) + (value(b) - value(a)) * (time - a[0]) / (b[0] - a[0])
+        for a, b in itertools.combinations(near, 2)
+    ]
+    return statistics.median(lines) if lines else value(fixes[index])
 
 
 def position_off_m(fixes, index):

@@ -9,7 +9,8 @@
 //! the path would then exceed the acceleration bound, they are lowered to the largest values (to 2 %) that keep it below:
 //! the vertical one until the vertical alone keeps half the bound, then the horizontal one until the whole does. The bound holds between the nodes as well: the acceleration of a segment stays
 //! inside the hull of its Bernstein control values, and those are what is compared. The [`FitReport`] says which of
-//! the two decided, and the residuals, which show the price.
+//! the two decided, and the residuals, which show the price; a track that misses its fixes by more than
+//! [`MAX_MISFIT_SIGMAS`] standard deviations (rms) is refused, since a bound below what was really flown cuts corners.
 
 use std::fmt;
 
@@ -24,6 +25,9 @@ use crate::frames::{Earth, Enu, SceneFrame, Vector};
 use crate::nav::{FileSource, Fix, Place, Smoothing};
 use crate::time::TimeTag;
 
+/// Residual of a smooth track, in stated standard deviations (rms), beyond which it is refused: it would not be the
+/// recorded motion any more.
+pub const MAX_MISFIT_SIGMAS: f64 = 5.0;
 /// Rounds of outlier rejection at most.
 const ROUNDS: usize = 4;
 /// Decades of the jerk density that are tried to meet the acceleration bound.
@@ -243,6 +247,15 @@ fn smoothed(
         }
         let (horizontal_rms_m, horizontal_max_m) = rms_and_max(&across, &used[0]);
         let (vertical_rms_m, vertical_max_m) = rms_and_max(&heights, &used[1]);
+        for (axis, rms_m, sigma_m) in [
+            ("horizontal", horizontal_rms_m, wanted.horizontal_sigma_m),
+            ("vertical", vertical_rms_m, wanted.vertical_sigma_m),
+        ] {
+            if rms_m > MAX_MISFIT_SIGMAS * sigma_m {
+                let (path, allowed_mps2) = (source.path.clone(), wanted.max_acceleration_mps2);
+                return Err(TrackError::Misfit { path, axis, rms_m, sigma_m, allowed_mps2 });
+            }
+        }
         let rejected = |used: &[bool]| used.iter().filter(|used| !**used).count();
         let report = FitReport {
             rejected_horizontal: rejected(&used[0]),

@@ -1,4 +1,7 @@
 //! Where everything is at an instant.
+//!
+//! [`Track`] is the trajectory of a platform; [`fit`] makes one from recorded fixes with [`outliers`] and
+//! [`smoother`], [`hermite`] interpolates, [`attitude`] derives what a recording does not say.
 
 pub mod attitude;
 pub mod fit;

@@ -33,7 +33,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::attitude::{self, MAX_STEP_DEG, MIN_SPEED_MPS, Turn};
-use super::fit::{self, FitReport, Node};
+use super::fit::{self, FitReport, MAX_MISFIT_SIGMAS, Node};
 use super::hermite::Basis;
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
 use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place, TrackSource};
@@ -58,7 +58,11 @@ pub struct State {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TrackError {
     /// The instant lies outside the track.
-    #[error("the track covers {first} to {last}; asked for {asked}")]
+    #[error(
+        "the track covers {first} to {last}; asked for {asked}, {:.9} s {}",
+        if first.since(*asked) > 0.0 { first.since(*asked) } else { asked.since(*last) },
+        if first.since(*asked) > 0.0 { "before its begin" } else { "after its end" }
+    )]
     OutOfSpan {
         /// The instant.
         asked: TimeTag,
@@ -84,7 +88,7 @@ pub enum TrackError {
         last: TimeTag,
     },
     /// Too few fixes for a track.
-    #[error("{}: {found} usable fixes; needed: at least {needed}", path.display())]
+    #[error("{}: usable fixes: {found}, needed: at least {needed}", path.display())]
     TooFewFixes {
         /// The file.
         path: PathBuf,
@@ -180,6 +184,25 @@ pub enum TrackError {
         /// What the smoothest track reaches, m/s^2.
         reached: f64,
         /// The bound, m/s^2.
+        allowed_mps2: f64,
+    },
+    /// The smooth track is far from its fixes.
+    #[error(
+        "{}: the track smoothed to {allowed_mps2} m/s^2 misses the fixes by {rms_m:.1} m rms ({axis}), more than \
+         {MAX_MISFIT_SIGMAS} times {axis}_sigma_m = {sigma_m}; allow more acceleration, state a larger deviation, \
+         or cut the manoeuvre",
+        path.display()
+    )]
+    Misfit {
+        /// The file.
+        path: PathBuf,
+        /// `horizontal` or `vertical`.
+        axis: &'static str,
+        /// Residual, m.
+        rms_m: f64,
+        /// Stated standard deviation of a fix, m.
+        sigma_m: f64,
+        /// The acceleration bound, m/s^2.
         allowed_mps2: f64,
     },
     /// Rejecting outliers left a gap.

@@ -223,7 +223,7 @@ pub enum FaultKind {
         allowed_s: f64,
     },
     /// Not enough fixes.
-    #[error("the file ends with {found} usable fixes; needed: at least {needed}")]
+    #[error("the file ends; usable fixes: {found}, needed: at least {needed}")]
     TooFewFixes {
         /// Usable fixes.
         found: usize,

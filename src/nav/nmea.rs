@@ -16,7 +16,8 @@
 //!   adds `undulation_m`, `Barometric` adds `offset_m` and `undulation_m`. A fix without an altitude gets
 //!   one interpolated between those beside it (held at the ends); a log without any altitude is taken to
 //!   be at mean sea level, `undulation_m`. Both are counted as `heights_filled`.
-//! * **Attitude.** HDT alone gives yaw, with pitch and roll zero. Fixes without a heading get one
+//! * **Attitude.** HDT has no time and belongs to the epoch that is open when it comes; alone it gives yaw, with
+//!   pitch and roll zero. Fixes without a heading get one
 //!   interpolated (the short way round; held at the ends) and are counted as `headings_filled`.
 //!   VTG and the course of RMC say where the platform goes, not where it looks, and are not used.
 //!
@@ -42,7 +43,7 @@
 //!            $GPRMC,195720,A,5310.8115,N,00525.7025,E,0.0,0.0,160414,0.7,E,A*1B\r\n";
 //! let error = nmea::parse(log.as_bytes(), &source).unwrap_err();
 //! // The second checksum is wrong: one fix is left, and a track needs two.
-//! assert!(error.to_string().contains("1 usable fix"));
+//! assert!(error.to_string().contains("usable fixes: 1, needed: at least 2"));
 //! ```
 
 use ::nmea::ParseResult;

@@ -1,4 +1,9 @@
 //! Navigation: files to fixes, fixes to tracks.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
-mod probe;
+mod converter;
+mod csv_tracks;
+mod flights;
+mod nmea_logs;
+mod sources;
+mod tracks;
