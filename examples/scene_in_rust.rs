@@ -43,13 +43,8 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
         },
         cross_pol_isolation_db: None,
     };
-    let vv = Channel {
-        name: "VV".into(),
-        transmitter: 0,
-        receiver: 0,
-        tx: Polarisation::V,
-        rx: Polarisation::V,
-    };
+    let vv =
+        Channel { name: "VV".into(), transmitter: 0, receiver: 0, tx: Polarisation::V, rx: Polarisation::V };
     Ok(Scene {
         frame: SceneFrame::plain(Earth::Flat),
         start: TimeTag::from_iso8601("2026-01-01T00:00:00Z")?,
@@ -84,7 +79,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
 
 fn show(pulse: &Pulse) {
     let Samples::Cf32(iq) = &pulse.samples else { return };
-    if pulse.index % 20 != 0 {
+    if !pulse.index.is_multiple_of(20) {
         return;
     }
     let strongest = (0..iq.len()).max_by(|a, b| iq[*a].norm_sqr().total_cmp(&iq[*b].norm_sqr())).unwrap_or(0);

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
+use crate::radar::pattern::PatternError;
 
 /// Why a command ends early.
 #[derive(Debug, Error)]
@@ -27,6 +28,9 @@ pub enum CliError {
     #[cfg(feature = "hdf5")]
     #[error(transparent)]
     Merge(#[from] crate::sinks::merge::MergeError),
+    /// An antenna pattern.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
     /// No handler for Ctrl-C.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[source] ctrlc::Error),
@@ -80,6 +84,7 @@ impl CliError {
         match self {
             Self::Config(_)
             | Self::Build(_)
+            | Self::Pattern(_)
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
             | Self::Sweep { .. }

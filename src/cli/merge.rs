@@ -13,7 +13,15 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
         return writeln!(out, "{text}").map_err(CliError::Output);
     }
-    eprintln!("{report}");
+    let shards = report.shards.len();
+    eprintln!(
+        "{}: pulses {} to {} of {shards} recordings, {} in all, {} dropped",
+        report.out.display(),
+        report.first,
+        report.last,
+        report.pulses,
+        report.dropped
+    );
     Ok(())
 }
 

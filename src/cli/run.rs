@@ -52,7 +52,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let outcome = stream.run(&stop, Some(status));
     watcher.finish();
     let outcome = outcome?;
-    let recordings: Vec<&SinkReport> = outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
+    let recordings: Vec<&SinkReport> =
+        outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
     tell(&run, &outcome, &recordings);
     if args.json {
         let error = outcome.result.as_ref().err().map(ToString::to_string);

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use super::args::{Aperture, Cut, Quantity, TableAntennaArgs, TableArgs};
 use super::error::CliError;
+use crate::radar::antenna::Antenna;
 use crate::scene::radar::Pattern;
 use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
 
@@ -13,24 +14,16 @@ const MOST_ROWS: usize = 1_000_000;
 /// Prints the table.
 pub(super) fn table(args: &TableArgs, out: &mut dyn Write) -> Result<(), CliError> {
     match &args.quantity {
-        // The antenna room is joined here: its signed field gain for direction cosines (u, v).
-        Quantity::Antenna(args) => antenna(args, out, None),
+        Quantity::Antenna(args) => antenna(args, out),
     }
 }
 
-/// Signed field gain of a pattern: wavelength (m), direction cosines u and v.
-type FieldGain = fn(&Pattern, f64, f64, f64) -> f64;
-
 /// One row an angle: the angle from boresight, its direction cosine, power gain and signed field gain.
-fn antenna(
-    args: &TableAntennaArgs,
-    out: &mut dyn Write,
-    field_gain: Option<FieldGain>,
-) -> Result<(), CliError> {
+fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let pattern = pattern(args)?;
     let wavelength_m = SPEED_OF_LIGHT_MPS / size("--carrier-hz", Some(args.carrier_hz))?;
     let angles_deg = angles_deg(args)?;
-    let field_gain = field_gain.ok_or(CliError::Absent { command: "table antenna" })?;
+    let antenna = Antenna::new(&pattern, wavelength_m)?;
     writeln!(out, "angle_deg,direction_cosine,gain_dbi,field_gain").map_err(CliError::Output)?;
     for angle_deg in angles_deg {
         let cosine = angle_deg.to_radians().sin();
@@ -38,7 +31,8 @@ fn antenna(
             Cut::Az => (cosine, 0.0),
             Cut::El => (0.0, cosine),
         };
-        let field = field_gain(&pattern, wavelength_m, u, v);
+        // Apertures have a real field.
+        let field = antenna.field_gain_uv(u, v).re;
         let gain_dbi = Decibels::from_power_ratio(field * field).0;
         writeln!(out, "{angle_deg},{cosine:.12e},{gain_dbi:.9},{field:.12e}").map_err(CliError::Output)?;
     }
@@ -126,12 +120,7 @@ mod tests {
             "30",
         ];
         let mut out = Vec::new();
-        antenna(
-            &antenna_args(&options),
-            &mut out,
-            Some(|_, wavelength_m, u, v| 100.0 * wavelength_m + u + v),
-        )
-        .unwrap();
+        antenna(&antenna_args(&options), &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
         let rows: Vec<Vec<f64>> =
             text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
@@ -139,8 +128,10 @@ mod tests {
         assert_eq!(rows[0][0], -30.0);
         // Twelve decimals of the mantissa are printed.
         assert!((rows[2][1] - 0.5).abs() < 1e-12);
-        assert!((rows[2][3] - (100.0 * 0.029_979_245_8 + 0.5)).abs() < 1e-11);
-        assert!((rows[2][2] - 20.0 * rows[2][3].log10()).abs() < 1e-8);
+        assert!((rows[2][2] - 20.0 * rows[2][3].abs().log10()).abs() < 1e-8);
+        // 4 m x 5 cm at 10 GHz: 34.47 dBi on boresight, the first elevation null beyond 30 deg.
+        assert!((rows[1][2] - 34.47).abs() < 0.005, "{}", rows[1][2]);
+        assert!(rows[2][2] < rows[1][2] - 2.0 && rows[2][3] > 0.0);
     }
 
     #[test]
@@ -155,7 +146,7 @@ mod tests {
             &["--shape", "circle", "--width-m", "1", "--from-deg", "-91"],
             &["--shape", "isotropic", "--gain-dbi", "inf"],
         ] {
-            let error = antenna(&antenna_args(options), &mut Vec::new(), Some(|_, _, _, _| 1.0)).unwrap_err();
+            let error = antenna(&antenna_args(options), &mut Vec::new()).unwrap_err();
             assert_eq!(error.exit_code(), 2, "{options:?}: {error}");
         }
     }

@@ -57,13 +57,13 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
+use crate::radar::filter::{RINGING_SAMPLES, ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
 
 /// Samples between the window and the nearest image of a pulse, on either side.
-pub const GUARD_SAMPLES: usize = 32;
+pub const GUARD_SAMPLES: usize = RINGING_SAMPLES;
 
 /// How the echoes of a pulse lie in its window. Counted per contact and pair, silent ones not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

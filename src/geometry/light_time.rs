@@ -122,8 +122,7 @@ pub fn bistatic(tx: &Mover, scatterer: &Mover, rx: &Mover) -> Path {
 pub fn direct(tx: &Mover, rx: &Mover) -> Path {
     let delay_s = leg_s(tx.position_m, rx, 0.0);
     let reception_m = rx.position_after(delay_s);
-    let rate =
-        leg_rate(tx.position_m, reception_m, tx.velocity_mps, rx.velocity_after(delay_s), 0.0);
+    let rate = leg_rate(tx.position_m, reception_m, tx.velocity_mps, rx.velocity_after(delay_s), 0.0);
     Path { delay_s, tx_leg_s: delay_s, rate, bounce_m: reception_m, reception_m }
 }
 

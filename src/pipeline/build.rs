@@ -20,17 +20,14 @@ use thiserror::Error;
 use crate::config::Run;
 use crate::echo::reference::ReferenceEcho;
 use crate::frames::SceneFrame;
-use crate::motion::PlatformTracks;
-use crate::motion::track::{SourceReport, Track, Track};
+use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
 use crate::pulse::Pulse;
 use crate::radar::illumination::{Illumination, RadarError};
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
-use crate::sinks::sink::{
-    AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain,
-};
+use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain};
 use crate::sinks::{self, Kind};
 use crate::time::TimeTag;
 use crate::transport::fanout::Fed;
@@ -201,26 +198,13 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         0 => thread::available_parallelism().map_or(1, usize::from),
         n => n,
     };
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|i| format!("generation {i}"))
-        .build()?;
-    let schedule = Schedule {
-        times: scene.radar.emissions.clone(),
-        first: range.start,
-        count: range.end - range.start,
-    };
+    let pool =
+        ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("generation {i}")).build()?;
+    let schedule =
+        Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
     let header = header(run, &factory, &schedule);
     header.check()?;
-    Ok(PulseStream {
-        factory,
-        settings: run.stream,
-        schedule,
-        header,
-        sinks: run.sinks.clone(),
-        pool,
-        notes,
-    })
+    Ok(PulseStream { factory, settings: run.stream, schedule, header, sinks: run.sinks.clone(), pool, notes })
 }
 
 fn header(run: &Run, factory: &PulseFactory, schedule: &Schedule) -> Header {

@@ -59,7 +59,9 @@ impl Antenna {
     /// The pattern at a wavelength; a pattern file is read here.
     pub fn new(pattern: &Pattern, wavelength_m: f64) -> Result<Self, PatternError> {
         Ok(match pattern {
-            Pattern::Isotropic { gain_dbi } => Self::Isotropic { field: Decibels(*gain_dbi).amplitude_ratio() },
+            Pattern::Isotropic { gain_dbi } => {
+                Self::Isotropic { field: Decibels(*gain_dbi).amplitude_ratio() }
+            }
             Pattern::Rectangle { width_m, height_m } => Self::Rectangle {
                 peak: (4.0 * PI * width_m * height_m).sqrt() / wavelength_m,
                 width: PI * width_m / wavelength_m,

@@ -24,6 +24,9 @@
 
 use std::f64::consts::PI;
 
+/// Samples beyond either end of a pulse over which the filter's ringing is kept.
+pub const RINGING_SAMPLES: usize = 32;
+
 /// Where the flat part ends, in sample rates.
 const FLAT_TO: f64 = 0.4;
 /// Where the response ends, in sample rates.

@@ -34,7 +34,6 @@ use crate::scattering::target;
 use crate::scene::Scene;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair, Pointing, Polarisation};
 use crate::time::TimeTag;
-use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Bound on `|d tau/dt|` used to look for echoes of other emissions: 150 km/s on both ends.
 const FASTEST_RATE: f64 = 1e-3;
@@ -413,7 +412,8 @@ impl Illumination {
                 self.append(contacts, offset_s, paths, |row, path| {
                     let pair = self.pairs[row.pair];
                     let (tx, rx) = (&transmitters[pair.transmitter], &receivers[pair.receiver]);
-                    let (out, back) = (path.bounce_m - tx.motion.position_m, path.bounce_m - path.reception_m);
+                    let (out, back) =
+                        (path.bounce_m - tx.motion.position_m, path.bounce_m - path.reception_m);
                     self.scattered(row, only, tx, rx, out, back, &target.scattering)
                 });
             }

@@ -293,12 +293,7 @@ fn unreachable_pattern(floor_dbi: f64) -> MeasuredPattern {
 /// Weights of the four points around position x in [0, 1] of a cell (Keys, a = -1/2).
 fn keys(x: f64) -> [f64; 4] {
     let (x2, x3) = (x * x, x * x * x);
-    [
-        -0.5 * x3 + x2 - 0.5 * x,
-        1.5 * x3 - 2.5 * x2 + 1.0,
-        -1.5 * x3 + 2.0 * x2 + 0.5 * x,
-        0.5 * x3 - 0.5 * x2,
-    ]
+    [-0.5 * x3 + x2 - 0.5 * x, 1.5 * x3 - 2.5 * x2 + 1.0, -1.5 * x3 + 2.0 * x2 + 0.5 * x, 0.5 * x3 - 0.5 * x2]
 }
 
 /// Fills the rim around a grid by linear continuation.
@@ -393,8 +388,7 @@ fn rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
         }
         if whole {
             let [az_deg, el_deg, gain_dbi, phase_deg] = values;
-            let field =
-                Complex64::from_polar(Decibels(gain_dbi).amplitude_ratio(), phase_deg.to_radians());
+            let field = Complex64::from_polar(Decibels(gain_dbi).amplitude_ratio(), phase_deg.to_radians());
             rows.push(Row { line, az_deg, el_deg, field });
         }
     }

@@ -82,8 +82,13 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
             / (2.0 * step);
         // The window opens somewhere before the echo, on no grid.
         let window_start_s = tau - 3.33e-6 - 1.234_567e-9;
-        let scene =
-            scenes::scene(window_start_s, case.samples, case.prf_hz, case.pulse + 1, &[(case.target, rcs_m2)]);
+        let scene = scenes::scene(
+            window_start_s,
+            case.samples,
+            case.prf_hz,
+            case.pulse + 1,
+            &[(case.target, rcs_m2)],
+        );
         let factory =
             nereus::pipeline::build::factory(&scene, scenes::tracks(&scene, case.tx, case.rx)).unwrap();
         let mut work = factory.workspace();
@@ -103,7 +108,12 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
             let expected_phase = -TAU * (CARRIER_HZ * tau).fract();
             // HH and VV of a sphere are equal where the bistatic angle is small; in amplitude the
             // projections of the antennas' axes on the wave front come in: taken from truth-free geometry.
-            let projection = scenes::polarisation_factor(&case.tx.at(t_s), &case.target.at(t_s + range_t / C), &case.rx.at(t_s + tau), channel);
+            let projection = scenes::polarisation_factor(
+                &case.tx.at(t_s),
+                &case.target.at(t_s + range_t / C),
+                &case.rx.at(t_s + tau),
+                channel,
+            );
             let expected = Complex64::cis(expected_phase) * power.sqrt() * projection;
             let level_db = 20.0 * (peak.amplitude.norm() / expected.norm()).log10();
             let phase = (peak.amplitude / expected).arg();

@@ -43,7 +43,8 @@ fn mount(platform: usize) -> AntennaMount {
 
 /// One transmitter, one receiver and spheres, noiseless, HH and VV.
 pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targets: &[(End, f64)]) -> Scene {
-    let channel = |name: &str, pol| Channel { name: name.into(), transmitter: 0, receiver: 0, tx: pol, rx: pol };
+    let channel =
+        |name: &str, pol| Channel { name: name.into(), transmitter: 0, receiver: 0, tx: pol, rx: pol };
     Scene {
         frame: SceneFrame::plain(Earth::Flat),
         start: TimeTag::new(1_700_000_000, 0.25),
