@@ -49,7 +49,7 @@ def main():
         compressed = compress(iq, recording["replica"][:])
         start = recording["pulse/window_start_s"][:]
         time = (recording["pulse/time_ns"][:] - recording["pulse/time_ns"][0]) * 1e-9
-        delays = recording["truth/targets/delay_s"][:, 0, :]
+        delays = recording["truth/delay_s"][:, 0, :]
         platforms = {
             name: group["true/position_m"][:]
             for name, group in recording["nav"].items()
@@ -59,7 +59,7 @@ def main():
     top = np.percentile(power_db, 99.98)
     figure, (above, echo) = plt.subplots(1, 2, figsize=(13, 5.2), width_ratios=[1, 1.5])
     for name, position in platforms.items():
-        if np.ptp(position[:, :2]) < 1.0:
+        if np.ptp(position, axis=0).max() < 1.0:
             above.plot(position[0, 0] / 1e3, position[0, 1] / 1e3, "^", markersize=10, label=name)
         else:
             above.plot(position[:, 0] / 1e3, position[:, 1] / 1e3, linewidth=3, label=f"{name}, {time[-1]:.0f} s")

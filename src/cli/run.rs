@@ -108,7 +108,6 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
         overrides.push(("scene.duration_s".to_owned(), duration_s.clone()));
     }
     let mut run = config::load(&args.config, &overrides)?;
-    without_hdf5(&mut run);
     if let Some(pace) = args.pace {
         run.stream.pace = match pace {
             Pace::Realtime => transport::Pace::Realtime,
@@ -127,24 +126,6 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     }
     let pulses = args.pulses.map_or(0..run.scene.pulses, |range| range.first..range.end);
     Ok((run, pulses))
-}
-
-/// A build without HDF5 records into a plain folder of the same name instead, and says so.
-fn without_hdf5(run: &mut Run) {
-    if cfg!(feature = "hdf5") {
-        return;
-    }
-    for sink in &mut run.sinks {
-        if let Kind::Hdf5 { path, force, .. } = &sink.kind {
-            let (folder, force) = (path.with_extension("plain"), *force);
-            eprintln!(
-                "warning: this build has no HDF5 (feature `hdf5`): recording into the folder {} instead of {}",
-                folder.display(),
-                path.display()
-            );
-            sink.kind = Kind::Plain { path: folder, force };
-        }
-    }
 }
 
 /// Sends the recording elsewhere, or adds one where the scenario has none.

@@ -362,7 +362,7 @@ scene.earth_radius_factor: has no meaning here (the earth is flat)
     insta::assert_snapshot!(faults_of(&[("radar.window.samples", "16777216"), ("radar.channels", "['HH','HV','VH','VV','RR','RL','LR','LL','HR']")]), @r#"radar.window: one pulse takes 1207959552 bytes (9 channels of 16777216 samples); allowed: at most 1073741824"#);
     insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1000, 1000], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: 1000002 targets; allowed: at most 100000"#);
     insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1.5, 1], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: [1.5, 1.0] is not allowed; allowed: two whole numbers from 1 to 1000"#);
-    insta::assert_snapshot!(faults_of(&[("platform.1.track", "{ kind = 'csv', path = 'tracks/north_sea.csv' }")]), @r#"scene.start_utc: is missing; required with a recorded track: a UTC time within the recording"#);
+    insta::assert_snapshot!(faults_of(&[("platform.1.track", "{ kind = 'csv', path = 'tracks/north_sea_texel.csv' }")]), @r#"scene.start_utc: is missing; required with a recorded track: a UTC time within the recording"#);
     insta::assert_snapshot!(faults_of(&[("platform.0.track.yaw", "3"), ("platform.0.track.velocity_mps", "[1,2,3]")]), @r#"
 platform.0.track.yaw: unknown key; did you mean yaw_deg, in deg?
 platform.0.track.velocity_mps: has no meaning here (kind = "fixed")

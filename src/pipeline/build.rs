@@ -16,6 +16,7 @@ use crossbeam_channel::Sender;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use thiserror::Error;
+use thread_priority::ThreadPriority;
 
 use crate::config::Run;
 use crate::echo::reference::ReferenceEcho;
@@ -40,6 +41,9 @@ use super::stages::{PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
 const PULSES_PER_WORKER: usize = 4;
+
+/// Priority of a worker from 0 to 99, where 50 is that of an ordinary thread: nice 10.
+const WORKER_PRIORITY: u8 = 23;
 
 /// Why a run cannot be started. Each entry is one fault of the input.
 #[derive(Debug, Error)]
@@ -198,8 +202,11 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         0 => thread::available_parallelism().map_or(1, usize::from),
         n => n,
     };
-    let pool =
-        ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("generation {i}")).build()?;
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("generation {i}"))
+        .start_handler(|_| yield_to_pacer())
+        .build()?;
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
     let header = header(run, &factory, &schedule);
@@ -359,6 +366,14 @@ impl PulseStream {
             pool.install(|| generate(source, &factory, range, &mut workspaces));
             Ok(())
         }))
+    }
+}
+
+/// Lowers the priority of a worker, so that the pacer runs as soon as its deadline wakes it. Where the system
+/// refuses, pulses are released later and the lateness shows it.
+fn yield_to_pacer() {
+    if let Ok(level) = WORKER_PRIORITY.try_into() {
+        let _ = thread_priority::set_current_thread_priority(ThreadPriority::Crossplatform(level));
     }
 }
 

@@ -104,7 +104,7 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
         for channel in 0..2 {
             let samples = &iq[channel * case.samples..][..case.samples];
             let peak = matched_filter::peak(samples, &replica, RATE_HZ, -CARRIER_HZ * rate);
-            let delay = window_start_s + peak.delay_s - factory.replica_start_s();
+            let delay = window_start_s + peak.delay_s;
             let expected_phase = -TAU * (CARRIER_HZ * tau).fract();
             // HH and VV of a sphere are equal where the bistatic angle is small; in amplitude the
             // projections of the antennas' axes on the wave front come in: taken from truth-free geometry.
