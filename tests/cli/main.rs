@@ -4,5 +4,6 @@
 mod inspection;
 mod program;
 mod readme;
+mod running;
 #[cfg(unix)]
 mod setup_script;

@@ -1,0 +1,248 @@
+//! `nereus run` and `nereus merge`, as a user starts them.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::program::{nereus, package};
+
+fn quickstart() -> String {
+    package().join("configs/quickstart.toml").display().to_string()
+}
+
+fn json(stdout: &str) -> serde_json::Value {
+    serde_json::from_str(stdout.lines().last().unwrap()).unwrap()
+}
+
+/// Extension of a recording that this build can make.
+const RECORDING: &str = if cfg!(feature = "hdf5") { "h5" } else { "plain" };
+
+#[test]
+fn a_run_says_what_it_did_in_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = format!("run.{RECORDING}");
+    let run = ["run", &quickstart(), "--pace", "fast", "--pulses", "10..40", "--out", &out, "--json"];
+    let ended = nereus(folder.path(), &run);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let summary = json(&ended.stdout);
+    assert_eq!(summary["pulses"], 30);
+    assert_eq!((&summary["late"], &summary["dropped"]), (&0.into(), &0.into()));
+    for key in ["p50", "p99", "p999", "max"] {
+        assert!(summary["lateness_us"][key].is_number(), "{key}");
+    }
+    assert!(summary["real_time_factor"].as_f64().unwrap() > 0.0);
+    assert_eq!(summary["sinks"][0]["written"], 30);
+    assert_eq!(summary["out"][0]["pulses"], 30);
+    assert!(folder.path().join(&out).exists());
+    // How the recorded track was made is told.
+    assert!(ended.stderr.contains("smoothed"), "{}", ended.stderr);
+
+    // What exists is not overwritten, and nothing of it is touched.
+    let before = fs::metadata(folder.path().join(&out)).unwrap().modified().unwrap();
+    let again = nereus(folder.path(), &run);
+    assert_eq!(again.code, 2, "{}", again.stderr);
+    assert!(again.stderr.contains("--force"), "{}", again.stderr);
+    assert_eq!(before, fs::metadata(folder.path().join(&out)).unwrap().modified().unwrap());
+    let forced = nereus(folder.path(), &[&run[..], &["--force"]].concat());
+    assert_eq!(forced.code, 0, "{}", forced.stderr);
+}
+
+#[test]
+fn pulses_that_the_run_does_not_have_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = nereus(folder.path(), &["run", &quickstart(), "--pulses", "10..4000", "--out", "x.plain"]);
+    assert_eq!(ended.code, 2);
+    assert!(ended.stderr.contains("10..4000") && ended.stderr.contains("0..2220"), "{}", ended.stderr);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is half-written");
+}
+
+#[test]
+fn faults_of_tracks_and_outputs_are_told_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let track = folder.path().join("backwards.csv");
+    fs::write(
+        &track,
+        "time_utc,lat_deg,lon_deg,height_m\n2018-05-30T18:38:00Z,52.9,4.6,4000\n2018-05-30T18:37:00Z,52.9,4.6,NaN\n",
+    )
+    .unwrap();
+    let path = format!("platform.1.track.path=\"{}\"", track.display());
+    let ended = nereus(
+        folder.path(),
+        &[
+            "run",
+            &quickstart(),
+            "--set",
+            &path,
+            "--out",
+            "missing/folder/run.plain",
+            "--set",
+            "sink.0.kind=\"plain\"",
+        ],
+    );
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    for part in ["backwards.csv", "line 3", "NaN", "missing/folder"] {
+        assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn a_track_that_ends_before_the_run_does_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = nereus(
+        folder.path(),
+        &["run", &quickstart(), "--duration-s", "1000", "--out", &format!("x.{RECORDING}")],
+    );
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains("missing at the end"), "{}", ended.stderr);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Ctrl-C ends a run cleanly: exit 0, the recording closed and readable.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_closes_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("stopped.plain");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
+        .args(["run", &quickstart(), "--set", "sink.0.kind=\"plain\"", "--out"])
+        .arg(&out)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .stdin(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let index = out.join("pulse/index.bin");
+    while !fs::metadata(&index).is_ok_and(|data| data.len() > 0) {
+        assert!(begun.elapsed() < Duration::from_secs(20), "no pulse came");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let status = child.wait().unwrap();
+    assert!(status.success(), "{status}");
+    assert!(begun.elapsed() < Duration::from_secs(20));
+    let pulses = fs::metadata(&index).unwrap().len() / 8;
+    assert!(pulses > 0 && pulses < 2220, "{pulses}");
+    assert!(out.join("meta.json").exists());
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn shards_merge_to_the_whole_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |pulses: &str, threads: &str, out: &str| {
+        let threads = format!("stream.threads={threads}");
+        let ended = nereus(
+            folder.path(),
+            &["run", &quickstart(), "--pace", "fast", "--pulses", pulses, "--out", out, "--set", &threads],
+        );
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+    };
+    run("0..120", "2", "whole.h5");
+    run("0..50", "2", "a.h5");
+    run("50..120", "2", "b.h5");
+    run("0..120", "1", "single.h5");
+    let ended = nereus(folder.path(), &["merge", "b.h5", "a.h5", "--out", "joined.h5", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(json(&ended.stdout)["pulses"], 120);
+    for other in ["joined.h5", "single.h5"] {
+        same_datasets(&folder.path().join("whole.h5"), &folder.path().join(other));
+    }
+}
+
+/// Every dataset of a group, by path, as raw bytes.
+#[cfg(feature = "hdf5")]
+fn same_datasets(a: &Path, b: &Path) {
+    fn walk(group: &hdf5::Group, found: &mut Vec<String>) {
+        found.extend(group.datasets().unwrap().iter().map(|dataset| dataset.name()));
+        for group in group.groups().unwrap() {
+            walk(&group, found);
+        }
+    }
+    let (a, b) = (hdf5::File::open(a).unwrap(), hdf5::File::open(b).unwrap());
+    let (mut names, mut others) = (Vec::new(), Vec::new());
+    walk(&a, &mut names);
+    walk(&b, &mut others);
+    names.sort();
+    others.sort();
+    assert_eq!(names, others);
+    assert!(names.iter().any(|name| name == "/iq"));
+    for name in names {
+        let (a, b) = (a.dataset(&name).unwrap(), b.dataset(&name).unwrap());
+        assert_eq!(a.shape(), b.shape(), "{name}");
+        if name == "/iq" {
+            type C = num_complex::Complex<f32>;
+            let bits =
+                |v: Vec<C>| v.into_iter().map(|c| (c.re.to_bits(), c.im.to_bits())).collect::<Vec<_>>();
+            assert!(bits(a.read_raw::<C>().unwrap()) == bits(b.read_raw::<C>().unwrap()), "{name}");
+        } else {
+            let same = [
+                same_raw(&a, &b, f64::to_bits),
+                same_raw::<i64, _>(&a, &b, |x| x),
+                same_raw::<u64, _>(&a, &b, |x| x),
+                same_raw::<u32, _>(&a, &b, |x| x),
+                same_raw::<u8, _>(&a, &b, |x| x),
+            ];
+            match same.iter().flatten().next() {
+                Some(same) => assert!(same, "{name}"),
+                // Tables of names and the replica, which is the waveform's.
+                None => assert!(
+                    ["/channel", "/replica"].contains(&name.as_str()) || name.starts_with("/truth"),
+                    "{name}"
+                ),
+            }
+        }
+    }
+}
+
+/// Whether two datasets hold the same values, if they are of this type.
+#[cfg(feature = "hdf5")]
+fn same_raw<T: hdf5::H5Type, B: PartialEq>(
+    a: &hdf5::Dataset,
+    b: &hdf5::Dataset,
+    bits: fn(T) -> B,
+) -> Option<bool> {
+    let (a, b) = (a.read_raw::<T>().ok()?, b.read_raw::<T>().ok()?);
+    Some(a.into_iter().map(bits).eq(b.into_iter().map(bits)))
+}
+
+#[test]
+fn tables_are_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = nereus(
+        folder.path(),
+        &[
+            "table",
+            "antenna",
+            "--width-m",
+            "4",
+            "--height-m",
+            "0.05",
+            "--carrier-hz",
+            "1e10",
+            "--step-deg",
+            "1",
+        ],
+    );
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let rows: Vec<&str> = ended.stdout.lines().collect();
+    assert_eq!(rows.len(), 12);
+    assert_eq!(rows[0], "angle_deg,direction_cosine,gain_dbi,field_gain");
+    assert!(rows[6].starts_with("0,0.000000000000e0,34.4"), "{}", rows[6]);
+}
+
+#[test]
+fn the_library_example_runs() {
+    // Examples are built beside the tests.
+    let binary = Path::new(env!("CARGO_BIN_EXE_nereus")).with_file_name("examples").join("scene_in_rust");
+    if !binary.exists() {
+        println!("skipped: {} was not built with these tests", binary.display());
+        return;
+    }
+    let ended = Command::new(binary).output().unwrap();
+    let text = String::from_utf8(ended.stdout).unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    assert!(text.lines().count() == 11 && text.contains("200 pulses, "), "{text}");
+}
