@@ -11,9 +11,11 @@ use super::run::overrides;
 use crate::config::{self, Run};
 use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
+use crate::pipeline::build;
+use crate::pipeline::forecast::Forecast;
 use crate::pulse::SampleFormat;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
-use crate::sinks::Kind;
+use crate::sinks::{self, Kind};
 use crate::transport::{Pace, Policy};
 
 /// What a scenario is and takes.
@@ -40,6 +42,9 @@ pub(super) struct Report {
     /// Ring and queues.
     memory_mib: f64,
     warnings: Vec<String>,
+    /// How the recorded tracks were made.
+    tracks: Vec<Described>,
+    forecast: Option<Forecast>,
     #[serde(skip)]
     lines: Vec<Described>,
 }
@@ -58,10 +63,19 @@ fn described(what: &str, how: impl Into<String>) -> Described {
 /// Prints the report.
 pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = config::load(&args.config, &overrides(&args.settings))?;
-    for warning in &run.warnings {
+    let mut report = report(&run);
+    // An output that exists stands in the way of a run, not of a look at the scenario.
+    report.warnings.extend(sinks::preflight(&run.sinks).iter().map(ToString::to_string));
+    for warning in &report.warnings {
         eprintln!("warning: {warning}");
     }
-    let report = report(&run);
+    let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
+    let stream = build::stream(&unrecorded, 0..run.scene.pulses)?;
+    for note in stream.notes() {
+        let what = format!("{}, {} track", note.platform, note.role);
+        report.tracks.push(described(&what, note.report.to_string()));
+    }
+    report.forecast = Some(stream.forecast());
     let text = if args.json { json(&report)? } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
@@ -87,7 +101,30 @@ fn text(report: &Report) -> String {
     section("platforms", &report.platforms);
     section("modelled", &report.modelled);
     section("not modelled", &report.not_modelled);
+    section("recorded tracks", &report.tracks);
+    section("forecast", &report.forecast.as_ref().map(forecast_rows).unwrap_or_default());
     text
+}
+
+fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
+    vec![
+        described(
+            "speed",
+            format!(
+                "{:.0} pulses/s with {} threads ({} pulses made for this forecast): {:.2} times real time",
+                forecast.pulses_per_s, forecast.threads, forecast.trial_pulses, forecast.real_time_factor
+            ),
+        ),
+        described("at pace fast", format!("about {:.1} s", forecast.pulses as f64 / forecast.pulses_per_s)),
+        described(
+            "recording",
+            format!(
+                "{:.2} MB/s, {:.1} MB in all, records included",
+                forecast.bytes_per_s / 1e6,
+                forecast.recording_bytes as f64 / 1e6
+            ),
+        ),
+    ]
 }
 
 /// Everything that the scenario says by itself, without opening the files it names.
@@ -122,6 +159,8 @@ pub(super) fn report(run: &Run) -> Report {
         samples_mb: pulse_mb * scene.pulses as f64,
         memory_mib: slots as f64 * layout.slot_bytes() as f64 / f64::from(1 << 20),
         warnings: run.warnings.iter().map(ToString::to_string).collect(),
+        tracks: Vec::new(),
+        forecast: None,
         lines: Vec::new(),
     };
     report.lines = lines(run, &report);
