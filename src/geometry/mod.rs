@@ -1,1 +1,4 @@
 //! Delay, Doppler, angles.
+
+pub mod light_time;
+pub mod bistatic;

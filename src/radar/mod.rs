@@ -1,1 +1,6 @@
 //! The instrument.
+
+pub mod antenna;
+pub mod pattern;
+pub mod link;
+pub mod illumination;

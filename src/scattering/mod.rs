@@ -1,3 +1,4 @@
 //! What each thing that scatters returns, as one flat list of contacts.
 
 pub mod contact;
+pub mod target;
