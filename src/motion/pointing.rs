@@ -97,9 +97,7 @@ impl Surroundings<'_> {
         t: TimeTag,
     ) -> Result<(Point<Enu>, Vector<Enu>), TrackError> {
         match *aim {
-            Aim::Point { position, velocity } => {
-                Ok((position + velocity * t.since(self.start), velocity))
-            }
+            Aim::Point { position, velocity } => Ok((position + velocity * t.since(self.start), velocity)),
             Aim::Beside { platform, along_m, across_m } => {
                 let state = self.tracks[platform].known(aim_from).state(t)?;
                 let ahead = ground_track(&state);

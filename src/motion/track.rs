@@ -52,8 +52,7 @@ impl Track {
         attitude: Option<Rotation<Body, Enu>>,
     ) -> Self {
         let v = velocity.raw();
-        let attitude =
-            attitude.unwrap_or_else(|| Rotation::from_yaw_pitch_roll(v.x.atan2(v.y), 0.0, 0.0));
+        let attitude = attitude.unwrap_or_else(|| Rotation::from_yaw_pitch_roll(v.x.atan2(v.y), 0.0, 0.0));
         let (acceleration, angular_rate) = (Vector::ZERO, Vector::ZERO);
         Self { at, state: State { position, velocity, acceleration, attitude, angular_rate } }
     }

@@ -73,9 +73,7 @@ impl Antenna {
     /// The antenna of a description, at a wavelength; reads the file of a measured pattern.
     pub fn open(pattern: &Pattern, wavelength_m: f64) -> Result<Self, PatternError> {
         Ok(match *pattern {
-            Pattern::Isotropic { gain_dbi } => {
-                Self::Isotropic { gain: Decibels(gain_dbi).amplitude_ratio() }
-            }
+            Pattern::Isotropic { gain_dbi } => Self::Isotropic { gain: Decibels(gain_dbi).amplitude_ratio() },
             Pattern::Rectangle { width_m, height_m } => Self::Rectangle { width_m, height_m, wavelength_m },
             Pattern::Ellipse { width_m, height_m } => Self::Ellipse { width_m, height_m, wavelength_m },
             Pattern::File { ref path, floor_dbi } => Self::Grid(GridPattern::open(path, floor_dbi)?),

@@ -90,6 +90,9 @@ mod tests {
     #[test]
     fn nothing_from_inside_the_antenna() {
         let link = Link::new(1.0, 0.03, 0.0, 0.0);
-        assert_eq!((link.scattered(0.0, 100.0), link.scattered(100.0, 0.0), link.direct(0.0)), (0.0, 0.0, 0.0));
+        assert_eq!(
+            (link.scattered(0.0, 100.0), link.scattered(100.0, 0.0), link.direct(0.0)),
+            (0.0, 0.0, 0.0)
+        );
     }
 }

@@ -75,7 +75,9 @@ fn listed(faults: &[PatternFault]) -> String {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PatternFault {
     /// The header is not one of the two allowed.
-    #[error("line {line}: header '{found}': az_deg,el_deg,gain_dbi or az_deg,el_deg,gain_dbi,phase_deg wanted")]
+    #[error(
+        "line {line}: header '{found}': az_deg,el_deg,gain_dbi or az_deg,el_deg,gain_dbi,phase_deg wanted"
+    )]
     Header {
         /// Line, from 1.
         line: u64,
@@ -283,6 +285,9 @@ impl GridPattern {
     pub fn parse(bytes: &[u8], floor_dbi: f64) -> Result<Self, Vec<PatternFault>> {
         let mut faults = Faults::default();
         let rows = read_rows(bytes, &mut faults);
+        if rows.is_empty() && !faults.list.is_empty() {
+            return Err(faults.finish());
+        }
         let pattern = Self::on_grid(&rows, floor_dbi, &mut faults);
         match pattern {
             Some(pattern) if faults.list.is_empty() => Ok(pattern),
@@ -411,7 +416,8 @@ fn stencil(i: usize, len: usize, value: impl Fn(usize) -> Complex64) -> [Complex
 fn catmull_rom(p: [Complex64; 4], s: f64) -> Complex64 {
     let slope = [(p[2] - p[0]) * 0.5, (p[3] - p[1]) * 0.5];
     let rise = p[2] - p[1];
-    p[1] + (slope[0] + (rise * 3.0 - slope[0] * 2.0 - slope[1] + (slope[0] + slope[1] - rise * 2.0) * s) * s) * s
+    p[1] + (slope[0] + (rise * 3.0 - slope[0] * 2.0 - slope[1] + (slope[0] + slope[1] - rise * 2.0) * s) * s)
+        * s
 }
 
 /// Faults, the first few kept and the others counted.
