@@ -10,7 +10,7 @@ use glam::DMat3;
 use crate::frames::{self, Enu, Rotation};
 use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::motion::track::{State, Track, TrackError};
+use crate::motion::track::{State, TrackError};
 use crate::radar::antenna::Axes;
 use crate::radar::illumination::TrackUse;
 use crate::scattering::target::Scatterer;
@@ -56,18 +56,20 @@ impl Emission {
     pub fn evaluate(&mut self, of: &Circumstances, t: TimeTag, elapsed_s: f64) -> Result<(), TrackFailure> {
         self.states.clear();
         for (platform, tracks) in of.surroundings.tracks.iter().enumerate() {
-            self.states.push(state(&tracks.truth, t).map_err(failed(platform, TrackUse::Truth))?);
+            self.states.push(tracks.truth.state(t).map_err(failed(platform, TrackUse::Truth))?);
         }
         self.centres.clear();
         self.axes.clear();
         self.axes_change.clear();
-        for Transmitted { mount, receives } in antennas(of.radar) {
+        for Mounted { mount, receives } in antennas(of.radar) {
             let state_now = &self.states[mount.platform];
             self.centres.push(PhaseCentre::of(state_now, mount.lever_arm));
             let now = axes(of, mount, state_now, t)?;
             let change = if receives && of.axes_span_s > 0.0 {
                 let then = t.plus(of.axes_span_s);
-                let later = state(&of.surroundings.tracks[mount.platform].truth, then)
+                let later = of.surroundings.tracks[mount.platform]
+                    .truth
+                    .state(then)
                     .map_err(failed(mount.platform, TrackUse::Truth))?;
                 axes(of, mount, &later, then)? - now
             } else {
@@ -121,14 +123,14 @@ impl Emission {
 }
 
 /// An antenna of the radar and whether it receives.
-struct Transmitted<'a> {
+struct Mounted<'a> {
     mount: &'a AntennaMount,
     receives: bool,
 }
 
-fn antennas(radar: &Radar) -> impl Iterator<Item = Transmitted<'_>> {
-    let transmit = radar.transmitters.iter().map(|t| Transmitted { mount: &t.antenna, receives: false });
-    transmit.chain(radar.receivers.iter().map(|r| Transmitted { mount: &r.antenna, receives: true }))
+fn antennas(radar: &Radar) -> impl Iterator<Item = Mounted<'_>> {
+    let transmit = radar.transmitters.iter().map(|t| Mounted { mount: &t.antenna, receives: false });
+    transmit.chain(radar.receivers.iter().map(|r| Mounted { mount: &r.antenna, receives: true }))
 }
 
 fn axes(of: &Circumstances, mount: &AntennaMount, now: &State, t: TimeTag) -> Result<Axes, TrackFailure> {
@@ -144,10 +146,6 @@ fn known_track(mount: &AntennaMount) -> TrackUse {
         Pointing::At { aim_from, .. } => aim_from.into(),
         Pointing::Fixed { .. } => TrackUse::Truth,
     }
-}
-
-fn state(track: &Track, t: TimeTag) -> Result<State, TrackError> {
-    track.state(t)
 }
 
 fn failed(platform: usize, which: TrackUse) -> impl Fn(TrackError) -> TrackFailure {

@@ -84,7 +84,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::ops::RangeInclusive;
+use std::ops::Range;
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -409,21 +409,21 @@ impl Illumination {
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = self.window(record.window_start_s);
-        for emission in self.audible(index, own, &window) {
-            let here: &Emission = if emission == index {
-                own
-            } else {
-                self.evaluate(emission, other)?;
-                other
-            };
-            let offset_s = match emission == index {
-                true => 0.0,
-                false => self.radar.emissions.interval_s(index, emission),
-            };
-            let outside = self.append(emission, offset_s, here, &window, amplitude, contacts);
-            if outside && emission == index {
-                record.flags |= flags::OUTSIDE_WINDOW;
-            }
+        let audible = self.audible(index, own, &window);
+        let mut hear = |emission: u64, contacts: &mut Contacts, amplitude: &mut [Complex64]| {
+            let offset_s = self.radar.emissions.interval_s(index, emission);
+            self.evaluate(emission, other)?;
+            self.append(emission, offset_s, other, &window, amplitude, contacts);
+            Ok::<(), RadarError>(())
+        };
+        for emission in audible.start..audible.end.min(index) {
+            hear(emission, contacts, amplitude)?;
+        }
+        if self.append(index, 0.0, own, &window, amplitude, contacts) {
+            record.flags |= flags::OUTSIDE_WINDOW;
+        }
+        for emission in audible.start.max(index + 1)..audible.end {
+            hear(emission, contacts, amplitude)?;
         }
         Ok(())
     }
@@ -511,10 +511,9 @@ impl Illumination {
         Window { open_s, close_s, guard_s: GUARD_SAMPLES as f64 / rate_hz }
     }
 
-    /// The emissions that may be heard in the window of pulse `index`; always with `index` itself, whose
-    /// echoes are judged in any case.
-    fn audible(&self, index: u64, own: &Emission, window: &Window) -> RangeInclusive<u64> {
-        let Some((least_s, most_s)) = own.delay_span_s() else { return index..=index };
+    /// The emissions that may be heard in the window of pulse `index`.
+    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Range<u64> {
+        let Some((least_s, most_s)) = own.delay_span_s() else { return index..index };
         let transmitters = self.radar.transmitters.len();
         let fastest = |centres: &[PhaseCentre]| centres.iter().map(|c| c.velocity.norm()).fold(0.0, f64::max);
         let (tx, rx) = own.centres.split_at(transmitters);
@@ -525,7 +524,7 @@ impl Illumination {
         let change_s = 2.0 * closing_mps / SPEED_OF_LIGHT_MPS * earliest_s.abs().max(latest_s.abs());
         let first = self.first_emission(index, earliest_s - change_s);
         let after = self.first_emission(index, latest_s + change_s);
-        first.min(index)..=after.max(index).min(self.pulses - 1)
+        first..after
     }
 
     /// The first emission of the run at least `offset_s` after emission `index` (the number of

@@ -226,22 +226,30 @@ impl Axis {
         sorted.dedup_by(|later, earlier| *later - *earlier < 1e-6);
         let len = sorted.len();
         let first_deg = sorted.first().copied().unwrap_or(0.0);
-        // The median step, so that one stray value is reported and not every other one.
+        // From the median step, made finer by every value that fits: neither the rounding of a file's
+        // decimals nor a stray value spoils it.
         let mut steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
-        let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-        let span = sorted.last().map_or(0.0, |last| last - first_deg);
-        let intervals = if median > 0.0 { (span / median).round() } else { 0.0 };
-        if intervals < 1.0 {
+        let Some(&median) = steps.get(steps.len() / 2) else {
             return Self { first_deg, step_deg: 0.0, len };
+        };
+        let (mut step_deg, mut last) = (median, 1);
+        for value in sorted {
+            let place = ((value - first_deg) / step_deg).round();
+            let off = (value - first_deg - place * step_deg).abs();
+            if place >= 1.0 && off <= OFF_GRID_STEPS * step_deg {
+                step_deg = (value - first_deg) / place;
+                last = place as usize;
+            }
         }
-        Self { first_deg, step_deg: span / intervals, len: intervals as usize + 1 }
+        Self { first_deg, step_deg, len: last.saturating_add(1) }
     }
 
     /// Place of a value on the axis, `None` off the grid.
     fn place(&self, value_deg: f64) -> Option<usize> {
         let x = (value_deg - self.first_deg) / self.step_deg;
-        ((x - x.round()).abs() <= OFF_GRID_STEPS).then_some(x.round() as usize)
+        let place = x.round() as usize;
+        ((x - x.round()).abs() <= OFF_GRID_STEPS && place < self.len).then_some(place)
     }
 
     fn value_deg(&self, place: usize) -> f64 {
@@ -336,7 +344,7 @@ impl GridPattern {
                 }
             }
             let cell = places[1] * azimuth.len + places[0];
-            if !on || cell >= points {
+            if !on {
                 continue;
             }
             if let Some(before) = lines.insert(cell, line) {
