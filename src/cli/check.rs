@@ -11,7 +11,7 @@ use super::run::overrides;
 use crate::config::{self, Run};
 use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
-use crate::pipeline::build;
+use crate::pipeline::build::{self, BuildErrors};
 use crate::pipeline::forecast::Forecast;
 use crate::pulse::SampleFormat;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
@@ -75,7 +75,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));
     }
-    report.forecast = Some(stream.forecast());
+    report.forecast = Some(stream.forecast().map_err(BuildErrors::from)?);
     let text = if args.json { json(&report)? } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }

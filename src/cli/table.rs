@@ -4,6 +4,7 @@ use std::io::Write;
 
 use super::args::{Aperture, Cut, Quantity, TableAntennaArgs, TableArgs};
 use super::error::CliError;
+use crate::frames::Vector;
 use crate::radar::antenna::Antenna;
 use crate::scene::radar::Pattern;
 use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
@@ -23,16 +24,16 @@ fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<(), CliError>
     let pattern = pattern(args)?;
     let wavelength_m = SPEED_OF_LIGHT_MPS / size("--carrier-hz", Some(args.carrier_hz))?;
     let angles_deg = angles_deg(args)?;
-    let antenna = Antenna::new(&pattern, wavelength_m)?;
+    let antenna = Antenna::open(&pattern, wavelength_m)?;
     writeln!(out, "angle_deg,direction_cosine,gain_dbi,field_gain").map_err(CliError::Output)?;
     for angle_deg in angles_deg {
-        let cosine = angle_deg.to_radians().sin();
-        let (u, v) = match args.cut {
-            Cut::Az => (cosine, 0.0),
-            Cut::El => (0.0, cosine),
+        let (cosine, ahead) = angle_deg.to_radians().sin_cos();
+        let direction = match args.cut {
+            Cut::Az => Vector::new(ahead, cosine, 0.0),
+            Cut::El => Vector::new(ahead, 0.0, cosine),
         };
         // Apertures have a real field.
-        let field = antenna.field_gain_uv(u, v).re;
+        let field = antenna.field_gain(direction).re;
         let gain_dbi = Decibels::from_power_ratio(field * field).0;
         writeln!(out, "{angle_deg},{cosine:.12e},{gain_dbi:.9},{field:.12e}").map_err(CliError::Output)?;
     }

@@ -1,31 +1,96 @@
-//! Polarisation bases of the forward-scatter alignment (FSA), and angles.
+//! Polarisation bases and angles of a bistatic path.
 //!
-//! For a propagation direction `k`: `h = z x k / |z x k|`, `v = h x k`, so (v, h, k) is right-handed. Both the
-//! wave that comes in (transmitter to scatterer) and the wave that leaves (scatterer to receiver) are
-//! described in this basis of their own direction. `h(-k) = -h(k)`, `v(-k) = v(k)`.
+//! For a unit propagation direction `k` (transmitter to scatterer, or scatterer to receiver):
+//!
+//! `h = z x k / |z x k|`, `v = h x k`; `(v, h, k)` is right-handed (forward-scatter alignment).
+//!
+//! Along the vertical (`|z x k| < 1e-12`), `h = y`. Turning the direction round gives `h(-k) = -h(k)`,
+//! `v(-k) = v(k)`, so that reciprocity of a scattering matrix reads
+//! `S_pq(ks, ki) = s_p s_q S_qp(-ki, -ks)` with `s_v = +1`, `s_h = -1`.
+//!
+//! Angles are between the vertical and the way back to the antenna: 0 at nadir, pi/2 at grazing.
 //!
 //! ```
 //! use glam::DVec3;
-//! use nereus::geometry::bistatic::fsa_basis;
-//! let (v, h) = fsa_basis(DVec3::X, DVec3::Z);
-//! assert_eq!((v, h), (-DVec3::Z * -1.0, DVec3::Y));
+//! use nereus::geometry::bistatic::Basis;
+//! let basis = Basis::of(DVec3::new(1.0, 0.0, 0.0));
+//! assert_eq!(basis.h, DVec3::Y);
+//! assert_eq!(basis.v, DVec3::NEG_Z);
 //! ```
 
 use glam::DVec3;
 
-/// Below this `|up x k|` a direction counts as vertical.
-const VERTICAL: f64 = 1e-12;
+use crate::frames::{Antenna, Enu, Rotation, Vector};
 
-/// The vectors `(v, h)` of a propagation direction, with respect to `up` (unit vectors). Along `up` itself
-/// `h = y`.
-pub fn fsa_basis(k: DVec3, up: DVec3) -> (DVec3, DVec3) {
-    let across = up.cross(k);
-    let length = across.length();
-    let h = if length < VERTICAL { DVec3::Y } else { across / length };
-    (h.cross(k), h)
+/// Sine of the angle to the vertical below which `h` is taken as `y`.
+const VERTICAL_SINE: f64 = 1e-12;
+
+/// Polarisation unit vectors of a propagation direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basis {
+    /// "Vertical", in the plane of `k` and the vertical.
+    pub v: DVec3,
+    /// Horizontal.
+    pub h: DVec3,
 }
 
-/// Angle between two directions, radians, accurate near 0 and pi.
-pub fn angle_rad(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
+impl Basis {
+    /// The basis of a unit direction.
+    pub fn of(k: DVec3) -> Self {
+        let level = DVec3::Z.cross(k);
+        let sine = level.length();
+        let h = if sine < VERTICAL_SINE { DVec3::Y } else { level / sine };
+        Self { v: h.cross(k), h }
+    }
+}
+
+/// Incidence angle of a wave that travels along `k` onto the horizontal plane, radians
+/// (0 straight down, pi/2 level, more when it comes from below).
+pub fn incidence_rad(k: DVec3) -> f64 {
+    k.x.hypot(k.y).atan2(-k.z)
+}
+
+/// Bistatic angle at the scatterer between the ways to the transmitter and to the receiver, radians
+/// (0 monostatic, pi forward), from the unit propagation directions in and out.
+pub fn bistatic_angle_rad(incident: DVec3, scattered: DVec3) -> f64 {
+    // Half-angle form: exact near 0 and near pi, where the arc cosine is not.
+    2.0 * (incident + scattered).length().atan2((scattered - incident).length())
+}
+
+/// Direction cosines `(u, v)` of a direction in the antenna frame, and its part along the boresight
+/// (the visible half space has it positive): `u = d . y_a`, `v = d . z_a`.
+pub fn direction_cosines(frame: Rotation<Antenna, Enu>, direction: Vector<Enu>) -> (f64, f64, f64) {
+    let d = (frame.inverse() * direction).raw();
+    (d.y, d.z, d.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bases_are_right_handed_and_turn_round() {
+        for k in [DVec3::new(0.3, -0.5, -0.8), DVec3::new(-1.0, 1e-3, 0.2), DVec3::new(0.0, 1.0, 0.0)] {
+            let k = k.normalize();
+            let (there, back) = (Basis::of(k), Basis::of(-k));
+            assert!((there.v.cross(there.h) - k).length() < 1e-15);
+            assert!((there.h + back.h).length() < 1e-15 && (there.v - back.v).length() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn nadir_has_a_basis() {
+        let basis = Basis::of(DVec3::NEG_Z);
+        assert_eq!((basis.h, basis.v), (DVec3::Y, DVec3::NEG_X));
+        assert_eq!(incidence_rad(DVec3::NEG_Z), 0.0);
+    }
+
+    #[test]
+    fn bistatic_angles_at_both_ends() {
+        let k = DVec3::new(0.6, 0.0, -0.8);
+        assert_eq!(bistatic_angle_rad(k, -k), 0.0);
+        assert!((bistatic_angle_rad(k, k) - std::f64::consts::PI).abs() < 1e-15);
+        let mirrored = DVec3::new(0.6, 0.0, 0.8);
+        assert!((bistatic_angle_rad(k, mirrored) - 2.0 * 0.6f64.asin()).abs() < 1e-15);
+    }
 }

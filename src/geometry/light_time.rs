@@ -1,133 +1,251 @@
-//! Exact bistatic light time.
+//! Exact light time along transmitter, scatterer, receiver, and its rate.
 //!
-//! A pulse leaves the transmit phase centre at `t`. With `x_T`, `x_s`, `x_R` the paths of transmitter,
-//! scatterer and receiver,
+//! A pulse leaves the transmitter's phase centre at `t`, meets the scatterer at `t + tau1` and the
+//! receiver's phase centre at `t + tau`, `tau = tau1 + tau2`:
 //!
-//! ```text
-//! tau1 = |x_s(t + tau1) - x_T(t)| / c
-//! tau2 = |x_R(t + tau1 + tau2) - x_s(t + tau1)| / c ,   tau = tau1 + tau2
+//! `c tau1 = |x_s(t + tau1) - x_T(t)|`, `c tau2 = |x_R(t + tau) - x_s(t + tau1)|`.
+//!
+//! Both are solved by fixed-point iteration (contraction `v/c`, started from standing ends) until the
+//! step is below 1e-19 s or the rounding of `tau` itself. The ends move by `p + v s + a s^2/2` about the
+//! emission, the scatterer by `x + v s`; what the quadratic leaves out is `|da/dt| tau^3 / 6`: 2e-10 m
+//! for a satellite at 800 km.
+//!
+//! Rate with respect to the emission time, by differentiation, with the unit vectors `k_i`
+//! (transmitter to scatterer) and `k_s` (scatterer to receiver) and the receiver's velocity at reception:
+//!
+//! `tau1' = k_i.(v_s - v_T) / (c - k_i.v_s)`,
+//! `tau2' = (1 + tau1') k_s.(v_R - v_s) / (c - k_s.v_R)`, `tau' = tau1' + tau2'`.
+//!
+//! Carrier phase `-2 pi f0 tau`, Doppler `f_D = -f0 tau'` (positive when closing).
+//!
+//! **Limits.** Speeds well below `c`. Straight rays. The scene frame is treated as inertial although it
+//! turns with the Earth. That neglects `2 w_e A / c` metres, `A` the area of the triangle transmitter,
+//! scatterer, receiver seen along the Earth's axis: nothing for a monostatic radar but for its own motion
+//! (7e-6 m at 800 km), 4e-6 m for 3 km triangles, and 0.16 m for a satellite at 800 km whose
+//! receiver flies 800 km away. That is a slowly varying range bias there, not a noise.
+//!
 //! ```
-//!
-//! Both are solved by fixed-point iteration, whose contraction is v/c, until the delay stands still to the
-//! last bits. Ends move as `x + v dt + a dt^2/2` over the flight of the pulse: what is left out, `j dt^3/6`, is
-//! 2e-10 m from orbit (5 ms, 0.01 m/s^3). The rate `r = d tau/dt` comes from differentiating the two equations:
-//!
-//! ```text
-//! tau1' (1 - u1.v_s/c) = u1.(v_s - v_T)/c            u1 = unit(x_s - x_T)
-//! tau2' (1 - u2.v_R/c) = (1 + tau1') u2.(v_R - v_s)/c   u2 = unit(x_R - x_s)
-//! ```
-//!
-//! with velocities at emission, bounce and reception. Doppler is `-f0 r`, positive when closing.
-//!
-//! The ENU frame is treated as inertial. The rotation of the Earth during the flight adds up to
-//! `2 w A / c^2` (A: area swept by the path about the axis): 1.5 cm one way over 10 km, and 1.4 m one way from
-//! 800 km, which cancels between the legs of a monostatic path but not of a wide bistatic one.
-//!
-//! ```
-//! use glam::DVec3;
-//! use nereus::geometry::light_time::{Mover, bistatic};
-//! let still = |x: f64| Mover { position_m: DVec3::new(x, 0.0, 0.0), ..Mover::default() };
-//! let path = bistatic(&still(0.0), &still(299_792_458.0), &still(0.0));
-//! assert_eq!(path.delay_s, 2.0);
+//! use nereus::frames::{Point, Vector};
+//! use nereus::geometry::light_time::{LightTime, bistatic};
+//! use nereus::motion::pointing::PhaseCentre;
+//! let end = PhaseCentre::at_rest(Point::new(0.0, 0.0, 299_792.458));
+//! let path = bistatic(LightTime::Exact, &end, Point::new(0.0, 0.0, 0.0), Vector::ZERO, &end);
+//! assert!((path.delay_s - 2.0e-3).abs() < 1e-17);
 //! ```
 
 use glam::DVec3;
 
+use crate::frames::{Enu, Point, Vector};
+use crate::motion::pointing::PhaseCentre;
 use crate::units::SPEED_OF_LIGHT_MPS as C;
 
-/// Iterations at most: v/c below 0.1 settles to f64 in 16.
-const ITERATIONS: usize = 32;
+/// The iteration stops at steps below this, s (3e-11 m).
+const STEP_S: f64 = 1e-19;
+/// Enough for any contraction factor up to 0.1.
+const MOST_STEPS: usize = 20;
 
-/// Local motion of an end of the path, from the emission on (ENU, SI).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mover {
-    /// Position at the emission, m.
-    pub position_m: DVec3,
-    /// Velocity at the emission, m/s.
-    pub velocity_mps: DVec3,
-    /// Acceleration, m/s^2.
-    pub acceleration_mps2: DVec3,
+/// How light time is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightTime {
+    /// Everything moves while the pulse is under way.
+    Exact,
+    /// Everything stands still at the emission: the textbook approximation, up to 1.3 rad wrong for an
+    /// aircraft at X band and useless from space. For comparison only.
+    StopAndGo,
 }
 
-impl Mover {
-    /// Position `dt_s` after the emission.
-    pub fn position_after(&self, dt_s: f64) -> DVec3 {
-        self.position_m + (self.velocity_mps + self.acceleration_mps2 * (0.5 * dt_s)) * dt_s
-    }
-
-    /// Velocity `dt_s` after the emission.
-    pub fn velocity_after(&self, dt_s: f64) -> DVec3 {
-        self.velocity_mps + self.acceleration_mps2 * dt_s
-    }
-}
-
-/// The way of a pulse from transmitter to receiver.
+/// One path transmitter - scatterer - receiver, or the direct path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// Delay tau, s.
     pub delay_s: f64,
-    /// Its first leg, s (all of it on the direct path).
+    /// The part of it from the transmitter to the scatterer, s.
     pub tx_leg_s: f64,
-    /// d tau / dt with respect to the emission time; negative when closing.
-    pub rate: f64,
-    /// Where the scatterer is when the pulse meets it (the receiver, on the direct path).
-    pub bounce_m: DVec3,
-    /// Where the receiver is when the echo meets it.
-    pub reception_m: DVec3,
+    /// The part of it from the scatterer to the receiver, s.
+    pub rx_leg_s: f64,
+    /// d tau / d t of emission, dimensionless (negative when closing).
+    pub delay_rate: f64,
+    /// Unit propagation direction at the scatterer, inward (zero when the leg has no length).
+    pub incident: DVec3,
+    /// Unit propagation direction at the scatterer, outward (zero when the leg has no length).
+    pub scattered: DVec3,
 }
 
 impl Path {
-    /// Doppler frequency, Hz: `-f0 d tau/dt`.
+    /// Doppler shift of a carrier, Hz, positive when closing.
     pub fn doppler_hz(&self, carrier_hz: f64) -> f64 {
-        -carrier_hz * self.rate
+        -carrier_hz * self.delay_rate
     }
 }
 
-/// Flight time from `from` to a mover that is met `leg` after `already_s`.
-fn leg_s(from: DVec3, to: &Mover, already_s: f64) -> f64 {
-    let mut leg = (to.position_after(already_s) - from).length() / C;
-    for _ in 0..ITERATIONS {
-        let next = (to.position_after(already_s + leg) - from).length() / C;
-        let step = (next - leg).abs();
-        leg = next;
-        // A quarter of the last bit of the whole delay: nothing moves any more.
-        if step <= 0.25 * f64::EPSILON * leg {
+/// Solves `c tau = distance(tau)` by fixed-point iteration from `tau = 0`.
+fn fixed_point(distance_m: impl Fn(f64) -> f64) -> f64 {
+    let mut tau = distance_m(0.0) / C;
+    for _ in 0..MOST_STEPS {
+        let next = distance_m(tau) / C;
+        let step = (next - tau).abs();
+        tau = next;
+        if step <= STEP_S.max(f64::EPSILON * tau) {
             break;
         }
     }
-    leg
+    tau
 }
 
-/// Rate of a leg that ends on `to` at velocity `v_to` and starts from a point of velocity `v_from` whose own
-/// delay grows at `rate_from`.
-fn leg_rate(from: DVec3, to: DVec3, v_from: DVec3, v_to: DVec3, rate_from: f64) -> f64 {
-    let u = (to - from).normalize_or_zero();
-    (1.0 + rate_from) * u.dot(v_to - v_from) / (C - u.dot(v_to))
+/// Position and velocity of a phase centre `s` seconds after its instant.
+fn moved(end: &PhaseCentre, s: f64) -> (DVec3, DVec3) {
+    let (v, a) = (end.velocity.raw(), end.acceleration.raw());
+    (end.position.raw() + (v + a * (0.5 * s)) * s, v + a * s)
 }
 
-/// The path by way of a scatterer.
-pub fn bistatic(tx: &Mover, scatterer: &Mover, rx: &Mover) -> Path {
-    let tx_leg_s = leg_s(tx.position_m, scatterer, 0.0);
-    let bounce_m = scatterer.position_after(tx_leg_s);
-    let rx_leg_s = leg_s(bounce_m, rx, tx_leg_s);
-    let delay_s = tx_leg_s + rx_leg_s;
-    let reception_m = rx.position_after(delay_s);
-    let v_s = scatterer.velocity_after(tx_leg_s);
-    let rate_1 = leg_rate(tx.position_m, bounce_m, tx.velocity_mps, v_s, 0.0);
-    let rate_2 = leg_rate(bounce_m, reception_m, v_s, rx.velocity_after(delay_s), rate_1);
-    Path { delay_s, tx_leg_s, rate: rate_1 + rate_2, bounce_m, reception_m }
+/// The path over a scatterer that is at `position` at the emission and moves with `velocity`; both ends
+/// as they are at the emission.
+pub fn bistatic(
+    method: LightTime,
+    transmitter: &PhaseCentre,
+    position: Point<Enu>,
+    velocity: Vector<Enu>,
+    receiver: &PhaseCentre,
+) -> Path {
+    let (x_t, v_t) = (transmitter.position.raw(), transmitter.velocity.raw());
+    let (x_s, v_s) = (position.raw(), velocity.raw());
+    match method {
+        LightTime::Exact => {
+            let tx_leg_s = fixed_point(|s| (x_s + v_s * s - x_t).length());
+            let bounce = x_s + v_s * tx_leg_s;
+            let rx_leg_s = fixed_point(|s| (moved(receiver, tx_leg_s + s).0 - bounce).length());
+            let (x_r, v_r) = moved(receiver, tx_leg_s + rx_leg_s);
+            let incident = (bounce - x_t).normalize_or_zero();
+            let scattered = (x_r - bounce).normalize_or_zero();
+            let tx_rate = incident.dot(v_s - v_t) / (C - incident.dot(v_s));
+            let rx_rate = (1.0 + tx_rate) * scattered.dot(v_r - v_s) / (C - scattered.dot(v_r));
+            Path {
+                delay_s: tx_leg_s + rx_leg_s,
+                tx_leg_s,
+                rx_leg_s,
+                delay_rate: tx_rate + rx_rate,
+                incident,
+                scattered,
+            }
+        }
+        LightTime::StopAndGo => {
+            let (x_r, v_r) = (receiver.position.raw(), receiver.velocity.raw());
+            let (tx_leg_s, rx_leg_s) = ((x_s - x_t).length() / C, (x_r - x_s).length() / C);
+            let incident = (x_s - x_t).normalize_or_zero();
+            let scattered = (x_r - x_s).normalize_or_zero();
+            let delay_rate = (incident.dot(v_s - v_t) + scattered.dot(v_r - v_s)) / C;
+            Path { delay_s: tx_leg_s + rx_leg_s, tx_leg_s, rx_leg_s, delay_rate, incident, scattered }
+        }
+    }
 }
 
-/// The direct path.
-pub fn direct(tx: &Mover, rx: &Mover) -> Path {
-    let delay_s = leg_s(tx.position_m, rx, 0.0);
-    let reception_m = rx.position_after(delay_s);
-    let rate = leg_rate(tx.position_m, reception_m, tx.velocity_mps, rx.velocity_after(delay_s), 0.0);
-    Path { delay_s, tx_leg_s: delay_s, rate, bounce_m: reception_m, reception_m }
+/// The direct path from transmitter to receiver: `c tau = |x_R(t + tau) - x_T(t)|`,
+/// `tau' = k.(v_R - v_T) / (c - k.v_R)`. It has no second leg; inward and outward directions are both `k`.
+pub fn direct(method: LightTime, transmitter: &PhaseCentre, receiver: &PhaseCentre) -> Path {
+    let (x_t, v_t) = (transmitter.position.raw(), transmitter.velocity.raw());
+    let (delay_s, x_r, v_r) = match method {
+        LightTime::Exact => {
+            let tau = fixed_point(|s| (moved(receiver, s).0 - x_t).length());
+            let (x_r, v_r) = moved(receiver, tau);
+            (tau, x_r, v_r)
+        }
+        LightTime::StopAndGo => {
+            let x_r = receiver.position.raw();
+            ((x_r - x_t).length() / C, x_r, receiver.velocity.raw())
+        }
+    };
+    let k = (x_r - x_t).normalize_or_zero();
+    let delay_rate = match method {
+        LightTime::Exact => k.dot(v_r - v_t) / (C - k.dot(v_r)),
+        LightTime::StopAndGo => k.dot(v_r - v_t) / C,
+    };
+    Path { delay_s, tx_leg_s: delay_s, rx_leg_s: 0.0, delay_rate, incident: k, scattered: k }
 }
 
-/// Stop-and-go: everything stands still while the pulse flies, s. At 222 m/s and 4 km it is wrong by
-/// 6 mm, from orbit by tens of metres; for comparison only.
-pub fn stop_and_go_s(tx: &Mover, scatterer: &Mover, rx: &Mover) -> f64 {
-    ((scatterer.position_m - tx.position_m).length() + (rx.position_m - scatterer.position_m).length()) / C
+/// `f0 tau` modulo 1, in [0, 1): the carrier phase is `-2 pi` times this.
+///
+/// The product is formed without rounding (as a sum of two f64), so that the phase is as good as `tau`.
+pub fn carrier_cycles(carrier_hz: f64, delay_s: f64) -> f64 {
+    let product = carrier_hz * delay_s;
+    let rest = carrier_hz.mul_add(delay_s, -product);
+    let cycles = (product - product.floor()) + rest;
+    let cycles = cycles - cycles.floor();
+    // A negative rest of less than half an ulp of 1 rounds up to a whole cycle.
+    if cycles < 1.0 { cycles } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn satellite(x_m: f64, v_mps: f64) -> PhaseCentre {
+        PhaseCentre {
+            position: Point::new(x_m, 0.0, 800e3),
+            velocity: Vector::new(v_mps, 3.0, -2.0),
+            acceleration: Vector::new(0.01, -0.02, -8.4),
+        }
+    }
+
+    /// The equations themselves, put back: c tau against the distances of the moved ends.
+    #[test]
+    fn the_light_time_equations_hold_from_space() {
+        let (tx, rx) = (satellite(-300e3, 7.5e3), satellite(250e3, 7.4e3));
+        let (x_s, v_s) = (Point::new(1e3, -2e3, 0.0), Vector::new(10.0, -5.0, 1.0));
+        let path = bistatic(LightTime::Exact, &tx, x_s, v_s, &rx);
+        let bounce = x_s + v_s * path.tx_leg_s;
+        let out = (bounce - tx.position).norm();
+        let back = (moved(&rx, path.delay_s).0 - bounce.raw()).length();
+        // Four roundings of lengths near 1e6 m (ulp 1.2e-10 m): 1.6e-18 s; asked: 1e-17 s.
+        assert!((out / C - path.tx_leg_s).abs() < 1e-17);
+        assert!((back / C - path.rx_leg_s).abs() < 1e-17);
+    }
+
+    /// Against a five-point central difference of the whole solution.
+    #[test]
+    fn the_rate_is_the_derivative_of_the_delay() {
+        let (tx, rx) = (satellite(-300e3, 7.5e3), satellite(250e3, 7.4e3));
+        let (x_s, v_s) = (Point::new(1e3, -2e3, 0.0), Vector::new(10.0, -5.0, 1.0));
+        let at = |end: &PhaseCentre, s: f64| {
+            let (p, v) = moved(end, s);
+            PhaseCentre { position: Point::from_raw(p), velocity: Vector::from_raw(v), ..*end }
+        };
+        let delays = |s: f64| {
+            let (tx, rx) = (at(&tx, s), at(&rx, s));
+            let path = bistatic(LightTime::Exact, &tx, x_s + v_s * s, v_s, &rx);
+            (path.delay_s, direct(LightTime::Exact, &tx, &rx).delay_s)
+        };
+        let h = 0.05;
+        let slope = |f: &dyn Fn(f64) -> f64| (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h);
+        let path = bistatic(LightTime::Exact, &tx, x_s, v_s, &rx);
+        let straight = direct(LightTime::Exact, &tx, &rx);
+        // Rounding of tau (4.3e-19 s) over h, a few of them: 3e-17; truncation h^4 tau'''''/30 < 1e-20.
+        assert!((slope(&|s| delays(s).0) - path.delay_rate).abs() < 5e-17);
+        assert!((slope(&|s| delays(s).1) - straight.delay_rate).abs() < 5e-17);
+    }
+
+    #[test]
+    fn ends_that_touch_stay_finite() {
+        let end = PhaseCentre::at_rest(Point::new(1.0, 2.0, 3.0));
+        let path = bistatic(LightTime::Exact, &end, end.position, Vector::ZERO, &end);
+        assert_eq!((path.delay_s, path.delay_rate), (0.0, 0.0));
+        let straight = direct(LightTime::Exact, &end, &end);
+        assert_eq!((straight.delay_s, straight.delay_rate), (0.0, 0.0));
+    }
+
+    #[test]
+    fn carrier_phase_is_reduced_exactly() {
+        assert_eq!(carrier_cycles(10e9, 0.0), 0.0);
+        // Against integers: tau = m 2^-e exactly, so f0 tau modulo 1 = (f0 m modulo 2^e) / 2^e.
+        for tau in [2.418_352_093_421e-5f64, 5.337_026_9e-3, 1.0 / 3.0] {
+            let bits = tau.to_bits();
+            let mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
+            let shift = 1075 - (bits >> 52);
+            let rest = (mantissa * 35_000_000_000) % (1u128 << shift);
+            let exact = rest as f64 / 2f64.powi(shift as i32);
+            let error = (carrier_cycles(35e9, tau) - exact).abs();
+            assert!(error <= f64::EPSILON, "{tau}: {error}");
+        }
+        let cycles = carrier_cycles(35e9, -1.234_567_891e-3);
+        assert!((0.0..1.0).contains(&cycles));
+    }
 }

@@ -1,4 +1,4 @@
 //! Delay, Doppler, angles.
 
-pub mod bistatic;
 pub mod light_time;
+pub mod bistatic;

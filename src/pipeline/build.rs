@@ -149,7 +149,7 @@ pub fn tracks(
 /// This is the way in for a scene built in Rust; see `examples/scene_in_rust.rs`.
 pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
     let waveform = waveform::from_description(&scene.radar.waveform)?;
-    let illumination = Illumination::new(scene, tracks, waveform.duration_s())?;
+    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
     let echo = ReferenceEcho::new(
         Arc::clone(&waveform),
         scene.radar.carrier_hz,
@@ -174,10 +174,10 @@ pub struct PulseStream {
 }
 
 /// How a run ended.
-pub type RunOutcome = Outcome<Option<SinkReport>, std::convert::Infallible, SinkError>;
+pub type RunOutcome = Outcome<Option<SinkReport>, RadarError, SinkError>;
 
 /// Why a run failed after it had started.
-pub type RunFailure = RunError<std::convert::Infallible, SinkError>;
+pub type RunFailure = RunError<RadarError, SinkError>;
 
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
@@ -363,8 +363,7 @@ impl PulseStream {
             (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
         Ok(stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, range, &mut workspaces));
-            Ok(())
+            pool.install(|| generate(source, &factory, range, &mut workspaces))
         }))
     }
 }
@@ -382,24 +381,29 @@ fn same_kind(a: &Kind, b: &Kind) -> bool {
 }
 
 /// Fills batches of slots with the pulses of `range` until all are made or the stream ends.
-fn generate(source: &mut Source, factory: &PulseFactory, range: Range<u64>, work: &mut [Workspace]) {
+fn generate(
+    source: &mut Source,
+    factory: &PulseFactory,
+    range: Range<u64>,
+    work: &mut [Workspace],
+) -> Result<(), RadarError> {
     let batch = (PULSES_PER_WORKER * work.len()).min(source.slots().div_ceil(2));
     let mut next = range.start;
     loop {
         next = next.max(source.next_worth());
         if next >= range.end {
-            return;
+            return Ok(());
         }
         let wanted = usize::try_from(range.end - next).map_or(batch, |left| left.min(batch));
-        let Some(slots) = source.reserve(wanted) else { return };
+        let Some(slots) = source.reserve(wanted) else { return Ok(()) };
         let count = slots.len();
         let share = count.div_ceil(work.len());
-        slots.par_chunks_mut(share).zip(work.par_iter_mut()).enumerate().for_each(|(part, (slots, work))| {
-            let first = next + (part * share) as u64;
-            for (index, slot) in (first..).zip(slots) {
-                factory.make(index, slot, work);
-            }
-        });
+        slots.par_chunks_mut(share).zip(work.par_iter_mut()).enumerate().try_for_each(
+            |(part, (slots, work))| {
+                let first = next + (part * share) as u64;
+                (first..).zip(slots).try_for_each(|(index, slot)| factory.make(index, slot, work))
+            },
+        )?;
         source.commit(count);
         next += count as u64;
     }

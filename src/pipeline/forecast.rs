@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::build::PulseStream;
+use crate::radar::illumination::RadarError;
 
 /// How long the trial lasts.
 pub const TRIAL: Duration = Duration::from_millis(300);
@@ -40,7 +41,7 @@ pub struct Forecast {
 
 impl PulseStream {
     /// Makes pulses for a moment and tells what the run will take.
-    pub fn forecast(&self) -> Forecast {
+    pub fn forecast(&self) -> Result<Forecast, RadarError> {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();
@@ -48,7 +49,7 @@ impl PulseStream {
         // Each worker walks over the whole run in strides that visit every part of it.
         let stride = (schedule.count / 64).max(1);
         let begun = Instant::now();
-        let made: u64 = self.pool().install(|| {
+        let made = self.pool().install(|| {
             hands
                 .par_iter_mut()
                 .enumerate()
@@ -56,17 +57,17 @@ impl PulseStream {
                     let mut made = 0;
                     while made == 0 || begun.elapsed() < TRIAL {
                         let step = (made * threads as u64 + hand as u64).wrapping_mul(stride);
-                        factory.make(schedule.first + step % schedule.count, slot, work);
+                        factory.make(schedule.first + step % schedule.count, slot, work)?;
                         made += 1;
                     }
-                    made
+                    Ok(made)
                 })
-                .sum()
-        });
+                .sum::<Result<u64, RadarError>>()
+        })?;
         let pulses_per_s = made as f64 / begun.elapsed().as_secs_f64();
         let pulse_bytes = factory.layout().slot_bytes();
         let prf_hz = schedule.times.mean_prf_hz();
-        Forecast {
+        Ok(Forecast {
             pulses: schedule.count,
             duration_s: schedule.times.interval_s(schedule.first, schedule.end()),
             threads,
@@ -77,6 +78,6 @@ impl PulseStream {
             trial_pulses: made,
             pulses_per_s,
             real_time_factor: pulses_per_s / prf_hz,
-        }
+        })
     }
 }

@@ -12,7 +12,8 @@ use num_complex::{Complex32, Complex64};
 
 use crate::echo::reference::ReferenceEcho;
 use crate::pulse::{Layout, Pulse};
-use crate::radar::illumination::{Illumination, Scratch};
+use crate::radar::illumination;
+use crate::radar::illumination::{Illumination, RadarError};
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
@@ -28,7 +29,7 @@ pub struct PulseFactory {
 
 /// What one thread needs to make pulses without allocating.
 pub struct Workspace {
-    illumination: Scratch,
+    illumination: illumination::Workspace,
     contacts: Contacts,
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
@@ -55,7 +56,7 @@ impl PulseFactory {
         // Every target and the direct path, of this pulse and of two neighbours.
         let contacts = 3 * (self.layout.targets + 1);
         Workspace {
-            illumination: self.illumination.scratch(),
+            illumination: self.illumination.workspace(),
             contacts: Contacts::new(self.layout.pairs, self.layout.channels, contacts),
             spectrum: vec![Complex64::ZERO; self.layout.channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
@@ -63,10 +64,12 @@ impl PulseFactory {
     }
 
     /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has
-    /// seen the largest contact list.
-    pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) {
-        self.illumination.pulse(index, &mut work.contacts, pulse, &mut work.illumination);
+    /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
+    /// a pulse that the run does not have.
+    pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), RadarError> {
+        self.illumination.pulse(index, &mut work.illumination, &mut work.contacts, pulse)?;
         self.echo.spectrum(&work.contacts, pulse.window_start_s, &mut work.spectrum);
         self.receiver.receive(&mut work.spectrum, pulse, &mut work.receiver);
+        Ok(())
     }
 }

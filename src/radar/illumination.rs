@@ -1,18 +1,88 @@
-//! What a receive window gets: every path of every emission whose echo falls into it.
+//! From the scene to the contacts of every receive window.
 //!
-//! For pulse `n` the platforms are put where they are at its exact emission time, antennas point as their servos make them,
-//! the window opens, and each target and the direct path become a contact per transmitter-receiver pair:
-//! exact light time and its rate ([`crate::geometry::light_time`]), amplitude by the radar equation
-//! ([`super::link`]) with the gains and polarisations of that instant.
+//! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It hears every
+//! emission `e` of the run whose echo overlaps it, not only its own: where the delay is longer than the
+//! pulse repetition interval (spaceborne, or the direct path of the next pulse) several pulses are in
+//! the air. A contact of emission `e` with delay `tau` is kept when
 //!
-//! Emissions and windows are separate sequences. The window of pulse `n` opens `window_start` after emission `n`, which may
-//! be more than one PRI (several pulses in the air). It sums every emission `e` of the run (the transmitter is silent before
-//! pulse 0 and after the last one) with an echo in it. The geometry of an echo is that of its own emission; so is its
-//! transmit polarisation: a channel hears only emissions that carry its own.
+//! `[t_e - t_n + tau, t_e - t_n + tau + T_p]` touches `[w - 32/fs, w + (N + 32)/fs]`
 //!
-//! An echo belongs to the window when `[arrival, arrival + Tc]` touches the window widened by
-//! [`RINGING_SAMPLES`] on both sides (what the receive filter rings). Orientation of a receive antenna is that
-//! at the emission: during the flight it turns less than 5e-5 rad from orbit, 2e-6 rad in an aircraft.
+//! (`T_p` the pulse length; 32 samples is where the receive filter's response has died out). Emissions
+//! are searched between bounds on their delays: those of emission `n`, widened by the fastest change of
+//! delay, `(|v_T| + |v_R| + 2 |v_s| + 1000 m/s) / c`, the last term for manoeuvres.
+//!
+//! Each emission has its own geometry: platforms, pointing and transmit polarisation at `t_e`, the
+//! receive antenna at reception. When polarisations alternate, a channel hears an emission only if that
+//! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Contacts
+//! without amplitude in any channel (behind the antenna, in an exact null) are left out.
+//!
+//! The gate of `Gate::Follow` is the exact light time over the aim point between the *known* positions
+//! of the first pair, less the lead; it is not rounded to samples.
+//!
+//! [`Illumination::pulse`] depends on nothing but the pulse's index, and does not allocate once the
+//! contact list has its room.
+//!
+//! ```
+//! use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
+//! use nereus::motion::{PlatformTracks, track::Track};
+//! use nereus::pulse::{Layout, Pulse, SampleFormat};
+//! use nereus::radar::illumination::Illumination;
+//! use nereus::scattering::contact::Contacts;
+//! use nereus::scene::{Radar, Scene, Target, radar::*};
+//! use nereus::time::{PulseTimes, TimeTag};
+//!
+//! let mount = AntennaMount {
+//!     platform: 0,
+//!     lever_arm: Vector::ZERO,
+//!     pattern: Pattern::Isotropic { gain_dbi: 30.0 },
+//!     pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
+//!     cross_pol_isolation_db: None,
+//! };
+//! let scene = Scene {
+//!     frame: SceneFrame::plain(Earth::Flat),
+//!     start: TimeTag::default(),
+//!     pulses: 10,
+//!     seed: 1,
+//!     platforms: vec!["tower".into()],
+//!     radar: Radar {
+//!         carrier_hz: 10e9,
+//!         sample_rate_hz: 100e6,
+//!         waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
+//!         emissions: PulseTimes::uniform(222.0)?,
+//!         tx_polarisation: TxPolarisation::Simultaneous,
+//!         window: Window { samples: 256, gate: Gate::Fixed { start_s: 19.5e-6 } },
+//!         losses_db: 0.0,
+//!         atmosphere_db_per_km: 0.0,
+//!         noise_figure_db: None,
+//!         adc: None,
+//!         direct_path: false,
+//!         transmitters: vec![Transmitter { name: "tx".into(), power_w: 1.0, antenna: mount.clone() }],
+//!         receivers: vec![Receiver { name: "rx".into(), antenna: mount }],
+//!         channels: vec![Channel {
+//!             name: "HH".into(), transmitter: 0, receiver: 0, tx: Polarisation::H, rx: Polarisation::H,
+//!         }],
+//!     },
+//!     targets: vec![Target {
+//!         name: "buoy".into(),
+//!         position: Point::new(3000.0, 0.0, 0.0),
+//!         velocity: Vector::ZERO,
+//!         scattering: Target::sphere(1.0),
+//!     }],
+//! };
+//! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
+//! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
+//! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
+//! let illumination = Illumination::new(&scene, 0.333e-6, tracks)?;
+//! let layout = Layout {
+//!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, phase_centres: 2, targets: 1, pairs: 1,
+//! };
+//! let (mut workspace, mut contacts) = (illumination.workspace(), Contacts::new(1, 1, 1));
+//! let mut record = Pulse::new(&layout);
+//! illumination.pulse(3, &mut workspace, &mut contacts, &mut record)?;
+//! assert_eq!(contacts.len(), 1);
+//! assert!((record.target_delay_s[0] * 299_792_458.0 - 2.0 * 3000f64.hypot(50.0)).abs() < 1e-8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::ops::Range;
 
@@ -20,545 +90,672 @@ use glam::DVec3;
 use num_complex::Complex64;
 use thiserror::Error;
 
-use super::antenna::{Antenna, field_components, port_axis};
-use super::filter::RINGING_SAMPLES;
-use super::link::{Link, received};
-use super::pattern::PatternError;
-use crate::frames::{Antenna as AntennaFrame, Body, Enu, Rotation, Vector};
-use crate::geometry::light_time::{Mover, Path, bistatic, direct};
-use crate::motion::pointing::{PhaseCentre, aim_point, mount, phase_centre, servo, servo_bias};
-use crate::motion::{PlatformTracks, State, Track, TrackError};
+use crate::frames::{SceneFrame, Vector};
+use crate::geometry::bistatic::Basis;
+use crate::geometry::light_time::{LightTime, Path, bistatic};
+use crate::motion::PlatformTracks;
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::motion::track::{State, TrackError};
 use crate::pulse::{PlatformRecord, Pulse, flags};
+use crate::radar::antenna::{Antenna, field};
+use crate::radar::emission::{Circumstances, Emission, TrackFailure};
+use crate::radar::link::Link;
+use crate::radar::pattern::PatternError;
 use crate::scattering::contact::Contacts;
-use crate::scattering::target;
-use crate::scene::Scene;
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair, Pointing, Polarisation};
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair, Pointing, Polarisation, TxPolarisation};
+use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
+use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Bound on `|d tau/dt|` used to look for echoes of other emissions: 150 km/s on both ends.
-const FASTEST_RATE: f64 = 1e-3;
+/// Samples at both ends of the window whose contacts still reach into it through the receive filter.
+pub const GUARD_SAMPLES: usize = 32;
+/// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
+const MANOEUVRE_MPS: f64 = 1000.0;
+/// Instants of the run at which its longest delay is sought.
+const SOUNDINGS: u64 = 32;
 
-/// One fault of an instrument or of its way through the scene.
+/// Why the contacts of a scene cannot be made.
+#[derive(Debug, Error)]
+pub enum RadarError {
+    /// The scene does not hang together.
+    #[error("the radar cannot be built:{}", listed(.0))]
+    Faults(Vec<RadarFault>),
+    /// A pulse outside the run.
+    #[error("pulse {index} is not in the run: 0 to {} wanted", pulses.saturating_sub(1))]
+    NoSuchPulse {
+        /// What was asked.
+        index: u64,
+        /// Pulses in the run.
+        pulses: u64,
+    },
+    /// A track fails at a pulse.
+    #[error("pulse {index}: platform '{platform}', {which} track: {source}")]
+    Track {
+        /// The pulse.
+        index: u64,
+        /// The platform.
+        platform: String,
+        /// Which of its tracks.
+        which: TrackUse,
+        /// Why.
+        source: TrackError,
+    },
+}
+
+fn listed(faults: &[RadarFault]) -> String {
+    faults.iter().map(|fault| format!("\n  {fault}")).collect()
+}
+
+/// One fault of a scene.
 #[derive(Debug, Error)]
 pub enum RadarFault {
-    /// A pattern file.
+    /// Tracks and platforms do not match.
+    #[error("{tracks} tracks for {platforms} platforms")]
+    Tracks {
+        /// Tracks given.
+        tracks: usize,
+        /// Platforms of the scene.
+        platforms: usize,
+    },
+    /// Something refers to what is not there.
+    #[error("{place}: {what} {index} does not exist ({count} in the scene)")]
+    Missing {
+        /// Where the reference stands.
+        place: String,
+        /// What it refers to.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A number out of range.
+    #[error("{name} = {value} is not allowed: {allowed}")]
+    Value {
+        /// What.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An alternating sequence without entries.
+    #[error("transmit polarisations alternate in an empty sequence: at least one wanted")]
+    NoPolarisation,
+    /// A pattern file is wrong.
     #[error("antenna '{antenna}': {source}")]
     Pattern {
         /// The antenna.
         antenna: String,
-        /// What is wrong.
+        /// Why.
         source: PatternError,
     },
     /// A track does not cover the run.
-    #[error("platform '{platform}', {role} track: {source}")]
-    Coverage {
+    #[error("platform '{platform}', {which} track: needed from {from} to {to}: {source}")]
+    Track {
         /// The platform.
         platform: String,
-        /// `true` or `reported`.
-        role: &'static str,
-        /// What is missing.
+        /// Which of its tracks.
+        which: TrackUse,
+        /// First instant needed.
+        from: TimeTag,
+        /// Last instant needed.
+        to: TimeTag,
+        /// Why it does not.
         source: TrackError,
     },
-    /// Tracks and platforms do not match.
-    #[error("{found} tracks for {expected} platforms; allowed: one each")]
-    Tracks {
-        /// Tracks given.
-        found: usize,
-        /// Platforms of the scene.
-        expected: usize,
-    },
 }
 
-/// Everything wrong with an instrument.
-#[derive(Debug, Error)]
-#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-pub struct RadarError(pub Vec<RadarFault>);
+/// Which of the two tracks of a platform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackUse {
+    /// What happens.
+    Truth,
+    /// What the platform says.
+    Reported,
+}
 
-/// An antenna, ready.
+impl From<AimFrom> for TrackUse {
+    fn from(aim_from: AimFrom) -> Self {
+        match aim_from {
+            AimFrom::Reported => Self::Reported,
+            AimFrom::True => Self::Truth,
+        }
+    }
+}
+
+impl std::fmt::Display for TrackUse {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Truth => "true",
+            Self::Reported => "reported",
+        })
+    }
+}
+
+/// What one transmitter-receiver pair needs.
 #[derive(Clone, Debug)]
-struct Instrument {
-    platform: usize,
-    lever_arm: Vector<Body>,
-    antenna: Antenna,
-    pointing: Look,
-    isolation_db: Option<f64>,
+struct PairPlan {
+    pair: Pair,
+    link: Link,
+    /// Channels on this pair: index, transmit and receive polarisation.
+    channels: Vec<(usize, Polarisation, Polarisation)>,
 }
 
-#[derive(Clone, Debug)]
-enum Look {
-    Mounted(Rotation<AntennaFrame, Body>),
-    Servo { aim: Aim, aim_from: AimFrom, lag_s: f64, bias: Rotation<AntennaFrame, AntennaFrame> },
+impl PairPlan {
+    /// Whether an emission reaches any channel of the pair.
+    fn hears(&self, tx_pol: Option<Polarisation>) -> bool {
+        tx_pol.is_none_or(|port| self.channels.iter().any(|&(_, tx, _)| tx == port))
+    }
 }
 
-/// A channel, by the places of its parts.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    pair: usize,
-    tx: Polarisation,
-    tx_axis: [Complex64; 2],
-    rx_axis: [Complex64; 2],
-}
-
-/// An antenna at an emission.
-#[derive(Clone, Copy, Debug)]
-struct End {
-    motion: Mover,
-    /// ENU to antenna.
-    inward: Rotation<Enu, AntennaFrame>,
-    y_a: DVec3,
-    z_a: DVec3,
-}
-
-/// The radar in its scene. Immutable, shared by all threads.
+/// Makes the contacts and the truth of any pulse of a run.
 #[derive(Clone, Debug)]
 pub struct Illumination {
-    scene: Scene,
-    tracks: Vec<PlatformTracks>,
-    transmitters: Vec<Instrument>,
-    powers_w: Vec<f64>,
-    receivers: Vec<Instrument>,
-    pairs: Vec<Pair>,
-    rows: Vec<Row>,
-    channel_pairs: Vec<usize>,
-    link: Link,
+    frame: SceneFrame,
+    start: TimeTag,
+    pulses: u64,
+    platforms: Vec<String>,
+    radar: Radar,
+    targets: Vec<Target>,
     pulse_length_s: f64,
+    tracks: Vec<PlatformTracks>,
+    /// Transmitters first.
+    antennas: Vec<Antenna>,
+    pairs: Vec<Pair>,
+    plans: Vec<PairPlan>,
+    channel_pairs: Vec<usize>,
+    fastest_target_mps: f64,
+    axes_span_s: f64,
 }
 
-/// What a thread needs to evaluate pulses without allocating.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    transmitters: Vec<End>,
-    receivers: Vec<End>,
-    paths: Vec<Path>,
+/// Buffers of [`Illumination::pulse`]; one per thread.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    own: Emission,
+    other: Emission,
+    amplitude: Vec<Complex64>,
 }
 
-/// The receive window relative to an emission.
+/// What is heard: from when to when, after the emission of the window's own pulse.
 #[derive(Clone, Copy, Debug)]
 struct Window {
-    start_s: f64,
-    end_s: f64,
-    /// Widening on both sides.
+    open_s: f64,
+    close_s: f64,
     guard_s: f64,
 }
 
 impl Window {
-    fn touches(&self, arrival_s: f64, length_s: f64) -> bool {
-        arrival_s + length_s >= self.start_s - self.guard_s && arrival_s <= self.end_s + self.guard_s
+    fn touches(&self, begin_s: f64, end_s: f64) -> bool {
+        begin_s <= self.close_s + self.guard_s && end_s >= self.open_s - self.guard_s
     }
 
-    fn holds(&self, arrival_s: f64, length_s: f64) -> bool {
-        arrival_s >= self.start_s && arrival_s + length_s <= self.end_s
+    fn holds(&self, begin_s: f64, end_s: f64) -> bool {
+        begin_s >= self.open_s && end_s <= self.close_s
     }
 }
 
 impl Illumination {
-    /// Reads the pattern files and checks that the tracks cover the run. All faults at once.
-    pub fn new(scene: &Scene, tracks: Vec<PlatformTracks>, pulse_length_s: f64) -> Result<Self, RadarError> {
+    /// Prepares a scene: reads pattern files and checks that the tracks cover the run, from the first
+    /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
+    /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
+    pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
         let radar = &scene.radar;
         let mut faults = Vec::new();
-        if tracks.len() != scene.platforms.len() {
-            let (found, expected) = (tracks.len(), scene.platforms.len());
-            return Err(RadarError(vec![RadarFault::Tracks { found, expected }]));
-        }
-        let wavelength_m = radar.wavelength_m();
-        let mut ready = |name: &str, mounted: &AntennaMount| match Instrument::new(mounted, wavelength_m) {
-            Ok(instrument) => Some(instrument),
-            Err(source) => {
-                faults.push(RadarFault::Pattern { antenna: name.to_owned(), source });
-                None
-            }
-        };
-        let transmitters: Vec<_> =
-            radar.transmitters.iter().filter_map(|t| ready(&t.name, &t.antenna)).collect();
-        let receivers: Vec<_> = radar.receivers.iter().filter_map(|r| ready(&r.name, &r.antenna)).collect();
-        let longest_lag_s =
-            transmitters.iter().chain(&receivers).map(|i| i.pointing.lag_s()).fold(0.0, f64::max);
-        let from = scene.start.plus(-longest_lag_s);
-        let to = radar.emissions.emission(scene.start, scene.pulses.saturating_sub(1));
-        for (platform, tracks) in scene.platforms.iter().zip(&tracks) {
-            for (role, track) in [("true", &tracks.truth), ("reported", &tracks.reported)] {
-                if let Err(source) = track.covers(from, to) {
-                    faults.push(RadarFault::Coverage { platform: platform.clone(), role, source });
-                }
-            }
-        }
+        check_numbers(radar, pulse_length_s, &mut faults);
+        check_references(scene, tracks.len(), &mut faults);
+        let antennas = open_antennas(radar, &mut faults);
         if !faults.is_empty() {
-            return Err(RadarError(faults));
+            return Err(RadarError::Faults(faults));
         }
         let pairs = radar.pairs();
-        let rows: Vec<Row> = radar
+        let channel_pairs: Vec<usize> = radar
             .channels
             .iter()
             .filter_map(|channel| {
-                let pair = Pair { transmitter: channel.transmitter, receiver: channel.receiver };
-                Some(Row {
-                    pair: pairs.iter().position(|p| *p == pair)?,
-                    tx: channel.tx,
-                    tx_axis: port_axis(channel.tx, transmitters[channel.transmitter].isolation_db),
-                    rx_axis: port_axis(channel.rx, receivers[channel.receiver].isolation_db),
-                })
+                let wanted = Pair { transmitter: channel.transmitter, receiver: channel.receiver };
+                pairs.iter().position(|&pair| pair == wanted)
             })
             .collect();
-        Ok(Self {
-            channel_pairs: rows.iter().map(|row| row.pair).collect(),
-            powers_w: radar.transmitters.iter().map(|t| t.power_w).collect(),
-            link: Link::new(radar),
-            scene: scene.clone(),
-            tracks,
-            transmitters,
-            receivers,
-            pairs,
-            rows,
+        let plans = pairs
+            .iter()
+            .enumerate()
+            .map(|(index, &pair)| PairPlan {
+                pair,
+                link: Link::new(
+                    radar.transmitters[pair.transmitter].power_w,
+                    radar.wavelength_m(),
+                    radar.losses_db,
+                    radar.atmosphere_db_per_km,
+                ),
+                channels: radar
+                    .channels
+                    .iter()
+                    .enumerate()
+                    .filter(|&(channel, _)| channel_pairs[channel] == index)
+                    .map(|(channel, row)| (channel, row.tx, row.rx))
+                    .collect(),
+            })
+            .collect();
+        let fastest_target_mps = scene.targets.iter().map(|t| t.velocity.norm()).fold(0.0, f64::max);
+        let mut built = Self {
+            frame: scene.frame,
+            start: scene.start,
+            pulses: scene.pulses,
+            platforms: scene.platforms.clone(),
+            radar: radar.clone(),
+            targets: scene.targets.clone(),
             pulse_length_s,
-        })
+            tracks,
+            antennas,
+            pairs,
+            plans,
+            channel_pairs,
+            fastest_target_mps,
+            axes_span_s: 0.0,
+        };
+        built.check_cover(0.0, &mut faults);
+        if faults.is_empty() {
+            match built.longest_delay_s() {
+                Ok(longest_s) => built.check_cover(longest_s, &mut faults),
+                Err(error) => return Err(error),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(RadarError::Faults(faults));
+        }
+        built.axes_span_s = built.longest_delay_s()?;
+        Ok(built)
     }
 
-    /// Pair of each channel.
+    /// The pair of each channel.
     pub fn channel_pairs(&self) -> &[usize] {
         &self.channel_pairs
     }
 
-    /// Memory for one thread.
-    pub fn scratch(&self) -> Scratch {
-        Scratch {
-            transmitters: Vec::with_capacity(self.transmitters.len()),
-            receivers: Vec::with_capacity(self.receivers.len()),
-            paths: Vec::with_capacity(self.pairs.len()),
-        }
+    /// The transmitter-receiver pairs, in the order of [`Contacts::delay_s`].
+    pub fn pairs(&self) -> &[Pair] {
+        &self.pairs
     }
 
-    /// Fills the record of pulse `index` (all but its samples) and the contacts of its receive window. The
-    /// flags are set anew.
-    pub fn pulse(&self, index: u64, contacts: &mut Contacts, record: &mut Pulse, scratch: &mut Scratch) {
-        let radar = &self.scene.radar;
-        let time = self.emission(index);
-        record.index = index;
-        record.time = time;
-        record.flags = 0;
-        record.tx_pol = radar.tx_polarisation.of_pulse(index).map_or(0, Polarisation::code);
-        for (tracks, (truth, reported)) in
-            self.tracks.iter().zip(record.nav_true.iter_mut().zip(&mut record.nav_reported))
-        {
-            *truth = platform_record(&state(&tracks.truth, time));
-            *reported = platform_record(&state(&tracks.reported, time));
-        }
-        record.window_start_s = self.window_start_s(time);
-        let rate_hz = radar.sample_rate_hz;
-        let window = Window {
-            start_s: record.window_start_s,
-            end_s: record.window_start_s + radar.window.samples as f64 / rate_hz,
-            guard_s: RINGING_SAMPLES as f64 / rate_hz,
-        };
-
-        contacts.clear();
-        self.place_ends(time, scratch);
-        for (centre, end) in
-            record.phase_centre_m.iter_mut().zip(scratch.transmitters.iter().chain(&scratch.receivers))
-        {
-            *centre = end.motion.position_m.to_array();
-        }
-        let delays = self.own_echoes(index, time, &window, contacts, record, scratch);
-        for other in self.other_emissions(index, &window, &delays) {
-            let offset_s = self.offset_s(index, other);
-            let time = self.emission(other);
-            self.place_ends(time, scratch);
-            self.echoes(other, time, offset_s, &window, contacts, scratch, |_, _| {});
-        }
+    /// The longest delay found when the run was prepared (at a few dozen instants of it), s: how far
+    /// after the last emission tracks are asked.
+    pub fn light_time_s(&self) -> f64 {
+        self.axes_span_s
     }
 
-    fn emission(&self, index: u64) -> TimeTag {
-        self.scene.radar.emissions.emission(self.scene.start, index)
+    /// Buffers for [`Self::pulse`].
+    pub fn workspace(&self) -> Workspace {
+        let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
+        Workspace { own: Emission::default(), other: Emission::default(), amplitude }
     }
 
-    /// Emission `other` minus emission `index`, s.
-    fn offset_s(&self, index: u64, other: u64) -> f64 {
-        self.scene.radar.emissions.interval_s(index, other)
-    }
-
-    /// The echoes of the pulse itself, with their truth; returns the range of all delays.
-    fn own_echoes(
+    /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
+    /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
+    /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
+    /// emission lies partly or wholly outside the window).
+    pub fn pulse(
         &self,
         index: u64,
-        time: TimeTag,
-        window: &Window,
+        workspace: &mut Workspace,
         contacts: &mut Contacts,
         record: &mut Pulse,
-        scratch: &mut Scratch,
-    ) -> Range<f64> {
-        let mut delays = f64::INFINITY..f64::NEG_INFINITY;
-        let targets = self.scene.targets.len();
-        let carrier_hz = self.scene.radar.carrier_hz;
-        let (length_s, pairs) = (self.pulse_length_s, self.pairs.len());
-        self.echoes(index, time, 0.0, window, contacts, scratch, |what, paths| {
-            for (pair, path) in paths.iter().enumerate().take(pairs) {
-                delays.start = delays.start.min(path.delay_s);
-                delays.end = delays.end.max(path.delay_s);
-                if !window.holds(path.delay_s, length_s) {
-                    record.flags |= flags::OUTSIDE_WINDOW;
-                }
-                if let Some(target) = what {
-                    record.target_delay_s[pair * targets + target] = path.delay_s;
-                    record.target_doppler_hz[pair * targets + target] = path.doppler_hz(carrier_hz);
-                }
-            }
-        });
-        delays
-    }
-
-    /// Other emissions that may have an echo in the window, from the delays of this one.
-    fn other_emissions(
-        &self,
-        index: u64,
-        window: &Window,
-        delays: &Range<f64>,
-    ) -> impl Iterator<Item = u64> + use<> {
-        let reach = |offset_s: f64| {
-            let margin_s = FASTEST_RATE * offset_s.abs() + 1e-6;
-            let first = offset_s + delays.start - margin_s;
-            let last = offset_s + delays.end + margin_s + self.pulse_length_s;
-            (last >= window.start_s - window.guard_s, first <= window.end_s + window.guard_s)
+    ) -> Result<(), RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, other, amplitude } = workspace;
+        contacts.clear();
+        self.evaluate(index, own)?;
+        self.fill_record(index, own, record)?;
+        let window = self.window(record.window_start_s);
+        let audible = self.audible(index, own, &window);
+        let mut hear = |emission: u64, contacts: &mut Contacts, amplitude: &mut [Complex64]| {
+            let offset_s = self.radar.emissions.interval_s(index, emission);
+            self.evaluate(emission, other)?;
+            self.append(emission, offset_s, other, &window, amplitude, contacts);
+            Ok::<(), RadarError>(())
         };
-        let (mut from, mut to) = (index, index);
-        if delays.start <= delays.end {
-            // Arrivals move with the emission, so each side ends at its first emission out of reach.
-            while from > 0 && reach(self.offset_s(index, from - 1)).0 {
-                from -= 1;
-            }
-            while to + 1 < self.scene.pulses && reach(self.offset_s(index, to + 1)).1 {
-                to += 1;
-            }
+        for emission in audible.start..audible.end.min(index) {
+            hear(emission, contacts, amplitude)?;
         }
-        (from..=to).filter(move |other| *other != index)
+        if self.append(index, 0.0, own, &window, amplitude, contacts) {
+            record.flags |= flags::OUTSIDE_WINDOW;
+        }
+        for emission in audible.start.max(index + 1)..audible.end {
+            hear(emission, contacts, amplitude)?;
+        }
+        Ok(())
     }
 
-    /// Puts the antennas where they are at an emission.
-    fn place_ends(&self, time: TimeTag, scratch: &mut Scratch) {
-        scratch.transmitters.clear();
-        scratch.transmitters.extend(self.transmitters.iter().map(|i| self.end(i, time)));
-        scratch.receivers.clear();
-        scratch.receivers.extend(self.receivers.iter().map(|i| self.end(i, time)));
+    fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings { tracks: &self.tracks, frame: &self.frame, start: self.start }
     }
 
-    fn end(&self, instrument: &Instrument, time: TimeTag) -> End {
-        let truth = state(&self.tracks[instrument.platform].truth, time);
-        let outward: Rotation<AntennaFrame, Enu> = match &instrument.pointing {
-            Look::Mounted(mount) => mount.then(truth.attitude),
-            Look::Servo { aim, aim_from, lag_s, bias } => {
-                let then = time.plus(-lag_s);
-                let known = state(self.known(instrument.platform, *aim_from), then);
-                let aim = aim_point(aim, then.since(self.scene.start), &self.scene.frame, |platform| {
-                    state(self.known(platform, *aim_from), then)
-                });
-                servo(&known, instrument.lever_arm, aim, truth.attitude, *bias)
-            }
+    fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
+        let of = Circumstances {
+            surroundings: self.surroundings(),
+            radar: &self.radar,
+            pairs: &self.pairs,
+            targets: &self.targets,
+            axes_span_s: self.axes_span_s,
         };
-        End {
-            motion: motion(&phase_centre(&truth, instrument.lever_arm)),
-            inward: outward.inverse(),
-            y_a: (outward * Vector::new(0.0, 1.0, 0.0)).raw(),
-            z_a: (outward * Vector::new(0.0, 0.0, 1.0)).raw(),
+        let t = self.radar.emissions.emission(self.start, index);
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        emission.evaluate(&of, t, elapsed_s).map_err(|failure| self.track_error(index, failure))
+    }
+
+    fn track_error(&self, index: u64, failure: TrackFailure) -> RadarError {
+        let TrackFailure { platform, which, source } = failure;
+        RadarError::Track { index, platform: self.platforms[platform].clone(), which, source }
+    }
+
+    fn fill_record(&self, index: u64, own: &Emission, record: &mut Pulse) -> Result<(), RadarError> {
+        let t = self.radar.emissions.emission(self.start, index);
+        record.index = index;
+        record.time = t;
+        record.flags = 0;
+        record.tx_pol = self.radar.tx_polarisation.of_pulse(index).map_or(0, Polarisation::code);
+        for (slot, state) in record.nav_true.iter_mut().zip(&own.states) {
+            *slot = navigation(state);
         }
-    }
-
-    fn known(&self, platform: usize, aim_from: AimFrom) -> &Track {
-        match aim_from {
-            AimFrom::Reported => &self.tracks[platform].reported,
-            AimFrom::True => &self.tracks[platform].truth,
+        for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {
+            let which = TrackUse::Reported;
+            let state = self.tracks[platform].reported.state(t);
+            let state =
+                state.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
+            *slot = navigation(&state);
         }
-    }
-
-    /// Opening of the window after the emission, s.
-    fn window_start_s(&self, time: TimeTag) -> f64 {
-        let (aim, lead_s, aim_from) = match &self.scene.radar.window.gate {
-            Gate::Fixed { start_s } => return *start_s,
-            Gate::Follow { aim, lead_s, aim_from } => (aim, lead_s, *aim_from),
-        };
-        let Some(pair) = self.pairs.first() else { return 0.0 };
-        let known = |platform: usize| state(self.known(platform, aim_from), time);
-        let point = aim_point(aim, time.since(self.scene.start), &self.scene.frame, known);
-        let centre = |i: &Instrument| motion(&phase_centre(&known(i.platform), i.lever_arm));
-        let there = Mover { position_m: point.raw(), ..Mover::default() };
-        let tx = centre(&self.transmitters[pair.transmitter]);
-        let rx = centre(&self.receivers[pair.receiver]);
-        bistatic(&tx, &there, &rx).delay_s - lead_s
-    }
-
-    /// Appends the contacts of an emission that fall into the window, and shows the paths of every target (and
-    /// of the direct path, as `None`), fallen in or not.
-    fn echoes(
-        &self,
-        emission: u64,
-        time: TimeTag,
-        offset_s: f64,
-        window: &Window,
-        contacts: &mut Contacts,
-        scratch: &mut Scratch,
-        mut show: impl FnMut(Option<usize>, &[Path]),
-    ) {
-        let only = self.scene.radar.tx_polarisation.of_pulse(emission);
-        let since_start_s = time.since(self.scene.start);
-        let falls_in = |paths: &[Path]| {
-            paths.iter().any(|path| window.touches(offset_s + path.delay_s, self.pulse_length_s))
-        };
-        let Scratch { transmitters, receivers, paths } = scratch;
-        for (place, target) in self.scene.targets.iter().enumerate() {
-            let scatterer = target::mover(target, since_start_s);
-            paths.clear();
-            paths.extend(self.pairs.iter().map(|pair| {
-                bistatic(&transmitters[pair.transmitter].motion, &scatterer, &receivers[pair.receiver].motion)
-            }));
-            show(Some(place), paths);
-            if falls_in(paths) {
-                self.append(contacts, offset_s, paths, |row, path| {
-                    let pair = self.pairs[row.pair];
-                    let (tx, rx) = (&transmitters[pair.transmitter], &receivers[pair.receiver]);
-                    let (out, back) =
-                        (path.bounce_m - tx.motion.position_m, path.bounce_m - path.reception_m);
-                    self.scattered(row, only, tx, rx, out, back, &target.scattering)
-                });
+        for (slot, centre) in record.phase_centre_m.iter_mut().zip(&own.centres) {
+            *slot = centre.position.to_array();
+        }
+        let (pairs, targets) = (self.pairs.len(), self.targets.len());
+        for pair in 0..pairs {
+            let delays = record.target_delay_s.iter_mut().skip(pair * targets);
+            let dopplers = record.target_doppler_hz.iter_mut().skip(pair * targets);
+            for (target, (delay_s, doppler_hz)) in delays.zip(dopplers).take(targets).enumerate() {
+                let path = &own.paths[target * pairs + pair];
+                *delay_s = path.delay_s;
+                *doppler_hz = path.doppler_hz(self.radar.carrier_hz);
             }
         }
-        if self.scene.radar.direct_path {
-            paths.clear();
-            paths.extend(self.pairs.iter().map(|pair| {
-                direct(&transmitters[pair.transmitter].motion, &receivers[pair.receiver].motion)
-            }));
-            show(None, paths);
-            if falls_in(paths) {
-                self.append(contacts, offset_s, paths, |row, path| {
-                    let pair = self.pairs[row.pair];
-                    let (tx, rx) = (&transmitters[pair.transmitter], &receivers[pair.receiver]);
-                    self.direct(row, only, tx, rx, path.reception_m - tx.motion.position_m)
-                });
-            }
-        }
+        record.window_start_s = self.window_start_s(index, t)?;
+        Ok(())
     }
 
+    /// Start of the window after the emission at `t`, s.
+    fn window_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
+        let (aim, lead_s, aim_from) = match &self.radar.window.gate {
+            Gate::Fixed { start_s } => return Ok(*start_s),
+            Gate::Follow { aim, lead_s, aim_from } => (aim, *lead_s, *aim_from),
+        };
+        let Some(pair) = self.pairs.first() else { return Ok(-lead_s) };
+        let failed = |platform| {
+            move |source| self.track_error(index, TrackFailure { platform, which: aim_from.into(), source })
+        };
+        let end = |mount: &AntennaMount| {
+            let state =
+                self.tracks[mount.platform].known(aim_from).state(t).map_err(failed(mount.platform))?;
+            Ok(PhaseCentre::of(&state, mount.lever_arm))
+        };
+        let tx = end(&self.radar.transmitters[pair.transmitter].antenna)?;
+        let rx = end(&self.radar.receivers[pair.receiver].antenna)?;
+        let beside = beside(aim).unwrap_or(0);
+        let (position, velocity) = self.surroundings().aim_point(aim, aim_from, t).map_err(failed(beside))?;
+        Ok(bistatic(LightTime::Exact, &tx, position, velocity, &rx).delay_s - lead_s)
+    }
+
+    fn window(&self, open_s: f64) -> Window {
+        let rate_hz = self.radar.sample_rate_hz;
+        let close_s = open_s + self.radar.window.samples as f64 / rate_hz;
+        Window { open_s, close_s, guard_s: GUARD_SAMPLES as f64 / rate_hz }
+    }
+
+    /// The emissions that may be heard in the window of pulse `index`.
+    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Range<u64> {
+        let Some((least_s, most_s)) = own.delay_span_s() else { return index..index };
+        let transmitters = self.radar.transmitters.len();
+        let fastest = |centres: &[PhaseCentre]| centres.iter().map(|c| c.velocity.norm()).fold(0.0, f64::max);
+        let (tx, rx) = own.centres.split_at(transmitters);
+        let closing_mps = fastest(tx) + fastest(rx) + 2.0 * self.fastest_target_mps + MANOEUVRE_MPS;
+        let earliest_s = window.open_s - window.guard_s - self.pulse_length_s - most_s;
+        let latest_s = window.close_s + window.guard_s - least_s;
+        // Twice, because the interval itself widens by what is added.
+        let change_s = 2.0 * closing_mps / SPEED_OF_LIGHT_MPS * earliest_s.abs().max(latest_s.abs());
+        let first = self.first_emission(index, earliest_s - change_s);
+        let after = self.first_emission(index, latest_s + change_s);
+        first..after
+    }
+
+    /// The first emission of the run at least `offset_s` after emission `index` (the number of
+    /// pulses if there is none).
+    fn first_emission(&self, index: u64, offset_s: f64) -> u64 {
+        // No emission is farther away, counted in pulses, than the shortest interval allows.
+        let steps = (offset_s.abs() / self.radar.emissions.shortest_pri_s()).ceil() as u64;
+        let reach = steps.saturating_add(2);
+        let mut low = if offset_s < 0.0 { index.saturating_sub(reach) } else { index };
+        let mut high = if offset_s < 0.0 { index } else { index.saturating_add(reach) }.min(self.pulses);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.radar.emissions.interval_s(index, middle) < offset_s {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// Appends the contacts of one emission; says whether an echo lies partly or wholly outside.
     fn append(
         &self,
-        contacts: &mut Contacts,
+        index: u64,
         offset_s: f64,
-        paths: &[Path],
-        mut amplitude: impl FnMut(&Row, &Path) -> Complex64,
-    ) {
-        contacts.emission_offset_s.push(offset_s);
-        for (path, (delay_s, rate)) in
-            paths.iter().zip(contacts.delay_s.iter_mut().zip(&mut contacts.delay_rate))
-        {
-            delay_s.push(path.delay_s);
-            rate.push(path.rate);
-        }
-        for (row, column) in self.rows.iter().zip(&mut contacts.amplitude) {
-            column.push(amplitude(row, &paths[row.pair]));
-        }
-    }
-
-    fn scattered(
-        &self,
-        row: &Row,
-        only: Option<Polarisation>,
-        tx: &End,
-        rx: &End,
-        out: DVec3,
-        back: DVec3,
-        scattering: &[[Complex64; 2]; 2],
-    ) -> Complex64 {
-        if only.is_some_and(|only| only != row.tx) {
-            return Complex64::ZERO;
-        }
-        let pair = self.pairs[row.pair];
-        let (k_i, look_back) = (out.normalize_or_zero(), back.normalize_or_zero());
-        let gains = self.transmitters[pair.transmitter].gain(tx, k_i)
-            * self.receivers[pair.receiver].gain(rx, look_back);
-        if gains == Complex64::ZERO {
-            return gains;
-        }
-        let e_t = field_components(row.tx_axis, tx.y_a, tx.z_a, k_i);
-        let e_r = field_components(row.rx_axis, rx.y_a, rx.z_a, -look_back);
-        let spread = self.link.scattered(self.powers_w[pair.transmitter], out.length(), back.length());
-        gains * received(e_r, scattering, e_t) * spread
-    }
-
-    fn direct(&self, row: &Row, only: Option<Polarisation>, tx: &End, rx: &End, out: DVec3) -> Complex64 {
-        if only.is_some_and(|only| only != row.tx) {
-            return Complex64::ZERO;
-        }
-        let pair = self.pairs[row.pair];
-        let k = out.normalize_or_zero();
-        let gains =
-            self.transmitters[pair.transmitter].gain(tx, k) * self.receivers[pair.receiver].gain(rx, -k);
-        let e_t = field_components(row.tx_axis, tx.y_a, tx.z_a, k);
-        let e_r = field_components(row.rx_axis, rx.y_a, rx.z_a, k);
-        let overlap = e_r[0] * e_t[0] + e_r[1] * e_t[1];
-        gains * overlap * self.link.direct(self.powers_w[pair.transmitter], out.length())
-    }
-}
-
-impl Instrument {
-    fn new(mounted: &AntennaMount, wavelength_m: f64) -> Result<Self, PatternError> {
-        let pointing = match &mounted.pointing {
-            Pointing::Fixed { yaw_rad, pitch_rad, roll_rad } => {
-                Look::Mounted(mount(*yaw_rad, *pitch_rad, *roll_rad))
+        emission: &Emission,
+        window: &Window,
+        amplitude: &mut [Complex64],
+        contacts: &mut Contacts,
+    ) -> bool {
+        let tx_pol = self.radar.tx_polarisation.of_pulse(index);
+        let mut outside = false;
+        for (contact, paths) in emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            let target = self.targets.get(contact);
+            amplitude.fill(Complex64::ZERO);
+            for (plan, path) in self.plans.iter().zip(paths) {
+                let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
+                let scale = match target {
+                    Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
+                    None => plan.link.direct(range(path.delay_s)),
+                };
+                if scale == 0.0 || !plan.hears(tx_pol) {
+                    continue;
+                }
+                let begin_s = offset_s + path.delay_s;
+                let end_s = begin_s + self.pulse_length_s;
+                outside |= !window.holds(begin_s, end_s);
+                if window.touches(begin_s, end_s) {
+                    self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
+                }
             }
-            Pointing::At { aim, aim_from, lag_s, bias_rad } => Look::Servo {
-                aim: aim.clone(),
-                aim_from: *aim_from,
-                lag_s: *lag_s,
-                bias: servo_bias(*bias_rad),
-            },
+            if amplitude.iter().all(|a| *a == Complex64::ZERO) {
+                continue;
+            }
+            contacts.emission_offset_s.push(offset_s);
+            for ((delays, rates), path) in
+                contacts.delay_s.iter_mut().zip(&mut contacts.delay_rate).zip(paths)
+            {
+                delays.push(path.delay_s);
+                rates.push(path.delay_rate);
+            }
+            for (column, &a) in contacts.amplitude.iter_mut().zip(amplitude.iter()) {
+                column.push(a);
+            }
+        }
+        outside
+    }
+
+    /// Amplitudes of one path in the channels of its pair; `target` is `None` for the direct path.
+    fn amplitudes(
+        &self,
+        plan: &PairPlan,
+        path: &Path,
+        target: Option<&Target>,
+        scale: f64,
+        tx_pol: Option<Polarisation>,
+        emission: &Emission,
+        amplitude: &mut [Complex64],
+    ) {
+        let tx = plan.pair.transmitter;
+        let rx = self.radar.transmitters.len() + plan.pair.receiver;
+        let tx_axes = emission.axes(tx);
+        let rx_axes = emission.axes_after(rx, path.delay_s, self.axes_span_s);
+        let gain = |antenna: usize, axes: &glam::DMat3, d: DVec3| {
+            self.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
         };
-        Ok(Self {
-            platform: mounted.platform,
-            lever_arm: mounted.lever_arm,
-            antenna: Antenna::new(&mounted.pattern, wavelength_m)?,
-            pointing,
-            isolation_db: mounted.cross_pol_isolation_db,
-        })
-    }
-
-    fn gain(&self, end: &End, direction: DVec3) -> Complex64 {
-        self.antenna.field_gain((end.inward * Vector::from_raw(direction)).raw())
-    }
-}
-
-impl Look {
-    fn lag_s(&self) -> f64 {
-        match self {
-            Self::Mounted(_) => 0.0,
-            Self::Servo { lag_s, .. } => *lag_s,
+        let gains = gain(tx, &tx_axes, path.incident) * gain(rx, &rx_axes, -path.scattered) * scale;
+        if gains == Complex64::ZERO {
+            return;
+        }
+        let (basis_in, basis_out) = (Basis::of(path.incident), Basis::of(path.scattered));
+        let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
+        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
+        for &(channel, tx_port, rx_port) in &plan.channels {
+            if tx_pol.is_some_and(|port| port != tx_port) {
+                continue;
+            }
+            let e_t = field(&tx_axes, tx_port, tx_leak, path.incident, &basis_in);
+            let e_r = field(&rx_axes, rx_port, rx_leak, path.scattered, &basis_out);
+            let heard = match target {
+                None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
+                Some(Target { scattering: s, .. }) => {
+                    e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
+                        + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
+                }
+            };
+            amplitude[channel] = gains * heard;
         }
     }
-}
 
-/// A track's state. The run was checked to lie within every track; should an instant fall outside all the same,
-/// the nearest end of the track is taken.
-fn state(track: &Track, time: TimeTag) -> State {
-    let within = match track.span() {
-        Some((first, _)) if time < first => first,
-        Some((_, last)) if time > last => last,
-        _ => time,
-    };
-    track.state(within).unwrap_or(State {
-        position: crate::frames::Point::new(0.0, 0.0, 0.0),
-        velocity: Vector::ZERO,
-        acceleration: Vector::ZERO,
-        attitude: Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0),
-        angular_rate: Vector::ZERO,
-    })
-}
+    /// The longest delay at a few dozen instants spread over the run, s.
+    fn longest_delay_s(&self) -> Result<f64, RadarError> {
+        let mut emission = Emission::default();
+        let mut longest_s = 0f64;
+        let last = self.pulses.saturating_sub(1);
+        for sounding in 0..=SOUNDINGS.min(last) {
+            let index =
+                (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;
+            self.evaluate(index, &mut emission)?;
+            longest_s = longest_s.max(emission.delay_span_s().map_or(0.0, |(_, most)| most));
+        }
+        Ok(longest_s)
+    }
 
-fn motion(centre: &PhaseCentre) -> Mover {
-    Mover {
-        position_m: centre.position.raw(),
-        velocity_mps: centre.velocity.raw(),
-        acceleration_mps2: centre.acceleration.raw(),
+    /// Whether all tracks reach from the first emission, less what servos look back, to the last plus
+    /// `after_s`.
+    fn check_cover(&self, after_s: f64, faults: &mut Vec<RadarFault>) {
+        if self.pulses == 0 {
+            return;
+        }
+        let first = self.start;
+        let last = self.radar.emissions.emission(first, self.pulses - 1);
+        for (platform, tracks) in self.tracks.iter().enumerate() {
+            for (which, track) in [(TrackUse::Truth, &tracks.truth), (TrackUse::Reported, &tracks.reported)] {
+                let (from, to) = (first.plus(-self.looks_back_s(platform, which)), last.plus(after_s));
+                if let Err(source) = track.covers(from, to) {
+                    let platform = self.platforms[platform].clone();
+                    faults.push(RadarFault::Track { platform, which, from, to, source });
+                }
+            }
+        }
+    }
+
+    /// The longest servo lag with which a track is asked, s.
+    fn looks_back_s(&self, platform: usize, which: TrackUse) -> f64 {
+        mounts(&self.radar)
+            .filter_map(|(_, mount)| match &mount.pointing {
+                Pointing::At { aim, aim_from, lag_s, .. } => {
+                    let asked = mount.platform == platform || beside(aim) == Some(platform);
+                    (asked && TrackUse::from(*aim_from) == which).then_some(*lag_s)
+                }
+                Pointing::Fixed { .. } => None,
+            })
+            .fold(0.0, f64::max)
     }
 }
 
-fn platform_record(state: &State) -> PlatformRecord {
+fn navigation(state: &State) -> PlatformRecord {
     PlatformRecord {
         position_m: state.position.to_array(),
         velocity_mps: state.velocity.to_array(),
         attitude_quat: state.attitude.to_wxyz(),
+    }
+}
+
+/// Names and mounts of all antennas, transmitters first.
+fn mounts(radar: &Radar) -> impl Iterator<Item = (&str, &AntennaMount)> {
+    let transmitters = radar.transmitters.iter().map(|t| (t.name.as_str(), &t.antenna));
+    transmitters.chain(radar.receivers.iter().map(|r| (r.name.as_str(), &r.antenna)))
+}
+
+/// The platform beside which an aim point lies.
+fn beside(aim: &Aim) -> Option<usize> {
+    match aim {
+        Aim::Beside { platform, .. } => Some(*platform),
+        Aim::Point { .. } => None,
+    }
+}
+
+fn open_antennas(radar: &Radar, faults: &mut Vec<RadarFault>) -> Vec<Antenna> {
+    let mut antennas = Vec::new();
+    for (name, mount) in mounts(radar) {
+        match Antenna::open(&mount.pattern, radar.wavelength_m()) {
+            Ok(antenna) => antennas.push(antenna),
+            Err(source) => faults.push(RadarFault::Pattern { antenna: name.to_owned(), source }),
+        }
+    }
+    antennas
+}
+
+fn check_numbers(radar: &Radar, pulse_length_s: f64, faults: &mut Vec<RadarFault>) {
+    let positive = "a finite number above 0";
+    let numbers = [
+        ("carrier (Hz)", radar.carrier_hz),
+        ("sample rate (Hz)", radar.sample_rate_hz),
+        ("pulse length (s)", pulse_length_s),
+    ];
+    for (name, value) in numbers {
+        if !(value.is_finite() && value > 0.0) {
+            faults.push(RadarFault::Value { name, value, allowed: positive });
+        }
+    }
+    if matches!(&radar.tx_polarisation, TxPolarisation::Alternating(sequence) if sequence.is_empty()) {
+        faults.push(RadarFault::NoPolarisation);
+    }
+}
+
+fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<RadarFault>) {
+    let (radar, platforms) = (&scene.radar, scene.platforms.len());
+    if tracks != platforms {
+        faults.push(RadarFault::Tracks { tracks, platforms });
+    }
+    let mut check = |place: &dyn Fn() -> String, what, index, count| {
+        if index >= count {
+            faults.push(RadarFault::Missing { place: place(), what, index, count });
+        }
+    };
+    for channel in &radar.channels {
+        let place = || format!("channel '{}'", channel.name);
+        check(&place, "transmitter", channel.transmitter, radar.transmitters.len());
+        check(&place, "receiver", channel.receiver, radar.receivers.len());
+    }
+    for (name, mount) in mounts(radar) {
+        let place = || format!("antenna '{name}'");
+        check(&place, "platform", mount.platform, platforms);
+        if let Pointing::At { aim: Aim::Beside { platform, .. }, .. } = &mount.pointing {
+            check(&place, "platform", *platform, platforms);
+        }
+    }
+    if let Gate::Follow { aim: Aim::Beside { platform, .. }, .. } = &radar.window.gate {
+        check(&|| "window".to_owned(), "platform", *platform, platforms);
     }
 }

@@ -1,67 +1,98 @@
 //! The radar equation in amplitude.
 //!
-//! For a path of legs R_t, R_r by way of a scatterer of matrix S (forward-scatter alignment, sqrt(m^2)):
+//! Over a scatterer with legs `R_t`, `R_r` and matrix `S` (sqrt(m^2)):
 //!
-//! ```text
-//! a = sqrt(P lambda^2 / ((4 pi)^3 L)) g_t g_r / (R_t R_r) (e_r^T S e_t) 10^(-alpha (R_t + R_r)/20)
+//! `a = sqrt(P lambda^2 / ((4 pi)^3 L)) g_t g_r / (R_t R_r)  (e_r^T S e_t)  10^(-A (R_t + R_r) / 20)`  sqrt(W)
+//!
+//! and straight from transmitter to receiver over `R`:
+//!
+//! `a = sqrt(P lambda^2 / ((4 pi)^2 L)) g_t g_r / R  (e_r . e_t)  10^(-A R / 20)`
+//!
+//! with `P` the peak power per polarisation (W), `L` the system losses (ratio), `A` the one-way
+//! atmospheric attenuation (dB/m), `g` field gains, `e` polarisation components
+//! ([`crate::radar::antenna::field`]). On the direct path transmitter and receiver share the direction `k`
+//! and its basis, so the product is that of the two field vectors, `S = 1`. The carrier phase is not in
+//! `a`.
+//!
+//! **Limit.** Far field. A leg shorter than a wavelength carries nothing (a target in the antenna, a
+//! receiver that shares the transmitter's phase centre): the equation would return more than was sent.
+//!
 //! ```
-//!
-//! and for the direct path
-//!
-//! ```text
-//! a = sqrt(P lambda^2 / ((4 pi)^2 L)) g_t g_r / R (e_r^T e_t) 10^(-alpha R/20)
+//! use nereus::radar::link::Link;
+//! let link = Link::new(1.0, 0.03, 0.0, 0.0);
+//! let a = link.scattered(3000.0, 3000.0);
+//! let p = 0.03f64.powi(2) / ((4.0 * std::f64::consts::PI).powi(3) * 3000f64.powi(4));
+//! assert!((a * a / p - 1.0).abs() < 1e-12);
 //! ```
-//!
-//! in sqrt(W), without the carrier phase. P: peak power, W; L: losses (power ratio); g: field gains; e: components (v, h)
-//! of the ports' unit fields; alpha: one-way attenuation in dB per metre. `|a|^2 = P G_t G_r lambda^2 sigma /
-//! ((4 pi)^3 R_t^2 R_r^2 L)`. A leg shorter than a wavelength counts as a wavelength: nothing is in the near field.
 
 use std::f64::consts::PI;
 
-use num_complex::Complex64;
-
-use crate::scene::Radar;
 use crate::units::Decibels;
 
-/// The constants of a radar's paths.
+/// The constants of one transmitter's link budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    wavelength_m: f64,
-    scattered: f64,
-    direct: f64,
-    attenuation_db_per_m: f64,
+    scattered_scale: f64,
+    direct_scale: f64,
+    neper_per_m: f64,
+    shortest_m: f64,
 }
 
 impl Link {
-    /// The constants for one watt.
-    pub fn new(radar: &Radar) -> Self {
-        let wavelength_m = radar.wavelength_m();
-        let loss = Decibels(-radar.losses_db).amplitude_ratio();
+    /// From peak power (W), wavelength (m), system losses (dB) and one-way attenuation (dB/km).
+    pub fn new(power_w: f64, wavelength_m: f64, losses_db: f64, atmosphere_db_per_km: f64) -> Self {
+        let root = power_w.sqrt() * wavelength_m * Decibels(-losses_db).amplitude_ratio();
         Self {
-            wavelength_m,
-            scattered: wavelength_m / (4.0 * PI).powf(1.5) * loss,
-            direct: wavelength_m / (4.0 * PI) * loss,
-            attenuation_db_per_m: radar.atmosphere_db_per_km * 1e-3,
+            scattered_scale: root / (4.0 * PI).powf(1.5),
+            direct_scale: root / (4.0 * PI),
+            neper_per_m: atmosphere_db_per_km * 1e-3 * std::f64::consts::LN_10 / 20.0,
+            shortest_m: wavelength_m,
         }
     }
 
-    /// What multiplies `g_t g_r (e_r^T S e_t)` on a scattered path, sqrt(W)/m.
-    pub fn scattered(&self, power_w: f64, tx_range_m: f64, rx_range_m: f64) -> f64 {
-        let spread = tx_range_m.max(self.wavelength_m) * rx_range_m.max(self.wavelength_m);
-        power_w.sqrt() * self.scattered / spread * self.air(tx_range_m + rx_range_m)
+    /// Amplitude over a scatterer of 1 m^2 between isotropic, matched antennas, sqrt(W).
+    pub fn scattered(&self, tx_leg_m: f64, rx_leg_m: f64) -> f64 {
+        if tx_leg_m < self.shortest_m || rx_leg_m < self.shortest_m {
+            return 0.0;
+        }
+        self.scattered_scale / (tx_leg_m * rx_leg_m) * self.air(tx_leg_m + rx_leg_m)
     }
 
-    /// What multiplies `g_t g_r (e_r^T e_t)` on the direct path, sqrt(W).
-    pub fn direct(&self, power_w: f64, range_m: f64) -> f64 {
-        power_w.sqrt() * self.direct / range_m.max(self.wavelength_m) * self.air(range_m)
+    /// Amplitude of the direct path between isotropic, matched antennas, sqrt(W).
+    pub fn direct(&self, range_m: f64) -> f64 {
+        if range_m < self.shortest_m {
+            return 0.0;
+        }
+        self.direct_scale / range_m * self.air(range_m)
     }
 
-    fn air(&self, path_m: f64) -> f64 {
-        Decibels(-self.attenuation_db_per_m * path_m).amplitude_ratio()
+    fn air(&self, way_m: f64) -> f64 {
+        if self.neper_per_m == 0.0 { 1.0 } else { (-self.neper_per_m * way_m).exp() }
     }
 }
 
-/// `e_r^T S e_t`, components in the order (v, h), rows of S received.
-pub fn received(rx: [Complex64; 2], scattering: &[[Complex64; 2]; 2], tx: [Complex64; 2]) -> Complex64 {
-    (0..2).map(|p| rx[p] * (scattering[p][0] * tx[0] + scattering[p][1] * tx[1])).sum()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_forms() {
+        let (p, lambda, r_t, r_r) = (25e3, 0.032, 4100.0, 2900.0);
+        let link = Link::new(p, lambda, 3.0, 0.01);
+        let loss = 10f64.powf(0.3);
+        let air = 10f64.powf(-0.01 * (r_t + r_r) / 1e3 / 10.0);
+        let power = p * lambda * lambda / ((4.0 * PI).powi(3) * loss * (r_t * r_r).powi(2)) * air;
+        assert!((link.scattered(r_t, r_r).powi(2) / power - 1.0).abs() < 1e-12);
+        let friis = p * (lambda / (4.0 * PI * r_t)).powi(2) / loss * 10f64.powf(-0.01 * r_t / 1e4);
+        assert!((link.direct(r_t).powi(2) / friis - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_from_inside_the_antenna() {
+        let link = Link::new(1.0, 0.03, 0.0, 0.0);
+        assert_eq!(
+            (link.scattered(0.0, 100.0), link.scattered(100.0, 0.0), link.direct(0.0)),
+            (0.0, 0.0, 0.0)
+        );
+    }
 }

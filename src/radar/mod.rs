@@ -1,6 +1,7 @@
 //! The instrument.
 
 pub mod antenna;
+pub mod emission;
 pub mod filter;
 pub mod illumination;
 pub mod link;

@@ -1,333 +1,259 @@
 //! Measured antenna patterns.
 //!
-//! CSV with a header naming `az_deg`, `el_deg`, `gain_dbi` and, if the pattern has phases, `phase_deg`, in any order; `#` starts a
-//! comment line. Azimuth `az = atan2(d.y_a, d.x_a)` is positive towards `y_a`, elevation `el = asin(d.z_a)` towards `z_a`. Rows may come in any
-//! order but must fill a regular grid: every azimuth with every elevation once, steps equal to 1e-6 of a step.
+//! A pattern file is CSV with a header line, `az_deg,el_deg,gain_dbi` or
+//! `az_deg,el_deg,gain_dbi,phase_deg`, one row per point of a regular grid, in any order; lines that
+//! begin with `#` are remarks. Azimuth is `atan2(d.y_a, d.x_a)`, elevation `asin(d.z_a)` of the direction
+//! `d` in the antenna frame. The field is `10^(gain/20) exp(j phase)`: without a phase column sidelobes
+//! do not change sign.
 //!
-//! Between grid points the complex field `g = 10^(G/20) e^{j phase}` is interpolated by bicubic convolution (Keys 1981,
-//! a = -1/2: exact for quadratics, C1), with linear continuation beyond the rim of the grid. Outside the grid the gain is
-//! the floor.
+//! Between the points each of real and imaginary part is interpolated by Catmull-Rom cubics in both
+//! angles (continuous slope, error `O(step^3)`); at the rim the missing neighbour is extrapolated from
+//! the three nearest points. A grid that goes once round in azimuth is closed. Outside the grid the gain
+//! is the floor, with phase 0.
+//!
+//! All faults of a file are reported together, each with its line. Bounds: 64 MiB, 4 million points.
+//!
+//! ```
+//! use nereus::radar::pattern::GridPattern;
+//! let text = "az_deg,el_deg,gain_dbi\n-1,-1,0\n-1,1,0\n1,-1,20\n1,1,20\n";
+//! let pattern = GridPattern::parse(text.as_bytes(), -60.0).unwrap();
+//! // Half-way between field gains 1 and 10.
+//! assert!((pattern.field_gain(0.0, 0.0).re - 5.5).abs() < 1e-12);
+//! assert!((pattern.field_gain(1.0, 0.0).re - 1e-3).abs() < 1e-15);
+//! ```
 
+use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use glam::DVec3;
 use num_complex::Complex64;
 use thiserror::Error;
 
 use crate::units::Decibels;
 
-/// Largest pattern file, bytes.
-pub const LARGEST_FILE: u64 = 64 << 20;
-/// Faults kept of one file.
-const FAULTS_KEPT: usize = 20;
-/// How far a grid line may be off, in steps.
-const REGULAR: f64 = 1e-6;
+const MOST_BYTES: u64 = 64 << 20;
+const MOST_POINTS: usize = 4_000_000;
+const MOST_FAULTS: usize = 20;
+/// How far a coordinate may lie off the regular grid, in steps: files round to a few decimals.
+const OFF_GRID_STEPS: f64 = 0.01;
+const GAIN_DBI: std::ops::RangeInclusive<f64> = -300.0..=100.0;
 
 /// Why a pattern file cannot be used.
 #[derive(Debug, Error)]
 pub enum PatternError {
     /// It cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("pattern file {}: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Why.
         source: std::io::Error,
     },
     /// It is too large.
-    #[error("{}: allowed: at most {allowed} bytes", path.display())]
+    #[error("pattern file {}: more than 64 MiB", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// Bytes allowed.
-        allowed: u64,
     },
-    /// Its contents are wrong.
-    #[error("{}: {}", path.display(), list(faults, *more))]
+    /// Its content is wrong.
+    #[error("pattern file {}:{}", path.display(), listed(faults))]
     Faults {
         /// The file.
         path: PathBuf,
-        /// The first faults.
+        /// Everything that is wrong with it.
         faults: Vec<PatternFault>,
-        /// How many more there are.
-        more: usize,
     },
+}
+
+fn listed(faults: &[PatternFault]) -> String {
+    faults.iter().map(|fault| format!("\n  {fault}")).collect()
 }
 
 /// One fault of a pattern file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PatternFault {
-    /// Line, from 1; 0 for the file as a whole.
-    pub line: u64,
-    /// What is wrong.
-    pub kind: PatternFaultKind,
-}
-
-/// What is wrong with a pattern file.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum PatternFaultKind {
-    /// A column is unknown, missing or doubled.
-    #[error("columns '{found}'; allowed: az_deg, el_deg, gain_dbi and perhaps phase_deg, each once")]
-    Columns {
-        /// The header.
+pub enum PatternFault {
+    /// The header is not one of the two allowed.
+    #[error(
+        "line {line}: header '{found}': az_deg,el_deg,gain_dbi or az_deg,el_deg,gain_dbi,phase_deg wanted"
+    )]
+    Header {
+        /// Line, from 1.
+        line: u64,
+        /// What stands there.
         found: String,
     },
-    /// A value is not a number in its range.
-    #[error("{column} '{found}'; allowed: {allowed}")]
+    /// Not text, or a row with too few or too many fields.
+    #[error("line {line}: {found} fields, {wanted} wanted")]
+    Fields {
+        /// Line, from 1.
+        line: u64,
+        /// Fields found.
+        found: usize,
+        /// Fields that the header announces.
+        wanted: usize,
+    },
+    /// Not CSV at all (bytes that are not UTF-8, an open quote).
+    #[error("{what}")]
+    Csv {
+        /// What the CSV reader says.
+        what: String,
+    },
+    /// A value that is no number or out of range.
+    #[error("line {line}: {column} '{found}': {allowed} wanted")]
     Value {
-        /// The column.
-        column: &'static str,
-        /// What is there.
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: Column,
+        /// What stands there.
         found: String,
-        /// What may be there.
+        /// What is allowed.
         allowed: &'static str,
     },
-    /// A row has too few or too many values.
-    #[error("{found} values; allowed: {expected}")]
-    Width {
-        /// Values found.
-        found: usize,
-        /// Values expected.
-        expected: usize,
-    },
-    /// A grid line is off.
-    #[error("{column} {found} is not on the grid from {from} in steps of {step} deg")]
-    Irregular {
-        /// The column.
-        column: &'static str,
-        /// The value.
-        found: f64,
-        /// First grid value.
-        from: f64,
-        /// Step.
+    /// A point off the regular grid.
+    #[error("line {line}: {column} {value} is not on the regular grid from {first} in steps of {step}")]
+    OffGrid {
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: Column,
+        /// The value, degrees.
+        value: f64,
+        /// Start of the grid, degrees.
+        first: f64,
+        /// Step of the grid, degrees.
         step: f64,
     },
-    /// A direction comes twice.
-    #[error("az {az_deg}, el {el_deg} deg comes twice; allowed: once")]
+    /// The same point twice.
+    #[error("line {line}: az {az_deg} el {el_deg} is given already in line {before}")]
     Twice {
-        /// Azimuth.
+        /// Line, from 1.
+        line: u64,
+        /// Line of the first.
+        before: u64,
+        /// Azimuth, degrees.
         az_deg: f64,
-        /// Elevation.
+        /// Elevation, degrees.
         el_deg: f64,
     },
-    /// Directions are missing.
-    #[error("{missing} of {expected} directions of the grid are missing; allowed: none")]
+    /// Points of the grid that no line gives.
+    #[error("{missing} of {wanted} grid points are missing, the first at az {az_deg} el {el_deg}")]
     Holes {
         /// How many.
         missing: usize,
-        /// Out of.
-        expected: usize,
+        /// Points of the grid.
+        wanted: usize,
+        /// Azimuth of the first, degrees.
+        az_deg: f64,
+        /// Elevation of the first, degrees.
+        el_deg: f64,
     },
-    /// Too few grid lines.
-    #[error("{az} azimuths and {el} elevations; allowed: at least 2 of each")]
-    Small {
-        /// Azimuths.
-        az: usize,
-        /// Elevations.
-        el: usize,
+    /// An axis with fewer than two values.
+    #[error("{column}: {found} value(s), at least 2 wanted")]
+    TooFew {
+        /// Column.
+        column: Column,
+        /// Values found.
+        found: usize,
     },
+    /// More points than allowed.
+    #[error("more than {MOST_POINTS} grid points")]
+    TooMany,
+    /// The azimuths go more than once round.
+    #[error("az_deg spans {span_deg} degrees: at most 360 wanted")]
+    Span {
+        /// From the first to the last azimuth, degrees.
+        span_deg: f64,
+    },
+    /// Further faults, not listed.
+    #[error("and {0} more faults")]
+    More(usize),
 }
 
-fn list(faults: &[PatternFault], more: usize) -> String {
-    let mut text: Vec<String> = faults.iter().map(ToString::to_string).collect();
-    if more > 0 {
-        text.push(format!("and {more} more"));
-    }
-    text.join("; ")
+/// A column of a pattern file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// `az_deg`
+    Azimuth,
+    /// `el_deg`
+    Elevation,
+    /// `gain_dbi`
+    Gain,
+    /// `phase_deg`
+    Phase,
 }
 
-impl fmt::Display for PatternFault {
+impl fmt::Display for Column {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.line > 0 {
-            write!(f, "line {}: ", self.line)?;
-        }
-        write!(f, "{}", self.kind)
+        f.write_str(match self {
+            Self::Azimuth => "az_deg",
+            Self::Elevation => "el_deg",
+            Self::Gain => "gain_dbi",
+            Self::Phase => "phase_deg",
+        })
     }
 }
 
-/// One axis of the grid, degrees.
+impl Column {
+    const ALL: [Self; 4] = [Self::Azimuth, Self::Elevation, Self::Gain, Self::Phase];
+
+    fn read(self, text: &str) -> Result<f64, &'static str> {
+        let (range, allowed) = match self {
+            Self::Azimuth => (-360.0..=360.0, "degrees from -360 to 360"),
+            Self::Elevation => (-90.0..=90.0, "degrees from -90 to 90"),
+            Self::Gain => (GAIN_DBI, "dBi from -300 to 100"),
+            Self::Phase => (-1e6..=1e6, "degrees"),
+        };
+        text.parse().ok().filter(|value| range.contains(value)).ok_or(allowed)
+    }
+}
+
+/// A regular axis, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Axis {
-    from: f64,
-    step: f64,
-    count: usize,
+    first_deg: f64,
+    step_deg: f64,
+    len: usize,
 }
 
 impl Axis {
-    /// The regular axis through sorted values, without their repetitions.
-    fn through(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
-        let from = values.first().copied().unwrap_or(0.0);
-        let to = values.last().copied().unwrap_or(0.0);
-        // Repetitions may differ by rounding: a gap counts when it is a sensible part of the largest one.
-        let widest = values.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
-        let gaps = values.windows(2).filter(|w| w[1] - w[0] > 1e-3 * widest).count();
-        Self { from, step: if gaps > 0 { (to - from) / gaps as f64 } else { 0.0 }, count: gaps + 1 }
-    }
-
-    /// The grid line of a value, if it is one.
-    fn line(&self, value: f64) -> Option<usize> {
-        let place = if self.step > 0.0 { (value - self.from) / self.step } else { 0.0 };
-        ((place - place.round()).abs() <= REGULAR && place.round() >= 0.0)
-            .then_some(place.round() as usize)
-            .filter(|line| *line < self.count)
-    }
-
-    /// Cell and position in it, `None` outside.
-    fn cell(&self, value: f64) -> Option<(usize, f64)> {
-        let place = (value - self.from) / self.step;
-        let last = (self.count - 1) as f64;
-        if !(-REGULAR..=last + REGULAR).contains(&place) {
-            return None;
-        }
-        let cell = place.floor().clamp(0.0, last - 1.0);
-        Some((cell as usize, place - cell))
-    }
-}
-
-/// A pattern on a grid of azimuth and elevation.
-#[derive(Clone, Debug)]
-pub struct MeasuredPattern {
-    az: Axis,
-    el: Axis,
-    /// `[el + 1][az + 1]` with a rim of one continued point all around.
-    field: Arc<[Complex64]>,
-    floor: f64,
-}
-
-impl MeasuredPattern {
-    /// Reads a file.
-    pub fn load(path: &Path, floor_dbi: f64) -> Result<Self, PatternError> {
-        let read = |source| PatternError::Read { path: path.to_owned(), source };
-        let mut bytes = Vec::new();
-        File::open(path).map_err(read)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(read)?;
-        if bytes.len() as u64 > LARGEST_FILE {
-            return Err(PatternError::TooLarge { path: path.to_owned(), allowed: LARGEST_FILE });
-        }
-        Self::parse(&bytes, floor_dbi).map_err(|(faults, more)| PatternError::Faults {
-            path: path.to_owned(),
-            faults,
-            more,
-        })
-    }
-
-    /// Reads a file's contents; on failure, its first faults and how many more there are.
-    pub fn parse(bytes: &[u8], floor_dbi: f64) -> Result<Self, (Vec<PatternFault>, usize)> {
-        let mut faults = Faults::default();
-        let rows = rows(bytes, &mut faults);
-        faults.check()?;
-        let az = Axis::through(rows.iter().map(|row| row.az_deg).collect());
-        let el = Axis::through(rows.iter().map(|row| row.el_deg).collect());
-        if az.count < 2 || el.count < 2 {
-            faults.push(0, PatternFaultKind::Small { az: az.count, el: el.count });
-            return faults.check().map(|()| unreachable_pattern(floor_dbi));
-        }
-        // A sparse file of scattered directions must not ask for a huge grid.
-        let cells = az.count.saturating_mul(el.count);
-        let on_grid = |row: &Row| Some((az.line(row.az_deg)?, el.line(row.el_deg)?));
-        let mut seen = vec![false; if cells <= 4 * rows.len() { cells } else { 0 }];
-        let width = az.count + 2;
-        let mut field = vec![Complex64::ZERO; if seen.is_empty() { 0 } else { width * (el.count + 2) }];
-        let mut filled = 0;
-        for row in &rows {
-            match on_grid(row) {
-                None => {
-                    let (column, found, axis) = match az.line(row.az_deg) {
-                        None => ("az_deg", row.az_deg, az),
-                        Some(_) => ("el_deg", row.el_deg, el),
-                    };
-                    faults.push(
-                        row.line,
-                        PatternFaultKind::Irregular { column, found, from: axis.from, step: axis.step },
-                    );
-                }
-                Some((i, j)) if !seen.is_empty() => {
-                    if std::mem::replace(&mut seen[j * az.count + i], true) {
-                        let (az_deg, el_deg) = (row.az_deg, row.el_deg);
-                        faults.push(row.line, PatternFaultKind::Twice { az_deg, el_deg });
-                    } else {
-                        filled += 1;
-                        field[(j + 1) * width + i + 1] = row.field;
-                    }
-                }
-                Some(_) => filled += 1,
+    /// The axis through the distinct values (within 1e-6 degrees, far below any measured step).
+    fn through(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted.dedup_by(|later, earlier| *later - *earlier < 1e-6);
+        let len = sorted.len();
+        let first_deg = sorted.first().copied().unwrap_or(0.0);
+        // From the median step, made finer by every value that fits: neither the rounding of a file's
+        // decimals nor a stray value spoils it.
+        let mut steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        let Some(&median) = steps.get(steps.len() / 2) else {
+            return Self { first_deg, step_deg: 0.0, len };
+        };
+        let (mut step_deg, mut last) = (median, 1);
+        for value in sorted {
+            let place = ((value - first_deg) / step_deg).round();
+            let off = (value - first_deg - place * step_deg).abs();
+            if place >= 1.0 && off <= OFF_GRID_STEPS * step_deg {
+                step_deg = (value - first_deg) / place;
+                last = place as usize;
             }
         }
-        if filled < cells && faults.kept.is_empty() {
-            faults.push(0, PatternFaultKind::Holes { missing: cells - filled, expected: cells });
-        }
-        faults.check()?;
-        continue_rim(&mut field, az.count, el.count);
-        Ok(Self { az, el, field: field.into(), floor: Decibels(floor_dbi).amplitude_ratio() })
+        Self { first_deg, step_deg, len: last.saturating_add(1) }
     }
 
-    /// Complex field gain towards a unit direction in the antenna frame.
-    pub fn field_gain(&self, direction: DVec3) -> Complex64 {
-        let az_deg = direction.y.atan2(direction.x).to_degrees();
-        let el_deg = direction.z.clamp(-1.0, 1.0).asin().to_degrees();
-        let (Some((i, x)), Some((j, y))) = (self.az.cell(az_deg), self.el.cell(el_deg)) else {
-            return self.floor.into();
-        };
-        let (wx, wy) = (keys(x), keys(y));
-        let width = self.az.count + 2;
-        let mut sum = Complex64::ZERO;
-        for (row, wy) in wy.iter().enumerate() {
-            let line = &self.field[(j + row) * width + i..][..4];
-            sum += line.iter().zip(wx).map(|(g, wx)| g * wx).sum::<Complex64>() * wy;
-        }
-        sum
-    }
-}
-
-/// Only reached when a fault list that was just written to is empty.
-fn unreachable_pattern(floor_dbi: f64) -> MeasuredPattern {
-    let axis = Axis { from: 0.0, step: 1.0, count: 2 };
-    let floor = Decibels(floor_dbi).amplitude_ratio();
-    MeasuredPattern { az: axis, el: axis, field: vec![floor.into(); 16].into(), floor }
-}
-
-/// Weights of the four points around position x in [0, 1] of a cell (Keys, a = -1/2).
-fn keys(x: f64) -> [f64; 4] {
-    let (x2, x3) = (x * x, x * x * x);
-    [-0.5 * x3 + x2 - 0.5 * x, 1.5 * x3 - 2.5 * x2 + 1.0, -1.5 * x3 + 2.0 * x2 + 0.5 * x, 0.5 * x3 - 0.5 * x2]
-}
-
-/// Fills the rim around a grid by linear continuation.
-fn continue_rim(field: &mut [Complex64], columns: usize, rows: usize) {
-    let width = columns + 2;
-    for row in 1..=rows {
-        let line = &mut field[row * width..][..width];
-        line[0] = line[1] * 2.0 - line[2];
-        line[columns + 1] = line[columns] * 2.0 - line[columns - 1];
-    }
-    for column in 0..width {
-        let at = |row: usize| row * width + column;
-        field[at(0)] = field[at(1)] * 2.0 - field[at(2)];
-        field[at(rows + 1)] = field[at(rows)] * 2.0 - field[at(rows - 1)];
-    }
-}
-
-#[derive(Default)]
-struct Faults {
-    kept: Vec<PatternFault>,
-    more: usize,
-}
-
-impl Faults {
-    fn push(&mut self, line: u64, kind: PatternFaultKind) {
-        if self.kept.len() < FAULTS_KEPT {
-            self.kept.push(PatternFault { line, kind });
-        } else {
-            self.more += 1;
-        }
+    /// Place of a value on the axis, `None` off the grid.
+    fn place(&self, value_deg: f64) -> Option<usize> {
+        let x = (value_deg - self.first_deg) / self.step_deg;
+        let place = x.round() as usize;
+        ((x - x.round()).abs() <= OFF_GRID_STEPS && place < self.len).then_some(place)
     }
 
-    fn check(&mut self) -> Result<(), (Vec<PatternFault>, usize)> {
-        if self.kept.is_empty() { Ok(()) } else { Err((std::mem::take(&mut self.kept), self.more)) }
+    fn value_deg(&self, place: usize) -> f64 {
+        self.first_deg + place as f64 * self.step_deg
     }
 }
 
@@ -338,112 +264,248 @@ struct Row {
     field: Complex64,
 }
 
-const COLUMNS: [&str; 4] = ["az_deg", "el_deg", "gain_dbi", "phase_deg"];
-const ALLOWED: [&str; 4] =
-    ["-180 to 180 deg", "-90 to 90 deg", "-300 to 100 dBi", "a finite number of degrees"];
-const RANGES: [(f64, f64); 4] = [(-180.0, 180.0), (-90.0, 90.0), (-300.0, 100.0), (-1e9, 1e9)];
+/// A measured pattern on a regular grid of azimuth and elevation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridPattern {
+    azimuth: Axis,
+    elevation: Axis,
+    /// Whether the first azimuth follows the last.
+    closed: bool,
+    /// `[elevation][azimuth]`
+    field: Vec<Complex64>,
+    floor: f64,
+}
 
-fn rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .has_headers(false)
-        .from_reader(bytes);
-    let mut records = reader.byte_records();
-    let header: Vec<String> = match records.next() {
-        Some(Ok(record)) => record.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect(),
-        _ => Vec::new(),
-    };
-    let places: Vec<Option<usize>> =
-        header.iter().map(|name| COLUMNS.iter().position(|c| c == name)).collect();
-    let once = |column: usize| places.iter().filter(|p| **p == Some(column)).count();
-    let good = places.iter().all(Option::is_some) && (0..3).all(|c| once(c) == 1) && once(3) <= 1;
-    if !good {
-        let found = header.join(",").chars().take(200).collect();
-        faults.push(1, PatternFaultKind::Columns { found });
-        return Vec::new();
+impl GridPattern {
+    /// Reads a pattern file; `floor_dbi` is the gain outside its grid.
+    pub fn open(path: &Path, floor_dbi: f64) -> Result<Self, PatternError> {
+        let read = |source| PatternError::Read { path: path.to_owned(), source };
+        let mut bytes = Vec::new();
+        File::open(path).map_err(read)?.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(read)?;
+        if bytes.len() as u64 > MOST_BYTES {
+            return Err(PatternError::TooLarge { path: path.to_owned() });
+        }
+        Self::parse(&bytes, floor_dbi)
+            .map_err(|faults| PatternError::Faults { path: path.to_owned(), faults })
     }
+
+    /// Reads the text of a pattern file.
+    pub fn parse(bytes: &[u8], floor_dbi: f64) -> Result<Self, Vec<PatternFault>> {
+        let mut faults = Faults::default();
+        let rows = read_rows(bytes, &mut faults);
+        if rows.is_empty() && !faults.list.is_empty() {
+            return Err(faults.finish());
+        }
+        let pattern = Self::on_grid(&rows, floor_dbi, &mut faults);
+        match pattern {
+            Some(pattern) if faults.list.is_empty() => Ok(pattern),
+            _ => Err(faults.finish()),
+        }
+    }
+
+    fn on_grid(rows: &[Row], floor_dbi: f64, faults: &mut Faults) -> Option<Self> {
+        let azimuth = Axis::through(rows.iter().map(|row| row.az_deg));
+        let elevation = Axis::through(rows.iter().map(|row| row.el_deg));
+        let mut whole = true;
+        for (column, axis) in [(Column::Azimuth, &azimuth), (Column::Elevation, &elevation)] {
+            if axis.len < 2 {
+                whole = false;
+                faults.push(PatternFault::TooFew { column, found: axis.len });
+            }
+        }
+        let span_deg = azimuth.step_deg * azimuth.len.saturating_sub(1) as f64;
+        if span_deg > 360.0 + OFF_GRID_STEPS * azimuth.step_deg {
+            whole = false;
+            faults.push(PatternFault::Span { span_deg });
+        }
+        let points = azimuth.len.saturating_mul(elevation.len);
+        if points > MOST_POINTS {
+            whole = false;
+            faults.push(PatternFault::TooMany);
+        }
+        if !whole {
+            return None;
+        }
+        let mut field = vec![None; points];
+        let mut lines = HashMap::with_capacity(rows.len());
+        for row in rows {
+            let line = row.line;
+            let mut places = [0; 2];
+            let axes = [(Column::Azimuth, &azimuth, row.az_deg), (Column::Elevation, &elevation, row.el_deg)];
+            let mut on = true;
+            for (place, (column, axis, value)) in places.iter_mut().zip(axes) {
+                match axis.place(value) {
+                    Some(at) => *place = at,
+                    None => {
+                        on = false;
+                        let (first, step) = (axis.first_deg, axis.step_deg);
+                        faults.push(PatternFault::OffGrid { line, column, value, first, step });
+                    }
+                }
+            }
+            let cell = places[1] * azimuth.len + places[0];
+            if !on {
+                continue;
+            }
+            if let Some(before) = lines.insert(cell, line) {
+                let (az_deg, el_deg) = (row.az_deg, row.el_deg);
+                faults.push(PatternFault::Twice { line, before, az_deg, el_deg });
+            }
+            field[cell] = Some(row.field);
+        }
+        let missing = field.iter().filter(|point| point.is_none()).count();
+        if let Some(hole) = field.iter().position(Option::is_none) {
+            faults.push(PatternFault::Holes {
+                missing,
+                wanted: points,
+                az_deg: azimuth.value_deg(hole % azimuth.len),
+                el_deg: elevation.value_deg(hole / azimuth.len),
+            });
+        }
+        let closed = (span_deg + azimuth.step_deg - 360.0).abs() <= OFF_GRID_STEPS * azimuth.step_deg;
+        let field: Vec<Complex64> = field.into_iter().flatten().collect();
+        let floor = Decibels(floor_dbi).amplitude_ratio();
+        Some(Self { azimuth, elevation, closed, field, floor })
+    }
+
+    /// Field gain towards azimuth and elevation in the antenna frame, radians.
+    pub fn field_gain(&self, az_rad: f64, el_rad: f64) -> Complex64 {
+        // The turn of the azimuth that lies on the grid, if any.
+        let from_first = (az_rad.to_degrees() - self.azimuth.first_deg).rem_euclid(360.0);
+        let (x, y) = (
+            from_first / self.azimuth.step_deg,
+            (el_rad.to_degrees() - self.elevation.first_deg) / self.elevation.step_deg,
+        );
+        let (columns, rows) = (self.azimuth.len, self.elevation.len);
+        // Rounding of degrees must not push a direction off the rim.
+        let rim = 1e-9;
+        let x = if x > 360.0 / self.azimuth.step_deg - rim { 0.0 } else { x };
+        let last_x = if self.closed { columns as f64 } else { (columns - 1) as f64 };
+        let last_y = (rows - 1) as f64;
+        if !(x <= last_x + rim && (-rim..=last_y + rim).contains(&y)) {
+            return self.floor.into();
+        }
+        let cells = if self.closed { columns } else { columns - 1 };
+        let (i, s) = cell(x, cells);
+        let (j, t) = cell(y, rows - 1);
+        let along = |row: usize| {
+            let line = &self.field[row * columns..(row + 1) * columns];
+            if self.closed {
+                let at = |k: usize| line[k % columns];
+                catmull_rom([at(i + columns - 1), at(i), at(i + 1), at(i + 2)], s)
+            } else {
+                catmull_rom(stencil(i, columns, |k| line[k]), s)
+            }
+        };
+        catmull_rom(stencil(j, rows, along), t)
+    }
+}
+
+/// Cell and place within it, in [0, 1].
+fn cell(x: f64, cells: usize) -> (usize, f64) {
+    let i = (x.max(0.0) as usize).min(cells - 1);
+    (i, (x - i as f64).clamp(0.0, 1.0))
+}
+
+/// The four values about the cell between `i` and `i + 1`; at the rim the outer one is extrapolated.
+fn stencil(i: usize, len: usize, value: impl Fn(usize) -> Complex64) -> [Complex64; 4] {
+    let (b, c) = (value(i), value(i + 1));
+    let before = (i > 0).then(|| value(i - 1));
+    let after = (i + 2 < len).then(|| value(i + 2));
+    let beyond = |near: Complex64, far: Complex64, further: Option<Complex64>| match further {
+        // The quadratic through three points, one step on.
+        Some(further) => (near - far) * 3.0 + further,
+        None => near * 2.0 - far,
+    };
+    [before.unwrap_or_else(|| beyond(b, c, after)), b, c, after.unwrap_or_else(|| beyond(c, b, before))]
+}
+
+/// The Catmull-Rom cubic between `p[1]` (s = 0) and `p[2]` (s = 1).
+fn catmull_rom(p: [Complex64; 4], s: f64) -> Complex64 {
+    let slope = [(p[2] - p[0]) * 0.5, (p[3] - p[1]) * 0.5];
+    let rise = p[2] - p[1];
+    p[1] + (slope[0] + (rise * 3.0 - slope[0] * 2.0 - slope[1] + (slope[0] + slope[1] - rise * 2.0) * s) * s)
+        * s
+}
+
+/// Faults, the first few kept and the others counted.
+#[derive(Default)]
+struct Faults {
+    list: Vec<PatternFault>,
+    more: usize,
+}
+
+impl Faults {
+    fn push(&mut self, fault: PatternFault) {
+        if self.list.len() < MOST_FAULTS {
+            self.list.push(fault);
+        } else {
+            self.more += 1;
+        }
+    }
+
+    fn finish(mut self) -> Vec<PatternFault> {
+        if self.more > 0 {
+            self.list.push(PatternFault::More(self.more));
+        }
+        self.list
+    }
+}
+
+fn read_rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(bytes);
     let mut rows = Vec::new();
-    for record in records {
-        let Ok(record) = record else { continue };
+    let mut wanted = 0;
+    for record in reader.records() {
+        let record = match record {
+            Ok(record) => record,
+            Err(error) => {
+                faults.push(PatternFault::Csv { what: error.to_string() });
+                continue;
+            }
+        };
         let line = record.position().map_or(0, csv::Position::line);
-        if record.len() != header.len() {
-            faults.push(line, PatternFaultKind::Width { found: record.len(), expected: header.len() });
+        if wanted == 0 {
+            let header: Vec<&str> = record.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
+            let names = ["az_deg", "el_deg", "gain_dbi", "phase_deg"];
+            if header == names[..3] || header == names {
+                wanted = header.len();
+                continue;
+            }
+            let found = header.join(",").chars().take(80).collect();
+            faults.push(PatternFault::Header { line, found });
+            return rows;
+        }
+        if record.len() != wanted {
+            faults.push(PatternFault::Fields { line, found: record.len(), wanted });
             continue;
         }
+        if rows.len() >= MOST_POINTS {
+            faults.push(PatternFault::TooMany);
+            return rows;
+        }
         let mut values = [0.0; 4];
-        let mut whole = true;
-        for (text, column) in record.iter().zip(places.iter().flatten()) {
-            let text = String::from_utf8_lossy(text);
-            match text.parse::<f64>() {
-                Ok(x) if (RANGES[*column].0..=RANGES[*column].1).contains(&x) => values[*column] = x,
-                _ => {
-                    whole = false;
+        let mut good = true;
+        for ((value, column), text) in values.iter_mut().zip(Column::ALL).zip(&record) {
+            match column.read(text) {
+                Ok(number) => *value = number,
+                Err(allowed) => {
+                    good = false;
                     let found = text.chars().take(40).collect();
-                    let (column, allowed) = (COLUMNS[*column], ALLOWED[*column]);
-                    faults.push(line, PatternFaultKind::Value { column, found, allowed });
+                    faults.push(PatternFault::Value { line, column, found, allowed });
                 }
             }
         }
-        if whole {
+        if good {
             let [az_deg, el_deg, gain_dbi, phase_deg] = values;
             let field = Complex64::from_polar(Decibels(gain_dbi).amplitude_ratio(), phase_deg.to_radians());
             rows.push(Row { line, az_deg, el_deg, field });
         }
     }
     rows
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn direction(az_deg: f64, el_deg: f64) -> DVec3 {
-        let (az, el) = (az_deg.to_radians(), el_deg.to_radians());
-        DVec3::new(el.cos() * az.cos(), el.cos() * az.sin(), el.sin())
-    }
-
-    fn file(gain: impl Fn(f64, f64) -> (f64, f64)) -> String {
-        let mut text = String::from("# measured\nel_deg,az_deg,gain_dbi,phase_deg\n");
-        for el in -4..=4 {
-            for az in -10..=10 {
-                let (az, el) = (f64::from(az) * 0.5, f64::from(el));
-                let (gain_dbi, phase_deg) = gain(az, el);
-                text += &format!("{el},{az},{gain_dbi},{phase_deg}\n");
-            }
-        }
-        text
-    }
-
-    #[test]
-    fn grid_points_are_met_and_quadratics_are_exact() {
-        let field = |az: f64, el: f64| Complex64::new(30.0 - az * az, 2.0 + 0.5 * el * az - 0.1 * el * el);
-        let text = file(|az, el| {
-            let g = field(az, el);
-            (20.0 * g.norm().log10(), g.arg().to_degrees())
-        });
-        let pattern = MeasuredPattern::parse(text.as_bytes(), -60.0).unwrap();
-        for (az, el) in [(0.5, -2.0), (0.25, 1.5), (-2.37, 2.99), (4.0, -3.0)] {
-            let error = (pattern.field_gain(direction(az, el)) - field(az, el)).norm();
-            // Text carries 15 digits of a field of 30.
-            assert!(error < 1e-11, "{az} {el}: {error:e}");
-        }
-        assert!((pattern.field_gain(direction(5.1, 0.0)).norm() - 1e-3).abs() < 1e-15);
-        assert!((pattern.field_gain(-DVec3::X).norm() - 1e-3).abs() < 1e-15);
-    }
-
-    #[test]
-    fn faults_are_told_together() {
-        let told = |text: &str| {
-            let (faults, more) = MeasuredPattern::parse(text.as_bytes(), -60.0).unwrap_err();
-            list(&faults, more)
-        };
-        insta::assert_snapshot!(told("az_deg,gain_dbi\n1,2\n"), @"line 1: columns 'az_deg,gain_dbi'; allowed: az_deg, el_deg, gain_dbi and perhaps phase_deg, each once");
-        insta::assert_snapshot!(told("az_deg,el_deg,gain_dbi\n0,0,nan\n1,0\n1,91,3\n"), @"line 2: gain_dbi 'nan'; allowed: -300 to 100 dBi; line 3: 2 values; allowed: 3; line 4: el_deg '91'; allowed: -90 to 90 deg");
-        insta::assert_snapshot!(told("az_deg,el_deg,gain_dbi\n0,0,1\n1,0,1\n2.2,0,1\n0,1,1\n1,1,1\n2.2,1,1\n0,0,1\n"), @"");
-        insta::assert_snapshot!(told("az_deg,el_deg,gain_dbi\n0,0,1\n1,0,1\n0,1,1\n"), @"1 of 4 directions of the grid are missing; allowed: none");
-        insta::assert_snapshot!(told("az_deg,el_deg,gain_dbi\n0,0,1\n"), @"1 azimuths and 1 elevations; allowed: at least 2 of each");
-        insta::assert_snapshot!(told(""), @"line 1: columns ''; allowed: az_deg, el_deg, gain_dbi and perhaps phase_deg, each once");
-    }
 }

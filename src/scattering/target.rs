@@ -1,26 +1,45 @@
-//! Point targets as scatterers.
+//! Point targets at an instant.
 //!
-//! A target moves on a straight line, `x(t) = x_0 + v t`, and has a constant scattering matrix `S[p][q]` (sqrt(m^2), p
-//! received, q transmitted, order (v, h)) in the bases of [`crate::geometry::bistatic`]; `|S_pq|^2` is its radar cross section.
+//! A target keeps a straight course, `x(t) = x_0 + v t` with `t` from the emission of pulse 0, and
+//! scatters the same in every direction: its matrix `S[p][q]` (p received, q transmitted, order (v, h),
+//! sqrt(m^2)) holds in the forward-scatter bases of [`crate::geometry::bistatic`].
+//!
+//! ```
+//! use nereus::frames::{Point, Vector};
+//! use nereus::scattering::target::Scatterer;
+//! use nereus::scene::Target;
+//! let buoy = Target {
+//!     name: "buoy".into(),
+//!     position: Point::new(10.0, 0.0, 1.0),
+//!     velocity: Vector::new(0.5, 0.0, 0.0),
+//!     scattering: Target::sphere(4.0),
+//! };
+//! assert_eq!(Scatterer::at(&buoy, 2.0).position, Point::new(11.0, 0.0, 1.0));
+//! ```
 
-use crate::geometry::light_time::Mover;
+use num_complex::Complex64;
+
+use crate::frames::{Enu, Point, Vector};
 use crate::scene::Target;
 
-/// Local motion of a target, `since_start_s` after pulse 0.
-///
-/// ```
-/// use nereus::frames::{Point, Vector};
-/// use nereus::scattering::target::mover;
-/// use nereus::scene::Target;
-/// let buoy = Target { name: "buoy".into(), position: Point::new(0.0, 0.0, 1.0), velocity: Vector::new(2.0, 0.0, 0.0),
-///     scattering: Target::sphere(10.0) };
-/// assert_eq!(mover(&buoy, 3.0).position_m.to_array(), [6.0, 0.0, 1.0]);
-/// ```
-pub fn mover(target: &Target, since_start_s: f64) -> Mover {
-    let velocity_mps = target.velocity.raw();
-    Mover {
-        position_m: target.position.raw() + velocity_mps * since_start_s,
-        velocity_mps,
-        ..Mover::default()
+/// What scatters at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatterer<'a> {
+    /// Position.
+    pub position: Point<Enu>,
+    /// Velocity, m/s.
+    pub velocity: Vector<Enu>,
+    /// Scattering matrix `S[p][q]`, sqrt(m^2), order (v, h).
+    pub matrix: &'a [[Complex64; 2]; 2],
+}
+
+impl<'a> Scatterer<'a> {
+    /// A target `elapsed_s` seconds after the emission of pulse 0.
+    pub fn at(target: &'a Target, elapsed_s: f64) -> Self {
+        Self {
+            position: target.position + target.velocity * elapsed_s,
+            velocity: target.velocity,
+            matrix: &target.scattering,
+        }
     }
 }

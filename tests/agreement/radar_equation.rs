@@ -93,7 +93,7 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
             nereus::pipeline::build::factory(&scene, scenes::tracks(&scene, case.tx, case.rx)).unwrap();
         let mut work = factory.workspace();
         let mut pulse = factory.slot();
-        factory.make(case.pulse, &mut pulse, &mut work);
+        factory.make(case.pulse, &mut pulse, &mut work).unwrap();
 
         let replica = factory.replica();
         let Samples::Cf32(iq) = &pulse.samples else { panic!("float samples expected") };

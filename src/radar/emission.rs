@@ -1,0 +1,153 @@
+//! One emission: where every platform, phase centre and antenna axis is, and every path it takes.
+//!
+//! Platforms and transmit antennas are taken at the emission `t`, receive antennas at the reception
+//! `t + tau`: their axes are evaluated at `t` and at `t + T`, `T` about the longest delay of the run, and
+//! interpolated linearly in `tau / T`. What that leaves of a turn `w T` is `(w T)^2 / 8`: 3e-10 rad for
+//! 0.01 rad/s and 5 ms.
+
+use glam::DMat3;
+
+use crate::frames::{self, Enu, Rotation};
+use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::motion::track::{State, TrackError};
+use crate::radar::antenna::Axes;
+use crate::radar::illumination::TrackUse;
+use crate::scattering::target::Scatterer;
+use crate::scene::Target;
+use crate::scene::radar::{AntennaMount, Pair, Pointing, Radar};
+use crate::time::TimeTag;
+
+/// What an emission depends on.
+pub(super) struct Circumstances<'a> {
+    pub surroundings: Surroundings<'a>,
+    pub radar: &'a Radar,
+    pub pairs: &'a [Pair],
+    pub targets: &'a [Target],
+    /// Length over which receive axes are interpolated, s; zero: they are taken at the emission.
+    pub axes_span_s: f64,
+}
+
+/// A track that failed to say where its platform is.
+#[derive(Debug)]
+pub(super) struct TrackFailure {
+    pub platform: usize,
+    pub which: TrackUse,
+    pub source: TrackError,
+}
+
+/// The geometry of one emission. Buffers are kept from one emission to the next.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Emission {
+    /// True state of every platform.
+    pub states: Vec<State>,
+    /// Phase centres, transmitters first.
+    pub centres: Vec<PhaseCentre>,
+    /// Antenna axes at the emission, transmitters first.
+    axes: Vec<Axes>,
+    /// Change of the axes over `axes_span_s`; zero for transmitters.
+    axes_change: Vec<Axes>,
+    /// `[target, then direct path][pair]`
+    pub paths: Vec<Path>,
+}
+
+impl Emission {
+    /// Everything at emission time `t`, `elapsed_s` after pulse 0.
+    pub fn evaluate(&mut self, of: &Circumstances, t: TimeTag, elapsed_s: f64) -> Result<(), TrackFailure> {
+        self.states.clear();
+        for (platform, tracks) in of.surroundings.tracks.iter().enumerate() {
+            self.states.push(tracks.truth.state(t).map_err(failed(platform, TrackUse::Truth))?);
+        }
+        self.centres.clear();
+        self.axes.clear();
+        self.axes_change.clear();
+        for Mounted { mount, receives } in antennas(of.radar) {
+            let state_now = &self.states[mount.platform];
+            self.centres.push(PhaseCentre::of(state_now, mount.lever_arm));
+            let now = axes(of, mount, state_now, t)?;
+            let change = if receives && of.axes_span_s > 0.0 {
+                let then = t.plus(of.axes_span_s);
+                let later = of.surroundings.tracks[mount.platform]
+                    .truth
+                    .state(then)
+                    .map_err(failed(mount.platform, TrackUse::Truth))?;
+                axes(of, mount, &later, then)? - now
+            } else {
+                DMat3::ZERO
+            };
+            self.axes.push(now);
+            self.axes_change.push(change);
+        }
+        self.paths.clear();
+        let transmitters = of.radar.transmitters.len();
+        for target in of.targets {
+            let scatterer = Scatterer::at(target, elapsed_s);
+            for pair in of.pairs {
+                let tx = &self.centres[pair.transmitter];
+                let rx = &self.centres[transmitters + pair.receiver];
+                let (position, velocity) = (scatterer.position, scatterer.velocity);
+                self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
+            }
+        }
+        if of.radar.direct_path {
+            for pair in of.pairs {
+                let tx = &self.centres[pair.transmitter];
+                let rx = &self.centres[transmitters + pair.receiver];
+                self.paths.push(direct(LightTime::Exact, tx, rx));
+            }
+        }
+        Ok(())
+    }
+
+    /// Axes of an antenna (transmitters first) at the emission.
+    pub fn axes(&self, antenna: usize) -> Axes {
+        self.axes[antenna]
+    }
+
+    /// Axes of an antenna (transmitters first) `delay_s` after the emission.
+    pub fn axes_after(&self, antenna: usize, delay_s: f64, axes_span_s: f64) -> Axes {
+        if axes_span_s > 0.0 {
+            self.axes[antenna] + self.axes_change[antenna] * (delay_s / axes_span_s)
+        } else {
+            self.axes[antenna]
+        }
+    }
+
+    /// Shortest and longest delay of all paths, s; `None` without paths.
+    pub fn delay_span_s(&self) -> Option<(f64, f64)> {
+        self.paths.iter().map(|path| path.delay_s).fold(None, |span, delay| match span {
+            None => Some((delay, delay)),
+            Some((least, most)) => Some((delay.min(least), delay.max(most))),
+        })
+    }
+}
+
+/// An antenna of the radar and whether it receives.
+struct Mounted<'a> {
+    mount: &'a AntennaMount,
+    receives: bool,
+}
+
+fn antennas(radar: &Radar) -> impl Iterator<Item = Mounted<'_>> {
+    let transmit = radar.transmitters.iter().map(|t| Mounted { mount: &t.antenna, receives: false });
+    transmit.chain(radar.receivers.iter().map(|r| Mounted { mount: &r.antenna, receives: true }))
+}
+
+fn axes(of: &Circumstances, mount: &AntennaMount, now: &State, t: TimeTag) -> Result<Axes, TrackFailure> {
+    let frame: Rotation<frames::Antenna, Enu> = of
+        .surroundings
+        .antenna_frame(mount, now.attitude, t)
+        .map_err(failed(mount.platform, known_track(mount)))?;
+    Ok(DMat3::from_quat(frame.raw()))
+}
+
+fn known_track(mount: &AntennaMount) -> TrackUse {
+    match mount.pointing {
+        Pointing::At { aim_from, .. } => aim_from.into(),
+        Pointing::Fixed { .. } => TrackUse::Truth,
+    }
+}
+
+fn failed(platform: usize, which: TrackUse) -> impl Fn(TrackError) -> TrackFailure {
+    move |source| TrackFailure { platform, which, source }
+}

@@ -1,0 +1,131 @@
+//! Scenes for the tests of geometry, link and windows.
+
+use nereus::frames::{Body, Earth, Enu, Point, Rotation, SceneFrame, Vector};
+use nereus::motion::PlatformTracks;
+use nereus::motion::track::Track;
+use nereus::pulse::{Layout, Pulse, SampleFormat};
+use nereus::radar::illumination::Illumination;
+use nereus::scattering::contact::Contacts;
+use nereus::scene::radar::*;
+use nereus::scene::{Radar, Scene, Target};
+use nereus::time::{PulseTimes, TimeTag};
+
+pub const PULSE_S: f64 = 0.333e-6;
+
+pub fn level() -> Rotation<Body, Enu> {
+    Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)
+}
+
+/// Isotropic antenna of 0 dBi that looks at a ground point from platform `platform`.
+pub fn looking_at(platform: usize, target: [f64; 3]) -> AntennaMount {
+    AntennaMount {
+        platform,
+        lever_arm: Vector::ZERO,
+        pattern: Pattern::Isotropic { gain_dbi: 0.0 },
+        pointing: Pointing::At {
+            aim: Aim::Point { position: point(target), velocity: Vector::ZERO },
+            aim_from: AimFrom::Reported,
+            lag_s: 0.0,
+            bias_rad: [0.0; 2],
+        },
+        cross_pol_isolation_db: None,
+    }
+}
+
+pub fn point(p: [f64; 3]) -> Point<Enu> {
+    Point::new(p[0], p[1], p[2])
+}
+
+pub fn vector(v: [f64; 3]) -> Vector<Enu> {
+    Vector::new(v[0], v[1], v[2])
+}
+
+pub fn channels(list: &[(Polarisation, Polarisation)]) -> Vec<Channel> {
+    list.iter()
+        .map(|&(rx, tx)| Channel {
+            name: format!("{}{}", rx.letter(), tx.letter()),
+            transmitter: 0,
+            receiver: 0,
+            tx,
+            rx,
+        })
+        .collect()
+}
+
+/// Transmitter on platform 0, receiver on platform 1, all four linear channels, one target at the origin
+/// of 1 m^2, a long window.
+pub fn scene() -> Scene {
+    use Polarisation::{H, V};
+    Scene {
+        frame: SceneFrame::plain(Earth::Flat),
+        start: TimeTag::from_iso8601("2024-05-01T12:00:00.25Z").unwrap(),
+        pulses: 500,
+        seed: 1,
+        platforms: vec!["a".into(), "b".into()],
+        radar: Radar {
+            carrier_hz: 10e9,
+            sample_rate_hz: 100e6,
+            waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: PULSE_S, sweep: Sweep::Up },
+            emissions: PulseTimes::uniform(222.0).unwrap(),
+            tx_polarisation: TxPolarisation::Simultaneous,
+            window: Window { samples: 100_000, gate: Gate::Fixed { start_s: 0.0 } },
+            losses_db: 0.0,
+            atmosphere_db_per_km: 0.0,
+            noise_figure_db: None,
+            adc: None,
+            direct_path: false,
+            transmitters: vec![Transmitter {
+                name: "tx".into(),
+                power_w: 1.0,
+                antenna: looking_at(0, [0.0; 3]),
+            }],
+            receivers: vec![Receiver { name: "rx".into(), antenna: looking_at(1, [0.0; 3]) }],
+            channels: channels(&[(H, H), (H, V), (V, H), (V, V)]),
+        },
+        targets: vec![target([0.0; 3], [0.0; 3])],
+    }
+}
+
+pub fn target(position: [f64; 3], velocity: [f64; 3]) -> Target {
+    Target {
+        name: "t".into(),
+        position: point(position),
+        velocity: vector(velocity),
+        scattering: Target::sphere(1.0),
+    }
+}
+
+pub fn straight(scene: &Scene, position: [f64; 3], velocity: [f64; 3]) -> PlatformTracks {
+    same(Track::straight(point(position), scene.start, vector(velocity), Some(level())))
+}
+
+pub fn same(track: Track) -> PlatformTracks {
+    PlatformTracks { truth: track.clone(), reported: track }
+}
+
+/// The contacts and the record of one pulse.
+pub fn pulse(scene: &Scene, tracks: &[PlatformTracks], index: u64) -> (Contacts, Pulse) {
+    let illumination = Illumination::new(scene, PULSE_S, tracks.to_vec()).unwrap();
+    evaluate(scene, &illumination, index)
+}
+
+pub fn evaluate(scene: &Scene, illumination: &Illumination, index: u64) -> (Contacts, Pulse) {
+    let mut workspace = illumination.workspace();
+    let (mut contacts, mut record) = buffers(scene);
+    illumination.pulse(index, &mut workspace, &mut contacts, &mut record).unwrap();
+    (contacts, record)
+}
+
+pub fn buffers(scene: &Scene) -> (Contacts, Pulse) {
+    let pairs = scene.radar.pairs().len();
+    let layout = Layout {
+        channels: scene.radar.channels.len(),
+        samples: 1,
+        format: SampleFormat::Cf32,
+        platforms: scene.platforms.len(),
+        phase_centres: scene.radar.transmitters.len() + scene.radar.receivers.len(),
+        targets: scene.targets.len(),
+        pairs,
+    };
+    (Contacts::new(pairs, layout.channels, 64), Pulse::new(&layout))
+}
