@@ -140,18 +140,18 @@ fn defaults_lie_in_their_ranges() {
 fn a_recorded_flight_is_resolved() {
     let run = parse(QUICKSTART, &in_configs(), &[]).unwrap();
     assert_eq!(run.scene.pulses, 2220);
-    assert_eq!(run.scene.start.to_string(), "2018-05-30T18:45:00.000000Z");
+    assert_eq!(run.scene.start.to_string(), "2018-05-30T18:38:30.000000Z");
     assert_eq!(run.scene.platforms, ["coast", "aircraft"]);
     assert_eq!(run.scene.targets.len(), 25);
     assert_eq!(run.text, QUICKSTART);
     let TrackSource::Fixed { place: Place::Geodetic(mast), .. } = run.nav[0].truth else { panic!() };
-    // 30 m above mean sea level, which lies 42 m above the ellipsoid.
-    assert_eq!(mast.h_m, 72.0);
+    // 50 m above mean sea level, which lies 42 m above the ellipsoid.
+    assert_eq!(mast.h_m, 92.0);
     let TrackSource::File(flight) = &run.nav[1].truth else { panic!() };
     assert_eq!(flight.datum, VerticalDatum::Barometric { offset_m: 0.0 });
     assert_eq!(flight.undulation_m, 42.0);
     assert_eq!(flight.attitude, AttitudeSource::CoordinatedTurn);
-    assert!(matches!(flight.smoothing, Smoothing::Rts { max_acceleration_mps2: 2.0, .. }));
+    assert!(matches!(flight.smoothing, Smoothing::Rts { max_acceleration_mps2: 2.9, .. }));
     assert!(flight.path.is_file());
     let names: Vec<&str> = run.scene.radar.channels.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["HH", "HV", "VH", "VV"]);
@@ -159,7 +159,7 @@ fn a_recorded_flight_is_resolved() {
     assert_eq!((hv.rx, hv.tx), (Polarisation::H, Polarisation::V));
     assert_eq!(run.scene.radar.receivers[0].antenna.lever_arm.to_array(), [2.0, -1.0, 1.5]);
     let Gate::Follow { aim, lead_s, aim_from } = &run.scene.radar.window.gate else { panic!() };
-    assert_eq!(*aim, Aim::Beside { platform: 1, along_m: 0.0, across_m: -5000.0 });
+    assert_eq!(*aim, Aim::Beside { platform: 1, along_m: 0.0, across_m: -6600.0 });
     assert_eq!((*lead_s, *aim_from), (2e-6, AimFrom::Reported));
     // Latency 0.5 s at 222 Hz and the pulse under way.
     assert_eq!(run.stream.ring_slots, 112);
