@@ -393,7 +393,7 @@ impl Illumination {
     /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
-    /// emission lies partly or wholly outside the window).
+    /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
     pub fn pulse(
         &self,
         index: u64,
@@ -640,7 +640,7 @@ impl Illumination {
     fn longest_delay_s(&self) -> Result<f64, RadarError> {
         let mut emission = Emission::default();
         let mut longest_s = 0f64;
-        let last = self.pulses.saturating_sub(1);
+        let Some(last) = self.pulses.checked_sub(1) else { return Ok(0.0) };
         for sounding in 0..=SOUNDINGS.min(last) {
             let index =
                 (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;

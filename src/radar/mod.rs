@@ -3,5 +3,5 @@
 pub mod antenna;
 pub mod pattern;
 pub mod link;
-pub mod emission;
+mod emission;
 pub mod illumination;
