@@ -21,7 +21,7 @@
 //! **Limits.** Speeds well below `c`. Straight rays. The scene frame is treated as inertial although it
 //! turns with the Earth. That neglects `2 w_e A / c` metres, `A` the area of the triangle transmitter,
 //! scatterer, receiver seen along the Earth's axis: nothing for a monostatic radar but for its own motion
-//! (7e-6 m at 800 km), 4e-6 m for 3 km triangles, and 0.16 m for a satellite at 800 km whose
+//! (8e-6 m at 800 km), 2e-6 m for a right triangle with legs of 3 km, and 0.16 m for a satellite at 800 km whose
 //! receiver flies 800 km away. That is a slowly varying range bias there, not a noise.
 //!
 //! ```

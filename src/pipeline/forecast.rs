@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::build::PulseStream;
-use crate::radar::illumination::RadarError;
+use crate::radar::fault::RadarError;
 
 /// How long the trial lasts.
 pub const TRIAL: Duration = Duration::from_millis(300);

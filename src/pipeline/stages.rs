@@ -12,8 +12,9 @@ use num_complex::{Complex32, Complex64};
 
 use crate::echo::reference::ReferenceEcho;
 use crate::pulse::{Layout, Pulse};
+use crate::radar::fault::RadarError;
 use crate::radar::illumination;
-use crate::radar::illumination::{Illumination, RadarError};
+use crate::radar::illumination::Illumination;
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;

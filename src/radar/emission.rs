@@ -12,7 +12,7 @@ use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
 use crate::radar::antenna::Axes;
-use crate::radar::illumination::TrackUse;
+use crate::radar::fault::TrackUse;
 use crate::scattering::target::Scatterer;
 use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, Pair, Pointing, Radar};

@@ -88,21 +88,20 @@ use std::ops::Range;
 
 use glam::DVec3;
 use num_complex::Complex64;
-use thiserror::Error;
 
 use crate::frames::{SceneFrame, Vector};
 use crate::geometry::bistatic::Basis;
 use crate::geometry::light_time::{LightTime, Path, bistatic};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::motion::track::{State, TrackError};
+use crate::motion::track::State;
 use crate::pulse::{PlatformRecord, Pulse, flags};
 use crate::radar::antenna::{Antenna, field};
 use crate::radar::emission::{Circumstances, Emission, TrackFailure};
+use crate::radar::fault::{RadarError, RadarFault, TrackUse, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
-use crate::radar::pattern::PatternError;
 use crate::scattering::contact::Contacts;
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair, Pointing, Polarisation, TxPolarisation};
+use crate::scene::radar::{Aim, AntennaMount, Gate, Pair, Pointing, Polarisation};
 use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
@@ -113,125 +112,6 @@ pub const GUARD_SAMPLES: usize = 32;
 const MANOEUVRE_MPS: f64 = 1000.0;
 /// Instants of the run at which its longest delay is sought.
 const SOUNDINGS: u64 = 32;
-
-/// Why the contacts of a scene cannot be made.
-#[derive(Debug, Error)]
-pub enum RadarError {
-    /// The scene does not hang together.
-    #[error("the radar cannot be built:{}", listed(.0))]
-    Faults(Vec<RadarFault>),
-    /// A pulse outside the run.
-    #[error("pulse {index} is not in the run: 0 to {} wanted", pulses.saturating_sub(1))]
-    NoSuchPulse {
-        /// What was asked.
-        index: u64,
-        /// Pulses in the run.
-        pulses: u64,
-    },
-    /// A track fails at a pulse.
-    #[error("pulse {index}: platform '{platform}', {which} track: {source}")]
-    Track {
-        /// The pulse.
-        index: u64,
-        /// The platform.
-        platform: String,
-        /// Which of its tracks.
-        which: TrackUse,
-        /// Why.
-        source: TrackError,
-    },
-}
-
-fn listed(faults: &[RadarFault]) -> String {
-    faults.iter().map(|fault| format!("\n  {fault}")).collect()
-}
-
-/// One fault of a scene.
-#[derive(Debug, Error)]
-pub enum RadarFault {
-    /// Tracks and platforms do not match.
-    #[error("{tracks} tracks for {platforms} platforms")]
-    Tracks {
-        /// Tracks given.
-        tracks: usize,
-        /// Platforms of the scene.
-        platforms: usize,
-    },
-    /// Something refers to what is not there.
-    #[error("{place}: {what} {index} does not exist ({count} in the scene)")]
-    Missing {
-        /// Where the reference stands.
-        place: String,
-        /// What it refers to.
-        what: &'static str,
-        /// The index.
-        index: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// A number out of range.
-    #[error("{name} = {value} is not allowed: {allowed}")]
-    Value {
-        /// What.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// An alternating sequence without entries.
-    #[error("transmit polarisations alternate in an empty sequence: at least one wanted")]
-    NoPolarisation,
-    /// A pattern file is wrong.
-    #[error("antenna '{antenna}': {source}")]
-    Pattern {
-        /// The antenna.
-        antenna: String,
-        /// Why.
-        source: PatternError,
-    },
-    /// A track does not cover the run.
-    #[error("platform '{platform}', {which} track: needed from {from} to {to}: {source}")]
-    Track {
-        /// The platform.
-        platform: String,
-        /// Which of its tracks.
-        which: TrackUse,
-        /// First instant needed.
-        from: TimeTag,
-        /// Last instant needed.
-        to: TimeTag,
-        /// Why it does not.
-        source: TrackError,
-    },
-}
-
-/// Which of the two tracks of a platform.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TrackUse {
-    /// What happens.
-    Truth,
-    /// What the platform says.
-    Reported,
-}
-
-impl From<AimFrom> for TrackUse {
-    fn from(aim_from: AimFrom) -> Self {
-        match aim_from {
-            AimFrom::Reported => Self::Reported,
-            AimFrom::True => Self::Truth,
-        }
-    }
-}
-
-impl std::fmt::Display for TrackUse {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Truth => "true",
-            Self::Reported => "reported",
-        })
-    }
-}
 
 /// What one transmitter-receiver pair needs.
 #[derive(Clone, Debug)]
@@ -393,7 +273,7 @@ impl Illumination {
     /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
-    /// emission lies partly or wholly outside the window).
+    /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
     pub fn pulse(
         &self,
         index: u64,
@@ -640,7 +520,7 @@ impl Illumination {
     fn longest_delay_s(&self) -> Result<f64, RadarError> {
         let mut emission = Emission::default();
         let mut longest_s = 0f64;
-        let last = self.pulses.saturating_sub(1);
+        let Some(last) = self.pulses.checked_sub(1) else { return Ok(0.0) };
         for sounding in 0..=SOUNDINGS.min(last) {
             let index =
                 (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;
@@ -691,12 +571,6 @@ fn navigation(state: &State) -> PlatformRecord {
     }
 }
 
-/// Names and mounts of all antennas, transmitters first.
-fn mounts(radar: &Radar) -> impl Iterator<Item = (&str, &AntennaMount)> {
-    let transmitters = radar.transmitters.iter().map(|t| (t.name.as_str(), &t.antenna));
-    transmitters.chain(radar.receivers.iter().map(|r| (r.name.as_str(), &r.antenna)))
-}
-
 /// The platform beside which an aim point lies.
 fn beside(aim: &Aim) -> Option<usize> {
     match aim {
@@ -714,48 +588,4 @@ fn open_antennas(radar: &Radar, faults: &mut Vec<RadarFault>) -> Vec<Antenna> {
         }
     }
     antennas
-}
-
-fn check_numbers(radar: &Radar, pulse_length_s: f64, faults: &mut Vec<RadarFault>) {
-    let positive = "a finite number above 0";
-    let numbers = [
-        ("carrier (Hz)", radar.carrier_hz),
-        ("sample rate (Hz)", radar.sample_rate_hz),
-        ("pulse length (s)", pulse_length_s),
-    ];
-    for (name, value) in numbers {
-        if !(value.is_finite() && value > 0.0) {
-            faults.push(RadarFault::Value { name, value, allowed: positive });
-        }
-    }
-    if matches!(&radar.tx_polarisation, TxPolarisation::Alternating(sequence) if sequence.is_empty()) {
-        faults.push(RadarFault::NoPolarisation);
-    }
-}
-
-fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<RadarFault>) {
-    let (radar, platforms) = (&scene.radar, scene.platforms.len());
-    if tracks != platforms {
-        faults.push(RadarFault::Tracks { tracks, platforms });
-    }
-    let mut check = |place: &dyn Fn() -> String, what, index, count| {
-        if index >= count {
-            faults.push(RadarFault::Missing { place: place(), what, index, count });
-        }
-    };
-    for channel in &radar.channels {
-        let place = || format!("channel '{}'", channel.name);
-        check(&place, "transmitter", channel.transmitter, radar.transmitters.len());
-        check(&place, "receiver", channel.receiver, radar.receivers.len());
-    }
-    for (name, mount) in mounts(radar) {
-        let place = || format!("antenna '{name}'");
-        check(&place, "platform", mount.platform, platforms);
-        if let Pointing::At { aim: Aim::Beside { platform, .. }, .. } = &mount.pointing {
-            check(&place, "platform", *platform, platforms);
-        }
-    }
-    if let Gate::Follow { aim: Aim::Beside { platform, .. }, .. } = &radar.window.gate {
-        check(&|| "window".to_owned(), "platform", *platform, platforms);
-    }
 }

@@ -1,7 +1,8 @@
 //! The instrument.
 
 pub mod antenna;
-pub mod emission;
+mod emission;
+pub mod fault;
 pub mod filter;
 pub mod illumination;
 pub mod link;

@@ -3,10 +3,12 @@
 use nereus::frames::{Point, Rotation, Vector};
 use nereus::geometry::light_time::{LightTime, bistatic, direct};
 use nereus::motion::PlatformTracks;
-use nereus::motion::pointing::PhaseCentre;
+use nereus::motion::pointing::{PhaseCentre, Surroundings};
 use nereus::motion::track::Track;
 use nereus::pulse::flags;
-use nereus::radar::illumination::{GUARD_SAMPLES, Illumination, RadarError, RadarFault};
+use nereus::radar::antenna::Antenna;
+use nereus::radar::fault::{RadarError, RadarFault};
+use nereus::radar::illumination::{GUARD_SAMPLES, Illumination};
 use nereus::scene::Scene;
 use nereus::scene::radar::*;
 use nereus::time::PulseTimes;
@@ -164,6 +166,42 @@ fn alternating_polarisations() {
     assert_eq!((odd.len(), record.tx_pol), (0, V.code()));
     assert_eq!(record.target_delay_s.len(), 2);
     assert!(record.target_delay_s.iter().all(|d| d.is_finite()));
+}
+
+/// The receive antenna sweeps on while the pulse is under way: its gain is that of the reception.
+#[test]
+fn the_receive_antenna_is_that_of_the_reception() {
+    let (mut scene, tracks) = from_space();
+    scene.targets.truncate(1);
+    // A spot that runs over the ground: 0.03 rad/s, 1.6e-4 rad during the light time.
+    let aim = Aim::Point { position: Point::new(-3000.0, 0.0, 0.0), velocity: Vector::new(24e3, 9e3, 0.0) };
+    let mount = &mut scene.radar.receivers[0].antenna;
+    let (wavelength_m, index) = (299_792_458.0 / 10e9, 200);
+    mount.pattern = Pattern::Rectangle { width_m: 4.0, height_m: 1.0 };
+    let Pointing::At { aim: receive_aim, .. } = &mut mount.pointing else { panic!() };
+    *receive_aim = aim;
+    let (contacts, record) = pulse(&scene, &tracks, index);
+    scene.radar.receivers[0].antenna.pattern = Pattern::Isotropic { gain_dbi: 0.0 };
+    let (plain, _) = pulse(&scene, &tracks, index);
+    let ours = (contacts.amplitude[0][0] / plain.amplitude[0][0]).re;
+    scene.radar.receivers[0].antenna.pattern = Pattern::Rectangle { width_m: 4.0, height_m: 1.0 };
+    let emission = scene.radar.emissions.emission(scene.start, index);
+    let around = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
+    let mount = &scene.radar.receivers[0].antenna;
+    let antenna = Antenna::open(&mount.pattern, wavelength_m).unwrap();
+    let from = tracks[1].truth.state(emission.plus(record.target_delay_s[0])).unwrap().position;
+    let look = Point::new(0.0, 0.0, 0.0) - from;
+    let gain_at = |s: f64| {
+        let frame = around.antenna_frame(mount, level(), emission.plus(s)).unwrap();
+        antenna.field_gain(frame.inverse() * (look * look.norm().recip())).re
+    };
+    let (exact, stale) = (gain_at(record.target_delay_s[0]), gain_at(0.0));
+    println!("receive gain: {ours:.9}, at reception {exact:.9}, at emission {stale:.9}");
+    // What is linear about the interpolation leaves (w T)^2 / 8 = 3e-9 rad, times pi a / lambda = 420
+    // per radian, of the peak gain.
+    let peak = (4.0 * std::f64::consts::PI * 4.0).sqrt() / wavelength_m;
+    assert!((ours - exact).abs() < 1.3e-6 * peak);
+    assert!((stale - exact).abs() > 1e-3 * peak);
 }
 
 /// Two receivers: each pair has its own delays, channels their own pairs.

@@ -1,0 +1,188 @@
+//! What can be wrong with a scene's radar, found before the first pulse and reported all at once.
+//!
+//! [`RadarError::Faults`] lists every [`RadarFault`] of a scene: references to what is not there, numbers
+//! out of range, pattern files, tracks that do not cover the run. Once a scene is accepted only a pulse
+//! outside the run or a live track that fails can still be an error.
+//!
+//! ```
+//! use nereus::radar::fault::{RadarError, RadarFault};
+//! let error = RadarError::Faults(vec![RadarFault::NoPolarisation]);
+//! assert!(error.to_string().contains("at least one wanted"));
+//! ```
+
+use thiserror::Error;
+
+use crate::motion::track::TrackError;
+use crate::radar::pattern::PatternError;
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pointing, TxPolarisation};
+use crate::scene::{Radar, Scene};
+use crate::time::TimeTag;
+
+/// Why the contacts of a scene cannot be made.
+#[derive(Debug, Error)]
+pub enum RadarError {
+    /// The scene does not hang together.
+    #[error("the radar cannot be built:{}", listed(.0))]
+    Faults(Vec<RadarFault>),
+    /// A pulse outside the run.
+    #[error("pulse {index} is not in the run: 0 to {} wanted", pulses.saturating_sub(1))]
+    NoSuchPulse {
+        /// What was asked.
+        index: u64,
+        /// Pulses in the run.
+        pulses: u64,
+    },
+    /// A track fails at a pulse.
+    #[error("pulse {index}: platform '{platform}', {which} track: {source}")]
+    Track {
+        /// The pulse.
+        index: u64,
+        /// The platform.
+        platform: String,
+        /// Which of its tracks.
+        which: TrackUse,
+        /// Why.
+        source: TrackError,
+    },
+}
+
+fn listed(faults: &[RadarFault]) -> String {
+    faults.iter().map(|fault| format!("\n  {fault}")).collect()
+}
+
+/// One fault of a scene.
+#[derive(Debug, Error)]
+pub enum RadarFault {
+    /// Tracks and platforms do not match.
+    #[error("{tracks} tracks for {platforms} platforms")]
+    Tracks {
+        /// Tracks given.
+        tracks: usize,
+        /// Platforms of the scene.
+        platforms: usize,
+    },
+    /// Something refers to what is not there.
+    #[error("{place}: {what} {index} does not exist ({count} in the scene)")]
+    Missing {
+        /// Where the reference stands.
+        place: String,
+        /// What it refers to.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A number out of range.
+    #[error("{name} = {value} is not allowed: {allowed}")]
+    Value {
+        /// What.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An alternating sequence without entries.
+    #[error("transmit polarisations alternate in an empty sequence: at least one wanted")]
+    NoPolarisation,
+    /// A pattern file is wrong.
+    #[error("antenna '{antenna}': {source}")]
+    Pattern {
+        /// The antenna.
+        antenna: String,
+        /// Why.
+        source: PatternError,
+    },
+    /// A track does not cover the run.
+    #[error("platform '{platform}', {which} track: needed from {from} to {to}: {source}")]
+    Track {
+        /// The platform.
+        platform: String,
+        /// Which of its tracks.
+        which: TrackUse,
+        /// First instant needed.
+        from: TimeTag,
+        /// Last instant needed.
+        to: TimeTag,
+        /// Why it does not.
+        source: TrackError,
+    },
+}
+
+/// Which of the two tracks of a platform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackUse {
+    /// What happens.
+    Truth,
+    /// What the platform says.
+    Reported,
+}
+
+impl From<AimFrom> for TrackUse {
+    fn from(aim_from: AimFrom) -> Self {
+        match aim_from {
+            AimFrom::Reported => Self::Reported,
+            AimFrom::True => Self::Truth,
+        }
+    }
+}
+
+impl std::fmt::Display for TrackUse {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Truth => "true",
+            Self::Reported => "reported",
+        })
+    }
+}
+
+/// Names and mounts of all antennas, transmitters first.
+pub(super) fn mounts(radar: &Radar) -> impl Iterator<Item = (&str, &AntennaMount)> {
+    let transmitters = radar.transmitters.iter().map(|t| (t.name.as_str(), &t.antenna));
+    transmitters.chain(radar.receivers.iter().map(|r| (r.name.as_str(), &r.antenna)))
+}
+
+pub(super) fn check_numbers(radar: &Radar, pulse_length_s: f64, faults: &mut Vec<RadarFault>) {
+    let positive = "a finite number above 0";
+    let numbers = [
+        ("carrier (Hz)", radar.carrier_hz),
+        ("sample rate (Hz)", radar.sample_rate_hz),
+        ("pulse length (s)", pulse_length_s),
+    ];
+    for (name, value) in numbers {
+        if !(value.is_finite() && value > 0.0) {
+            faults.push(RadarFault::Value { name, value, allowed: positive });
+        }
+    }
+    if matches!(&radar.tx_polarisation, TxPolarisation::Alternating(sequence) if sequence.is_empty()) {
+        faults.push(RadarFault::NoPolarisation);
+    }
+}
+
+pub(super) fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<RadarFault>) {
+    let (radar, platforms) = (&scene.radar, scene.platforms.len());
+    if tracks != platforms {
+        faults.push(RadarFault::Tracks { tracks, platforms });
+    }
+    let mut check = |place: &dyn Fn() -> String, what, index, count| {
+        if index >= count {
+            faults.push(RadarFault::Missing { place: place(), what, index, count });
+        }
+    };
+    for channel in &radar.channels {
+        let place = || format!("channel '{}'", channel.name);
+        check(&place, "transmitter", channel.transmitter, radar.transmitters.len());
+        check(&place, "receiver", channel.receiver, radar.receivers.len());
+    }
+    for (name, mount) in mounts(radar) {
+        let place = || format!("antenna '{name}'");
+        check(&place, "platform", mount.platform, platforms);
+        if let Pointing::At { aim: Aim::Beside { platform, .. }, .. } = &mount.pointing {
+            check(&place, "platform", *platform, platforms);
+        }
+    }
+    if let Gate::Follow { aim: Aim::Beside { platform, .. }, .. } = &radar.window.gate {
+        check(&|| "window".to_owned(), "platform", *platform, platforms);
+    }
+}
