@@ -105,7 +105,7 @@ impl Patch {
                 return Err(PatchError::NotAMultiple { axis, facet_m, size_m });
             }
             let middle = (centre_m[i] / facet_m).round();
-            if !(middle.abs() <= (1u64 << 40) as f64) {
+            if !middle.is_finite() || middle.abs() > (1u64 << 40) as f64 {
                 return Err(PatchError::Centre { axis, centre_m: centre_m[i] });
             }
             facets[i] = count.round() as usize;

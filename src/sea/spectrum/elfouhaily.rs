@@ -142,7 +142,8 @@ impl Elfouhaily {
         let root = (k_rad_m / kp).sqrt() - 1.0;
         let cutoff = -1.25 * (kp / k_rad_m) * (kp / k_rad_m);
         let peak = (-root * root * self.sharpness).exp() * self.ln_gamma;
-        let long = self.half_alpha_long * (self.peak_speed_mps / c) * (cutoff + peak - self.decay * root).exp();
+        let long =
+            self.half_alpha_long * (self.peak_speed_mps / c) * (cutoff + peak - self.decay * root).exp();
         let detuning = k_rad_m / CAPILLARY_PEAK_RAD_M - 1.0;
         let short = self.half_alpha_short * (SLOWEST_MPS / c) * (cutoff - 0.25 * detuning * detuning).exp();
         [long, short]

@@ -174,7 +174,9 @@ pub enum SpectrumError {
         fetch_m: f64,
     },
     /// A fetch too short for this wind.
-    #[error("fetch of {fetch_m} m at {u10_mps} m/s means an inverse wave age of {inverse_wave_age:.2}: at most 5 is allowed")]
+    #[error(
+        "fetch of {fetch_m} m at {u10_mps} m/s means an inverse wave age of {inverse_wave_age:.2}: at most 5 is allowed"
+    )]
     Young {
         /// The fetch given, m.
         fetch_m: f64,
