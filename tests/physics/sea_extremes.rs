@@ -2,7 +2,7 @@
 
 use nereus::scene::patch::{Patch, PatchError};
 use nereus::scene::water::{
-    Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, Water, WindGiven, WindProfile,
+    Development, Dispersion, SpectrumKind, Swell, SwellShape, Water, WindGiven, WindProfile,
     WindStrength,
 };
 use nereus::sea::dispersion::CAPILLARY_PEAK_RAD_M;

@@ -54,7 +54,7 @@ fn out_of_range_is_refused_in_words() {
         (Wind::from_speed(10.0, 0.5, cardone, 0.0), "wind given at 0.5 m: allowed are 1 to 100 m"),
         (
             Wind::from_speed(35.0, 2.0, cardone, 0.0),
-            "this wind means 41.7 m/s or more at 10 m: allowed are 0 to 40 m/s",
+            "this wind means 41.8 m/s or more at 10 m: allowed are 0 to 40 m/s",
         ),
         (
             Wind::from_friction_velocity(-1.0, cardone, 0.0),

@@ -95,7 +95,8 @@ impl Spectrum for Jonswap {
         if self.calm || !in_range(k_rad_m) {
             return 0.0;
         }
-        self.frequency_m2s((GRAVITY_MPS2 * k_rad_m).sqrt()) * 0.5 * (GRAVITY_MPS2 / k_rad_m).sqrt()
+        let density_m2s = self.frequency_m2s((GRAVITY_MPS2 * k_rad_m).sqrt());
+        if density_m2s > 0.0 { density_m2s * 0.5 * (GRAVITY_MPS2 / k_rad_m).sqrt() } else { 0.0 }
     }
 
     fn spreading_per_rad(&self, k: WaveVector) -> f64 {

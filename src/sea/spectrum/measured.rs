@@ -244,6 +244,9 @@ impl Measured {
             faults.clone()
         })?;
         let rows = rows(text, &mut faults);
+        if rows.is_empty() && faults.count > 0 {
+            return Err(faults);
+        }
         let last_line = text.lines().count().max(1);
         let [x, y] = [0, 1].map(|i| axis(&rows, i, last_line, &mut faults));
         let (Some(x), Some(y), 0) = (x, y, faults.count) else {
