@@ -2,14 +2,13 @@
 
 use nereus::scene::patch::{Patch, PatchError};
 use nereus::scene::water::{
-    Development, Dispersion, SpectrumKind, Swell, SwellShape, Water, WindGiven, WindProfile,
-    WindStrength,
+    Development, Dispersion, SpectrumKind, Swell, SwellShape, Water, WindGiven, WindProfile, WindStrength,
 };
 use nereus::sea::dispersion::CAPILLARY_PEAK_RAD_M;
 use nereus::sea::spectrum::measured::Measured;
 use nereus::sea::spectrum::moments::Moments;
 use nereus::sea::spectrum::sampling::{self, FacetDensity};
-use nereus::sea::spectrum::{Elfouhaily, FungLee, Spectrum, WaveVector, of_water};
+use nereus::sea::spectrum::{Elfouhaily, FungLee, WaveVector, of_water};
 use nereus::sea::surface::{Averaging, Evaluator, Fields, Grid, Selection, Surface};
 use nereus::sea::wind::Wind;
 use proptest::prelude::*;

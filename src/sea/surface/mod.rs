@@ -27,7 +27,7 @@
 //! `x_grid + D + z up`.
 //!
 //! Any time is evaluated from t = 0 with phases reduced in f64: nothing drifts. f32 fields are within
-//! -120 dB of the f64 ones (relative to the rms of each field). Limits: linear waves; at most 2^26 facets;
+//! -120 dB of the f64 ones (relative to the rms of the height, or of the larger component of a vector). Limits: linear waves; at most 2^26 facets;
 //! |t| up to 1e9 s.
 //!
 //! ```

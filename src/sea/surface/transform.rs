@@ -49,6 +49,10 @@ pub struct Transform<T: Real> {
     /// `[|kx|][ky]`: w, rad/s, and `coth(K d)/K`, m (0 at K = 0).
     omega: Vec<T>,
     excursion: Vec<T>,
+    /// Power of two that brings the vertical acceleration to the size of the height: what one of two
+    /// fields loses to rounding is proportional to the larger.
+    levelling: T,
+    levelled_back: T,
     /// `g` where the horizontal acceleration is `-g` times the slope: gravity waves in any depth.
     gravity: Option<T>,
     block: Vec<Complex<T>>,
@@ -80,9 +84,12 @@ impl<T: Real> Transform<T> {
             }
         }
         let zero = Complex::new(T::default(), T::default());
+        let levelling = levelling(surface);
         Self {
             nx,
             ny,
+            levelling: T::round_from(levelling),
+            levelled_back: T::round_from(1.0 / levelling),
             along_y,
             along_x,
             kx: kx.into_iter().map(T::round_from).collect(),
@@ -102,11 +109,15 @@ impl<T: Real> Transform<T> {
         match (pair, self.gravity) {
             (Pair::HorizontalAcceleration, Some(gravity)) => {
                 self.transform(phasors, Pair::Slope);
-                self.separate(first, second, -gravity);
+                self.separate(first, second, [-gravity, -gravity]);
+            }
+            (Pair::Height, _) => {
+                self.transform(phasors, pair);
+                self.separate(first, second, [T::one(), self.levelled_back]);
             }
             _ => {
                 self.transform(phasors, pair);
-                self.separate(first, second, T::one());
+                self.separate(first, second, [T::one(), T::one()]);
             }
         }
     }
@@ -121,6 +132,7 @@ impl<T: Real> Transform<T> {
                 let here = i * ny..(i + 1) * ny;
                 let half = i.min(nx - i) * ny;
                 let factors = Row {
+                    levelling: self.levelling,
                     kx: self.kx[i],
                     ky: &self.ky,
                     omega: &self.omega[half..half + ny],
@@ -137,22 +149,46 @@ impl<T: Real> Transform<T> {
         }
     }
 
-    fn separate(&mut self, first: &mut [T], second: &mut [T], factor: T) {
+    fn separate(&mut self, first: &mut [T], second: &mut [T], factors: [T; 2]) {
         for (iy, line) in self.plane.chunks_exact_mut(self.nx).enumerate() {
             self.along_x.process_with_scratch(line, &mut self.scratch);
             let start = iy * self.nx;
             for (value, field) in line.iter().zip(first.iter_mut().skip(start)) {
-                *field = value.re * factor;
+                *field = value.re * factors[0];
             }
             for (value, field) in line.iter().zip(second.iter_mut().skip(start)) {
-                *field = value.im * factor;
+                *field = value.im * factors[1];
             }
         }
     }
 }
 
+/// The power of two nearest to the rms of the height over that of the vertical acceleration.
+fn levelling(surface: &Surface) -> f64 {
+    let grid = surface.grid();
+    let dk = grid.wave_number_step_rad_m();
+    let (mut height, mut acceleration) = (0.0, 0.0);
+    for (i, row) in surface.amplitude_m().chunks_exact(grid.ny()).enumerate() {
+        for (j, amplitude) in row.iter().enumerate() {
+            if let (Some(mx), Some(my)) = (grid.wave_index_x(i), grid.wave_index_y(j)) {
+                let k = (mx as f64 * dk[0]).hypot(my as f64 * dk[1]);
+                let energy = amplitude.norm_sqr();
+                height += energy;
+                acceleration += energy * surface.dispersion().angular_frequency_rad_s(k).powi(4);
+            }
+        }
+    }
+    if height > 0.0 && acceleration > 0.0 {
+        // Limits within which f32 neither overflows nor loses digits.
+        (0.5 * (height / acceleration).log2()).round().clamp(-40.0, 40.0).exp2()
+    } else {
+        1.0
+    }
+}
+
 /// Factors along one row of the wave-number plane.
 struct Row<'a, T> {
+    levelling: T,
     kx: T,
     ky: &'a [T],
     omega: &'a [T],
@@ -163,8 +199,10 @@ impl<T: Real> Row<'_, T> {
     fn fill(&self, pair: Pair, h: &[Complex<T>], g: &[Complex<T>], out: &mut [Complex<T>]) {
         let zero = T::default();
         match pair {
-            // H + j (-w^2 H)
-            Pair::Height => self.multiply(h, out, |_, omega, _| (T::one(), -(omega * omega))),
+            // H + j (-w^2 H) levelled
+            Pair::Height => {
+                self.multiply(h, out, |_, omega, _| (T::one(), -(omega * omega * self.levelling)))
+            }
             // j Kx H + j (j Ky H)
             Pair::Slope => self.multiply(h, out, |ky, _, _| (-ky, self.kx)),
             // (Kx + j Ky) w q/K G
