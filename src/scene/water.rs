@@ -1,4 +1,6 @@
 //! The water, as described: wind, spectrum, swell, depth, temperature, salinity.
+//!
+//! Plain settings; the room `sea` knows what they mean and checks their ranges.
 
 use std::path::PathBuf;
 
@@ -84,7 +86,7 @@ pub enum SpectrumKind {
         /// Directional spreading.
         spreading: Spreading,
     },
-    /// A measured 2-D spectrum from a CSV file (see [`crate::sea::spectrum::measured`]).
+    /// A measured 2-D spectrum from a CSV file (columns and limits: `sea::spectrum::measured`).
     Measured {
         /// The file.
         path: PathBuf,

@@ -9,6 +9,13 @@
 //!   symmetrised, crosswind over upwind is `2^(1-s)`, hence `s = 1 + log2[(1+Delta)/(1-Delta)]`.
 //!
 //! Limits: s in 0 to 1000.
+//!
+//! ```
+//! use nereus::sea::spectrum::{spreading::Heading, WaveVector};
+//! let north = Heading::new(std::f64::consts::FRAC_PI_2);
+//! let [up, down] = [1.0, -1.0].map(|y| north.cosine_power(1.0, WaveVector::new(0.0, y)));
+//! assert!((up - 1.0 / std::f64::consts::PI).abs() < 1e-12 && down < 1e-12);
+//! ```
 
 use super::{SpectrumError, WaveVector};
 use crate::scene::water::Spreading;

@@ -1,4 +1,21 @@
 //! Evaluates the fields of a surface at a time, into the caller's buffers, without allocating.
+//!
+//! ```
+//! use nereus::scene::water::{Dispersion, WindProfile};
+//! use nereus::sea::spectrum::FungLee;
+//! use nereus::sea::surface::{Averaging, Evaluator, Fields, Grid, Selection, Surface};
+//! use nereus::sea::wind::Wind;
+//! let spectrum = FungLee::new(&Wind::from_speed(6.0, 10.0, WindProfile::Cardone, 0.0)?);
+//! let grid = Grid::new(16, 16, 4.0)?;
+//! let surface = Surface::synthesise(grid, &spectrum, Dispersion::default(), 1, Averaging::Automatic)?;
+//! let mut evaluator = Evaluator::<f32>::new(&surface);
+//! let mut fields = Fields::new(&grid, Selection::HEIGHT);
+//! for block in 0..3 {
+//!     evaluator.evaluate(f64::from(block) * 0.072, &mut fields)?;
+//! }
+//! assert!(evaluator.evaluate(f64::NAN, &mut fields).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::fields::Real;
 use super::{Fields, Pair, Phasors, Surface, SurfaceError, Transform};

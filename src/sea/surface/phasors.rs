@@ -2,7 +2,7 @@
 //!
 //! With `s = a(K) + conj a(-K)` and `d = a(K) - conj a(-K)`, fixed: `H = s cos wt - j d sin wt` and
 //! `G = d cos wt - j s sin wt`. Phases are reduced to a turn in f64 before they are rounded, so an f32
-//! surface is as exact after an hour as at the start.
+//! surface is as exact after an hour as at the start. An example is at [`super::transform`].
 
 use num_complex::Complex;
 

@@ -4,6 +4,22 @@
 //! one as its real and the other as its imaginary part. Columns are transformed first, written
 //! transposed, then rows. Pairs are independent of one another: each may have a [`Transform`] and a
 //! thread of its own, with the same result.
+//!
+//! ```
+//! use nereus::scene::water::{Dispersion, WindProfile};
+//! use nereus::sea::spectrum::FungLee;
+//! use nereus::sea::surface::{Averaging, Grid, Pair, Phasors, Surface, Transform};
+//! use nereus::sea::wind::Wind;
+//! let spectrum = FungLee::new(&Wind::from_speed(6.0, 10.0, WindProfile::Cardone, 0.0)?);
+//! let grid = Grid::new(16, 16, 4.0)?;
+//! let surface = Surface::synthesise(grid, &spectrum, Dispersion::default(), 1, Averaging::Automatic)?;
+//! let mut phasors = Phasors::<f32>::new(&surface);
+//! phasors.turn_to(30.0);
+//! let (mut slope_x, mut slope_y) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
+//! Transform::new(&surface).run(&phasors, Pair::Slope, &mut slope_x, &mut slope_y);
+//! assert!(slope_x.iter().any(|s| *s != 0.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::sync::Arc;
 
