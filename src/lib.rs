@@ -10,6 +10,7 @@
 //! | [`rng`] | counter-based random streams |
 //! | [`pulse`] | one pulse under way: samples, time tag, navigation, flags |
 //! | [`scene`] | what there is, resolved, no physics |
+//! | [`sea`] | the water: wind, spectra, the synthesised surface |
 //! | [`nav`] | where platforms say they are: track files and NMEA logs |
 //! | [`motion`] | where everything is at an instant: tracks, attitude, pointing |
 //! | [`geometry`] | light time, delay rate, polarisation bases |
@@ -32,6 +33,7 @@ pub mod time;
 pub mod rng;
 pub mod pulse;
 pub mod scene;
+pub mod sea;
 pub mod nav;
 pub mod motion;
 pub mod geometry;

@@ -1,13 +1,17 @@
 //! What there is: plain, resolved descriptions without physics.
 
+pub mod patch;
 pub mod radar;
 pub mod target;
+pub mod water;
 
 use crate::frames::SceneFrame;
 use crate::time::TimeTag;
 
+pub use patch::Patch;
 pub use radar::Radar;
 pub use target::Target;
+pub use water::Water;
 
 /// Everything that a run emulates. Where platforms go is not here: tracks come from `nav`, under the
 /// same names.

@@ -1,0 +1,181 @@
+//! How finely, and over what length, a sea must be sampled.
+//!
+//! * A patch should hold the half-power band `[K1, K2]` of the actual spectrum in steps of at most
+//!   `alpha (K2 - K1)`: `Lmin = 2 pi / [alpha (K2 - K1)]`, alpha = 0.25. Indicative: a warning, not a rule.
+//! * Facets per metre by Rayleigh's criterion: waves shorter than `2 pi/K_R` are lower than
+//!   `h_R = lambda/(8 cos theta)` (crest to trough, `h(K) = 4 sigma` of the waves beyond K), with the two
+//!   asymptotes of Fung and Lee's capillary spectrum, which meet at `Kc = Km 3^(1/(p-1))`:
+//!   `h_c = 4 sqrt[2 a0 Km sqrt 3/(9(p-1))]`, `X = h_R^2 (p-1)/(32 a0 Km)`,
+//!   `K_R = Km X^(2/(3(1-p)))` for `h_R <= h_c`, else `Km (X + 2 sqrt 3/9)^(2/(1-p))`; facets/m = `K_R/pi`.
+//! * Speckle needs at least [`LEAST_FACETS_PER_CELL`] facets in a resolution cell.
+//!
+//! ```
+//! use nereus::scene::water::WindProfile;
+//! use nereus::sea::spectrum::{sampling, FungLee};
+//! use nereus::sea::wind::Wind;
+//! let sea = FungLee::new(&Wind::from_speed(10.0, 19.5, WindProfile::Cardone, 0.0)?);
+//! assert!((sampling::least_length_m(&sea, sampling::BAND_STEP) - 328.4).abs() < 0.1);
+//! # Ok::<(), nereus::sea::wind::WindError>(())
+//! ```
+
+use super::fung_lee::{CAPILLARY_SCALE_RAD_M, Capillary};
+use super::{Spectrum, WaveVector};
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// The usual step of wave number, in half-power bandwidths.
+pub const BAND_STEP: f64 = 0.25;
+/// Facets in a resolution cell below which its speckle is not Rayleigh's.
+pub const LEAST_FACETS_PER_CELL: f64 = 6.0;
+
+/// Least length of a patch, m, whose wave-number step is `band_step` half-power bandwidths; 0 for a
+/// spectrum that is zero throughout.
+pub fn least_length_m(spectrum: &dyn Spectrum, band_step: f64) -> f64 {
+    let [low, high] = spectrum.half_power_band_rad_m();
+    if high > low { std::f64::consts::TAU / (band_step * (high - low)) } else { 0.0 }
+}
+
+/// Facets in a resolution cell.
+pub fn facets_per_cell(facet_m: f64, cell_m: [f64; 2]) -> f64 {
+    cell_m[0] * cell_m[1] / (facet_m * facet_m)
+}
+
+/// Facet density by Rayleigh's criterion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetDensity {
+    /// Height below which a surface is smooth, m.
+    pub rayleigh_height_m: f64,
+    /// Height of the waves beyond the joint of the asymptotes, m.
+    pub joint_height_m: f64,
+    /// Wave number beyond which waves are that low, rad/m.
+    pub wave_number_rad_m: f64,
+    /// Facets per metre.
+    pub facets_per_m: f64,
+}
+
+impl FacetDensity {
+    /// For Cardone's friction velocity (m/s, positive), a carrier (Hz) and an incidence angle (radians
+    /// from the vertical; at and beyond the horizon any surface is smooth).
+    pub fn rayleigh(ustar_mps: f64, carrier_hz: f64, incidence_rad: f64) -> Self {
+        let Capillary { p, a0_m3 } = Capillary::new(ustar_mps);
+        let km = CAPILLARY_SCALE_RAD_M;
+        let root3 = 3f64.sqrt();
+        let cos = incidence_rad.cos().max(0.0);
+        let rayleigh_height_m = SPEED_OF_LIGHT_MPS / carrier_hz / (8.0 * cos);
+        let joint_height_m = 4.0 * (2.0 * a0_m3 * km * root3 / (9.0 * (p - 1.0))).sqrt();
+        let x = rayleigh_height_m * rayleigh_height_m * (p - 1.0) / (32.0 * a0_m3 * km);
+        let ratio = if rayleigh_height_m <= joint_height_m {
+            x.powf(2.0 / (3.0 * (1.0 - p)))
+        } else {
+            (x + 2.0 * root3 / 9.0).powf(2.0 / (1.0 - p))
+        };
+        let wave_number_rad_m = km * ratio;
+        Self {
+            rayleigh_height_m,
+            joint_height_m,
+            wave_number_rad_m,
+            facets_per_m: wave_number_rad_m / std::f64::consts::PI,
+        }
+    }
+}
+
+/// Where a spectrum with one peak inside a band is largest, rad/m.
+pub(super) fn peak_rad_m(s: impl Fn(f64) -> f64, [low, high]: [f64; 2]) -> f64 {
+    const SCAN: usize = 200;
+    let ratio = (high / low).ln() / SCAN as f64;
+    let at = |i: f64| low * (i * ratio).exp();
+    let mut best = (0, 0.0);
+    for i in 0..=SCAN {
+        let value = s(at(i as f64));
+        if value > best.1 {
+            best = (i, value);
+        }
+    }
+    // Golden section in the step to either side.
+    let (mut a, mut b) = (best.0 as f64 - 1.0, best.0 as f64 + 1.0);
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    while b - a > 1e-9 {
+        let (left, right) = (b - golden * (b - a), a + golden * (b - a));
+        if s(at(left)) < s(at(right)) {
+            a = left;
+        } else {
+            b = right;
+        }
+    }
+    at(0.5 * (a + b))
+}
+
+/// Where S falls to half its peak, below and above; `[0, 0]` without a peak.
+pub(super) fn half_power_band_rad_m(s: impl Fn(f64) -> f64, peak_rad_m: f64) -> [f64; 2] {
+    let half = 0.5 * s(peak_rad_m);
+    if half <= 0.0 {
+        return [0.0; 2];
+    }
+    let edge = |step: f64| {
+        let (mut inside, mut outside) = (peak_rad_m, peak_rad_m * step);
+        // 1400 steps of 1 percent are six decades: a spectrum that has not fallen by then has no band.
+        for _ in 0..1400 {
+            if s(outside) < half {
+                break;
+            }
+            inside = outside;
+            outside *= step;
+        }
+        for _ in 0..100 {
+            let middle = 0.5 * (inside + outside);
+            if s(middle) < half {
+                outside = middle;
+            } else {
+                inside = middle;
+            }
+        }
+        0.5 * (inside + outside)
+    };
+    [edge(1.0 / 1.01), edge(1.01)]
+}
+
+/// Into how many parts a side of the cell at K must be cut for a smooth spectrum, K^-4 at its steepest
+/// beyond the peak; 0 where the value at the centre does (beyond 32 cells from the origin it is within
+/// `16/24/32^2 = 7e-4` of the mean).
+pub(super) fn divisions(k: WaveVector, dk_rad_m: [f64; 2]) -> usize {
+    match k.magnitude() / dk_rad_m[0].max(dk_rad_m[1]) {
+        r if r < 3.0 => 8,
+        r if r < 8.0 => 3,
+        r if r < 32.0 => 1,
+        _ => 0,
+    }
+}
+
+/// Mean over a cell by the 3 x 3 rule of Gauss in each of `divisions^2` parts; the centre's value for 0.
+/// Nodes are symmetric, so the means at K and -K of a half-circle spectrum add up to twice the mean of
+/// the symmetric one, exactly.
+pub(super) fn cell_mean(
+    psi: impl Fn(WaveVector) -> f64,
+    k: WaveVector,
+    dk_rad_m: [f64; 2],
+    divisions: usize,
+) -> f64 {
+    if divisions == 0 {
+        return psi(k);
+    }
+    // Nodes and weights on [-1, 1].
+    let nodes = [(-0.6f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)];
+    let n = divisions as f64;
+    let mut sum = 0.0;
+    for i in 0..divisions {
+        for j in 0..divisions {
+            for (u, weight_u) in nodes {
+                for (v, weight_v) in nodes {
+                    // Offsets in half cells.
+                    let du = (2.0 * i as f64 + 1.0 + u - n) / n;
+                    let dv = (2.0 * j as f64 + 1.0 + v - n) / n;
+                    let at = WaveVector::new(
+                        k.x_rad_m + 0.5 * du * dk_rad_m[0],
+                        k.y_rad_m + 0.5 * dv * dk_rad_m[1],
+                    );
+                    sum += weight_u * weight_v * psi(at);
+                }
+            }
+        }
+    }
+    sum / (4.0 * n * n)
+}

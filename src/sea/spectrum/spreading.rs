@@ -1,0 +1,140 @@
+//! Directional spreading.
+//!
+//! * **Two-fold**: `Phi = [1 + e cos 2 phi]/(2 pi)`, the centro-symmetric form of Elfouhaily and of Fung
+//!   and Lee, phi from the wind. Its wave version keeps the half circle of waves that travel with the
+//!   wind, doubled.
+//! * **Cosine power**: `Phi = Gamma(s+1) / (2 sqrt(pi) Gamma(s+1/2)) cos^2s(phi/2)`; s from Mitsuyasu et
+//!   al. 1975, `s = smax (f/fp)^5` below the peak and `smax (f/fp)^-2.5` above,
+//!   `smax = 11.5 (2 pi fp U10/g)^-2.5`, or constant, or matched to Elfouhaily's crosswind ratio:
+//!   symmetrised, crosswind over upwind is `2^(1-s)`, hence `s = 1 + log2[(1+Delta)/(1-Delta)]`.
+//!
+//! Limits: s in 0 to 1000.
+//!
+//! ```
+//! use nereus::sea::spectrum::{spreading::Heading, WaveVector};
+//! let north = Heading::new(std::f64::consts::FRAC_PI_2);
+//! let [up, down] = [1.0, -1.0].map(|y| north.cosine_power(1.0, WaveVector::new(0.0, y)));
+//! assert!((up - 1.0 / std::f64::consts::PI).abs() < 1e-12 && down < 1e-12);
+//! ```
+
+use super::{SpectrumError, WaveVector};
+use crate::scene::water::Spreading;
+use crate::sea::GRAVITY_MPS2;
+
+/// Largest exponent of a cosine power.
+pub const MAX_EXPONENT: f64 = 1000.0;
+
+/// The direction a wave system travels to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heading {
+    cos: f64,
+    sin: f64,
+}
+
+impl Heading {
+    /// From an azimuth, radians from +x counter-clockwise.
+    pub fn new(azimuth_rad: f64) -> Self {
+        Self { cos: azimuth_rad.cos(), sin: azimuth_rad.sin() }
+    }
+
+    /// Components of K along the heading and to its left, rad/m.
+    pub fn resolve(self, k: WaveVector) -> [f64; 2] {
+        [self.cos * k.x_rad_m + self.sin * k.y_rad_m, self.cos * k.y_rad_m - self.sin * k.x_rad_m]
+    }
+
+    /// `[1 + e cos 2 phi]/(2 pi)`, 1/rad.
+    pub fn two_fold(self, e: f64, k: WaveVector) -> f64 {
+        let [along, across] = self.resolve(k);
+        let k2 = along * along + across * across;
+        let cos_2phi = if k2 > 0.0 { (along * along - across * across) / k2 } else { 0.0 };
+        (1.0 + e * cos_2phi) / std::f64::consts::TAU
+    }
+
+    /// The half of the two-fold form that travels with the wind, doubled; on the border as it is.
+    pub fn two_fold_wave(self, e: f64, k: WaveVector) -> f64 {
+        let [along, _] = self.resolve(k);
+        if along > 0.0 {
+            2.0 * self.two_fold(e, k)
+        } else if along < 0.0 {
+            0.0
+        } else {
+            self.two_fold(e, k)
+        }
+    }
+
+    /// Second harmonic of the two-fold form: see [`super::Spectrum::second_harmonic`].
+    pub fn two_fold_harmonic(self, e: f64) -> [f64; 2] {
+        self.rotate_harmonic(0.5 * e)
+    }
+
+    /// `cos^2s(phi/2)`, normalised, 1/rad.
+    pub fn cosine_power(self, s: f64, k: WaveVector) -> f64 {
+        let magnitude = k.magnitude();
+        let cos_phi = if magnitude > 0.0 { self.resolve(k)[0] / magnitude } else { 1.0 };
+        // cos^2(phi/2) = (1 + cos phi)/2; the bracket guards against a rounding beyond +-1.
+        let base = (0.5 * (1.0 + cos_phi)).clamp(0.0, 1.0);
+        let norm = (libm::lgamma(s + 1.0) - libm::lgamma(s + 0.5)).exp();
+        norm / (2.0 * std::f64::consts::PI.sqrt()) * base.powf(s)
+    }
+
+    /// Second harmonic of the cosine power, `s (s-1) / [(s+1)(s+2)]` about the heading.
+    pub fn cosine_power_harmonic(self, s: f64) -> [f64; 2] {
+        self.rotate_harmonic(s * (s - 1.0) / ((s + 1.0) * (s + 2.0)))
+    }
+
+    fn rotate_harmonic(self, about_heading: f64) -> [f64; 2] {
+        let cos_2 = self.cos * self.cos - self.sin * self.sin;
+        let sin_2 = 2.0 * self.sin * self.cos;
+        [about_heading * cos_2, about_heading * sin_2]
+    }
+}
+
+/// How the exponent of a wind sea's cosine power depends on K.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Exponent {
+    Constant(f64),
+    Mitsuyasu { largest: f64, peak_rad_m: f64 },
+    LikeElfouhaily { ustar_mps: f64, peak_speed_mps: f64 },
+}
+
+impl Exponent {
+    /// For a sea with its spectral peak at `peak_rad_m`.
+    pub(super) fn new(
+        spreading: Spreading,
+        u10_mps: f64,
+        ustar_mps: f64,
+        peak_rad_m: f64,
+    ) -> Result<Self, SpectrumError> {
+        match spreading {
+            Spreading::Constant(exponent) if (0.0..=MAX_EXPONENT).contains(&exponent) => {
+                Ok(Self::Constant(exponent))
+            }
+            Spreading::Constant(exponent) => Err(SpectrumError::Exponent { exponent }),
+            Spreading::Mitsuyasu => {
+                let omega_peak = (GRAVITY_MPS2 * peak_rad_m).sqrt();
+                let largest = 11.5 * (omega_peak * u10_mps / GRAVITY_MPS2).powf(-2.5);
+                Ok(Self::Mitsuyasu { largest: largest.clamp(0.0, MAX_EXPONENT), peak_rad_m })
+            }
+            Spreading::LikeElfouhaily => {
+                let peak_speed_mps = super::elfouhaily::phase_speed_mps(peak_rad_m);
+                Ok(Self::LikeElfouhaily { ustar_mps, peak_speed_mps })
+            }
+        }
+    }
+
+    /// s at K.
+    pub(super) fn at(self, k_rad_m: f64) -> f64 {
+        match self {
+            Self::Constant(s) => s,
+            Self::Mitsuyasu { largest, peak_rad_m } => {
+                // (f/fp)^2 = K/Kp in deep water.
+                let ratio = k_rad_m / peak_rad_m;
+                largest * if ratio < 1.0 { ratio.powf(2.5) } else { ratio.powf(-1.25) }
+            }
+            Self::LikeElfouhaily { ustar_mps, peak_speed_mps } => {
+                let delta = super::elfouhaily::delta(k_rad_m, ustar_mps, peak_speed_mps);
+                (1.0 + ((1.0 + delta) / (1.0 - delta)).log2()).clamp(0.0, MAX_EXPONENT)
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Evaluates the fields of a surface at a time, into the caller's buffers, without allocating.
+//!
+//! ```
+//! use nereus::scene::water::{Dispersion, WindProfile};
+//! use nereus::sea::spectrum::FungLee;
+//! use nereus::sea::surface::{Averaging, Evaluator, Fields, Grid, Selection, Surface};
+//! use nereus::sea::wind::Wind;
+//! let spectrum = FungLee::new(&Wind::from_speed(6.0, 10.0, WindProfile::Cardone, 0.0)?);
+//! let grid = Grid::new(16, 16, 4.0)?;
+//! let surface = Surface::synthesise(grid, &spectrum, Dispersion::default(), 1, Averaging::Automatic)?;
+//! let mut evaluator = Evaluator::<f32>::new(&surface);
+//! let mut fields = Fields::new(&grid, Selection::HEIGHT);
+//! for block in 0..3 {
+//!     evaluator.evaluate(f64::from(block) * 0.072, &mut fields)?;
+//! }
+//! assert!(evaluator.evaluate(f64::NAN, &mut fields).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use super::fields::Real;
+use super::{Fields, Pair, Phasors, Surface, SurfaceError, Transform};
+
+/// Furthest time from t = 0, s: there the phases of waves of 1 m are still good to 1e-6 rad.
+pub const MAX_TIME_S: f64 = 1e9;
+
+/// Evaluates one surface, in f32 or f64.
+#[derive(Clone)]
+pub struct Evaluator<T: Real> {
+    facets: usize,
+    flat: bool,
+    phasors: Phasors<T>,
+    transform: Transform<T>,
+}
+
+impl<T: Real> Evaluator<T> {
+    /// For a surface.
+    pub fn new(surface: &Surface) -> Self {
+        Self {
+            facets: surface.grid().len(),
+            flat: surface.is_flat(),
+            phasors: Phasors::new(surface),
+            transform: Transform::new(surface),
+        }
+    }
+
+    /// Fills every field that is not empty, at a time in seconds from t = 0.
+    pub fn evaluate(&mut self, time_s: f64, fields: &mut Fields<T>) -> Result<(), SurfaceError> {
+        if !time_s.is_finite() || time_s.abs() > MAX_TIME_S {
+            return Err(SurfaceError::Time { time_s });
+        }
+        let Fields {
+            height_m,
+            slope,
+            velocity_mps: [ux, uy, uz],
+            acceleration_mps2: [ax, ay, az],
+            displacement_m,
+            slope_rate_per_s,
+        } = fields;
+        let [slope_x, slope_y] = slope;
+        let [dx, dy] = displacement_m;
+        let [rate_x, rate_y] = slope_rate_per_s;
+        let pairs: [(Pair, &mut [T], &mut [T]); 7] = [
+            (Pair::Height, height_m, az),
+            (Pair::Slope, slope_x, slope_y),
+            (Pair::HorizontalVelocity, ux, uy),
+            (Pair::VerticalVelocity, uz, &mut []),
+            (Pair::HorizontalAcceleration, ax, ay),
+            (Pair::Displacement, dx, dy),
+            (Pair::SlopeRate, rate_x, rate_y),
+        ];
+        for found in pairs.iter().flat_map(|(_, first, second)| [first.len(), second.len()]) {
+            if found != 0 && found != self.facets {
+                return Err(SurfaceError::FieldSize { found, needed: self.facets });
+            }
+        }
+        if !self.flat {
+            self.phasors.turn_to(time_s);
+        }
+        for (pair, first, second) in pairs {
+            if first.is_empty() && second.is_empty() {
+                continue;
+            }
+            if self.flat {
+                first.fill(T::default());
+                second.fill(T::default());
+            } else {
+                self.transform.run(&self.phasors, pair, first, second);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,141 @@
+//! What a surface is at an instant, facet by facet.
+//!
+//! Structure of arrays, `[iy][ix]` (see [`Grid::index`]), in f32 or f64. Fields that a scene does not need
+//! stay empty and cost nothing.
+//!
+//! ```
+//! use nereus::sea::surface::{Fields, Grid, Selection};
+//! let grid = Grid::new(8, 8, 1.0)?;
+//! let fields = Fields::<f32>::new(&grid, Selection { slopes: true, ..Selection::HEIGHT });
+//! assert_eq!((fields.height_m.len(), fields.slope[1].len(), fields.velocity_mps[0].len()), (64, 64, 0));
+//! # Ok::<(), nereus::sea::surface::SurfaceError>(())
+//! ```
+
+use std::fmt::Debug;
+
+use num_complex::Complex;
+use rustfft::FftNum;
+
+use super::Grid;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// Number format of fields: f32 or f64.
+pub trait Real: FftNum + Default + Debug + sealed::Sealed {
+    /// Rounded from f64.
+    fn round_from(value: f64) -> Self;
+    /// Exact in f64.
+    fn widen(self) -> f64;
+}
+
+impl Real for f32 {
+    fn round_from(value: f64) -> Self {
+        value as f32
+    }
+    fn widen(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Real for f64 {
+    fn round_from(value: f64) -> Self {
+        value
+    }
+    fn widen(self) -> f64 {
+        self
+    }
+}
+
+/// A complex number rounded from f64.
+pub(super) fn round_complex<T: Real>(value: Complex<f64>) -> Complex<T> {
+    Complex::new(T::round_from(value.re), T::round_from(value.im))
+}
+
+/// Which fields are wanted beside the height (and the vertical acceleration, which comes with it).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Selection {
+    /// Slopes along x and y.
+    pub slopes: bool,
+    /// Orbital velocity.
+    pub velocity: bool,
+    /// Horizontal orbital acceleration.
+    pub horizontal_acceleration: bool,
+    /// Horizontal displacement.
+    pub displacement: bool,
+    /// Time derivative of the slopes.
+    pub slope_rate: bool,
+}
+
+impl Selection {
+    /// The height alone.
+    pub const HEIGHT: Self = Self {
+        slopes: false,
+        velocity: false,
+        horizontal_acceleration: false,
+        displacement: false,
+        slope_rate: false,
+    };
+    /// Everything.
+    pub const ALL: Self = Self {
+        slopes: true,
+        velocity: true,
+        horizontal_acceleration: true,
+        displacement: true,
+        slope_rate: true,
+    };
+}
+
+/// Fields of a surface at an instant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fields<T> {
+    /// Height above the mean surface, m.
+    pub height_m: Vec<T>,
+    /// Slopes dz/dx, dz/dy.
+    pub slope: [Vec<T>; 2],
+    /// Orbital velocity along x, y, up, m/s.
+    pub velocity_mps: [Vec<T>; 3],
+    /// Its time derivative, m/s^2.
+    pub acceleration_mps2: [Vec<T>; 3],
+    /// Horizontal displacement D along x and y, m.
+    pub displacement_m: [Vec<T>; 2],
+    /// Time derivative of the slopes, 1/s.
+    pub slope_rate_per_s: [Vec<T>; 2],
+}
+
+impl<T: Real> Fields<T> {
+    /// Room for the selected fields of a grid, all zero: still water.
+    pub fn new(grid: &Grid, selection: Selection) -> Self {
+        let make = |wanted: bool| vec![T::default(); if wanted { grid.len() } else { 0 }];
+        let pair = |wanted: bool| [make(wanted), make(wanted)];
+        let Selection { slopes, velocity, horizontal_acceleration, displacement, slope_rate } = selection;
+        Self {
+            height_m: make(true),
+            slope: pair(slopes),
+            velocity_mps: [make(velocity), make(velocity), make(velocity)],
+            acceleration_mps2: [make(horizontal_acceleration), make(horizontal_acceleration), make(true)],
+            displacement_m: pair(displacement),
+            slope_rate_per_s: pair(slope_rate),
+        }
+    }
+}
+
+/// All fields at one place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Height above the mean surface, m.
+    pub height_m: f64,
+    /// Slopes dz/dx, dz/dy.
+    pub slope: [f64; 2],
+    /// Orbital velocity along x, y, up, m/s.
+    pub velocity_mps: [f64; 3],
+    /// Its time derivative, m/s^2.
+    pub acceleration_mps2: [f64; 3],
+    /// Horizontal displacement D along x and y, m.
+    pub displacement_m: [f64; 2],
+    /// Time derivative of the slopes, 1/s.
+    pub slope_rate_per_s: [f64; 2],
+}

@@ -1,0 +1,255 @@
+//! From rotating amplitudes to fields: two real fields by one complex transform.
+//!
+//! If X and Y are the (Hermitian) spectra of two real fields, the inverse transform of `X + j Y` has the
+//! one as its real and the other as its imaginary part. Columns are transformed first, written
+//! transposed, then rows. Pairs are independent of one another: each may have a [`Transform`] and a
+//! thread of its own, with the same result.
+//!
+//! ```
+//! use nereus::scene::water::{Dispersion, WindProfile};
+//! use nereus::sea::spectrum::FungLee;
+//! use nereus::sea::surface::{Averaging, Grid, Pair, Phasors, Surface, Transform};
+//! use nereus::sea::wind::Wind;
+//! let spectrum = FungLee::new(&Wind::from_speed(6.0, 10.0, WindProfile::Cardone, 0.0)?);
+//! let grid = Grid::new(16, 16, 4.0)?;
+//! let surface = Surface::synthesise(grid, &spectrum, Dispersion::default(), 1, Averaging::Automatic)?;
+//! let mut phasors = Phasors::<f32>::new(&surface);
+//! phasors.turn_to(30.0);
+//! let (mut slope_x, mut slope_y) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
+//! Transform::new(&surface).run(&phasors, Pair::Slope, &mut slope_x, &mut slope_y);
+//! assert!(slope_x.iter().any(|s| *s != 0.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::sync::Arc;
+
+use num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+
+use super::fields::Real;
+use super::{Phasors, Surface};
+
+/// Two fields that are transformed together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pair {
+    /// Height and vertical acceleration.
+    Height,
+    /// Slopes along x and y.
+    Slope,
+    /// Horizontal velocities.
+    HorizontalVelocity,
+    /// Vertical velocity, alone.
+    VerticalVelocity,
+    /// Horizontal accelerations.
+    HorizontalAcceleration,
+    /// Horizontal displacements.
+    Displacement,
+    /// Rates of the slopes.
+    SlopeRate,
+}
+
+/// Rows of the wave-number plane that are transformed before they are written transposed: one cache line
+/// of f32 pairs.
+const BLOCK: usize = 8;
+
+/// Factors and buffers of the transforms of one surface.
+#[derive(Clone)]
+pub struct Transform<T: Real> {
+    nx: usize,
+    ny: usize,
+    along_y: Arc<dyn Fft<T>>,
+    along_x: Arc<dyn Fft<T>>,
+    /// Kx of every row and Ky of every column (0 at Nyquist), rad/m.
+    kx: Vec<T>,
+    ky: Vec<T>,
+    /// `[|kx|][ky]`: w, rad/s, and `coth(K d)/K`, m (0 at K = 0).
+    omega: Vec<T>,
+    excursion: Vec<T>,
+    /// Power of two that brings the vertical acceleration to the size of the height: what one of two
+    /// fields loses to rounding is proportional to the larger.
+    levelling: T,
+    levelled_back: T,
+    /// `g` where the horizontal acceleration is `-g` times the slope: gravity waves in any depth.
+    gravity: Option<T>,
+    block: Vec<Complex<T>>,
+    plane: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
+}
+
+impl<T: Real> Transform<T> {
+    /// For a surface.
+    pub fn new(surface: &Surface) -> Self {
+        let grid = surface.grid();
+        let (nx, ny) = (grid.nx(), grid.ny());
+        let dk = grid.wave_number_step_rad_m();
+        let mut planner = FftPlanner::new();
+        let along_y = planner.plan_fft_inverse(ny);
+        let along_x = planner.plan_fft_inverse(nx);
+        let scratch = along_y.get_inplace_scratch_len().max(along_x.get_inplace_scratch_len());
+        let wave_number = |index: Option<i64>, dk: f64| index.map_or(0.0, |m| m as f64 * dk);
+        let kx: Vec<f64> = (0..nx).map(|i| wave_number(grid.wave_index_x(i), dk[0])).collect();
+        let ky: Vec<f64> = (0..ny).map(|j| wave_number(grid.wave_index_y(j), dk[1])).collect();
+        let dispersion = surface.dispersion();
+        let (mut omega, mut excursion) = (Vec::new(), Vec::new());
+        for kx in &kx[..=nx / 2] {
+            for ky in &ky {
+                let k = kx.hypot(*ky);
+                omega.push(T::round_from(dispersion.angular_frequency_rad_s(k)));
+                let ratio = if k > 0.0 { dispersion.excursion_ratio(k) / k } else { 0.0 };
+                excursion.push(T::round_from(ratio));
+            }
+        }
+        let zero = Complex::new(T::default(), T::default());
+        let levelling = levelling(surface);
+        Self {
+            nx,
+            ny,
+            levelling: T::round_from(levelling),
+            levelled_back: T::round_from(1.0 / levelling),
+            along_y,
+            along_x,
+            kx: kx.into_iter().map(T::round_from).collect(),
+            ky: ky.into_iter().map(T::round_from).collect(),
+            omega,
+            excursion,
+            gravity: (!dispersion.capillary).then(|| T::round_from(crate::sea::GRAVITY_MPS2)),
+            block: vec![zero; BLOCK.min(nx) * ny],
+            plane: vec![zero; nx * ny],
+            scratch: vec![zero; scratch],
+        }
+    }
+
+    /// Fills a pair of fields (the second may be empty). Slices of another length than the grid are
+    /// filled as far as they go.
+    pub fn run(&mut self, phasors: &Phasors<T>, pair: Pair, first: &mut [T], second: &mut [T]) {
+        match (pair, self.gravity) {
+            (Pair::HorizontalAcceleration, Some(gravity)) => {
+                self.transform(phasors, Pair::Slope);
+                self.separate(first, second, [-gravity, -gravity]);
+            }
+            (Pair::Height, _) => {
+                self.transform(phasors, pair);
+                self.separate(first, second, [T::one(), self.levelled_back]);
+            }
+            _ => {
+                self.transform(phasors, pair);
+                self.separate(first, second, [T::one(), T::one()]);
+            }
+        }
+    }
+
+    fn transform(&mut self, phasors: &Phasors<T>, pair: Pair) {
+        let (nx, ny) = (self.nx, self.ny);
+        for first in (0..nx).step_by(BLOCK) {
+            let rows = BLOCK.min(nx - first);
+            let block = &mut self.block[..rows * ny];
+            for (row, out) in block.chunks_exact_mut(ny).enumerate() {
+                let i = first + row;
+                let here = i * ny..(i + 1) * ny;
+                let half = i.min(nx - i) * ny;
+                let factors = Row {
+                    levelling: self.levelling,
+                    kx: self.kx[i],
+                    ky: &self.ky,
+                    omega: &self.omega[half..half + ny],
+                    excursion: &self.excursion[half..half + ny],
+                };
+                factors.fill(pair, &phasors.h[here.clone()], &phasors.g[here], out);
+            }
+            self.along_y.process_with_scratch(block, &mut self.scratch);
+            for (iy, line) in self.plane.chunks_exact_mut(nx).enumerate() {
+                for (row, value) in line[first..first + rows].iter_mut().enumerate() {
+                    *value = block[row * ny + iy];
+                }
+            }
+        }
+    }
+
+    fn separate(&mut self, first: &mut [T], second: &mut [T], factors: [T; 2]) {
+        for (iy, line) in self.plane.chunks_exact_mut(self.nx).enumerate() {
+            self.along_x.process_with_scratch(line, &mut self.scratch);
+            let start = iy * self.nx;
+            for (value, field) in line.iter().zip(first.iter_mut().skip(start)) {
+                *field = value.re * factors[0];
+            }
+            for (value, field) in line.iter().zip(second.iter_mut().skip(start)) {
+                *field = value.im * factors[1];
+            }
+        }
+    }
+}
+
+/// The power of two nearest to the rms of the height over that of the vertical acceleration.
+fn levelling(surface: &Surface) -> f64 {
+    let grid = surface.grid();
+    let dk = grid.wave_number_step_rad_m();
+    let (mut height, mut acceleration) = (0.0, 0.0);
+    for (i, row) in surface.amplitude_m().chunks_exact(grid.ny()).enumerate() {
+        for (j, amplitude) in row.iter().enumerate() {
+            if let (Some(mx), Some(my)) = (grid.wave_index_x(i), grid.wave_index_y(j)) {
+                let k = (mx as f64 * dk[0]).hypot(my as f64 * dk[1]);
+                let energy = amplitude.norm_sqr();
+                height += energy;
+                acceleration += energy * surface.dispersion().angular_frequency_rad_s(k).powi(4);
+            }
+        }
+    }
+    if height > 0.0 && acceleration > 0.0 {
+        // Limits within which f32 neither overflows nor loses digits.
+        (0.5 * (height / acceleration).log2()).round().clamp(-40.0, 40.0).exp2()
+    } else {
+        1.0
+    }
+}
+
+/// Factors along one row of the wave-number plane.
+struct Row<'a, T> {
+    levelling: T,
+    kx: T,
+    ky: &'a [T],
+    omega: &'a [T],
+    excursion: &'a [T],
+}
+
+impl<T: Real> Row<'_, T> {
+    fn fill(&self, pair: Pair, h: &[Complex<T>], g: &[Complex<T>], out: &mut [Complex<T>]) {
+        let zero = T::default();
+        match pair {
+            // H + j (-w^2 H) levelled
+            Pair::Height => {
+                self.multiply(h, out, |_, omega, _| (T::one(), -(omega * omega * self.levelling)))
+            }
+            // j Kx H + j (j Ky H)
+            Pair::Slope => self.multiply(h, out, |ky, _, _| (-ky, self.kx)),
+            // (Kx + j Ky) w q/K G
+            Pair::HorizontalVelocity => self.multiply(g, out, |ky, omega, excursion| {
+                let speed = omega * excursion;
+                (self.kx * speed, ky * speed)
+            }),
+            // -j w G
+            Pair::VerticalVelocity => self.multiply(g, out, |_, omega, _| (zero, -omega)),
+            // -j (Kx + j Ky) w^2 q/K H
+            Pair::HorizontalAcceleration => self.multiply(h, out, |ky, omega, excursion| {
+                let rate = omega * omega * excursion;
+                (ky * rate, -(self.kx * rate))
+            }),
+            // j (Kx + j Ky) q/K H
+            Pair::Displacement => {
+                self.multiply(h, out, |ky, _, excursion| (-(ky * excursion), self.kx * excursion))
+            }
+            // (Kx + j Ky) w G
+            Pair::SlopeRate => self.multiply(g, out, |ky, omega, _| (self.kx * omega, ky * omega)),
+        }
+    }
+
+    /// `out = factor(ky, w, q/K) x`, the factor as its real and imaginary part.
+    #[inline(always)]
+    fn multiply(&self, x: &[Complex<T>], out: &mut [Complex<T>], factor: impl Fn(T, T, T) -> (T, T)) {
+        let n = out.len();
+        let (x, ky, omega, excursion) = (&x[..n], &self.ky[..n], &self.omega[..n], &self.excursion[..n]);
+        for j in 0..n {
+            let (re, im) = factor(ky[j], omega[j], excursion[j]);
+            out[j] = Complex::new(x[j].re * re - x[j].im * im, x[j].re * im + x[j].im * re);
+        }
+    }
+}
