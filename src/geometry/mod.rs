@@ -1,1 +1,3 @@
 //! Delay, Doppler, angles.
+
+pub mod bistatic;

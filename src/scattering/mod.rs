@@ -1,3 +1,11 @@
 //! What each thing that scatters returns, as one flat list of contacts.
 
 pub mod contact;
+pub mod fresnel;
+pub mod kind;
+pub mod kirchhoff;
+pub mod permittivity;
+pub mod slope_pdf;
+pub mod spm;
+pub mod tilt;
+pub mod two_scale;

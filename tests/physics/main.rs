@@ -1,0 +1,5 @@
+//! Physics against golden values and closed forms.
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+mod scatter_golden;
+mod scatter_oracle;
