@@ -20,6 +20,10 @@ use rand_chacha::rand_core::SeedableRng;
 pub enum Room {
     /// Thermal noise of a receiver: index = pulse, part = channel.
     ReceiverNoise = 1,
+    /// Random phases of a sea facet: index and part = its global grid numbers (two's complement).
+    FacetPhase = 20,
+    /// Loss of memory of a sea facet: as above.
+    FacetDecorrelation = 21,
 }
 
 /// The stream at an address.

@@ -27,8 +27,17 @@ pub struct Reflection {
 #[inline]
 pub fn refracted(eps: Complex64, cos_theta: f64) -> Complex64 {
     // eps - sin^2 written as (eps - 1) + cos^2: no loss of digits near grazing or near eps = 1.
-    let root = (eps - 1.0 + cos_theta * cos_theta).sqrt();
-    if root.im > 0.0 { -root } else { root }
+    let square = eps - 1.0 + cos_theta * cos_theta;
+    // sqrt(z) from |z|, the larger part first so that nothing cancels (the library's goes through polar form).
+    let larger = (0.5 * (square.norm_sqr().sqrt() + square.re.abs())).sqrt();
+    if larger == 0.0 {
+        Complex64::ZERO
+    } else if square.re >= 0.0 {
+        let im = square.im / (2.0 * larger);
+        if im > 0.0 { Complex64::new(-larger, -im) } else { Complex64::new(larger, im) }
+    } else {
+        Complex64::new(-square.im / (2.0 * larger), -larger)
+    }
 }
 
 /// Reflection coefficients at the local incidence angle whose cosine is `cos_theta` (0 to 1).

@@ -1,11 +1,14 @@
 //! What each thing that scatters returns, as one flat list of contacts.
 
 pub mod contact;
+pub mod facets;
 pub mod fresnel;
 pub mod kind;
 pub mod kirchhoff;
 pub mod permittivity;
 pub mod slope_pdf;
+pub mod speckle;
+pub mod spectrum_table;
 pub mod spm;
 pub mod tilt;
 pub mod two_scale;

@@ -11,6 +11,17 @@
 //! a_vh = (eps-1) rs sin d / [(ci+ri)(eps cs+rs)]
 //! ```
 //!
+//! [`alphas`] is this form. [`amplitude`] uses the same matrix written without local bases: with unit fields
+//! `e` and `e'` of the incident wave and of the scattered one reversed in time, and the factors
+//! `te = 1/(c+r)`, `tm = 1/(eps c+r)` of each, the fields just inside a plane boundary are (less `2c`)
+//! `E_t = te e_t +- (eps-1) te tm (e.n) k_t` and `E_z = -tm (e.n)` (`k_t`: tangential part of the direction,
+//! plus incident, minus scattered), and
+//!
+//! `ci cs (Rs^T a Ri)_pq = ci cs (eps-1) [E'_t . E_t + eps E'_z E_z]`,
+//!
+//! free of singular cases at nadir (derived from the above with `eps c^2 - r^2 = -(eps-1) sin^2`; tests hold both
+//! together).
+//!
 //! `k` is the radar wave number (rad/m), `Psi` the symmetrised two-sided height spectrum (m^4, its
 //! integral over the whole plane is the height variance): `Psi_sym(K) = [Psi(K) + Psi(-K)]/2`.
 //! `sigma0` is per unit area of the facet itself. Amplitudes here are `A`, `|A_pq|^2 = sigma0_pq`,
@@ -32,13 +43,11 @@
 //! assert!(a[0][0].norm() > a[1][1].norm()); // VV above HH
 //! ```
 
-use std::f64::consts::PI;
-
+use glam::DVec3;
 use num_complex::Complex64;
 
 use super::fresnel::{quotient, refracted};
 use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
-use crate::geometry::bistatic::fsa_basis;
 
 /// Bragg wave number below which the spectrum counts as nothing, rad/m (the forward direction).
 pub const LEAST_BRAGG_RADPM: f64 = 1e-9;
@@ -83,30 +92,72 @@ pub fn amplitude(
     psi: impl Fn(f64, f64) -> f64,
 ) -> ScatterMatrix {
     let Some((cos_i, cos_s)) = path.local_cosines(tangent.normal) else { return NO_ECHO };
+    let contrast = eps - 1.0;
+    if contrast == Complex64::ZERO {
+        return NO_ECHO;
+    }
     let (kx, ky) = bragg_vector(wavenumber_radpm, tangent, path);
-    if kx.hypot(ky) < LEAST_BRAGG_RADPM {
+    if kx * kx + ky * ky < LEAST_BRAGG_RADPM * LEAST_BRAGG_RADPM {
         return NO_ECHO;
     }
     // `max` also turns a NaN of a foreign spectrum into nothing.
     let density = psi(kx, ky).max(0.0);
-    let scale = 4.0 * PI.sqrt() * wavenumber_radpm * wavenumber_radpm * cos_i * cos_s * density.sqrt();
+    let scale =
+        contrast * (FOUR_ROOT_PI * wavenumber_radpm * wavenumber_radpm * cos_i * cos_s * density.sqrt());
 
-    let (v_i, h_i) = fsa_basis(path.ki, tangent.normal);
-    let (v_s, h_s) = fsa_basis(path.ks, tangent.normal);
-    let azimuth = (h_i.dot(h_s), tangent.normal.dot(h_i.cross(h_s)));
-    let local = alphas(eps, cos_i, cos_s, azimuth);
+    let n = tangent.normal;
+    let (te_i, tm_i) = transmission(eps, cos_i);
+    let (te_s, tm_s) = transmission(eps, cos_s);
+    // Tangential parts of the directions; the sign of the scattered one is that of the time-reversed wave.
+    let along_i = path.ki + n * cos_i;
+    let along_s = n * cos_s - path.ks;
+    let tilt_i = contrast * te_i * tm_i;
+    let tilt_s = contrast * te_s * tm_s;
 
-    let (v, h) = path.incident;
-    let into = [[v_i.dot(v), v_i.dot(h)], [h_i.dot(v), h_i.dot(h)]];
-    let (v, h) = path.scattered;
-    let out_of = [[v_s.dot(v), v_s.dot(h)], [h_s.dot(v), h_s.dot(h)]];
-    let mut global = NO_ECHO;
-    for (p, row) in global.iter_mut().enumerate() {
-        for (q, entry) in row.iter_mut().enumerate() {
-            let from_v = local[0][0] * into[0][q] + local[0][1] * into[1][q];
-            let from_h = local[1][0] * into[0][q] + local[1][1] * into[1][q];
-            *entry = (from_v * out_of[0][p] + from_h * out_of[1][p]) * scale;
+    let mut matrix = NO_ECHO;
+    let incident = [path.incident.0, path.incident.1].map(|e| Inside::new(e, n, te_i, tilt_i, along_i));
+    let scattered = [path.scattered.0, path.scattered.1].map(|e| Inside::new(e, n, te_s, tilt_s, along_s));
+    let vertical = eps * tm_i * tm_s;
+    for (row, s) in matrix.iter_mut().zip(&scattered) {
+        for (entry, i) in row.iter_mut().zip(&incident) {
+            *entry = scale * (s.dot(i) + vertical * (s.normal * i.normal));
         }
     }
-    global
+    matrix
+}
+
+/// `4 sqrt(pi)`.
+const FOUR_ROOT_PI: f64 = 7.089_815_403_622_064;
+
+/// `1/(c + r)` and `1/(eps c + r)`.
+#[inline]
+fn transmission(eps: Complex64, cos_theta: f64) -> (Complex64, Complex64) {
+    let r = refracted(eps, cos_theta);
+    (quotient(Complex64::ONE, r + cos_theta), quotient(Complex64::ONE, eps * cos_theta + r))
+}
+
+/// Field just inside the plane boundary due to a wave of unit field `e`, less the factor `2 c`: its tangential
+/// part `te e_t + tilt (e.n) along`, held as its two real directions, and `e.n`.
+struct Inside {
+    field: DVec3,
+    along: DVec3,
+    te: Complex64,
+    tilt: Complex64,
+    normal: f64,
+}
+
+impl Inside {
+    #[inline]
+    fn new(e: DVec3, n: DVec3, te: Complex64, tilt: Complex64, along: DVec3) -> Self {
+        let normal = e.dot(n);
+        Self { field: e - n * normal, along: along * normal, te, tilt, normal }
+    }
+
+    #[inline]
+    fn dot(&self, other: &Self) -> Complex64 {
+        self.te * other.te * self.field.dot(other.field)
+            + self.te * other.tilt * self.field.dot(other.along)
+            + self.tilt * other.te * self.along.dot(other.field)
+            + self.tilt * other.tilt * self.along.dot(other.along)
+    }
 }

@@ -15,7 +15,7 @@
 //!
 //! Optionally (`tilt_average`) the Bragg part is a sum over nine sub-facets, tilted by the nodes of a 3 x 3
 //! Gauss-Hermite rule of the slope density, each with its own random phase: its covariance is the average
-//! over tilts, cross-polarisation included.
+//! over tilts (of `sigma0` times the true area of the tilted sub-facet), cross-polarisation included.
 //!
 //! Amplitudes are per square root of facet area. The two mechanisms are independent; a facet of area `A`
 //! has `S = sqrt(A) (spm e^{j phi_1} + go e^{j phi_2})` ([`facets`](super::facets)).
@@ -287,7 +287,9 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
             for (slot, (u, c)) in response.bragg.iter_mut().zip(nodes) {
                 let (up, cross) = (u.0 * s_up, c.0 * s_cross);
                 let plane = tangent.tilted(cos * up - sin * cross, sin * up + cos * cross, axis);
-                *slot = scaled(bragg(&plane), (u.1 * c.1).sqrt());
+                // sigma0 is per true area: the tilted sub-facet is larger than the facet beneath it.
+                let area = (1.0 + up * up + cross * cross).sqrt();
+                *slot = scaled(bragg(&plane), (u.1 * c.1 * area).sqrt());
             }
         } else {
             response.bragg[0] = bragg(&tangent);
