@@ -23,6 +23,10 @@ pub enum Room {
     /// Complex amplitude of a sea wave: index = wave-number index along x, part = along y (as two's
     /// complement).
     SeaWave = 16,
+    /// Random phases of a sea facet: index and part = its global grid numbers (two's complement).
+    FacetPhase = 20,
+    /// Loss of memory of a sea facet: as above.
+    FacetDecorrelation = 21,
 }
 
 /// The stream at an address.

@@ -35,11 +35,21 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// The basis of a unit direction.
+    /// The basis of a unit direction, with respect to the vertical.
     pub fn of(k: DVec3) -> Self {
-        let level = DVec3::Z.cross(k);
+        Self::about(k, DVec3::Z)
+    }
+
+    /// The basis of a unit direction with respect to another unit normal than the vertical, such as that of a
+    /// tilted facet. Along the normal, `h` is `y` made normal to `k` (or `x` where `k` itself is along `y`).
+    pub fn about(k: DVec3, normal: DVec3) -> Self {
+        let level = normal.cross(k);
         let sine = level.length();
-        let h = if sine < VERTICAL_SINE { DVec3::Y } else { level / sine };
+        let h = if sine < VERTICAL_SINE {
+            (DVec3::Y - k * k.y).try_normalize().unwrap_or(DVec3::X)
+        } else {
+            level / sine
+        };
         Self { v: h.cross(k), h }
     }
 }

@@ -2,3 +2,14 @@
 
 pub mod contact;
 pub mod target;
+pub mod facets;
+pub mod fresnel;
+pub mod kind;
+pub mod kirchhoff;
+pub mod permittivity;
+pub mod slope_pdf;
+pub mod speckle;
+pub mod spectrum_table;
+pub mod spm;
+pub mod tilt;
+pub mod two_scale;

@@ -1,0 +1,103 @@
+//! Kirchhoff scattering in the limit of geometrical optics: specular points of the large waves.
+//!
+//! `q = ks - ki`, specular normal `m = q/|q|`, local angle `cos th_l = |q|/2`;
+//!
+//! `rho = Rh(th_l) t t^T + Rv(th_l) w_s w_i^T`, `t = m x ki/|m x ki|`, `w_i = t x ki`, `w_s = t x ks`,
+//! `rho_pq = p_s . rho . q_i`;
+//!
+//! `sigma0_pq = pi (|q|/q_n)^4 |rho_pq|^2 p(zx, zy)`, `q_n = q.n`, `zx = -(q.e_x)/q_n`, `zy = -(q.e_y)/q_n`
+//!
+//! with `p` the density of slopes relative to the facet. Small waves riding on the specular points weaken
+//! them by `|R|^2 exp(-4 k^2 cos^2 th_l s^2)`, `s^2` their height variance (m^2), `k` the radar wave number.
+//!
+//! Source: Barrick, IEEE TAP 16, 449 (1968). Monostatic: `pi sec^4 |R(0)|^2 p`. Limits: radii of curvature well
+//! above the wavelength; no multiple bounce. Straight ahead (`q -> 0`) there is no specular normal: the
+//! contribution is 0.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nereus::scattering::kirchhoff::Specular;
+//! use nereus::scattering::tilt::Path;
+//! use num_complex::Complex64;
+//! let nadir = Path::new(DVec3::NEG_Z, DVec3::Z);
+//! let mirror = Specular::new(Complex64::new(4.0, 0.0), &nadir).unwrap();
+//! assert!((mirror.reflection[0][0].norm() - 1.0 / 3.0).abs() < 1e-15);
+//! ```
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use super::fresnel::reflection;
+use super::slope_pdf::SlopePdf;
+use super::tilt::{Path, ScatterMatrix, Tangent};
+use crate::geometry::bistatic::Basis;
+
+/// `|q|` below which transmitter, facet and receiver count as one line, and `q_n/|q|` below which the
+/// specular normal counts as lying in the facet's plane.
+pub const LEAST_BEND: f64 = 1e-6;
+
+/// What does not depend on the facet: the mirror that would send the wave from transmitter to receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specular {
+    /// `ks - ki`.
+    pub q: DVec3,
+    /// `|q|`.
+    pub q_norm: f64,
+    /// `rho_pq`, order (v, h).
+    pub reflection: ScatterMatrix,
+}
+
+impl Specular {
+    /// The mirror of a path; `None` when the path is (nearly) straight.
+    #[inline]
+    pub fn new(eps: Complex64, path: &Path) -> Option<Self> {
+        let q = path.ks - path.ki;
+        let q_norm = q.length();
+        if q_norm < LEAST_BEND {
+            return None;
+        }
+        let across = (q / q_norm).cross(path.ki);
+        let sine = across.length();
+        let t = if sine < 1e-12 { path.incident.h } else { across / sine };
+        let (w_i, w_s) = (t.cross(path.ki), t.cross(path.ks));
+        let r = reflection(eps, (0.5 * q_norm).min(1.0));
+        let entry = |p: DVec3, q: DVec3| r.h * (p.dot(t) * t.dot(q)) + r.v * (p.dot(w_s) * w_i.dot(q));
+        let Basis { v: v_i, h: h_i } = path.incident;
+        let Basis { v: v_s, h: h_s } = path.scattered;
+        let reflection = [[entry(v_s, v_i), entry(v_s, h_i)], [entry(h_s, v_i), entry(h_s, h_i)]];
+        Some(Self { q, q_norm, reflection })
+    }
+
+    /// Slopes relative to the facet at which it mirrors the wave to the receiver, and `|q|/q_n`. `None` when
+    /// no finite slope does.
+    #[inline]
+    pub fn slopes(&self, tangent: &Tangent) -> Option<(f64, f64, f64)> {
+        let q_n = self.q.dot(tangent.normal);
+        if q_n < LEAST_BEND * self.q_norm {
+            return None;
+        }
+        Some((-self.q.dot(tangent.e_x) / q_n, -self.q.dot(tangent.e_y) / q_n, self.q_norm / q_n))
+    }
+
+    /// `sqrt(pi p) (|q|/q_n)^2`: what multiplies [`Self::reflection`] to give amplitudes per square root of
+    /// facet area. Zero when the facet is not both lit and seen.
+    #[inline]
+    pub fn weight(&self, tangent: &Tangent, path: &Path, pdf: &SlopePdf) -> f64 {
+        if path.local_cosines(tangent.normal).is_none() {
+            return 0.0;
+        }
+        match self.slopes(tangent) {
+            Some((slope_x, slope_y, secant)) => (PI * pdf.density(slope_x, slope_y)).sqrt() * secant * secant,
+            None => 0.0,
+        }
+    }
+
+    /// `exp(-2 k^2 cos^2 th_l s^2)`, the factor on the amplitude of small waves of height variance `s^2`.
+    #[inline]
+    pub fn roughness(&self, wavenumber_radpm: f64, height_variance_m2: f64) -> f64 {
+        let phase = wavenumber_radpm * self.q_norm;
+        (-0.5 * phase * phase * height_variance_m2).exp()
+    }
+}

@@ -1,0 +1,383 @@
+//! The two-scale sea: specular points of the large waves, Bragg scattering of the small ones.
+//!
+//! Waves are split by wave number: those below `K_max` are the height map itself (facet tilts); between
+//! `K_max` and `K_cut` they are slopes within a facet ([`kirchhoff`](super::kirchhoff)); above `K_cut` they
+//! scatter by Bragg ([`spm`](super::spm)), in the spectrum `Psi_B = Psi H(|K|)`, `H` a raised cosine in
+//! `log K` over the octave centred on `K_cut` ([`high_pass`]).
+//!
+//! | [`Splitting`] | slope density | Bragg spectrum | small waves on specular points |
+//! | --- | --- | --- | --- |
+//! | `Consistent` | `s_u^2 = integral of K_u^2 Psi, K_max < K < K_cut` (and `s_c^2`) | `K > K_cut` | `exp(-4 k^2 cos^2 th_l s^2)`, `s^2` of all `K > K_cut` |
+//! | `Mars2007` | Cox-Munk, all waves | all | not applied |
+//!
+//! `K_cut = max(K_max, k/3)` unless set by hand; `k` is the radar wave number. `Mars2007` counts the waves of the
+//! height map twice, as the paper does.
+//!
+//! Optionally (`tilt_average`) the Bragg part is a sum over nine sub-facets, tilted by the nodes of a 3 x 3
+//! Gauss-Hermite rule of the slope density, each with its own random phase: its covariance is the average
+//! over tilts (of `sigma0` times the true area of the tilted sub-facet), cross-polarisation included.
+//!
+//! Amplitudes are per square root of facet area. The two mechanisms are independent; a facet of area `A`
+//! has `S = sqrt(A) (spm e^{j phi_1} + go e^{j phi_2})` ([`facets`](super::facets)).
+//!
+//! ```
+//! use glam::DVec3;
+//! use nereus::scattering::kind::clean::Clean;
+//! use nereus::scattering::tilt::Path;
+//! use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
+//! use num_complex::Complex64;
+//! let medium = Medium {
+//!     carrier_hz: 10e9,
+//!     permittivity: Complex64::new(55.062, -37.514),
+//!     wind_12p5_mps: 10.0,
+//!     downwind_rad: 0.0,
+//!     resolved_radpm: std::f64::consts::PI,
+//!     axis: DVec3::X,
+//! };
+//! // Phillips' saturation range stands for a spectrum here.
+//! let psi = |kx: f64, ky: f64| 1e-3 / (kx * kx + ky * ky).powi(2);
+//! let sea = TwoScale::new(Settings::default(), medium, Clean, psi);
+//! let down = DVec3::new(0.5f64.sqrt(), 0.0, -0.5f64.sqrt());
+//! let sigma0 = sea.response(&Path::new(down, -down), (0.0, 0.0), 0.0).sigma0();
+//! assert!(sigma0[0][0] > sigma0[1][1] && sigma0[1][1] > 0.0);
+//! ```
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use super::kind::Kind;
+use super::kind::clean::Clean;
+use super::kirchhoff::Specular;
+use super::slope_pdf::{GramCharlier, MeanSquareSlope, SlopePdf};
+use super::spm;
+use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Sub-facet tilts of the Gauss-Hermite average.
+pub const TILTS: usize = 9;
+
+/// Nodes (in standard deviations) and weights of the three-point Gauss-Hermite rule.
+const NODES: [(f64, f64); 3] = [(0.0, 2.0 / 3.0), (-SQRT_3, 1.0 / 6.0), (SQRT_3, 1.0 / 6.0)];
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+
+/// Longest wave that the moment integrals count, rad/m (peak of a 40 m/s sea: 4e-3).
+const LONGEST_RADPM: f64 = 1e-4;
+/// Shortest wave that the moment integrals count, rad/m: viscosity has ended the spectrum.
+const SHORTEST_RADPM: f64 = 2e4;
+
+/// How waves are shared between the two mechanisms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Splitting {
+    /// Each wave counts once.
+    #[default]
+    Consistent,
+    /// As the paper: all slopes and the whole spectrum, on top of the tilts of the height map.
+    Mars2007,
+}
+
+/// Choices of the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// How waves are shared.
+    pub splitting: Splitting,
+    /// `K_cut`, rad/m; `None` for `max(K_max, k/3)` (`Consistent`) or no cut at all (`Mars2007`).
+    pub cut_radpm: Option<f64>,
+    /// Whether the Bragg part averages over nine sub-facet tilts (`Consistent` only: the paper's slope
+    /// density already holds the tilts of the height map).
+    pub tilt_average: bool,
+    /// Whether the slope density has the Gram-Charlier terms.
+    pub gram_charlier: bool,
+}
+
+/// What the waves are looked at with, and where from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// Carrier, Hz.
+    pub carrier_hz: f64,
+    /// Relative permittivity of the water, `Im <= 0`.
+    pub permittivity: Complex64,
+    /// Wind at 12.5 m, m/s.
+    pub wind_12p5_mps: f64,
+    /// Direction the wind blows towards, from `axis`, counter-clockwise, rad.
+    pub downwind_rad: f64,
+    /// `K_max`: highest wave number the height map resolves, `pi/dx`, rad/m; 0 for a flat map.
+    pub resolved_radpm: f64,
+    /// Horizontal unit axis from which local axes, spectrum and wind are counted: x of the scene. (When wind
+    /// and spectrum are given from the wind's own direction, results do not change as the whole scene turns.)
+    pub axis: DVec3,
+}
+
+impl Medium {
+    /// Radar wave number `2 pi f / c`, rad/m.
+    pub fn wavenumber_radpm(&self) -> f64 {
+        TAU * self.carrier_hz / SPEED_OF_LIGHT_MPS
+    }
+}
+
+/// Integrals over the unresolved waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// Slope variances of `K_max < K < K_cut`.
+    pub slopes: MeanSquareSlope,
+    /// Height variance of `K > K_cut`, m^2.
+    pub roughness_m2: f64,
+}
+
+/// What one facet returns, per square root of its area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    bragg: [ScatterMatrix; TILTS],
+    tilts: usize,
+    /// Specular part.
+    pub specular: ScatterMatrix,
+}
+
+impl Response {
+    /// The response of nothing.
+    pub const NONE: Self = Self { bragg: [NO_ECHO; TILTS], tilts: 1, specular: NO_ECHO };
+
+    /// Bragg part: one matrix, or one for each sub-facet tilt (its weight included).
+    #[inline]
+    pub fn bragg(&self) -> &[ScatterMatrix] {
+        &self.bragg[..self.tilts]
+    }
+
+    /// Mean `sigma0_pq` of the Bragg part, order (v, h).
+    pub fn bragg_sigma0(&self) -> [[f64; 2]; 2] {
+        let power = |p: usize, q: usize| self.bragg().iter().map(|m| m[p][q].norm_sqr()).sum();
+        [[power(0, 0), power(0, 1)], [power(1, 0), power(1, 1)]]
+    }
+
+    /// Mean `sigma0_pq` of the specular part, order (v, h).
+    pub fn specular_sigma0(&self) -> [[f64; 2]; 2] {
+        self.specular.map(|row| row.map(|s| s.norm_sqr()))
+    }
+
+    /// Mean `sigma0_pq` of both, per unit facet area.
+    pub fn sigma0(&self) -> [[f64; 2]; 2] {
+        let (b, s) = (self.bragg_sigma0(), self.specular_sigma0());
+        [[b[0][0] + s[0][0], b[0][1] + s[0][1]], [b[1][0] + s[1][0], b[1][1] + s[1][1]]]
+    }
+}
+
+/// The sea of one surface kind, ready to be asked facet by facet. `F(kx, ky)` is the symmetrised spectrum of the
+/// clean sea, m^4, on the axes of [`Medium::axis`].
+#[derive(Clone, Copy, Debug)]
+pub struct TwoScale<K, F> {
+    settings: Settings,
+    medium: Medium,
+    wavenumber_radpm: f64,
+    cut_radpm: Option<f64>,
+    kind: K,
+    psi: F,
+    clean: Moments,
+    covered: Moments,
+    skew: Option<[GramCharlier; 2]>,
+    downwind: (f64, f64),
+}
+
+impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
+    /// Prepares a sea: integrates the spectrum where the splitting asks for it.
+    pub fn new(settings: Settings, medium: Medium, kind: K, psi: F) -> Self {
+        let k = medium.wavenumber_radpm();
+        let cut_radpm = match settings.splitting {
+            Splitting::Consistent => Some(settings.cut_radpm.unwrap_or(medium.resolved_radpm.max(k / 3.0))),
+            Splitting::Mars2007 => settings.cut_radpm,
+        };
+        let wind = medium.wind_12p5_mps;
+        let (clean, covered) = match (settings.splitting, cut_radpm) {
+            (Splitting::Consistent, Some(cut)) => (
+                moments(&psi, |_| 1.0, medium.resolved_radpm, cut, medium.downwind_rad),
+                moments(&psi, |k| kind.spectrum_factor(k), medium.resolved_radpm, cut, medium.downwind_rad),
+            ),
+            _ => (
+                Moments { slopes: Clean.slopes(wind), roughness_m2: 0.0 },
+                Moments { slopes: kind.slopes(wind), roughness_m2: 0.0 },
+            ),
+        };
+        let skew = settings.gram_charlier.then(|| [Clean.gram_charlier(wind), kind.gram_charlier(wind)]);
+        let (sin, cos) = medium.downwind_rad.sin_cos();
+        Self {
+            settings,
+            medium,
+            wavenumber_radpm: k,
+            cut_radpm,
+            kind,
+            psi,
+            clean,
+            covered,
+            skew,
+            downwind: (cos, sin),
+        }
+    }
+
+    /// `K_cut`, rad/m, if there is a cut.
+    pub fn cut_radpm(&self) -> Option<f64> {
+        self.cut_radpm
+    }
+
+    /// The medium this sea was prepared for.
+    pub fn medium(&self) -> &Medium {
+        &self.medium
+    }
+
+    /// Number of Bragg matrices of a response.
+    pub fn tilts(&self) -> usize {
+        if self.averages_tilts() { TILTS } else { 1 }
+    }
+
+    fn averages_tilts(&self) -> bool {
+        self.settings.tilt_average && self.settings.splitting == Splitting::Consistent
+    }
+
+    /// Moments of the unresolved waves on a facet covered to `cover` (0 to 1).
+    #[inline]
+    pub fn moments(&self, cover: f64) -> Moments {
+        let (a, b) = (&self.clean, &self.covered);
+        Moments {
+            slopes: a.slopes.blend(b.slopes, cover).floored(),
+            roughness_m2: a.roughness_m2 + cover * (b.roughness_m2 - a.roughness_m2),
+        }
+    }
+
+    /// Slope density of the unresolved waves on a facet covered to `cover`.
+    #[inline]
+    pub fn slope_pdf(&self, cover: f64) -> SlopePdf {
+        let skew = self.skew.map(|[clean, covered]| clean.blend(covered, cover));
+        SlopePdf::along(self.moments(cover).slopes, skew, self.downwind.0, self.downwind.1)
+    }
+
+    /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`, m^4.
+    #[inline]
+    pub fn bragg_spectrum(&self, kx: f64, ky: f64, cover: f64) -> f64 {
+        let magnitude = kx.hypot(ky);
+        let pass = match self.cut_radpm {
+            Some(cut) => high_pass(magnitude, cut),
+            None => 1.0,
+        };
+        if pass == 0.0 {
+            return 0.0;
+        }
+        let damped =
+            if cover == 0.0 { 1.0 } else { 1.0 + cover * (self.kind.spectrum_factor(magnitude) - 1.0) };
+        (self.psi)(kx, ky) * pass * damped
+    }
+
+    /// What a facet with the given slopes of the height map returns, covered by the kind to `cover` (0 to 1).
+    pub fn response(&self, path: &Path, slopes: (f64, f64), cover: f64) -> Response {
+        let axis = self.medium.axis;
+        let tangent = Tangent::from_slopes(slopes.0, slopes.1, axis);
+        let mut response = Response { tilts: self.tilts(), ..Response::NONE };
+        if path.local_cosines(tangent.normal).is_none() {
+            return response;
+        }
+        let eps = self.medium.permittivity;
+        let bragg = |plane: &Tangent| {
+            spm::amplitude(eps, self.wavenumber_radpm, plane, path, |kx, ky| {
+                self.bragg_spectrum(kx, ky, cover)
+            })
+        };
+        if self.averages_tilts() {
+            let s = self.moments(cover).slopes;
+            let (s_up, s_cross) = (s.up.sqrt(), s.cross.sqrt());
+            let (cos, sin) = self.downwind;
+            let nodes = NODES.iter().flat_map(|u| NODES.iter().map(move |c| (u, c)));
+            for (slot, (u, c)) in response.bragg.iter_mut().zip(nodes) {
+                let (up, cross) = (u.0 * s_up, c.0 * s_cross);
+                let plane = tangent.tilted(cos * up - sin * cross, sin * up + cos * cross, axis);
+                // sigma0 is per true area: the tilted sub-facet is larger than the facet beneath it.
+                let area = (1.0 + up * up + cross * cross).sqrt();
+                *slot = scaled(bragg(&plane), (u.1 * c.1 * area).sqrt());
+            }
+        } else {
+            response.bragg[0] = bragg(&tangent);
+        }
+        if let Some(mirror) = Specular::new(eps, path) {
+            let weight = mirror.weight(&tangent, path, &self.slope_pdf(cover));
+            let calm = mirror.roughness(self.wavenumber_radpm, self.moments(cover).roughness_m2);
+            response.specular = scaled(mirror.reflection, weight * calm);
+        }
+        response
+    }
+}
+
+fn scaled(matrix: ScatterMatrix, factor: f64) -> ScatterMatrix {
+    matrix.map(|row| row.map(|s| s * factor))
+}
+
+/// `H(K)`: 0 below the octave centred on the cut, 1 above it, a raised cosine in `log K` between.
+///
+/// ```
+/// use nereus::scattering::two_scale::high_pass;
+/// assert_eq!((high_pass(7.0, 10.0), high_pass(15.0, 10.0)), (0.0, 1.0));
+/// assert!((high_pass(10.0, 10.0) - 0.5).abs() < 1e-15);
+/// ```
+#[inline]
+pub fn high_pass(wavenumber_radpm: f64, cut_radpm: f64) -> f64 {
+    const HALF_OCTAVE: f64 = std::f64::consts::SQRT_2;
+    if wavenumber_radpm >= cut_radpm * HALF_OCTAVE {
+        1.0
+    } else if wavenumber_radpm * HALF_OCTAVE <= cut_radpm {
+        0.0
+    } else {
+        0.5 * (1.0 + (PI * (wavenumber_radpm / cut_radpm).log2()).sin())
+    }
+}
+
+/// Slope variances of `resolved < K < cut` and height variance of `K > cut`, of `psi * factor`.
+fn moments(
+    psi: impl Fn(f64, f64) -> f64,
+    factor: impl Fn(f64) -> f64,
+    resolved_radpm: f64,
+    cut_radpm: f64,
+    downwind_rad: f64,
+) -> Moments {
+    let (mut up, mut cross) = (0.0, 0.0);
+    integrate(&psi, &factor, resolved_radpm.max(LONGEST_RADPM), cut_radpm, |k, azimuth, power| {
+        let (sin, cos) = (azimuth - downwind_rad).sin_cos();
+        up += k * k * cos * cos * power;
+        cross += k * k * sin * sin * power;
+    });
+    let mut roughness_m2 = 0.0;
+    integrate(&psi, &factor, cut_radpm.max(LONGEST_RADPM), SHORTEST_RADPM, |_, _, power| {
+        roughness_m2 += power;
+    });
+    Moments { slopes: MeanSquareSlope { up, cross }, roughness_m2 }
+}
+
+/// Visits the nodes of a polar rule (Simpson in `log K`, trapezoid in azimuth) with the power of each.
+fn integrate(
+    psi: impl Fn(f64, f64) -> f64,
+    factor: impl Fn(f64) -> f64,
+    from_radpm: f64,
+    to_radpm: f64,
+    mut visit: impl FnMut(f64, f64, f64),
+) {
+    const AZIMUTHS: u32 = 64;
+    const STEPS_PER_DECADE: f64 = 150.0;
+    if !(to_radpm > from_radpm && to_radpm.is_finite()) {
+        return;
+    }
+    let decades = (to_radpm / from_radpm).log10();
+    // Bounded whatever the cut: 300 decades are all that doubles have above `LONGEST_RADPM`.
+    let steps = 2 * (0.5 * decades * STEPS_PER_DECADE).ceil().max(4.0) as u32;
+    let step = (to_radpm / from_radpm).ln() / f64::from(steps);
+    for i in 0..=steps {
+        let k = from_radpm * (step * f64::from(i)).exp();
+        let simpson = match i {
+            _ if i == 0 || i == steps => 1.0,
+            _ if i % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        // Psi dKx dKy = Psi K^2 d(ln K) d(azimuth).
+        let weight = factor(k) * k * k * simpson * step / 3.0 * TAU / f64::from(AZIMUTHS);
+        for j in 0..AZIMUTHS {
+            let azimuth = TAU * f64::from(j) / f64::from(AZIMUTHS);
+            let (sin, cos) = azimuth.sin_cos();
+            let power = psi(k * cos, k * sin).max(0.0) * weight;
+            visit(k, azimuth, power);
+        }
+    }
+}
