@@ -163,7 +163,7 @@ fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -
         }
         sum * scale
     };
-    let ((iv, ih), (sv, sh)) = (path.incident, path.scattered);
+    let (Basis { v: iv, h: ih }, Basis { v: sv, h: sh }) = (path.incident, path.scattered);
     [[entry(sv, iv), entry(sv, ih)], [entry(sh, iv), entry(sh, ih)]]
 }
 
