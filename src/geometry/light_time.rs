@@ -19,10 +19,12 @@
 //! Carrier phase `-2 pi f0 tau`, Doppler `f_D = -f0 tau'` (positive when closing).
 //!
 //! **Limits.** Speeds well below `c`. Straight rays. The scene frame is treated as inertial although it
-//! turns with the Earth. That neglects `2 w_e A / c` metres, `A` the area of the triangle transmitter,
-//! scatterer, receiver seen along the Earth's axis: nothing for a monostatic radar but for its own motion
-//! (8e-6 m at 800 km), 2e-6 m for a right triangle with legs of 3 km, and 0.16 m for a satellite at 800 km whose
-//! receiver flies 800 km away. That is a slowly varying range bias there, not a noise.
+//! turns with the Earth (`w = 7.3e-5 rad/s`). That neglects `2 w A / c` metres, `A` the area that the line from
+//! the Earth's axis to the pulse sweeps on its way, seen along the axis. Out and back it cancels but for
+//! the radar's own motion (8e-6 m for a satellite at 800 km). For two platforms whose clocks are set to UTC
+//! it does not: about `b 465 m/s cos(lat) / c` for an east-west baseline `b` near the surface, 5 mm for
+//! 3 km; and 1.4 m for satellites at 800 km that fly 800 km apart over the equator. It is a bias that changes as
+//! slowly as the baseline does.
 //!
 //! ```
 //! use nereus::frames::{Point, Vector};
