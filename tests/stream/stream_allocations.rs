@@ -91,3 +91,50 @@ fn counted_run() {
         assert!(outcome.summary.health.pulses > end / 2);
     }
 }
+
+/// The whole way, generation included: the quickstart scene on two workers, fast, then in real time.
+#[test]
+fn making_pulses_allocates_nothing() {
+    let child = Command::new(std::env::current_exe().unwrap())
+        .args([
+            "--exact",
+            "stream_allocations::counted_pipeline",
+            "--ignored",
+            "--nocapture",
+            "--test-threads=1",
+        ])
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&child.stdout);
+    println!("{text}{}", String::from_utf8_lossy(&child.stderr));
+    assert!(child.status.success() && text.contains("1 passed"));
+}
+
+#[test]
+#[ignore = "run by making_pulses_allocates_nothing in a process of its own"]
+fn counted_pipeline() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/quickstart.toml");
+    let mut run = nereus::config::load(&path, &[]).unwrap();
+    run.sinks.clear();
+    run.stream.threads = 2;
+    run.stream.policy = Policy::Drop;
+    for (pace, end, from, to) in [(Pace::Fast, 1200, 200, 1000), (Pace::Realtime, 400, 100, 350)] {
+        run.stream.pace = pace;
+        let (mut before, mut after) = (None, None);
+        let outcome = nereus::pipeline::build::stream(&run, 0..end)
+            .unwrap()
+            .tap(&Arc::new(AtomicBool::new(false)), |pulse| {
+                if pulse.index >= from && before.is_none() {
+                    before = Some(ALLOCATIONS.load(Ordering::Relaxed));
+                }
+                if pulse.index <= to {
+                    after = Some(ALLOCATIONS.load(Ordering::Relaxed));
+                }
+            })
+            .unwrap();
+        outcome.result.unwrap();
+        let allocations = after.unwrap() - before.unwrap();
+        println!("{pace:?}: {allocations} allocations between pulses {from} and {to}");
+        assert_eq!(allocations, 0);
+    }
+}
