@@ -14,7 +14,7 @@
 //! | [`nav`] | where platforms say they are: track files and NMEA logs |
 //! | [`motion`] | where everything is at an instant: tracks, attitude, pointing |
 //! | [`geometry`] | light time, delay rate, polarisation bases |
-//! | [`scattering`] | what each target returns; the contact list |
+//! | [`scattering`] | what each target and facet returns; the contact list |
 //! | [`radar`] | waveform, antenna, link budget, receiver |
 //! | [`echo`] | contacts to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
