@@ -2,7 +2,7 @@
 //!
 //! Waves are split by wave number: those below `K_max` are the height map itself (facet tilts); between
 //! `K_max` and `K_cut` they are slopes within a facet ([`kirchhoff`](super::kirchhoff)); above `K_cut` they
-//! scatter by Bragg ([`spm`](super::spm)), in the spectrum `Psi_B = Psi H(|K|)`, `H` a raised cosine in
+//! scatter by Bragg ([`spm`]), in the spectrum `Psi_B = Psi H(|K|)`, `H` a raised cosine in
 //! `log K` over the octave centred on `K_cut` ([`high_pass`]).
 //!
 //! | [`Splitting`] | slope density | Bragg spectrum | small waves on specular points |

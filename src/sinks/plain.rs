@@ -13,7 +13,7 @@
 //!
 //! Codes of a converter are pairs of i2: a trailing axis of 2 (in-phase, quadrature). `replica.bin` is
 //! complex64. `pulse/index.bin` is written last at every flush
-//! ([`FLUSH_INTERVAL`](super::sink::FLUSH_INTERVAL)): after a kill the first `n` rows of every file are
+//! ([`FLUSH_INTERVAL`]): after a kill the first `n` rows of every file are
 //! complete, n being its length. The columns are listed in [`super::columns`].
 
 use std::fs::{self, File};
