@@ -48,8 +48,8 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use super::kind::Kind;
-use super::tilt::Path;
-use super::two_scale::{Response, TwoScale};
+use super::tilt::{NO_ECHO, Path, ScatterMatrix};
+use super::two_scale::TwoScale;
 
 /// How random phases enter a facet's matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,13 +121,18 @@ impl Facets<'_> {
             let path = Path::new(self.direction(self.incident, i), self.direction(self.scattered, i));
             let slopes = (self.slope_x[i], self.slope_y[i]);
             let cover = self.cover.get(i).copied().unwrap_or(1.0);
-            let response = sea.response(&path, slopes, cover);
             let area_m2 = self.footprint_m2 * (1.0 + slopes.0 * slopes.0 + slopes.1 * slopes.1).sqrt();
-            let matrix = match phases {
-                Phases::PolCoherent => coherent(&response, phasors),
-                Phases::Single => response.sigma0().map(|row| row.map(|s| phasors[0] * s.sqrt())),
-            };
             let root = area_m2.sqrt();
+            let mut matrix = NO_ECHO;
+            match phases {
+                Phases::PolCoherent => sea.visit(&path, slopes, cover, |mechanism, part| {
+                    add(&mut matrix, part, phasors[mechanism]);
+                }),
+                Phases::Single => {
+                    let sigma0 = sea.response(&path, slopes, cover).sigma0();
+                    matrix = sigma0.map(|row| row.map(|s| phasors[0] * s.sqrt()));
+                }
+            }
             vv[i] = matrix[0][0] * root;
             vh[i] = matrix[0][1] * root;
             hv[i] = matrix[1][0] * root;
@@ -168,16 +173,11 @@ impl Facets<'_> {
     }
 }
 
-/// Both mechanisms with their phasors: specular first, then the Bragg matrices.
 #[inline]
-fn coherent(response: &Response, phasors: &[Complex64]) -> [[Complex64; 2]; 2] {
-    let mut sum = response.specular.map(|row| row.map(|s| s * phasors[0]));
-    for (matrix, phasor) in response.bragg().iter().zip(&phasors[1..]) {
-        for (row, other) in sum.iter_mut().zip(matrix) {
-            for (entry, s) in row.iter_mut().zip(other) {
-                *entry += s * phasor;
-            }
+fn add(sum: &mut ScatterMatrix, part: &ScatterMatrix, phasor: Complex64) {
+    for (row, other) in sum.iter_mut().zip(part) {
+        for (entry, s) in row.iter_mut().zip(other) {
+            *entry += s * phasor;
         }
     }
-    sum
 }

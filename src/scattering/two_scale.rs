@@ -176,6 +176,7 @@ pub struct TwoScale<K, F> {
     covered: Moments,
     skew: Option<[GramCharlier; 2]>,
     downwind: (f64, f64),
+    clean_pdf: SlopePdf,
 }
 
 impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
@@ -199,6 +200,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         };
         let skew = settings.gram_charlier.then(|| [Clean.gram_charlier(wind), kind.gram_charlier(wind)]);
         let (sin, cos) = medium.downwind_rad.sin_cos();
+        let clean_pdf = SlopePdf::along(clean.slopes, skew.map(|[clean, _]| clean), cos, sin);
         Self {
             settings,
             medium,
@@ -210,6 +212,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
             covered,
             skew,
             downwind: (cos, sin),
+            clean_pdf,
         }
     }
 
@@ -245,6 +248,9 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
     /// Slope density of the unresolved waves on a facet covered to `cover`.
     #[inline]
     pub fn slope_pdf(&self, cover: f64) -> SlopePdf {
+        if cover == 0.0 {
+            return self.clean_pdf;
+        }
         let skew = self.skew.map(|[clean, covered]| clean.blend(covered, cover));
         SlopePdf::along(self.moments(cover).slopes, skew, self.downwind.0, self.downwind.1)
     }
@@ -252,7 +258,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
     /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`, m^4.
     #[inline]
     pub fn bragg_spectrum(&self, kx: f64, ky: f64, cover: f64) -> f64 {
-        let magnitude = kx.hypot(ky);
+        let magnitude = (kx * kx + ky * ky).sqrt();
         let pass = match self.cut_radpm {
             Some(cut) => high_pass(magnitude, cut),
             None => 1.0,
@@ -267,42 +273,59 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
 
     /// What a facet with the given slopes of the height map returns, covered by the kind to `cover` (0 to 1).
     pub fn response(&self, path: &Path, slopes: (f64, f64), cover: f64) -> Response {
+        let mut response = Response { tilts: self.tilts(), ..Response::NONE };
+        self.visit(path, slopes, cover, |mechanism, matrix| match mechanism {
+            0 => response.specular = *matrix,
+            tilt => response.bragg[tilt - 1] = *matrix,
+        });
+        response
+    }
+
+    /// Hands over the matrices of [`Self::response`] one by one with their mechanism (0 specular, 1 onwards Bragg),
+    /// leaving out what is not there.
+    #[inline]
+    pub fn visit(
+        &self,
+        path: &Path,
+        slopes: (f64, f64),
+        cover: f64,
+        mut each: impl FnMut(usize, &ScatterMatrix),
+    ) {
         let axis = self.medium.axis;
         let tangent = Tangent::from_slopes(slopes.0, slopes.1, axis);
-        let mut response = Response { tilts: self.tilts(), ..Response::NONE };
         if path.local_cosines(tangent.normal).is_none() {
-            return response;
+            return;
         }
         let eps = self.medium.permittivity;
+        if let Some(mirror) = Specular::new(eps, path) {
+            let weight = mirror.weight(&tangent, path, &self.slope_pdf(cover));
+            let calm = mirror.roughness(self.wavenumber_radpm, self.moments(cover).roughness_m2);
+            each(0, &scaled(mirror.reflection, weight * calm));
+        }
         let bragg = |plane: &Tangent| {
             spm::amplitude(eps, self.wavenumber_radpm, plane, path, |kx, ky| {
                 self.bragg_spectrum(kx, ky, cover)
             })
         };
-        if self.averages_tilts() {
-            let s = self.moments(cover).slopes;
-            let (s_up, s_cross) = (s.up.sqrt(), s.cross.sqrt());
-            let (cos, sin) = self.downwind;
-            let nodes = NODES.iter().flat_map(|u| NODES.iter().map(move |c| (u, c)));
-            for (slot, (u, c)) in response.bragg.iter_mut().zip(nodes) {
-                let (up, cross) = (u.0 * s_up, c.0 * s_cross);
-                let plane = tangent.tilted(cos * up - sin * cross, sin * up + cos * cross, axis);
-                // sigma0 is per true area: the tilted sub-facet is larger than the facet beneath it.
-                let area = (1.0 + up * up + cross * cross).sqrt();
-                *slot = scaled(bragg(&plane), (u.1 * c.1 * area).sqrt());
-            }
-        } else {
-            response.bragg[0] = bragg(&tangent);
+        if !self.averages_tilts() {
+            each(1, &bragg(&tangent));
+            return;
         }
-        if let Some(mirror) = Specular::new(eps, path) {
-            let weight = mirror.weight(&tangent, path, &self.slope_pdf(cover));
-            let calm = mirror.roughness(self.wavenumber_radpm, self.moments(cover).roughness_m2);
-            response.specular = scaled(mirror.reflection, weight * calm);
+        let s = self.moments(cover).slopes;
+        let (s_up, s_cross) = (s.up.sqrt(), s.cross.sqrt());
+        let (cos, sin) = self.downwind;
+        let nodes = NODES.iter().flat_map(|u| NODES.iter().map(move |c| (u, c)));
+        for (tilt, (u, c)) in nodes.enumerate() {
+            let (up, cross) = (u.0 * s_up, c.0 * s_cross);
+            let plane = tangent.tilted(cos * up - sin * cross, sin * up + cos * cross, axis);
+            // sigma0 is per true area: the tilted sub-facet is larger than the facet beneath it.
+            let area = (1.0 + up * up + cross * cross).sqrt();
+            each(1 + tilt, &scaled(bragg(&plane), (u.1 * c.1 * area).sqrt()));
         }
-        response
     }
 }
 
+#[inline]
 fn scaled(matrix: ScatterMatrix, factor: f64) -> ScatterMatrix {
     matrix.map(|row| row.map(|s| s * factor))
 }
