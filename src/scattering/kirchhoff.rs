@@ -32,42 +32,40 @@ use num_complex::Complex64;
 use super::fresnel::reflection;
 use super::slope_pdf::SlopePdf;
 use super::tilt::{Path, ScatterMatrix, Tangent};
-use crate::geometry::bistatic::Basis;
 
 /// `|q|` below which transmitter, facet and receiver count as one line, and `q_n/|q|` below which the
 /// specular normal counts as lying in the facet's plane.
 pub const LEAST_BEND: f64 = 1e-6;
 
-/// What does not depend on the facet: the mirror that would send the wave from transmitter to receiver.
+/// The bend of a path: which mirror would send the wave from transmitter to receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Specular {
+pub struct Bend {
     /// `ks - ki`.
     pub q: DVec3,
     /// `|q|`.
     pub q_norm: f64,
-    /// `rho_pq`, order (v, h).
-    pub reflection: ScatterMatrix,
 }
 
-impl Specular {
-    /// The mirror of a path; `None` when the path is (nearly) straight.
+impl Bend {
+    /// The bend of a path; `None` when the path is (nearly) straight.
     #[inline]
-    pub fn new(eps: Complex64, path: &Path) -> Option<Self> {
+    pub fn new(path: &Path) -> Option<Self> {
         let q = path.ks - path.ki;
         let q_norm = q.length();
-        if q_norm < LEAST_BEND {
-            return None;
-        }
-        let across = (q / q_norm).cross(path.ki);
+        (q_norm >= LEAST_BEND).then_some(Self { q, q_norm })
+    }
+
+    /// `rho_pq`, order (v, h), of the same path.
+    #[inline]
+    pub fn reflection(&self, eps: Complex64, path: &Path) -> ScatterMatrix {
+        let across = (self.q / self.q_norm).cross(path.ki);
         let sine = across.length();
         let t = if sine < 1e-12 { path.incident.h } else { across / sine };
         let (w_i, w_s) = (t.cross(path.ki), t.cross(path.ks));
-        let r = reflection(eps, (0.5 * q_norm).min(1.0));
-        let entry = |p: DVec3, q: DVec3| r.h * (p.dot(t) * t.dot(q)) + r.v * (p.dot(w_s) * w_i.dot(q));
-        let Basis { v: v_i, h: h_i } = path.incident;
-        let Basis { v: v_s, h: h_s } = path.scattered;
-        let reflection = [[entry(v_s, v_i), entry(v_s, h_i)], [entry(h_s, v_i), entry(h_s, h_i)]];
-        Some(Self { q, q_norm, reflection })
+        let r = reflection(eps, (0.5 * self.q_norm).min(1.0));
+        let incident = [path.incident.v, path.incident.h].map(|q| (q.dot(t), q.dot(w_i)));
+        let scattered = [path.scattered.v, path.scattered.h].map(|p| (r.h * p.dot(t), r.v * p.dot(w_s)));
+        scattered.map(|(p_t, p_w)| incident.map(|(q_t, q_w)| p_t * q_t + p_w * q_w))
     }
 
     /// Slopes relative to the facet at which it mirrors the wave to the receiver, and `|q|/q_n`. `None` when
@@ -81,7 +79,7 @@ impl Specular {
         Some((-self.q.dot(tangent.e_x) / q_n, -self.q.dot(tangent.e_y) / q_n, self.q_norm / q_n))
     }
 
-    /// `sqrt(pi p) (|q|/q_n)^2`: what multiplies [`Self::reflection`] to give amplitudes per square root of
+    /// `sqrt(pi p) (|q|/q_n)^2`: what multiplies `rho` to give amplitudes per square root of
     /// facet area. Zero when the facet is not both lit and seen.
     #[inline]
     pub fn weight(&self, tangent: &Tangent, path: &Path, pdf: &SlopePdf) -> f64 {
@@ -99,5 +97,35 @@ impl Specular {
     pub fn roughness(&self, wavenumber_radpm: f64, height_variance_m2: f64) -> f64 {
         let phase = wavenumber_radpm * self.q_norm;
         (-0.5 * phase * phase * height_variance_m2).exp()
+    }
+}
+
+/// What does not depend on the facet: the mirror of a path and its reflection coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specular {
+    /// The mirror.
+    pub bend: Bend,
+    /// `rho_pq`, order (v, h).
+    pub reflection: ScatterMatrix,
+}
+
+impl Specular {
+    /// The mirror of a path; `None` when the path is (nearly) straight.
+    #[inline]
+    pub fn new(eps: Complex64, path: &Path) -> Option<Self> {
+        let bend = Bend::new(path)?;
+        Some(Self { bend, reflection: bend.reflection(eps, path) })
+    }
+
+    /// [`Bend::weight`].
+    #[inline]
+    pub fn weight(&self, tangent: &Tangent, path: &Path, pdf: &SlopePdf) -> f64 {
+        self.bend.weight(tangent, path, pdf)
+    }
+
+    /// [`Bend::roughness`].
+    #[inline]
+    pub fn roughness(&self, wavenumber_radpm: f64, height_variance_m2: f64) -> f64 {
+        self.bend.roughness(wavenumber_radpm, height_variance_m2)
     }
 }

@@ -43,7 +43,6 @@
 //! assert!(a[0][0].norm() > a[1][1].norm()); // VV above HH
 //! ```
 
-use glam::DVec3;
 use num_complex::Complex64;
 
 use super::fresnel::{quotient, refracted};
@@ -105,25 +104,29 @@ pub fn amplitude(
     let scale =
         contrast * (FOUR_ROOT_PI * wavenumber_radpm * wavenumber_radpm * cos_i * cos_s * density.sqrt());
 
-    let n = tangent.normal;
-    let (te_i, tm_i) = transmission(eps, cos_i);
-    let (te_s, tm_s) = transmission(eps, cos_s);
     // Tangential parts of the directions; the sign of the scattered one is that of the time-reversed wave.
+    let n = tangent.normal;
     let along_i = path.ki + n * cos_i;
     let along_s = n * cos_s - path.ks;
-    let tilt_i = contrast * te_i * tm_i;
-    let tilt_s = contrast * te_s * tm_s;
+    // E'_t . E_t + eps E'_z E_z is bilinear in the unit fields: four complex constants and real products.
+    let (te_i, tm_i) = transmission(eps, cos_i);
+    let (te_s, tm_s) = transmission(eps, cos_s);
+    let (bend_i, bend_s) = (contrast * tm_i, contrast * tm_s);
+    let tangential = scale * te_i * te_s;
+    let incident_bend = tangential * bend_i;
+    let scattered_bend = tangential * bend_s;
+    let normal = incident_bend * bend_s * along_i.dot(along_s) + scale * eps * tm_i * tm_s - tangential;
 
-    let mut matrix = NO_ECHO;
-    let incident = [path.incident.v, path.incident.h].map(|e| Inside::new(e, n, te_i, tilt_i, along_i));
-    let scattered = [path.scattered.v, path.scattered.h].map(|e| Inside::new(e, n, te_s, tilt_s, along_s));
-    let vertical = eps * tm_i * tm_s;
-    for (row, s) in matrix.iter_mut().zip(&scattered) {
-        for (entry, i) in row.iter_mut().zip(&incident) {
-            *entry = scale * (s.dot(i) + vertical * (s.normal * i.normal));
-        }
-    }
-    matrix
+    let incident = [path.incident.v, path.incident.h].map(|e| (e, e.dot(n), e.dot(along_s)));
+    let scattered = [path.scattered.v, path.scattered.h].map(|e| (e, e.dot(n), e.dot(along_i)));
+    scattered.map(|(p, p_normal, p_along)| {
+        incident.map(|(q, q_normal, q_along)| {
+            tangential * p.dot(q)
+                + incident_bend * (p_along * q_normal)
+                + scattered_bend * (q_along * p_normal)
+                + normal * (p_normal * q_normal)
+        })
+    })
 }
 
 /// `4 sqrt(pi)`.
@@ -134,30 +137,4 @@ const FOUR_ROOT_PI: f64 = 7.089_815_403_622_064;
 fn transmission(eps: Complex64, cos_theta: f64) -> (Complex64, Complex64) {
     let r = refracted(eps, cos_theta);
     (quotient(Complex64::ONE, r + cos_theta), quotient(Complex64::ONE, eps * cos_theta + r))
-}
-
-/// Field just inside the plane boundary due to a wave of unit field `e`, less the factor `2 c`: its tangential
-/// part `te e_t + tilt (e.n) along`, held as its two real directions, and `e.n`.
-struct Inside {
-    field: DVec3,
-    along: DVec3,
-    te: Complex64,
-    tilt: Complex64,
-    normal: f64,
-}
-
-impl Inside {
-    #[inline]
-    fn new(e: DVec3, n: DVec3, te: Complex64, tilt: Complex64, along: DVec3) -> Self {
-        let normal = e.dot(n);
-        Self { field: e - n * normal, along: along * normal, te, tilt, normal }
-    }
-
-    #[inline]
-    fn dot(&self, other: &Self) -> Complex64 {
-        self.te * other.te * self.field.dot(other.field)
-            + self.te * other.tilt * self.field.dot(other.along)
-            + self.tilt * other.te * self.along.dot(other.field)
-            + self.tilt * other.tilt * self.along.dot(other.along)
-    }
 }

@@ -49,7 +49,7 @@ use num_complex::Complex64;
 
 use super::kind::Kind;
 use super::kind::clean::Clean;
-use super::kirchhoff::Specular;
+use super::kirchhoff::Bend;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope, SlopePdf};
 use super::spm;
 use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
@@ -66,6 +66,9 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 const LONGEST_RADPM: f64 = 1e-4;
 /// Shortest wave that the moment integrals count, rad/m: viscosity has ended the spectrum.
 const SHORTEST_RADPM: f64 = 2e4;
+
+/// Specular amplitude (root of `sigma0`) too small to be worth its reflection coefficients: -240 dB.
+const LEAST_SPECULAR: f64 = 1e-12;
 
 /// How waves are shared between the two mechanisms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -297,10 +300,12 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
             return;
         }
         let eps = self.medium.permittivity;
-        if let Some(mirror) = Specular::new(eps, path) {
-            let weight = mirror.weight(&tangent, path, &self.slope_pdf(cover));
-            let calm = mirror.roughness(self.wavenumber_radpm, self.moments(cover).roughness_m2);
-            each(0, &scaled(mirror.reflection, weight * calm));
+        if let Some(bend) = Bend::new(path) {
+            let weight = bend.weight(&tangent, path, &self.slope_pdf(cover));
+            if weight > LEAST_SPECULAR {
+                let calm = bend.roughness(self.wavenumber_radpm, self.moments(cover).roughness_m2);
+                each(0, &scaled(bend.reflection(eps, path), weight * calm));
+            }
         }
         let bragg = |plane: &Tangent| {
             spm::amplitude(eps, self.wavenumber_radpm, plane, path, |kx, ky| {
