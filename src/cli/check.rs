@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::args::CheckArgs;
 use super::error::CliError;
 use super::run::overrides;
+use super::say;
 use crate::config::{self, Run};
 use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
@@ -67,7 +68,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     // An output that exists stands in the way of a run, not of a look at the scenario.
     report.warnings.extend(sinks::preflight(&run.sinks).iter().map(ToString::to_string));
     for warning in &report.warnings {
-        eprintln!("warning: {warning}");
+        say(format_args!("warning: {warning}"));
     }
     let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
     let stream = build::stream(&unrecorded, 0..run.scene.pulses)?;

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use super::args::MergeArgs;
 use super::error::CliError;
+use super::say;
 
 /// Joins the recordings.
 #[cfg(feature = "hdf5")]
@@ -14,14 +15,14 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
         return writeln!(out, "{text}").map_err(CliError::Output);
     }
     let shards = report.shards.len();
-    eprintln!(
+    say(format_args!(
         "{}: pulses {} to {} of {shards} recordings, {} in all, {} dropped",
         report.out.display(),
         report.first,
         report.last,
         report.pulses,
         report.dropped
-    );
+    ));
     Ok(())
 }
 

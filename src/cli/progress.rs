@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, Sender, bounded};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::say;
 use crate::transport::pacer::Status;
 
 /// Plain lines come this often.
@@ -58,7 +59,7 @@ fn lines(receiver: &Receiver<Status>) {
     for status in receiver {
         if last.elapsed() >= LINE_EVERY {
             last = Instant::now();
-            eprintln!("{} of {} pulses {}", status.passed, status.total, trouble(&status));
+            say(format_args!("{} of {} pulses {}", status.passed, status.total, trouble(&status)));
         }
     }
 }

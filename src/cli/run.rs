@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::args::{Pace, RunArgs, Setting};
 use super::error::CliError;
 use super::progress;
+use super::say;
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::sinks::Kind;
@@ -24,7 +25,7 @@ struct Report<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
     /// What each recording holds.
-    out: Vec<&'a SinkReport>,
+    out: &'a [&'a SinkReport],
     /// Why the run failed, if it did.
     error: Option<String>,
 }
@@ -33,11 +34,11 @@ struct Report<'a> {
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let (run, pulses) = prepare(args)?;
     for warning in &run.warnings {
-        eprintln!("warning: {warning}");
+        say(format_args!("warning: {warning}"));
     }
     let stream = build::stream(&run, pulses)?;
     for note in stream.notes() {
-        eprintln!("platform '{}', {} track: {}", note.platform, note.role, note.report);
+        say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
@@ -54,13 +55,13 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let outcome = outcome?;
     let recordings: Vec<&SinkReport> =
         outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
-    tell(&run, &outcome, &recordings);
     if args.json {
         let error = outcome.result.as_ref().err().map(ToString::to_string);
-        let report = Report { summary: &outcome.summary, out: recordings, error };
+        let report = Report { summary: &outcome.summary, out: &recordings, error };
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
         writeln!(out, "{text}").map_err(CliError::Output)?;
     }
+    tell(&run, &outcome, &recordings);
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 
@@ -68,29 +69,35 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
 fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     let (summary, health) = (&outcome.summary, &outcome.summary.health);
     let how = if summary.stopped { "stopped after" } else { "released" };
-    eprintln!(
+    say(format_args!(
         "{how} {} pulses in {:.2} s: {} late, {} dropped; made at {:.1} times real time",
         health.pulses, summary.elapsed_s, health.late, health.dropped, summary.real_time_factor
-    );
+    ));
     if run.stream.pace == transport::Pace::Realtime {
         let lateness = &health.lateness_us;
-        eprintln!(
+        say(format_args!(
             "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms",
             lateness.p50,
             lateness.p99,
             lateness.p999,
             lateness.max,
             summary.latency_ms.unwrap_or(f64::NAN)
-        );
+        ));
+    }
+    if health.pulses == 0 && health.dropped > 0 {
+        say("warning: no pulse was made within the latency; raise stream.latency_ms");
     }
     for sink in &health.sinks {
         if sink.dropped > 0 {
-            eprintln!("warning: sink '{}' was too slow and missed {} pulses", sink.name, sink.dropped);
+            say(format_args!(
+                "warning: sink '{}' was too slow and missed {} pulses",
+                sink.name, sink.dropped
+            ));
         }
     }
     for report in recordings {
         for file in &report.files {
-            eprintln!("{}: {}", report.name, file.display());
+            say(format_args!("{}: {}", report.name, file.display()));
         }
     }
 }
@@ -128,7 +135,7 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     Ok((run, pulses))
 }
 
-/// Sends the recording elsewhere, or adds one where the scenario has none.
+/// Sends the recording elsewhere, or replaces the null sink where the scenario has none.
 fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
     let mut paths: Vec<&mut PathBuf> = run
         .sinks

@@ -43,7 +43,7 @@ use super::stages::{PulseFactory, Workspace};
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
 const PULSES_PER_WORKER: usize = 4;
 
-/// Priority of a worker from 0 to 99, where 50 is that of an ordinary thread: nice 10.
+/// Priority of a worker from 0 to 99, where 50 is that of an ordinary thread: nice 9.
 const WORKER_PRIORITY: u8 = 23;
 
 /// Why a run cannot be started. Each entry is one fault of the input.
@@ -388,10 +388,15 @@ fn generate(
     range: Range<u64>,
     work: &mut [Workspace],
 ) -> Result<(), RadarError> {
-    let batch = (PULSES_PER_WORKER * work.len()).min(source.slots().div_ceil(2));
+    let mut batch = (PULSES_PER_WORKER * work.len()).min(source.slots().div_ceil(2));
     let mut next = range.start;
     loop {
-        next = next.max(source.next_worth());
+        let worth = source.next_worth();
+        if worth > next {
+            // Pulses were dropped: a batch is released only when all of it is made, so make shorter ones.
+            next = worth;
+            batch = (batch / 2).max(work.len()).min(batch);
+        }
         if next >= range.end {
             return Ok(());
         }

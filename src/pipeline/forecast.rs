@@ -73,7 +73,7 @@ impl PulseStream {
             threads,
             pulse_bytes,
             memory_bytes: (self.waiting_pulses() * pulse_bytes) as u64,
-            recording_bytes: schedule.count * pulse_bytes as u64,
+            recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
             bytes_per_s: prf_hz * pulse_bytes as f64,
             trial_pulses: made,
             pulses_per_s,

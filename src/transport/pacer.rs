@@ -12,15 +12,16 @@
 //! **Lateness** is `r(n) - d(n)`, never negative. A pulse is **late** when it exceeds P(n): it is
 //! counted and carries `LATE`, whatever the reason.
 //!
-//! **Underrun**: the main ring was seen empty later than `d(n) + P(n)`, so pulse n was not *made* in
-//! time. A pacer that wakes late itself finds the pulse in the ring; that is lateness and no underrun.
-//! On an underrun the policy acts:
+//! **Underrun**: the main ring was seen empty later than `d(n) + P(n) + h`, so pulse n was not *made* in
+//! time. A pacer that wakes late itself finds the pulse in the ring; that is lateness and no underrun. It also
+//! holds back slots that generation needs for the pulses that come one ring later: `h` is the pacer's own worst
+//! lateness over the last two rings of releases. On an underrun the policy acts:
 //!
 //! - `stop`: the run ends with [`PacerError::Underrun`].
 //! - `slip`: nothing is lost. When the pulse comes, all deadlines from it on move by its lateness; it
 //!   carries `LATE` and counts as late, with its lateness to the unmoved deadline. The sum of the moves is
 //!   counted.
-//! - `drop`: real time is kept. A pulse that was not made in time is discarded when it comes; missing
+//! - `drop`: real time is kept. Every pulse that was not made in time is discarded when it comes; missing
 //!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation is
 //!   told the first index still worth making ([`Worth`]): the one emitted now, so that the full latency
 //!   is again in hand; the pulses between are never made. Under a lasting overload pulses therefore come
@@ -148,18 +149,56 @@ enum Arrival {
     Ended,
 }
 
+/// What tells a pulse that was made too late from a pacer that is late.
+struct Judge {
+    /// When the stream started.
+    start: Instant,
+    /// `start + latency`; moves under policy `slip`.
+    zero: Instant,
+    /// The last time that the ring was seen empty: whatever came since was made after it.
+    seen_empty: Option<Instant>,
+    /// The pacer's own worst lateness, and the last pulse that it may have held back.
+    held: Duration,
+    held_until: u64,
+}
+
+impl Judge {
+    fn deadline(&self, schedule: &Schedule, index: u64) -> Instant {
+        Schedule::after(self.zero, schedule.offset(index))
+    }
+
+    /// The instant after which a pulse that is not in the ring was made too late.
+    fn limit(&self, schedule: &Schedule, index: u64) -> Instant {
+        let held = if index <= self.held_until { self.held } else { Duration::ZERO };
+        Schedule::after(self.deadline(schedule, index), schedule.pri(index).saturating_add(held))
+    }
+
+    /// Takes note of the pacer's own lateness at a release.
+    fn released(&mut self, index: u64, lateness: Duration, ring_slots: usize) {
+        if lateness >= self.held || index > self.held_until {
+            self.held = lateness;
+            self.held_until = index.saturating_add(2 * ring_slots as u64);
+        }
+    }
+}
+
 impl Pacer {
     /// Runs until the stream ends, `stop` is set, or a sink is gone.
     pub fn run(mut self, start: Instant, stop: &AtomicBool) -> Result<(), PacerError> {
         let latency = Duration::try_from_secs_f64(self.settings.latency_s.max(0.0)).unwrap_or(Duration::ZERO);
         let sleeper =
             SpinSleeper::new(SPIN_BUDGET.subsec_nanos()).with_spin_strategy(SpinStrategy::SpinLoopHint);
-        // Under policy slip this moves; it always holds start + latency.
-        let mut zero = Schedule::after(start, latency);
+        let mut judge = Judge {
+            start,
+            zero: Schedule::after(start, latency),
+            seen_empty: None,
+            held: Duration::ZERO,
+            held_until: 0,
+        };
         let mut expected = self.schedule.first;
         let mut told = Instant::now();
         let mut cut_short = false;
-        while let Arrival::Pulse { mut pulse, too_late } = self.next(start, zero, expected, stop)? {
+        while let Arrival::Pulse { mut pulse, too_late } = self.next(&mut judge, expected, stop)? {
             let index = pulse.index;
             if index < expected {
                 return Err(PacerError::Order { index, expected });
@@ -175,8 +214,9 @@ impl Pacer {
                 pulse.flags |= flags::AFTER_GAP;
             }
             self.health.ring_level(self.ring.filled() + 1);
+            let (mut released, mut was_late) = (None, false);
             if self.settings.pace == Pace::Realtime {
-                let deadline = Schedule::after(zero, self.schedule.offset(index));
+                let deadline = judge.deadline(&self.schedule, index);
                 if !sleep_until(deadline, sleeper, stop) {
                     cut_short = true;
                     break;
@@ -186,19 +226,21 @@ impl Pacer {
                 if late {
                     pulse.flags |= flags::LATE;
                 }
-                if too_late && self.settings.policy == Policy::Slip {
-                    zero = Schedule::after(zero, lateness);
+                if !too_late {
+                    judge.released(index, lateness, self.settings.ring_slots);
+                } else if self.settings.policy == Policy::Slip {
+                    judge.zero = Schedule::after(judge.zero, lateness);
                     self.health.slip(lateness);
                 }
-                self.health.release(Some(lateness), late);
-            } else {
-                self.health.release(None, false);
+                released = Some(lateness);
+                was_late = late;
             }
             expected = index + 1;
             let Some(free) = self.fan_out.send(pulse) else {
                 cut_short = true;
                 break;
             };
+            self.health.release(released, was_late);
             self.ring.give_back(free);
             if self.status.is_some() && told.elapsed() >= STATUS_EVERY {
                 told = Instant::now();
@@ -216,36 +258,29 @@ impl Pacer {
     }
 
     /// Waits for the next pulse; acts on an underrun while it does not come.
-    fn next(
-        &mut self,
-        start: Instant,
-        zero: Instant,
-        expected: u64,
-        stop: &AtomicBool,
-    ) -> Result<Arrival, PacerError> {
+    fn next(&mut self, judge: &mut Judge, expected: u64, stop: &AtomicBool) -> Result<Arrival, PacerError> {
         let realtime = self.settings.pace == Pace::Realtime;
-        let mut seen_empty = None;
         loop {
             // Read before the look: if the look fails, the ring was empty at this instant or later.
             let now = Instant::now();
             match self.ring.look() {
                 Look::Slot(pulse) => {
-                    let limit = self.limit(zero, pulse.index);
-                    let too_late = realtime && seen_empty.is_some_and(|empty| empty > limit);
+                    let limit = judge.limit(&self.schedule, pulse.index);
+                    let too_late = realtime && judge.seen_empty.is_some_and(|empty| empty > limit);
                     return Ok(Arrival::Pulse { pulse, too_late });
                 }
                 Look::Ended => return Ok(Arrival::Ended),
-                Look::Empty => seen_empty = Some(now),
+                Look::Empty => judge.seen_empty = Some(now),
             }
             if stop.load(Ordering::Acquire) && realtime {
                 return Ok(Arrival::Ended);
             }
-            if realtime && expected < self.schedule.end() && now > self.limit(zero, expected) {
+            if realtime && expected < self.schedule.end() && now > judge.limit(&self.schedule, expected) {
                 match self.settings.policy {
-                    Policy::Stop => return Err(self.underrun(start, zero, now, expected)),
+                    Policy::Stop => return Err(self.underrun(judge, now, expected)),
                     Policy::Slip => {}
                     Policy::Drop => {
-                        let elapsed = now.saturating_duration_since(start);
+                        let elapsed = now.saturating_duration_since(judge.start);
                         self.worth.raise(self.schedule.due_after(elapsed));
                     }
                 }
@@ -254,14 +289,9 @@ impl Pacer {
         }
     }
 
-    /// The instant after which a pulse that is not in the ring was made too late.
-    fn limit(&self, zero: Instant, index: u64) -> Instant {
-        Schedule::after(zero, self.schedule.offset(index).saturating_add(self.schedule.pri(index)))
-    }
-
-    fn underrun(&self, start: Instant, zero: Instant, now: Instant, index: u64) -> PacerError {
-        let deadline = Schedule::after(zero, self.schedule.offset(index));
-        let elapsed_s = now.saturating_duration_since(start).as_secs_f64().max(1e-9);
+    fn underrun(&self, judge: &Judge, now: Instant, index: u64) -> PacerError {
+        let deadline = judge.deadline(&self.schedule, index);
+        let elapsed_s = now.saturating_duration_since(judge.start).as_secs_f64().max(1e-9);
         PacerError::Underrun {
             stage: "echo generation",
             index,
@@ -346,6 +376,39 @@ mod tests {
             assert_eq!((shot.pulses, shot.late, shot.dropped), (4, 4, 0), "{policy:?}");
             assert!(shot.slipped_s == 0.0 && shot.lateness_us.max >= 97_000.0, "{policy:?} {shot:?}");
         }
+    }
+
+    /// A batch that comes late is late from its first pulse to its last: nothing of it leaves in a burst.
+    #[test]
+    fn a_late_batch_is_discarded_whole() {
+        let (mut producer, ring) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
+        let (template, health) = filled(Policy::Drop, &[0], 4);
+        let pacer = Pacer { ring, ..template };
+        thread::scope(|scope| {
+            let pacing = scope.spawn(|| pacer.run(Instant::now(), &AtomicBool::new(false)));
+            let never = AtomicBool::new(false);
+            for (slot, index) in producer.reserve(4, &never).unwrap().iter_mut().zip(0..) {
+                slot.index = index;
+            }
+            thread::sleep(Duration::from_millis(50));
+            producer.commit(4);
+            drop(producer);
+            pacing.join().unwrap().unwrap();
+        });
+        let shot = health.snapshot();
+        assert_eq!((shot.pulses, shot.late, shot.dropped), (0, 0, 4));
+    }
+
+    #[test]
+    fn what_the_pacer_held_back_is_allowed_for_two_rings() {
+        let schedule = Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count: 100 };
+        let start = Instant::now();
+        let mut judge = Judge { start, zero: start, seen_empty: None, held: Duration::ZERO, held_until: 0 };
+        judge.released(10, Duration::from_millis(300), 8);
+        judge.released(11, Duration::from_millis(299), 8);
+        let allowed = |index: u64| judge.limit(&schedule, index) - judge.deadline(&schedule, index);
+        assert_eq!(allowed(26), Duration::from_millis(301));
+        assert_eq!(allowed(27), Duration::from_millis(1));
     }
 
     #[test]
