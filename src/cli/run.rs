@@ -146,9 +146,12 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         })
         .collect();
     match &mut paths[..] {
-        [path] => **path = out.to_owned(),
+        [path] => {
+            **path = out.to_owned();
+            record_as_named(run, out);
+        }
         [] => {
-            let hdf5 = out.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5");
+            let hdf5 = names_hdf5(out);
             if hdf5 && !cfg!(feature = "hdf5") {
                 return Err(CliError::NoHdf5 { out: out.to_owned() });
             }
@@ -167,4 +170,20 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         }
     }
     Ok(())
+}
+
+/// A recording whose new name says HDF5 becomes one, where this build can make it.
+fn record_as_named(run: &mut Run, out: &Path) {
+    if !cfg!(feature = "hdf5") || !names_hdf5(out) {
+        return;
+    }
+    for sink in &mut run.sinks {
+        if let Kind::Plain { path, force } = &sink.kind {
+            sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
+        }
+    }
+}
+
+fn names_hdf5(out: &Path) -> bool {
+    out.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
 }

@@ -7,6 +7,7 @@
 //! The batch is bookkeeping only: a pulse depends on its number alone, so neither batch length nor
 //! thread count changes a bit of it.
 
+use std::fs;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -278,6 +279,25 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
     })
 }
 
+/// Opens every sink, or none: when one fails, what the others have made is removed.
+fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec<Box<dyn Sink>>, SinkError> {
+    let mut opened: Vec<Box<dyn Sink>> = Vec::with_capacity(sinks.len());
+    for settings in sinks {
+        match open(settings, header) {
+            Ok(sink) => opened.push(sink),
+            Err(error) => {
+                for report in opened.into_iter().filter_map(|sink| sink.finish().ok()) {
+                    for path in report.files {
+                        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+                    }
+                }
+                return Err(error);
+            }
+        }
+    }
+    Ok(opened)
+}
+
 impl PulseStream {
     /// How the tracks were made.
     pub fn notes(&self) -> &[TrackNote] {
@@ -339,8 +359,8 @@ impl PulseStream {
         if let Some(status) = status {
             stream.status(status);
         }
-        for (place, settings) in sinks.iter().enumerate() {
-            let sink = open(settings, &header)?;
+        let opened = open_all(&sinks, &header)?;
+        for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
                 0 => sink.name().to_owned(),
                 n => format!("{} {}", sink.name(), n + 1),

@@ -17,7 +17,7 @@ use crate::pulse::flags;
 
 use super::columns::Rows;
 use super::hdf5::file::{Fault, Recorded, Recording};
-use super::sink::SinkError;
+use super::sink::{Header, SinkError};
 
 /// A block of a copy takes about this much memory.
 const BLOCK_BYTES: usize = 8 << 20;
@@ -97,11 +97,29 @@ pub enum MergeError {
     File(#[from] SinkError),
 }
 
+/// A recording to be joined. It is closed meanwhile: there may be more of them than files that may be open.
 struct Shard {
     path: PathBuf,
-    recorded: Recorded,
+    header: Header,
+    pulses: usize,
     first: u64,
     last: u64,
+    /// Last pulse of the segment before it, if it is a later segment of a run.
+    after: Option<u64>,
+    /// Whether its first pulse says that pulses before it were dropped.
+    after_gap: bool,
+}
+
+impl Shard {
+    /// Whether pulses between `before` and this shard were dropped by the run rather than lost with a file.
+    fn follows_a_gap(&self, before: &Self) -> bool {
+        let asked_to = before.header.first_pulse.saturating_add(before.header.pulses);
+        self.after_gap
+            && match self.after {
+                Some(last) => last == before.last,
+                None => self.header.first_pulse <= asked_to,
+            }
+    }
 }
 
 /// Joins `shards` into `out`; an existing `out` is replaced only with `force`.
@@ -115,18 +133,17 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
         return Err(MergeError::Nothing { shards: shards.len() });
     };
     // The run that the result is the recording of: from the first shard's range to the last's.
-    let mut header = earliest.recorded.header.clone();
-    let ends = list.iter().map(|s| s.recorded.header.first_pulse.saturating_add(s.recorded.header.pulses));
-    header.first_pulse =
-        list.iter().map(|s| s.recorded.header.first_pulse).min().unwrap_or(header.first_pulse);
+    let mut header = earliest.header.clone();
+    let ends = list.iter().map(|s| s.header.first_pulse.saturating_add(s.header.pulses));
+    header.first_pulse = list.iter().map(|s| s.header.first_pulse).min().unwrap_or(header.first_pulse);
     header.pulses = ends.max().unwrap_or(0).saturating_sub(header.first_pulse);
 
     let name = out.file_name().unwrap_or_default().to_string_lossy();
     let partial = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
     let _ = fs::remove_file(&partial);
     let copied = (|| {
-        let mut recording =
-            Recording::create(&partial, &header).map_err(Fault::at(&partial, "making the result"))?;
+        let mut recording = Recording::create(&partial, &header, earliest.after)
+            .map_err(Fault::at(&partial, "making the result"))?;
         for shard in &list {
             copy(shard, &mut recording)?;
         }
@@ -160,14 +177,20 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
         let fault = || Fault::at(path, "reading the shard");
         let recorded = Recorded::open(path).map_err(fault())?;
         if let Some(other) = list.first()
-            && let Some(field) = other.recorded.header.difference(&recorded.header)
+            && let Some(field) = other.header.difference(&recorded.header)
         {
             return Err(MergeError::Different { path: path.clone(), other: other.path.clone(), field });
         }
         if recorded.pulses > 0 {
-            let first = recorded.index(0).map_err(fault())?;
-            let last = recorded.index(recorded.pulses - 1).map_err(fault())?;
-            list.push(Shard { path: path.clone(), recorded, first, last });
+            list.push(Shard {
+                path: path.clone(),
+                pulses: recorded.pulses,
+                first: recorded.index(0).map_err(fault())?,
+                last: recorded.index(recorded.pulses - 1).map_err(fault())?,
+                after: recorded.after_pulse(),
+                after_gap: recorded.flags(0).map_err(fault())? & flags::AFTER_GAP != 0,
+                header: recorded.header,
+            });
         }
     }
     list.sort_by_key(|shard| shard.first);
@@ -181,8 +204,7 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
                 last: before.last,
             });
         }
-        let flagged = after.recorded.flags(0).map_err(Fault::at(&after.path, "reading the shard"))?;
-        if after.first > before.last.saturating_add(1) && flagged & flags::AFTER_GAP == 0 {
+        if after.first > before.last.saturating_add(1) && !after.follows_a_gap(before) {
             return Err(MergeError::Gap {
                 from: before.last.saturating_add(1),
                 to: after.first,
@@ -195,12 +217,13 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
 }
 
 fn copy(shard: &Shard, recording: &mut Recording) -> Result<(), MergeError> {
-    let block = (BLOCK_BYTES / shard.recorded.row_bytes().max(1)).clamp(1, 4096);
+    let recorded = Recorded::open(&shard.path).map_err(Fault::at(&shard.path, "reading the shard"))?;
+    let block = (BLOCK_BYTES / recorded.row_bytes().max(1)).clamp(1, 4096);
     let mut before = None;
     let mut row = 0;
-    while row < shard.recorded.pulses {
-        let to = (row + block).min(shard.recorded.pulses);
-        let rows = shard.recorded.rows(row, to).map_err(Fault::at(&shard.path, "reading the shard"))?;
+    while row < shard.pulses {
+        let to = (row + block).min(shard.pulses);
+        let rows = recorded.rows(row, to).map_err(Fault::at(&shard.path, "reading the shard"))?;
         if let Some(Rows::U64(indices)) = rows.last() {
             for &index in indices {
                 if let Some(before) = before.filter(|&before| index <= before) {

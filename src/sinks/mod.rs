@@ -61,24 +61,49 @@ pub enum Kind {
     Null,
 }
 
-/// All that stands in the way of these sinks: outputs that exist (without force), outputs named
-/// twice, folders that are missing. Nothing is made or changed.
+/// All that stands in the way of these sinks: outputs that exist (without force) or are no recordings (with
+/// it), outputs named twice, folders that are missing. Nothing is made or changed.
 pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     let mut faults = Vec::new();
-    let mut seen: Vec<&Path> = Vec::new();
+    let mut seen: Vec<(PathBuf, bool)> = Vec::new();
     for settings in sinks {
-        let (path, result) = match &settings.kind {
+        let (path, segmented, result) = match &settings.kind {
             Kind::Null => continue,
-            Kind::Plain { path, force } => (path, plain::preflight(path, *force)),
-            Kind::Hdf5 { path, segment_s, force } => (path, hdf5_preflight(path, *segment_s, *force)),
+            Kind::Plain { path, force } => (path, false, plain::preflight(path, *force)),
+            Kind::Hdf5 { path, segment_s, force } => {
+                (path, segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))
+            }
         };
-        if seen.contains(&path.as_path()) {
+        let place = (place(path), segmented);
+        if seen.iter().any(|other| same_output(other, &place)) {
             faults.push(SinkError::Twice { path: path.clone() });
         }
-        seen.push(path);
+        seen.push(place);
         faults.extend(result.err());
     }
     faults
+}
+
+/// A path under which the same output always has the same spelling.
+fn place(path: &Path) -> PathBuf {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+    folder.join(path.file_name().unwrap_or_default())
+}
+
+/// Whether two outputs are one, or one is a segment of the other.
+fn same_output((a, a_segmented): &(PathBuf, bool), (b, b_segmented): &(PathBuf, bool)) -> bool {
+    let segment_of = |whole: &Path, part: &Path| {
+        let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        whole.parent() == part.parent()
+            && stem(part)
+                .strip_prefix(&format!("{}_", stem(whole)))
+                .is_some_and(|number| !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit()))
+    };
+    a == b || *a_segmented && segment_of(a, b) || *b_segmented && segment_of(b, a)
 }
 
 #[cfg(feature = "hdf5")]
@@ -95,7 +120,8 @@ fn hdf5_preflight(path: &Path, _: Option<f64>, _: bool) -> Result<(), SinkError>
 fn parent_exists(path: &Path) -> Result<(), SinkError> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => {
-            fs::metadata(folder).map(|_| ()).map_err(SinkError::io(folder, "the folder of the output"))
+            let data = fs::metadata(folder).map_err(SinkError::io(folder, "the folder of the output"))?;
+            if data.is_dir() { Ok(()) } else { Err(SinkError::NoFolder { path: folder.to_owned() }) }
         }
         _ => Ok(()),
     }

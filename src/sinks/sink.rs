@@ -139,17 +139,23 @@ pub struct Header {
 #[derive(Debug, Error)]
 pub enum SinkError {
     /// The output is there already.
-    #[error("{path}: exists already; choose another name, or overwrite it with --force (force = true)")]
+    #[error("{path}: exists already; choose another name, or overwrite it with --force")]
     Exists {
         /// The output.
         path: PathBuf,
     },
-    /// Asked to overwrite a folder that holds something else.
+    /// Asked to overwrite something else than a recording.
     #[error(
-        "{path}: not overwritten, because it is not a recording (a folder whose meta.json says format nereus)"
+        "{path}: not overwritten, because it is no recording of this kind (an HDF5 file, or a folder whose meta.json says format nereus)"
     )]
     NotARecording {
-        /// The folder.
+        /// What is there.
+        path: PathBuf,
+    },
+    /// The output is to be made in something that is no folder.
+    #[error("{path}: is no folder; outputs are made in folders that exist")]
+    NoFolder {
+        /// What is there.
         path: PathBuf,
     },
     /// Two sinks have the same output.

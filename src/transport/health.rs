@@ -18,6 +18,8 @@ pub struct Health {
     late: AtomicU64,
     dropped: AtomicU64,
     slipped_ns: AtomicU64,
+    /// Sum over releases of the moves before them.
+    moved_us: AtomicU64,
     made: AtomicU64,
     busy_ns: AtomicU64,
     ring_low_water: AtomicU64,
@@ -74,6 +76,9 @@ pub struct Snapshot {
     pub dropped: u64,
     /// By how much the schedule was moved (policy `slip`), seconds.
     pub slipped_s: f64,
+    /// Mean over the released pulses of the moves before them, seconds.
+    #[serde(skip)]
+    pub mean_moved_s: f64,
     /// Lateness of the released pulses; all zero at pace `fast`.
     pub lateness_us: Lateness,
     /// Fewest pulses found ready at a release while generation was running; none before a release.
@@ -93,6 +98,7 @@ impl Health {
             late: AtomicU64::new(0),
             dropped: AtomicU64::new(0),
             slipped_ns: AtomicU64::new(0),
+            moved_us: AtomicU64::new(0),
             made: AtomicU64::new(0),
             busy_ns: AtomicU64::new(0),
             ring_low_water: AtomicU64::new(u64::MAX),
@@ -102,10 +108,11 @@ impl Health {
         }
     }
 
-    /// Counts a release and its lateness.
-    pub(crate) fn release(&self, lateness: Option<Duration>, late: bool) {
+    /// Counts a release, its lateness and by how much the schedule had been moved before it.
+    pub(crate) fn release(&self, lateness: Option<Duration>, late: bool, moved: Duration) {
         self.released.fetch_add(1, Ordering::Relaxed);
         self.late.fetch_add(u64::from(late), Ordering::Relaxed);
+        self.moved_us.fetch_add(u64::try_from(moved.as_micros()).unwrap_or(u64::MAX), Ordering::Relaxed);
         if let Some(lateness) = lateness {
             let ns = u64::try_from(lateness.as_nanos()).unwrap_or(u64::MAX);
             let mut held = self.lateness_ns.lock().unwrap_or_else(PoisonError::into_inner);
@@ -176,6 +183,8 @@ impl Health {
             late: self.late_pulses(),
             dropped: self.dropped_pulses(),
             slipped_s: self.slipped_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+            mean_moved_s: self.moved_us.load(Ordering::Relaxed) as f64 * 1e-6
+                / self.released_pulses().max(1) as f64,
             lateness_us,
             ring_low_water: (low != u64::MAX).then_some(low),
             made: self.made_pulses(),
@@ -225,7 +234,7 @@ mod tests {
     fn quantiles_are_those_recorded() {
         let health = Health::new(Vec::new());
         for us in 1..=1000_u64 {
-            health.release(Some(Duration::from_micros(us)), us > 990);
+            health.release(Some(Duration::from_micros(us)), us > 990, Duration::ZERO);
         }
         let shot = health.snapshot();
         // Three significant digits of the histogram: 0.1 %.
@@ -238,7 +247,7 @@ mod tests {
             assert!((got / want - 1.0).abs() <= 1e-3, "{got} {want}");
         }
         assert_eq!((shot.pulses, shot.late, shot.ring_low_water), (1000, 10, None));
-        health.release(Some(Duration::MAX), true);
+        health.release(Some(Duration::MAX), true, Duration::ZERO);
         assert!(health.snapshot().lateness_us.max >= 3.5e9);
     }
 }

@@ -188,13 +188,8 @@ impl Pacer {
         let latency = Duration::try_from_secs_f64(self.settings.latency_s.max(0.0)).unwrap_or(Duration::ZERO);
         let sleeper =
             SpinSleeper::new(SPIN_BUDGET.subsec_nanos()).with_spin_strategy(SpinStrategy::SpinLoopHint);
-        let mut judge = Judge {
-            start,
-            zero: Schedule::after(start, latency),
-            seen_empty: None,
-            held: Duration::ZERO,
-            held_until: 0,
-        };
+        let begin = Schedule::after(start, latency);
+        let mut judge = Judge { start, zero: begin, seen_empty: None, held: Duration::ZERO, held_until: 0 };
         let mut expected = self.schedule.first;
         let mut told = Instant::now();
         let mut cut_short = false;
@@ -214,7 +209,7 @@ impl Pacer {
                 pulse.flags |= flags::AFTER_GAP;
             }
             self.health.ring_level(self.ring.filled() + 1);
-            let (mut released, mut was_late) = (None, false);
+            let (mut released, mut was_late, moved) = (None, false, judge.zero - begin);
             if self.settings.pace == Pace::Realtime {
                 let deadline = judge.deadline(&self.schedule, index);
                 if !sleep_until(deadline, sleeper, stop) {
@@ -240,7 +235,7 @@ impl Pacer {
                 cut_short = true;
                 break;
             };
-            self.health.release(released, was_late);
+            self.health.release(released, was_late, moved);
             self.ring.give_back(free);
             if self.status.is_some() && told.elapsed() >= STATUS_EVERY {
                 told = Instant::now();

@@ -119,7 +119,7 @@ pub struct Summary {
     pub elapsed_s: f64,
     /// Emission time made per second of generation at work: above 1, generation keeps up.
     pub real_time_factor: f64,
-    /// Mean of release minus emission on the schedule's clock, milliseconds; none at pace `fast`.
+    /// Mean of release minus emission, milliseconds, with what policy `slip` has moved; none at pace `fast`.
     pub latency_ms: Option<f64>,
     /// The run was ended by the stop flag.
     pub stopped: bool,
@@ -360,7 +360,7 @@ fn outcome<R, G, S>(
                 0.0
             },
             latency_ms: (settings.pace == Pace::Realtime)
-                .then_some(settings.latency_s * 1e3 + shot.lateness_us.mean * 1e-3),
+                .then_some((settings.latency_s + shot.mean_moved_s) * 1e3 + shot.lateness_us.mean * 1e-3),
             stopped: stop.load(Ordering::Acquire),
             health: shot,
         },

@@ -5,6 +5,7 @@
 //! handed to the system, so its length says how many pulses are complete whatever happened to the
 //! writer.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use ::hdf5::file::LibraryVersion;
@@ -103,11 +104,26 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
 }
 
 impl Recording {
-    /// Makes the file (which must not exist); readers may open it from now on.
-    pub(crate) fn create(path: &Path, header: &Header) -> Result<Self, Fault> {
+    /// Makes the file (which must not exist); readers may open it from now on. `after` is the last pulse of the
+    /// segment before it.
+    ///
+    /// The file gets its name only when it is complete up to its pulses: a kill meanwhile leaves no file that nothing
+    /// can open.
+    pub(crate) fn create(path: &Path, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let partial = path.with_file_name(format!(".{name}.making"));
+        let _ = fs::remove_file(&partial);
+        let made = Self::make(&partial, path, header, after);
+        if made.is_err() {
+            let _ = fs::remove_file(&partial);
+        }
+        made
+    }
+
+    fn make(partial: &Path, path: &Path, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
         let file = File::with_options()
             .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
-            .create_excl(path)?;
+            .create_excl(partial)?;
         let list = columns(header);
         let mut datasets = Vec::with_capacity(list.len());
         for column in &list {
@@ -123,11 +139,15 @@ impl Recording {
             }?);
         }
         if let Some(iq) = datasets.first() {
-            header::write(&file, iq, header)?;
+            header::write(&file, iq, header, after)?;
         }
         file.flush()?;
         // Also gives up the library's lock on the file, which a forked child would keep.
         file.start_swmr()?;
+        if fs::symlink_metadata(path).is_ok() {
+            return Err(Fault::Text("there is a file of that name already".to_owned()));
+        }
+        fs::rename(partial, path).map_err(|error| Fault::Text(error.to_string()))?;
         let pending = Vec::with_capacity(4096);
         Ok(Self { datasets, file, path: path.to_owned(), columns: list, rows: 0, pending })
     }
@@ -271,6 +291,11 @@ impl Recorded {
     }
 
     /// Index of one pulse.
+    /// Last pulse of the segment before this file.
+    pub(crate) fn after_pulse(&self) -> Option<u64> {
+        self.file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
+    }
+
     pub(crate) fn index(&self, row: usize) -> Result<u64, Fault> {
         let index = self.file.dataset(crate::sinks::columns::INDEX)?;
         let value = index.read_slice_1d::<u64, _>(row..row + 1)?;

@@ -46,8 +46,12 @@ fn list(place: &Location, name: &str, values: &[VarLenUnicode]) -> Result<(), Fa
     Ok(place.new_attr_builder().with_data(values).create(name).map(|_| ())?)
 }
 
-/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step.
-pub(super) fn write(file: &File, iq: &Dataset, header: &Header) -> Result<(), Fault> {
+/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step. `after` is the last
+/// pulse of the segment before this file.
+pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u64>) -> Result<(), Fault> {
+    if let Some(after) = after {
+        attribute(file, "after_pulse", &after)?;
+    }
     attribute(file, "format", &text("nereus")?)?;
     attribute(file, "version", &FORMAT_VERSION)?;
     attribute(file, "software", &text(&header.software)?)?;

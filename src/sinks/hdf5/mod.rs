@@ -22,6 +22,7 @@
 //! datasets may then be longer than `/pulse/index`: their further rows are not complete.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -48,6 +49,8 @@ pub struct Hdf5Sink {
     header: Header,
     recording: Option<Recording>,
     segment: u64,
+    /// The last pulse taken.
+    last: Option<u64>,
     columns: Vec<Column>,
     block: Vec<Rows>,
     block_rows: usize,
@@ -90,6 +93,19 @@ fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
     found
 }
 
+/// Whether a file may be one of ours: HDF5 by its first bytes, or empty, as a run that was killed at once leaves it.
+fn is_hdf5(path: &Path) -> bool {
+    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+    let Ok(mut file) = fs::File::open(path) else { return false };
+    let mut start = Vec::with_capacity(8);
+    match file.by_ref().take(8).read_to_end(&mut start) {
+        Ok(0) => true,
+        Ok(_) => start == SIGNATURE,
+        // A folder can be opened, but not read.
+        Err(_) => false,
+    }
+}
+
 /// Whether a recording may be made here.
 pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Result<(), SinkError> {
     if let Some(segment_s) = segment_s
@@ -97,8 +113,13 @@ pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Res
     {
         return Err(SinkError::Segment { segment_s });
     }
-    if let (Some(path), false) = (existing(path, segment_s).into_iter().next(), force) {
-        return Err(SinkError::Exists { path });
+    for path in existing(path, segment_s) {
+        if !force {
+            return Err(SinkError::Exists { path });
+        }
+        if !is_hdf5(&path) {
+            return Err(SinkError::NotARecording { path });
+        }
     }
     super::parent_exists(path)
 }
@@ -129,6 +150,7 @@ impl Hdf5Sink {
             header: header.clone(),
             recording: None,
             segment: 0,
+            last: None,
             columns,
             block,
             block_rows: 0,
@@ -147,7 +169,7 @@ impl Hdf5Sink {
     }
 
     fn open(&mut self, path: PathBuf) -> Result<(), SinkError> {
-        match Recording::create(&path, &self.header) {
+        match Recording::create(&path, &self.header, self.last) {
             Ok(recording) => {
                 self.recording = Some(recording);
                 self.files.push(path);
@@ -180,7 +202,7 @@ impl Hdf5Sink {
             return Ok(());
         }
         if let Some(recording) = &mut self.recording {
-            recording.append(&self.block).map_err(Fault::at(&self.path, "writing pulses"))?;
+            recording.append(&self.block).map_err(Fault::at(recording.path(), "writing pulses"))?;
         }
         self.block.iter_mut().for_each(Rows::clear);
         self.block_rows = 0;
@@ -190,7 +212,8 @@ impl Hdf5Sink {
     fn close(&mut self) -> Result<(), SinkError> {
         self.write_block()?;
         if let Some(recording) = self.recording.take() {
-            recording.close().map_err(Fault::at(&self.path, "closing the recording"))?;
+            let path = recording.path().to_owned();
+            recording.close().map_err(Fault::at(&path, "closing the recording"))?;
         }
         Ok(())
     }
@@ -218,6 +241,7 @@ impl Sink for Hdf5Sink {
         for (column, rows) in self.columns.iter().zip(&mut self.block) {
             column.push(pulse, rows);
         }
+        self.last = Some(pulse.index);
         self.block_rows += 1;
         self.pulses += 1;
         let written = self.recording.as_ref().map_or(0, Recording::rows);
