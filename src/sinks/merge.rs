@@ -2,8 +2,9 @@
 //!
 //! Shards are put in the order of their pulses, whatever the order given. Their headers must agree in
 //! everything but the range of pulses; no pulse may be in two of them. A gap between two shards is
-//! refused and named, unless the pulse after it carries `AFTER_GAP`: then those pulses were never
-//! released, and the recording of the whole run would have the same gap. The datasets of the result are
+//! refused and named, unless the run itself dropped those pulses: then the pulse after it carries `AFTER_GAP`, and
+//! the shard before it is the one that its segment followed (`after_pulse`), or the part of the run before its own.
+//! The recording of the whole run would have the same gap. The datasets of the result are
 //! those of the whole run, bit for bit. Shards are copied in blocks of bounded size into a file beside the
 //! output, which is renamed at the end: a merge that fails leaves nothing.
 

@@ -147,3 +147,27 @@ fn a_gap_that_was_dropped_in_real_time_is_kept() {
     let report = merge(&[path, a], &dir.path().join("out.h5"), false).unwrap();
     assert_eq!((report.pulses, report.dropped), (25, 5));
 }
+
+/// The flag of a gap says that the run dropped pulses; it does not excuse a file that is missing.
+#[test]
+fn a_lost_segment_is_no_dropped_pulse() {
+    let dir = tempfile::tempdir().unwrap();
+    let header = header(SampleFormat::Cf32);
+    let path = dir.path().join("run.h5");
+    // One segment a pulse time of ten.
+    let segment_s = 10.0 / header.prf_hz;
+    let mut sink = Box::new(Hdf5Sink::create(&path, Some(segment_s), false, &header).unwrap());
+    for n in (0..20).chain(25..40) {
+        let mut pulse = pulse(&header, n);
+        pulse.flags = if n == 25 || n == 30 { flags::AFTER_GAP } else { 0 };
+        sink.write(&pulse).unwrap();
+    }
+    let files = sink.finish().unwrap().files;
+    assert_eq!(files.len(), 4, "{files:?}");
+    let out = dir.path().join("out.h5");
+    let whole = merge(&files, &out, false).unwrap();
+    assert_eq!((whole.pulses, whole.dropped), (35, 5));
+    let lost = [files[0].clone(), files[1].clone(), files[3].clone()];
+    let refused = merge(&lost, &out, true).unwrap_err();
+    assert!(matches!(refused, MergeError::Gap { from: 20, to: 30, .. }), "{refused}");
+}

@@ -58,6 +58,35 @@ fn hdf5_outputs_and_their_segments() {
     }
 }
 
+/// One output under two spellings, a segment of another output, a file where a folder is needed, and files
+/// that are no recordings.
+#[cfg(feature = "hdf5")]
+#[test]
+fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let hdf5 = |name: &str, segment_s, force| Settings {
+        kind: Kind::Hdf5 { path: dir.path().join(name), segment_s, force },
+        queue_pulses: 8,
+    };
+    let twice = |sinks: &[Settings]| matches!(preflight(sinks).as_slice(), [SinkError::Twice { .. }]);
+    assert!(twice(&[hdf5("s.h5", None, true), hdf5("./s.h5", None, true)]));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(dir.path(), dir.path().join("link")).unwrap();
+        assert!(twice(&[hdf5("s.h5", None, true), hdf5("link/s.h5", None, true)]));
+    }
+    assert!(twice(&[hdf5("z.h5", Some(1.0), false), hdf5("z_0000.h5", None, false)]));
+    assert!(!twice(&[hdf5("z.h5", Some(1.0), false), hdf5("z_more.h5", None, false)]));
+    fs::write(dir.path().join("scenario.toml"), "[scene]").unwrap();
+    fs::create_dir(dir.path().join("folder.h5")).unwrap();
+    for name in ["scenario.toml", "folder.h5"] {
+        let faults = preflight(&[hdf5(name, None, true)]);
+        assert!(matches!(faults.as_slice(), [SinkError::NotARecording { .. }]), "{faults:?}");
+    }
+    let faults = preflight(&[hdf5("scenario.toml/x.h5", None, false)]);
+    assert!(matches!(faults.as_slice(), [SinkError::NoFolder { .. }]), "{faults:?}");
+}
+
 #[cfg(not(feature = "hdf5"))]
 #[test]
 fn a_build_without_hdf5_says_so() {
