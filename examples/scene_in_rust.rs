@@ -4,8 +4,8 @@
 //! cargo run --release --example scene_in_rust
 //! ```
 //!
-//! An aircraft passes a buoy at 100 m/s; the example prints where the echo of each twentieth pulse has
-//! its strongest sample, beside where the buoy is.
+//! An aircraft passes a buoy at 100 m/s; the example compresses each twentieth pulse with the replica and prints where the
+//! echo is strongest, beside where the buoy is.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -25,6 +25,7 @@ use nereus::scene::{Scene, Target};
 use nereus::time::{PulseTimes, TimeTag};
 use nereus::transport::{Pace, Policy, Settings};
 use nereus::units::SPEED_OF_LIGHT_MPS;
+use num_complex::Complex32;
 
 const SAMPLE_RATE_HZ: f64 = 100e6;
 const WINDOW_START_S: f64 = 27.5e-6;
@@ -63,7 +64,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
             noise_figure_db: Some(4.0),
             adc: None,
             direct_path: false,
-            transmitters: vec![Transmitter { name: "tx".into(), power_w: 1.0, antenna: antenna.clone() }],
+            transmitters: vec![Transmitter { name: "tx".into(), power_w: 1000.0, antenna: antenna.clone() }],
             receivers: vec![Receiver { name: "rx".into(), antenna }],
             channels: vec![vv],
         },
@@ -77,18 +78,25 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-fn show(pulse: &Pulse) {
+/// The sample at which the correlation with the replica is strongest.
+fn strongest(iq: &[Complex32], replica: &[Complex32]) -> usize {
+    let correlation = |lag: usize| -> f32 {
+        iq[lag..].iter().zip(replica).map(|(s, q)| s * q.conj()).sum::<Complex32>().norm_sqr()
+    };
+    (0..iq.len()).max_by(|a, b| correlation(*a).total_cmp(&correlation(*b))).unwrap_or(0)
+}
+
+fn show(pulse: &Pulse, replica: &[Complex32]) {
     let Samples::Cf32(iq) = &pulse.samples else { return };
     if !pulse.index.is_multiple_of(20) {
         return;
     }
-    let strongest = (0..iq.len()).max_by(|a, b| iq[*a].norm_sqr().total_cmp(&iq[*b].norm_sqr())).unwrap_or(0);
     let range = |delay_s: f64| 0.5 * SPEED_OF_LIGHT_MPS * delay_s;
     println!(
-        "pulse {:3} at {}: strongest sample {:.1} m, buoy at {:.1} m, Doppler {:6.1} Hz",
+        "pulse {:3} at {}: echo at {:.1} m, buoy at {:.1} m, Doppler {:6.1} Hz",
         pulse.index,
         pulse.time,
-        range(pulse.window_start_s + strongest as f64 / SAMPLE_RATE_HZ),
+        range(pulse.window_start_s + strongest(iq, replica) as f64 / SAMPLE_RATE_HZ),
         range(pulse.target_delay_s[0]),
         pulse.target_doppler_hz[0],
     );
@@ -117,7 +125,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         path: PathBuf::new(),
         warnings: Vec::new(),
     };
-    let outcome = build::stream(&run, 0..run.scene.pulses)?.tap(&Arc::new(AtomicBool::new(false)), show)?;
+    let stream = build::stream(&run, 0..run.scene.pulses)?;
+    let replica = stream.factory().replica();
+    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| show(pulse, &replica))?;
     outcome.result?;
     println!("{} pulses, {} late", outcome.summary.health.pulses, outcome.summary.health.late);
     Ok(())

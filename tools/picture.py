@@ -44,14 +44,15 @@ def main():
             sys.exit(f"channel {arguments.channel} is not recorded; there are {', '.join(names)}")
         channel = names.index(arguments.channel)
         fs = float(recording.attrs["sample_rate_hz"])
-        raw = recording["iq"][:, channel, :]
+        pulses = recording["pulse/index"].shape[0]
+        raw = recording["iq"][:pulses, channel, :]
         iq = raw if raw.dtype.kind == "c" else raw["r"] + 1j * raw["i"].astype(np.float32)
         compressed = compress(iq, recording["replica"][:])
-        start = recording["pulse/window_start_s"][:]
-        time = (recording["pulse/time_ns"][:] - recording["pulse/time_ns"][0]) * 1e-9
-        delays = recording["truth/delay_s"][:, 0, :]
+        start = recording["pulse/window_start_s"][:pulses]
+        time = (recording["pulse/time_ns"][:pulses] - recording["pulse/time_ns"][0]) * 1e-9
+        delays = recording["truth/delay_s"][:pulses, 0, :]
         platforms = {
-            name: group["true/position_m"][:]
+            name: group["true/position_m"][:pulses]
             for name, group in recording["nav"].items()
             if "true" in group
         }

@@ -76,7 +76,13 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));
     }
-    report.forecast = Some(stream.forecast().map_err(BuildErrors::from)?);
+    let forecast = stream.forecast().map_err(BuildErrors::from)?;
+    if forecast.targets_in_window == 0 && report.targets > 0 {
+        let missed = "no target lies in the receive window at the start, middle or end of the run";
+        say(format_args!("warning: {missed}"));
+        report.warnings.push(missed.to_owned());
+    }
+    report.forecast = Some(forecast);
     let text = if args.json { json(&report)? } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
@@ -116,6 +122,7 @@ fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
                 forecast.pulses_per_s, forecast.threads, forecast.trial_pulses, forecast.real_time_factor
             ),
         ),
+        described("in the window", format!("up to {} targets", forecast.targets_in_window)),
         described("at pace fast", format!("about {:.1} s", forecast.pulses as f64 / forecast.pulses_per_s)),
         described(
             "recording",

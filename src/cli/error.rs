@@ -8,6 +8,10 @@ use thiserror::Error;
 use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
 use crate::radar::pattern::PatternError;
+#[cfg(feature = "hdf5")]
+use crate::sinks::merge::MergeError;
+#[cfg(feature = "hdf5")]
+use crate::sinks::sink::SinkError;
 
 /// Why a command ends early.
 #[derive(Debug, Error)]
@@ -27,7 +31,11 @@ pub enum CliError {
     /// Recordings cannot be joined.
     #[cfg(feature = "hdf5")]
     #[error(transparent)]
-    Merge(#[from] crate::sinks::merge::MergeError),
+    Merge(#[from] MergeError),
+    /// Joining asked of a build without HDF5.
+    #[cfg(not(feature = "hdf5"))]
+    #[error("`nereus merge` joins HDF5 recordings, and this build has no HDF5 (feature `hdf5`)")]
+    MergeNeedsHdf5,
     /// An antenna pattern.
     #[error(transparent)]
     Pattern(#[from] PatternError),
@@ -91,6 +99,11 @@ impl CliError {
             | Self::Size { .. }
             | Self::Gain { .. } => 2,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
+            #[cfg(not(feature = "hdf5"))]
+            Self::MergeNeedsHdf5 => 2,
+            // A full disk is not wrong input.
+            #[cfg(feature = "hdf5")]
+            Self::Merge(MergeError::File(SinkError::Io { .. } | SinkError::Hdf5 { .. })) => 1,
             #[cfg(feature = "hdf5")]
             Self::Merge(_) => 2,
         }

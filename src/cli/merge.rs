@@ -28,6 +28,6 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
 
 /// A build without HDF5 has nothing to join.
 #[cfg(not(feature = "hdf5"))]
-pub(super) fn merge(args: &MergeArgs, _out: &mut dyn Write) -> Result<(), CliError> {
-    Err(CliError::NoHdf5 { out: args.out.clone() })
+pub(super) fn merge(_args: &MergeArgs, _out: &mut dyn Write) -> Result<(), CliError> {
+    Err(CliError::MergeNeedsHdf5)
 }

@@ -203,7 +203,7 @@ tables! {
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm: swept bandwidth.";
         PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm: pulse length.";
         SWEEP "sweep", Choice(&["up", "down"]), Word("up"), "lfm: direction of the sweep.";
-        PATH "path", File, Required, "file: CSV, columns re,im.";
+        PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
     }
     window "[radar.window]" "The receive window. Exactly one of start_us and follow." {

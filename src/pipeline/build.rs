@@ -70,7 +70,7 @@ pub enum BuildError {
     #[error(transparent)]
     Sink(#[from] SinkError),
     /// Pulses that the run does not have.
-    #[error("pulses {from}..{to}: the run has pulses 0..{pulses}; at least one of them is needed")]
+    #[error("pulses {from}..{to} are not part of the run; allowed: at least one pulse within 0..{pulses}")]
     Range {
         /// First pulse asked.
         from: u64,

@@ -31,6 +31,8 @@ pub struct Forecast {
     pub recording_bytes: u64,
     /// Data rate at the pulse repetition frequency, bytes per second.
     pub bytes_per_s: f64,
+    /// Most targets whose whole echo lies in the window, over the first, middle and last pulse, in any pair.
+    pub targets_in_window: usize,
     /// Pulses made in the trial.
     pub trial_pulses: u64,
     /// Pulses per second, measured.
@@ -65,6 +67,12 @@ impl PulseStream {
                 .sum::<Result<u64, RadarError>>()
         })?;
         let pulses_per_s = made as f64 / begun.elapsed().as_secs_f64();
+        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let mut targets_in_window = 0;
+        for index in [schedule.first, schedule.first + schedule.count / 2, schedule.end().saturating_sub(1)] {
+            factory.make(index, &mut slot, &mut work)?;
+            targets_in_window = targets_in_window.max(factory.targets_in_window(&slot));
+        }
         let pulse_bytes = factory.layout().slot_bytes();
         let prf_hz = schedule.times.mean_prf_hz();
         Ok(Forecast {
@@ -75,6 +83,7 @@ impl PulseStream {
             memory_bytes: (self.waiting_pulses() * pulse_bytes) as u64,
             recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
             bytes_per_s: prf_hz * pulse_bytes as f64,
+            targets_in_window,
             trial_pulses: made,
             pulses_per_s,
             real_time_factor: pulses_per_s / prf_hz,

@@ -52,6 +52,19 @@ impl PulseFactory {
         self.receiver.replica(&*self.waveform)
     }
 
+    /// Targets whose whole echo lies in the window of a pulse, in the best pair.
+    pub fn targets_in_window(&self, pulse: &Pulse) -> usize {
+        let targets = self.layout.targets;
+        if targets == 0 {
+            return 0;
+        }
+        let opens_s = pulse.window_start_s;
+        let closes_s = opens_s + self.layout.samples as f64 / self.echo.sample_rate_hz();
+        let whole = |delay_s: &&f64| (opens_s..=closes_s - self.waveform.duration_s()).contains(*delay_s);
+        let pairs = pulse.target_delay_s.chunks_exact(targets);
+        pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
+    }
+
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
         // Every target and the direct path, of this pulse and of two neighbours.

@@ -59,6 +59,12 @@ pub enum MergeError {
         /// The first part of the header that differs.
         field: &'static str,
     },
+    /// A shard is a folder.
+    #[error("{path}: is a folder; only HDF5 recordings can be joined")]
+    Folder {
+        /// The shard.
+        path: PathBuf,
+    },
     /// Pulses are in two shards.
     #[error("{path}: begins with pulse {first}, but {other} goes to pulse {last}; shards must not overlap")]
     Overlap {
@@ -175,6 +181,9 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
 fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
     let mut list: Vec<Shard> = Vec::with_capacity(shards.len());
     for path in shards {
+        if path.is_dir() {
+            return Err(MergeError::Folder { path: path.clone() });
+        }
         let fault = || Fault::at(path, "reading the shard");
         let recorded = Recorded::open(path).map_err(fault())?;
         if let Some(other) = list.first()

@@ -152,6 +152,12 @@ pub enum SinkError {
         /// What is there.
         path: PathBuf,
     },
+    /// Asked to overwrite a recording that is open.
+    #[error("{path}: not overwritten, because a run is writing it or a program reads it")]
+    InUse {
+        /// The recording.
+        path: PathBuf,
+    },
     /// The output is to be made in something that is no folder.
     #[error("{path}: is no folder; outputs are made in folders that exist")]
     NoFolder {

@@ -67,7 +67,7 @@ pub enum PacerError {
     /// Policy `stop`: a pulse was not made in time.
     #[error(
         "{stage} is short: pulse {index} was not made {late_by_s:.4} s after its deadline; {made_hz:.1} pulses/s \
-         made since the start, {needed_hz:.1} needed (factor {:.3}). Allowed: more stream.latency_s, a lighter scene, \
+         made since the start, {needed_hz:.1} needed (factor {:.3}). Allowed: more stream.latency_ms, a lighter scene, \
          policy = \"slip\" or \"drop\", or --pace fast", made_hz / needed_hz
     )]
     Underrun {
@@ -415,7 +415,7 @@ mod tests {
             made_hz: 111.0,
             needed_hz: 222.0,
         };
-        insta::assert_snapshot!(error, @r#"echo generation is short: pulse 812 was not made 0.0051 s after its deadline; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_s, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
+        insta::assert_snapshot!(error, @r#"echo generation is short: pulse 812 was not made 0.0051 s after its deadline; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_ms, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
     }
 
     #[test]

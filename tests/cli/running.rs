@@ -209,6 +209,44 @@ fn same_raw<T: hdf5::H5Type, B: PartialEq>(
 }
 
 #[test]
+fn a_window_that_misses_every_target_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let coastal = package().join("configs/coastal.toml").display().to_string();
+    let ended = nereus(folder.path(), &["check", &coastal, "--set", "radar.window.start_us=500"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("no target lies in the receive window"), "{}", ended.stderr);
+    assert!(!nereus(folder.path(), &["check", &coastal]).stderr.contains("no target lies"));
+}
+
+/// A live recording is not overwritten by another run.
+#[cfg(all(unix, feature = "hdf5"))]
+#[test]
+fn a_recording_under_way_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("live.h5");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
+        .args(["run", &quickstart(), "--duration-s", "3", "--out"])
+        .arg(&out)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .stdin(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while !out.exists() {
+        assert!(begun.elapsed() < Duration::from_secs(20), "no recording came");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let again = ["run", &quickstart(), "--pulses", "0..5", "--pace", "fast", "--force", "--out", "live.h5"];
+    let ended = nereus(folder.path(), &again);
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains("a run is writing it"), "{}", ended.stderr);
+    assert!(child.wait().unwrap().success());
+    let ended = nereus(folder.path(), &again);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+}
+
+#[test]
 fn tables_are_csv() {
     let folder = tempfile::tempdir().unwrap();
     let ended = nereus(

@@ -64,6 +64,8 @@ pub(crate) struct Recording {
     rows: usize,
     /// Indices of the rows after the last flush.
     pending: Vec<u64>,
+    /// Tells other runs that the file is being written.
+    _mark: Option<fs::File>,
 }
 
 /// Pulses per chunk of the samples.
@@ -148,8 +150,11 @@ impl Recording {
             return Err(Fault::Text("there is a file of that name already".to_owned()));
         }
         fs::rename(partial, path).map_err(|error| Fault::Text(error.to_string()))?;
+        // Shared, as readers lock it: it only keeps another run from overwriting the file. A system without locks
+        // goes without.
+        let mark = fs::File::open(path).ok().filter(|file| file.try_lock_shared().is_ok());
         let pending = Vec::with_capacity(4096);
-        Ok(Self { datasets, file, path: path.to_owned(), columns: list, rows: 0, pending })
+        Ok(Self { datasets, file, path: path.to_owned(), columns: list, rows: 0, pending, _mark: mark })
     }
 
     pub(crate) fn path(&self) -> &Path {

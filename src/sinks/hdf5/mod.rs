@@ -96,12 +96,15 @@ fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
 /// Whether a file may be one of ours: HDF5 by its first bytes, or empty, as a run that was killed at once leaves it.
 fn is_hdf5(path: &Path) -> bool {
     const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+    // A pipe or a device is not even opened.
+    if !fs::metadata(path).is_ok_and(|data| data.is_file()) {
+        return false;
+    }
     let Ok(mut file) = fs::File::open(path) else { return false };
     let mut start = Vec::with_capacity(8);
     match file.by_ref().take(8).read_to_end(&mut start) {
         Ok(0) => true,
         Ok(_) => start == SIGNATURE,
-        // A folder can be opened, but not read.
         Err(_) => false,
     }
 }
@@ -119,6 +122,11 @@ pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Res
         }
         if !is_hdf5(&path) {
             return Err(SinkError::NotARecording { path });
+        }
+        if fs::File::open(&path)
+            .is_ok_and(|file| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)))
+        {
+            return Err(SinkError::InUse { path });
         }
     }
     super::parent_exists(path)
