@@ -38,15 +38,21 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-#[test]
-fn steady_state_allocates_nothing() {
+/// Runs one ignored test of this file alone.
+fn in_a_process_of_its_own(test: &str) {
+    let test = format!("stream_allocations::{test}");
     let child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "stream_allocations::counted_run", "--ignored", "--nocapture", "--test-threads=1"])
+        .args(["--exact", &test, "--ignored", "--nocapture", "--test-threads=1"])
         .output()
         .unwrap();
     let text = String::from_utf8_lossy(&child.stdout);
     println!("{text}{}", String::from_utf8_lossy(&child.stderr));
     assert!(child.status.success() && text.contains("1 passed"));
+}
+
+#[test]
+fn steady_state_allocates_nothing() {
+    in_a_process_of_its_own("counted_run");
 }
 
 #[test]
@@ -95,19 +101,7 @@ fn counted_run() {
 /// The whole way, generation included: the quickstart scene on two workers, fast, then in real time.
 #[test]
 fn making_pulses_allocates_nothing() {
-    let child = Command::new(std::env::current_exe().unwrap())
-        .args([
-            "--exact",
-            "stream_allocations::counted_pipeline",
-            "--ignored",
-            "--nocapture",
-            "--test-threads=1",
-        ])
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&child.stdout);
-    println!("{text}{}", String::from_utf8_lossy(&child.stderr));
-    assert!(child.status.success() && text.contains("1 passed"));
+    in_a_process_of_its_own("counted_pipeline");
 }
 
 #[test]
