@@ -4,6 +4,7 @@ use std::io::Write;
 
 use super::args::MergeArgs;
 use super::error::CliError;
+#[cfg(feature = "hdf5")]
 use super::say;
 
 /// Joins the recordings.
