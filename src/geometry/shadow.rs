@@ -71,6 +71,8 @@ pub const LIFT: f64 = 1e-3;
 pub const MAX_FACETS: usize = 1 << 28;
 /// Most rays per facet.
 pub const MAX_RAYS: usize = 64;
+/// Widest edge, rad (as a tangent).
+pub const WIDEST_RAD: f64 = 1e3;
 /// Largest coordinate of a terminal, m.
 pub const FARTHEST_M: f64 = 1e12;
 
@@ -131,7 +133,7 @@ pub enum ShadowError {
         position_m: f64,
     },
     /// Not a width.
-    #[error("shadow edge of {width_rad} rad: it must be finite and not negative")]
+    #[error("shadow edge of {width_rad} rad: allowed are 0 to {WIDEST_RAD}")]
     Width {
         /// The width given, rad.
         width_rad: f64,
@@ -180,7 +182,7 @@ impl Settings {
             return Err(ShadowError::Rays { rays: self.rays_per_facet });
         }
         match self.edge {
-            Edge::Soft { width_rad } if !(width_rad.is_finite() && width_rad >= 0.0) => {
+            Edge::Soft { width_rad } if !(0.0..=WIDEST_RAD).contains(&width_rad) => {
                 Err(ShadowError::Width { width_rad })
             }
             _ => Ok(self),
@@ -501,22 +503,20 @@ struct Sector {
     nearest: usize,
     /// Column of the terminal.
     column: f64,
-    /// Row of the terminal, counted from the inner side.
+    /// Row of the terminal, counted from the map's first.
     row: f64,
 }
 
 impl Sector {
     /// `None` where the map has nothing of it.
     fn new(columns: usize, rows: usize, [column, row]: [f64; 2], inward_first: bool) -> Option<Self> {
-        let row = if inward_first { row } else { (rows - 1) as f64 - row };
-        let past = row + UNDER;
-        let nearest = if past < 0.0 { 0 } else { past as usize + 1 };
-        let sector = Self { columns, rows, inward_first, nearest, column, row };
-        let reach = |row: usize| STEEPEST * sector.forward(row);
-        let meets = nearest < rows && {
-            let reach = reach(rows - 1);
-            column + reach >= 0.0 && column - reach <= sector.last_column()
-        };
+        let under = if inward_first { row } else { (rows - 1) as f64 - row };
+        // One less than the row under the terminal, whichever way it was rounded; then the first one past it.
+        let from = under.max(1.0) as usize - 1;
+        let mut sector = Self { columns, rows, inward_first, nearest: from, column, row };
+        sector.nearest = (from..rows).find(|&row| sector.forward(row) > UNDER)?;
+        let reach = STEEPEST * sector.last();
+        let meets = column + reach >= 0.0 && column - reach <= sector.last_column();
         meets.then_some(sector)
     }
 
@@ -532,7 +532,7 @@ impl Sector {
 
     /// Distance from the terminal along the axis.
     fn forward(&self, row: usize) -> f64 {
-        row as f64 - self.row
+        if self.inward_first { row as f64 - self.row } else { self.row - (self.rows - 1 - row) as f64 }
     }
 
     fn last(&self) -> f64 {
@@ -551,7 +551,9 @@ impl Sector {
     /// Share of this axis in a facet seen in a direction near the diagonal; the other axis has the rest.
     fn share(forward: f64, lateral: f64) -> f64 {
         let lateral = lateral.abs();
-        smoothstep(0.5 + 0.5 / BLEND * (forward - lateral) / (forward + lateral))
+        let share = |more: f64, less: f64| smoothstep(0.5 + 0.5 / BLEND * (more - less) / (more + less));
+        // Both axes see the same two lengths, so that their shares make exactly 1.
+        if forward >= lateral { share(forward, lateral) } else { 1.0 - share(lateral, forward) }
     }
 
     /// From the terminal outward: facets of a row look up the horizon of the rows before, then the rays of the
