@@ -299,28 +299,17 @@ pub struct Relief {
 impl Relief {
     /// One pass over the map.
     pub fn of<T: Real>(map: &Map<T>) -> Self {
-        let mut highest_m = f64::NEG_INFINITY;
-        let mut steps = [[0.0_f64; 2]; 2];
+        let mut highest = Extremes::new(f64::NEG_INFINITY);
+        let mut steps = [Extremes::new(0.0), Extremes::new(0.0)];
         let mut before: &[T] = &[];
         for row in map.rows() {
-            let [mut rise_x, mut fall_x] = steps[0];
-            let [mut rise_y, mut fall_y] = steps[1];
-            for z in row {
-                highest_m = highest_m.max(z.widen());
-            }
-            for z in row.windows(2) {
-                let step = z[1].widen() - z[0].widen();
-                rise_x = rise_x.max(step);
-                fall_x = fall_x.max(-step);
-            }
-            for (south, north) in before.iter().zip(row) {
-                let step = north.widen() - south.widen();
-                rise_y = rise_y.max(step);
-                fall_y = fall_y.max(-step);
-            }
-            steps = [[rise_x, fall_x], [rise_y, fall_y]];
+            highest.take_in(row, row, |z, _| z);
+            steps[0].take_in(row, &row[1..], |west, east| east - west);
+            steps[1].take_in(before, row, |south, north| north - south);
             before = row;
         }
+        let [highest_m, _] = highest.largest();
+        let steps = steps.map(|axis| axis.largest());
         let slope = |axis: usize, way: usize| steps[axis][way] / map.facet_m;
         Self { highest_m, rise: [slope(0, 0), slope(1, 0)], fall: [slope(0, 1), slope(1, 1)] }
     }
@@ -350,6 +339,37 @@ impl Relief {
             && [true, false]
                 .into_iter()
                 .all(|first| enough(0, 1, first, [x, y]) && enough(1, 0, first, [y, x]))
+    }
+}
+
+/// Largest values of a quantity and of its negative, in lanes that a compiler can put side by side.
+struct Extremes {
+    most: [f64; Self::LANES],
+    most_negative: [f64; Self::LANES],
+}
+
+impl Extremes {
+    const LANES: usize = 8;
+
+    fn new(least: f64) -> Self {
+        Self { most: [least; Self::LANES], most_negative: [least; Self::LANES] }
+    }
+
+    /// The quantity of each pair of neighbours, as long as both slices have one.
+    fn take_in<T: Real>(&mut self, a: &[T], b: &[T], quantity: impl Fn(f64, f64) -> f64) {
+        let count = a.len().min(b.len());
+        for (a, b) in a[..count].chunks(Self::LANES).zip(b[..count].chunks(Self::LANES)) {
+            let lanes = self.most.iter_mut().zip(&mut self.most_negative);
+            for ((a, b), (most, most_negative)) in a.iter().zip(b).zip(lanes) {
+                let value = quantity(a.widen(), b.widen());
+                *most = if value > *most { value } else { *most };
+                *most_negative = if -value > *most_negative { -value } else { *most_negative };
+            }
+        }
+    }
+
+    fn largest(&self) -> [f64; 2] {
+        [self.most, self.most_negative].map(|lanes| lanes.into_iter().fold(f64::NEG_INFINITY, f64::max))
     }
 }
 
@@ -473,6 +493,22 @@ fn under(place: f64, facets: usize) -> Option<usize> {
 fn smoothstep(s: f64) -> f64 {
     let s = if s > 0.0 { s.min(1.0) } else { 0.0 };
     s * s * (3.0 - 2.0 * s)
+}
+
+/// Linear interpolation at a (finite) place between entries, the first or the last one beyond them.
+#[inline(always)]
+fn between<T>(entries: &[T], place: f64, value: impl Fn(&T) -> f64) -> f64 {
+    /// Ones have the weight of the last bit: adding it rounds to an integer that stands in the low bits.
+    const INTEGERS: f64 = (3_u64 << 51) as f64;
+    let last = (entries.len() - 1) as f64;
+    let place = if place > 0.0 { place } else { 0.0 };
+    let place = if place < last { place } else { last };
+    // At a tie it may be the entry itself or the one before; the result is the same.
+    let rounded = (place - 0.5) + INTEGERS;
+    let left = (rounded.to_bits() & u64::from(u32::MAX)) as usize;
+    let right = (left + 1).min(entries.len() - 1);
+    let (a, b) = (value(&entries[left]), value(&entries[right]));
+    a + (b - a) * (place - (rounded - INTEGERS))
 }
 
 /// Combines `from` (rows of `columns`) into `to` (columns of it side by side), tile by tile.
@@ -670,16 +706,11 @@ impl<T: Real> Line<'_, T> {
         out: &mut [T],
         weigh: &impl Fn(f64) -> f64,
     ) {
-        let last = horizon.len() - 1;
         let first = ray[0] - first_ray as f64;
         // Beyond it a facet belongs to the blend of two marches.
         let core = self.forward / STEEPEST;
         for column in columns {
-            let at = (first + ray[1] * column as f64).max(0.0).min(last as f64);
-            let left = at as usize;
-            let right = (left + 1).min(last);
-            let (a, b) = (horizon[left], horizon[right]);
-            let elevation = a + (b - a) * (at - left as f64);
+            let elevation = between(horizon, first + ray[1] * column as f64, |z| *z);
             let own = self.heights_m[column].widen() * self.inverse - self.offset;
             let value = weigh(self.forward * (own - elevation));
             if (column as f64 - self.column).abs() <= core {
@@ -692,13 +723,9 @@ impl<T: Real> Line<'_, T> {
 
     /// Raises the horizon of rays, the i-th of which is in column `ray[0] + ray[1] i`, to this row.
     fn take_in(&self, ray: [f64; 2], horizon: &mut [f64]) {
-        let last = self.heights_m.len() - 1;
         for (i, horizon) in horizon.iter_mut().enumerate() {
-            let at = (ray[0] + ray[1] * i as f64).max(0.0).min(last as f64);
-            let left = at as usize;
-            let right = (left + 1).min(last);
-            let (a, b) = (self.heights_m[left].widen(), self.heights_m[right].widen());
-            let elevation = (a + (b - a) * (at - left as f64)) * self.inverse - self.offset;
+            let height_m = between(self.heights_m, ray[0] + ray[1] * i as f64, |z| z.widen());
+            let elevation = height_m * self.inverse - self.offset;
             if elevation > *horizon {
                 *horizon = elevation;
             }

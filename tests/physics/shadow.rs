@@ -152,8 +152,8 @@ fn a_plane_under_a_soft_edge_follows_the_grazing_angle() {
     let settings = Settings { edge: Edge::Soft { width_rad: 0.05 }, rays_per_facet: 2 };
     let mut worst = 0.0_f64;
     for tangent in [0.0, 1e-3, 0.01, 0.03, 0.06] {
-        // 1 m to the side of the first column, far to the south.
-        let terminal = Point::new(ground.first_m[0] - 1.0, ground.first_m[1] - 1e5, 1e5 * tangent);
+        // Between two columns, far to the south.
+        let terminal = Point::new(ground.first_m[0] + 11.0, ground.first_m[1] - 1e5, 1e5 * tangent);
         let weights = ground.weights(settings, terminal);
         for [ix, iy] in facets(&ground).filter(|&[_, iy]| iy > 0) {
             // u falls by one facet from P to Q: c = z_T dx / u_Q.
@@ -349,7 +349,7 @@ fn clearances_agree_with_the_ray_test() {
                     let error_m = clearances_m[here] - expected_m;
                     if expected_m == f64::INFINITY {
                         assert_eq!(clearances_m[here], f64::INFINITY, "{facet:?} from {terminal:?}");
-                        assert!((weights[here] - 1.0).abs() <= f64::EPSILON);
+                        assert!(expected < 1.0 || weights[here] == 1.0);
                     } else if front {
                         worst = worst.max(error_m.abs() / bound_m);
                         worst_weight = worst_weight.max((weights[here] - expected).abs());
@@ -399,7 +399,7 @@ fn weights_are_c1_in_time() {
     let (start, end) = (sea(side, 1, 0.0), sea(side, 1, 0.2));
     let settings = Settings::for_map(&start.map());
     let Edge::Soft { width_rad } = settings.edge else { unreachable!() };
-    for azimuth_deg in [20.0, 43.0, 200.0] {
+    for azimuth_deg in [20.0, 130.0, 200.0] {
         let terminal = start.terminal(2e4, azimuth_deg, 1.5);
         let step = 0.02;
         let (mut moving, mut turning, mut worst, mut largest) = (0, 0, 0.0_f64, 0.0_f64);
@@ -413,10 +413,11 @@ fn weights_are_c1_in_time() {
         }
         for window in series.windows(3) {
             for i in 0..side * side {
-                let [c, v] = [0, 1].map(|part| {
-                    [0, 1, 2].map(|k| if part == 0 { window[k].0[i] } else { window[k].1[i] })
-                });
-                if !c[1].is_finite() || v[0] == v[2] {
+                let [c, v] = [0, 1]
+                    .map(|part| [0, 1, 2].map(|k| if part == 0 { window[k].0[i] } else { window[k].1[i] }));
+                // In a blend the weight is not the one of the blended clearance.
+                let pure = [0.0, 1.0].contains(&share_of_y(&start, terminal, [i % side, i / side]));
+                if !(pure && c[1].is_finite()) || v[0] == v[2] {
                     continue;
                 }
                 moving += 1;
@@ -428,10 +429,10 @@ fn weights_are_c1_in_time() {
                     assert!((v[1] - v[0]).abs() <= 1.5 * (c[1] - c[0]).abs() / width_rad + 1e-9);
                     continue;
                 }
-                let dark = (v[2] - 2.0 * v[1] + v[0]).abs();
+                let bend = (v[2] - 2.0 * v[1] + v[0]).abs();
                 // Rounding of c (1e-13 m) over the width (0.01 rad or more), times 3/2, thrice.
                 let bound = 6.0 * (first / width_rad).powi(2) + 1e-10;
-                worst = worst.max(dark / bound);
+                worst = worst.max(bend / bound);
             }
         }
         println!(
@@ -446,7 +447,7 @@ fn weights_are_c1_in_time() {
 #[test]
 fn the_sharp_rule_is_the_limit_of_the_soft_one() {
     let ground = sea(64, 3, 0.0);
-    for azimuth_deg in [0.0, 45.0, 130.0] {
+    for azimuth_deg in [0.0, 37.0, 130.0] {
         let terminal = ground.terminal(1e4, azimuth_deg, 2.0);
         let sharp = ground.weights(Settings::SHARP, terminal);
         assert!(sharp.iter().all(|&v| v == 0.0 || v == 1.0));
@@ -466,7 +467,7 @@ fn the_sharp_rule_is_the_limit_of_the_soft_one() {
                 .count();
         }
         println!("facets other than sharp at widths 0.1, 1e-3, 1e-12: {differing:?}");
-        assert!(differing[0] > differing[1] && differing[2] == 0 || azimuth_deg == 45.0);
+        assert!(differing[0] > differing[1] && differing[2] == 0);
     }
 }
 

@@ -58,7 +58,8 @@ fn below_the_horizon_all_is_dark() {
     let ground = Ground::new([20, 20], 1.0, |_, _| 0.0);
     for depth_m in [300.0, 1e4] {
         let terminal = Point::new(ground.first_m[0] + 9.5, ground.first_m[1] - 1e5, -depth_m);
-        for settings in [Settings::SHARP, Settings { edge: Edge::Soft { width_rad: 0.1 }, ..Settings::SHARP }] {
+        for settings in [Settings::SHARP, Settings { edge: Edge::Soft { width_rad: 0.1 }, ..Settings::SHARP }]
+        {
             let weights = ground.weights(settings, terminal);
             assert!(weights[..20].iter().all(|&v| v == 1.0));
             assert!(weights[20..].iter().all(|&v| v == 0.0));
