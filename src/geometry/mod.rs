@@ -1,4 +1,5 @@
-//! Delay, Doppler, angles.
+//! Delay, Doppler, angles, shadow.
 
 pub mod light_time;
 pub mod bistatic;
+pub mod shadow;

@@ -25,4 +25,6 @@ mod sea_golden;
 mod sea_spectrum;
 mod sea_surface;
 mod sea_wind;
+mod shadow;
+mod shadow_extremes;
 mod waveform_spectrum;

@@ -1,0 +1,734 @@
+//! Visibility of facets from a terminal: who stands behind a wave.
+//!
+//! **Map.** Heights `z` (m, scene frame ENU) at facet centres of a regular grid, row by row, `[iy][ix]`. On a curved
+//! Earth the heights must already contain the drop of the mean surface; rays are straight. Water that is not on
+//! the map hides nothing: whether a far terminal has risen above the sea's horizon is for the caller to
+//! know, and facets at the map's edge towards the terminal have nothing before them.
+//!
+//! **Clearance.** Let T be the terminal, P a facet centre, and Q the points in which the line P - T, seen from above,
+//! crosses the grid lines across its dominant axis, on the map and before P; heights at Q are interpolated
+//! linearly between the two centres of that grid line. With `u` the distance from T along the dominant axis,
+//!
+//! `c = (z_P - z_T) - u_P max_Q (z_Q - z_T)/u_Q` (m; infinite where no Q is)
+//!
+//! is the height of P above the ray that grazes the horizon: the distance between their elevations seen
+//! from T, turned into a length at P. The facet is lifted by [`LIFT`] of its side against rounding.
+//!
+//! **Weight**, on the amplitude, one-way, 0 to 1, continuous with its first derivative in `c`:
+//!
+//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Edge::Sharp`]) `v = 1` for `c > 0`, else 0.
+//!
+//! `c / dx` is the clearance as an angle seen across one facet, `w` the width of the edge in the same measure
+//! (a tangent, as slopes are). For a horizon one step away `c / dx` is the local grazing angle, and a facet whose slope
+//! changes by `d` from edge to edge hides a part of itself where that is less than `d/2`. Hence the default,
+//! [`half_slope_change_rad`]: half the rms change of slope over `dx`. It should be taken once for a
+//! scene, for a width that changes in time moves all weights.
+//!
+//! `c` is continuous in time and in the place of both; its rate jumps where the horizon passes from one point to
+//! another (so does that of any horizon), the weight adds no jump of its own. Both ends of a path must see a facet:
+//! multiply their weights.
+//!
+//! **How.** From T outward, row by row along the dominant axis, over a fan of rays through `1/n` of the
+//! facets' spacing in the last row (`n` = [`Settings::rays_per_facet`]); each ray keeps the running maximum of
+//! `z/u - z_T (1/u - 1/u_last)` (the elevation less a constant, so that a satellite loses no digits), and a facet takes
+//! the horizon between its two rays. Against one ray per facet, `c` is off by at most `(D/4 + g)/n`, `D` the largest
+//! second difference and `g` the largest step of the heights across the rays. (Not for rays that enter the map at
+//! its side, where one of the two may meet a row more than the other.)
+//! Where |dx| and |dy| differ by less than an eighth of their mean, marches along both axes are blended, so that a
+//! facet does not jump when the terminal passes its diagonal.
+//! Cost `O(n)` per facet; no memory is taken; the result depends on nothing but the arguments.
+//!
+//! **Limits.** No diffraction, no refraction other than by an Earth's radius put into the heights. Facets that
+//! look away from the terminal are dark by their scattering, not here. Heights that are not finite give
+//! weights of 0 and hide nothing or all, but never NaN.
+//!
+//! Source: project physics notes 6.6 (binary rule of the paper, with a width).
+//!
+//! ```
+//! use nereus::frames::Point;
+//! use nereus::geometry::shadow::{Map, Relief, Settings, Shadow};
+//! // A wall of 1 m across the way of a radar at 0.1 m per m of grazing: ten metres of shadow.
+//! let mut heights_m = vec![0.0; 64 * 32];
+//! heights_m[20 * 64..21 * 64].fill(1.0);
+//! let map = Map::new(&heights_m, [64, 32], 1.0, [0.0, 0.0])?;
+//! let radar = Point::new(31.5, -99_980.0, 10_000.0);
+//! assert!(!Relief::of(&map).cannot_shadow(&map, radar, Settings::SHARP));
+//! let mut shadow = Shadow::new([64, 32], Settings::SHARP)?;
+//! let mut weights = vec![0.0; 64 * 32];
+//! shadow.weights(&map, radar, &mut weights)?;
+//! let column: Vec<_> = (0..32).filter(|iy| weights[iy * 64 + 5] == 0.0).collect();
+//! assert_eq!(column, (21..30).collect::<Vec<_>>());
+//! # Ok::<(), nereus::geometry::shadow::ShadowError>(())
+//! ```
+
+use crate::frames::{Enu, Point};
+use crate::scene::patch::MAX_SIDE;
+use crate::sea::surface::fields::Real;
+
+/// Height by which facet centres are raised before they are compared with the horizon, in facet sides.
+pub const LIFT: f64 = 1e-3;
+/// Most facets of a map.
+pub const MAX_FACETS: usize = 1 << 28;
+/// Most rays per facet.
+pub const MAX_RAYS: usize = 64;
+/// Widest edge, rad (as a tangent).
+pub const WIDEST_RAD: f64 = 1e3;
+/// Largest coordinate of a terminal, m.
+pub const FARTHEST_M: f64 = 1e12;
+
+/// `| |dx| - |dy| | / (|dx| + |dy|)` below which the marches along x and y are blended.
+const BLEND: f64 = 1.0 / 16.0;
+/// Largest |lateral / forward| of a march: the far side of the blend.
+const STEEPEST: f64 = (1.0 + BLEND) / (1.0 - BLEND);
+/// Rows nearer to the terminal than this, in facets, are taken to be under it.
+const UNDER: f64 = 1e-9;
+/// Slack for points on the border of the map, in facets.
+const BORDER: f64 = 1e-9;
+/// Side of the tiles in which maps are transposed.
+const TILE: usize = 16;
+
+/// What is wrong with a map, a terminal or the settings.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ShadowError {
+    /// Too few or too many facets.
+    #[error("height map of {nx} x {ny} facets: allowed are 1 to {MAX_SIDE} a side, {MAX_FACETS} in all")]
+    Facets {
+        /// Along x.
+        nx: usize,
+        /// Along y.
+        ny: usize,
+    },
+    /// An array that does not have one entry per facet.
+    #[error("{array} of a height map of {expected} facets: {found} entries")]
+    Length {
+        /// Which array.
+        array: &'static str,
+        /// Its entries.
+        found: usize,
+        /// Facets of the map.
+        expected: usize,
+    },
+    /// A map of another size than the workspace was made for.
+    #[error("height map of {found:?} facets, the workspace was made for {expected:?}")]
+    Workspace {
+        /// Facets of the map along x and y.
+        found: [usize; 2],
+        /// Those of the workspace.
+        expected: [usize; 2],
+    },
+    /// Facet size out of range.
+    #[error("facet of {facet_m} m in a height map: it must be a length from 1e-6 to 1e9 m")]
+    FacetSize {
+        /// The size given, m.
+        facet_m: f64,
+    },
+    /// Not a place.
+    #[error("{what} at {position_m} m along {axis}: it must be within {FARTHEST_M:e} m of the origin")]
+    Place {
+        /// `terminal` or `first facet`.
+        what: &'static str,
+        /// `x`, `y` or `z`.
+        axis: char,
+        /// The coordinate given, m.
+        position_m: f64,
+    },
+    /// Not a width.
+    #[error("shadow edge of {width_rad} rad: allowed are 0 to {WIDEST_RAD}")]
+    Width {
+        /// The width given, rad.
+        width_rad: f64,
+    },
+    /// Too few or too many rays.
+    #[error("{rays} shadow rays per facet: allowed are 1 to {MAX_RAYS}")]
+    Rays {
+        /// The number given.
+        rays: usize,
+    },
+}
+
+/// How a facet passes from light to shadow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edge {
+    /// At once, as in the paper: lit if and only if nothing stands above the ray.
+    Sharp,
+    /// Over a range of clearance angles.
+    Soft {
+        /// Clearance, over the side of a facet, at which the weight reaches 1, rad. Zero is [`Edge::Sharp`].
+        width_rad: f64,
+    },
+}
+
+/// How visibility is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// From light to shadow.
+    pub edge: Edge,
+    /// Rays per facet across the look direction; the error goes with its inverse square on smooth seas.
+    pub rays_per_facet: usize,
+}
+
+impl Settings {
+    /// The paper's binary rule, two rays per facet.
+    pub const SHARP: Self = Self { edge: Edge::Sharp, rays_per_facet: 2 };
+
+    /// The default: a soft edge as wide as half the slope change of a map ([`half_slope_change_rad`]), two rays
+    /// per facet.
+    pub fn for_map<T: Real>(map: &Map<T>) -> Self {
+        Self { edge: Edge::Soft { width_rad: half_slope_change_rad(map) }, ..Self::SHARP }
+    }
+
+    fn check(self) -> Result<Self, ShadowError> {
+        if !(1..=MAX_RAYS).contains(&self.rays_per_facet) {
+            return Err(ShadowError::Rays { rays: self.rays_per_facet });
+        }
+        match self.edge {
+            Edge::Soft { width_rad } if !(0.0..=WIDEST_RAD).contains(&width_rad) => {
+                Err(ShadowError::Width { width_rad })
+            }
+            _ => Ok(self),
+        }
+    }
+
+    fn width_rad(self) -> f64 {
+        match self.edge {
+            Edge::Sharp => 0.0,
+            Edge::Soft { width_rad } => width_rad,
+        }
+    }
+}
+
+fn check_sides([nx, ny]: [usize; 2]) -> Result<(), ShadowError> {
+    let sides = 1..=MAX_SIDE;
+    if sides.contains(&nx) && sides.contains(&ny) && nx * ny <= MAX_FACETS {
+        Ok(())
+    } else {
+        Err(ShadowError::Facets { nx, ny })
+    }
+}
+
+fn check_place(what: &'static str, position_m: &[f64]) -> Result<(), ShadowError> {
+    let mut axes = ['x', 'y', 'z'].into_iter().zip(position_m);
+    match axes.find(|(_, x)| !(-FARTHEST_M..=FARTHEST_M).contains(*x)) {
+        Some((axis, &position_m)) => Err(ShadowError::Place { what, axis, position_m }),
+        None => Ok(()),
+    }
+}
+
+/// Heights of facet centres.
+#[derive(Clone, Copy, Debug)]
+pub struct Map<'a, T> {
+    heights_m: &'a [T],
+    facets: [usize; 2],
+    facet_m: f64,
+    first_m: [f64; 2],
+}
+
+impl<'a, T: Real> Map<'a, T> {
+    /// Heights `[iy][ix]`, m, of `facets` along x and y of side `facet_m`; the centre of the first one is at
+    /// `first_m`.
+    pub fn new(
+        heights_m: &'a [T],
+        facets: [usize; 2],
+        facet_m: f64,
+        first_m: [f64; 2],
+    ) -> Result<Self, ShadowError> {
+        check_sides(facets)?;
+        let expected = facets[0] * facets[1];
+        if heights_m.len() != expected {
+            return Err(ShadowError::Length { array: "heights", found: heights_m.len(), expected });
+        }
+        if !(1e-6..=1e9).contains(&facet_m) {
+            return Err(ShadowError::FacetSize { facet_m });
+        }
+        check_place("first facet", &first_m)?;
+        Ok(Self { heights_m, facets, facet_m, first_m })
+    }
+
+    /// Facets along x and y.
+    pub fn facets(&self) -> [usize; 2] {
+        self.facets
+    }
+
+    /// Side of a facet, m.
+    pub fn facet_m(&self) -> f64 {
+        self.facet_m
+    }
+
+    /// Horizontal place in facets from the first one.
+    fn place(&self, terminal: Point<Enu>) -> [f64; 2] {
+        let [x, y, _] = terminal.to_array();
+        [(x - self.first_m[0]) / self.facet_m, (y - self.first_m[1]) / self.facet_m]
+    }
+
+    fn rows(&self) -> std::slice::ChunksExact<'a, T> {
+        self.heights_m.chunks_exact(self.facets[0])
+    }
+}
+
+/// Half the rms change of slope over one facet, rad (as a tangent), over both axes: with the second difference `D` of
+/// neighbouring heights, `rms(D) / (2 dx)`. Zero for a plane, and for maps of less than three facets a side.
+pub fn half_slope_change_rad<T: Real>(map: &Map<T>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    let mut add = |before: T, here: T, after: T| {
+        let second = before.widen() - 2.0 * here.widen() + after.widen();
+        sum += second * second;
+        count += 1;
+    };
+    for row in map.rows() {
+        row.windows(3).for_each(|z| add(z[0], z[1], z[2]));
+    }
+    for ((before, here), after) in map.rows().zip(map.rows().skip(1)).zip(map.rows().skip(2)) {
+        for ((before, here), after) in before.iter().zip(here).zip(after) {
+            add(*before, *here, *after);
+        }
+    }
+    if count == 0 { 0.0 } else { (sum / count as f64).sqrt() / (2.0 * map.facet_m) }
+}
+
+/// The few figures of a map that tell whether it can cast a shadow at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    /// Largest height, m.
+    pub highest_m: f64,
+    /// Steepest rise towards +x and +y between neighbours, as a tangent, not below 0.
+    pub rise: [f64; 2],
+    /// Steepest fall towards +x and +y between neighbours, as a tangent, not below 0.
+    pub fall: [f64; 2],
+}
+
+impl Relief {
+    /// One pass over the map.
+    pub fn of<T: Real>(map: &Map<T>) -> Self {
+        let mut highest = Extremes::new(f64::NEG_INFINITY);
+        let mut steps = [Extremes::new(0.0), Extremes::new(0.0)];
+        let mut before: &[T] = &[];
+        for row in map.rows() {
+            highest.take_in(row, row, |z, _| z);
+            steps[0].take_in(row, &row[1..], |west, east| east - west);
+            steps[1].take_in(before, row, |south, north| north - south);
+            before = row;
+        }
+        let [highest_m, _] = highest.largest();
+        let steps = steps.map(|axis| axis.largest());
+        let slope = |axis: usize, way: usize| steps[axis][way] / map.facet_m;
+        Self { highest_m, rise: [slope(0, 0), slope(1, 0)], fall: [slope(0, 1), slope(1, 1)] }
+    }
+
+    /// Whether every weight of such a map is certainly 1: the look direction is nowhere flatter than the steepest
+    /// slope that falls away from the terminal, plus the width of the edge and what interpolation between rays may
+    /// take. Of the map only the outline is read. Never true when a weight would be less than 1; where it is
+    /// false, there may still be no shadow.
+    ///
+    /// With `F` and `R` the falls outward along and either way across the dominant axis, `m` the range of lateral
+    /// over forward distance, `n` rays per facet: `(z_T - z_max)/u_max - F - max(m R) - max(R)/n >= w`.
+    pub fn cannot_shadow<T: Real>(&self, map: &Map<T>, terminal: Point<Enu>, settings: Settings) -> bool {
+        let [x, y] = map.place(terminal);
+        let above_m = terminal.to_array()[2] - self.highest_m;
+        let enough = |cross: usize, along: usize, inward_first: bool, place: [f64; 2]| {
+            let [columns, rows] = [map.facets[cross], map.facets[along]];
+            let Some(sector) = Sector::new(columns, rows, place, inward_first) else {
+                return true;
+            };
+            let down = if inward_first { self.fall[along] } else { self.rise[along] };
+            let (least, most) = sector.lateral_range();
+            let across = (most * self.fall[cross]).max(-least * self.rise[cross]).max(0.0);
+            let between = self.rise[cross].max(self.fall[cross]) / settings.rays_per_facet.max(1) as f64;
+            above_m / (sector.last() * map.facet_m) >= down + across + between + settings.width_rad()
+        };
+        above_m > 0.0
+            && [true, false]
+                .into_iter()
+                .all(|first| enough(0, 1, first, [x, y]) && enough(1, 0, first, [y, x]))
+    }
+}
+
+/// Largest values of a quantity and of its negative, in lanes that a compiler can put side by side.
+struct Extremes {
+    most: [f64; Self::LANES],
+    most_negative: [f64; Self::LANES],
+}
+
+impl Extremes {
+    const LANES: usize = 8;
+
+    fn new(least: f64) -> Self {
+        Self { most: [least; Self::LANES], most_negative: [least; Self::LANES] }
+    }
+
+    /// The quantity of each pair of neighbours, as long as both slices have one.
+    fn take_in<T: Real>(&mut self, a: &[T], b: &[T], quantity: impl Fn(f64, f64) -> f64) {
+        let count = a.len().min(b.len());
+        for (a, b) in a[..count].chunks(Self::LANES).zip(b[..count].chunks(Self::LANES)) {
+            let lanes = self.most.iter_mut().zip(&mut self.most_negative);
+            for ((a, b), (most, most_negative)) in a.iter().zip(b).zip(lanes) {
+                let value = quantity(a.widen(), b.widen());
+                *most = if value > *most { value } else { *most };
+                *most_negative = if -value > *most_negative { -value } else { *most_negative };
+            }
+        }
+    }
+
+    fn largest(&self) -> [f64; 2] {
+        [self.most, self.most_negative].map(|lanes| lanes.into_iter().fold(f64::NEG_INFINITY, f64::max))
+    }
+}
+
+/// Workspace for the visibility of one map size.
+#[derive(Clone, Debug)]
+pub struct Shadow<T> {
+    facets: [usize; 2],
+    settings: Settings,
+    /// `[ray]`: running maximum.
+    horizon: Vec<f64>,
+    /// `[ix][iy]`: heights, m.
+    turned_heights_m: Vec<T>,
+    /// `[ix][iy]`: results of the marches along x.
+    turned: Vec<T>,
+}
+
+impl<T: Real> Shadow<T> {
+    /// For maps of `facets` along x and y. All memory is taken here.
+    pub fn new(facets: [usize; 2], settings: Settings) -> Result<Self, ShadowError> {
+        check_sides(facets)?;
+        let settings = settings.check()?;
+        let [nx, ny] = facets;
+        let rays = Sector::most_rays(nx, ny, settings.rays_per_facet).max(Sector::most_rays(
+            ny,
+            nx,
+            settings.rays_per_facet,
+        ));
+        Ok(Self {
+            facets,
+            settings,
+            horizon: vec![f64::NEG_INFINITY; rays],
+            turned_heights_m: vec![T::default(); nx * ny],
+            turned: vec![T::default(); nx * ny],
+        })
+    }
+
+    /// The settings it was made with.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Visibility weights of all facets from a terminal, `[iy][ix]`, 0 to 1, into `out`.
+    pub fn weights(&mut self, map: &Map<T>, terminal: Point<Enu>, out: &mut [T]) -> Result<(), ShadowError> {
+        let lift_m = LIFT * map.facet_m;
+        let width_m = self.settings.width_rad() * map.facet_m;
+        if width_m > 0.0 {
+            self.march(map, terminal, out, |clearance_m| smoothstep((clearance_m + lift_m) / width_m))
+        } else {
+            let lit = |clearance_m: f64| if clearance_m + lift_m > 0.0 { 1.0 } else { 0.0 };
+            self.march(map, terminal, out, lit)?;
+            // Where two marches are blended and differ, the nearer axis decides.
+            for weight in out {
+                *weight = if weight.widen() >= 0.5 { T::one() } else { T::zero() };
+            }
+            Ok(())
+        }
+    }
+
+    /// Clearances `c` of all facets, m, `[iy][ix]`, without the lift; infinite where nothing is between facet and
+    /// terminal. Where marches along both axes are blended, the blend of both clearances.
+    pub fn clearances_m(
+        &mut self,
+        map: &Map<T>,
+        terminal: Point<Enu>,
+        out: &mut [T],
+    ) -> Result<(), ShadowError> {
+        self.march(map, terminal, out, |clearance_m| clearance_m)
+    }
+
+    fn march(
+        &mut self,
+        map: &Map<T>,
+        terminal: Point<Enu>,
+        out: &mut [T],
+        weigh: impl Fn(f64) -> f64,
+    ) -> Result<(), ShadowError> {
+        if map.facets != self.facets {
+            return Err(ShadowError::Workspace { found: map.facets, expected: self.facets });
+        }
+        let expected = map.heights_m.len();
+        if out.len() != expected {
+            return Err(ShadowError::Length { array: "output", found: out.len(), expected });
+        }
+        let terminal_m = terminal.to_array();
+        check_place("terminal", &terminal_m)?;
+        let [nx, ny] = self.facets;
+        let [x, y] = map.place(terminal);
+        let (height_m, rays) = (terminal_m[2], self.settings.rays_per_facet);
+        let sectors = |columns, rows, place| {
+            [true, false].map(|inward_first| Sector::new(columns, rows, place, inward_first))
+        };
+        out.fill(T::zero());
+        for sector in sectors(nx, ny, [x, y]).iter().flatten() {
+            sector.march(map.heights_m, height_m, rays, &mut self.horizon, out, &weigh);
+        }
+        let along_x = sectors(ny, nx, [y, x]);
+        if along_x.iter().any(Option::is_some) {
+            transpose(map.heights_m, [nx, ny], &mut self.turned_heights_m, |to, from| *to = from);
+            self.turned.fill(T::zero());
+            for sector in along_x.iter().flatten() {
+                let heights_m = &self.turned_heights_m;
+                sector.march(heights_m, height_m, rays, &mut self.horizon, &mut self.turned, &weigh);
+            }
+            transpose(&self.turned, [ny, nx], out, |to, from| *to = *to + from);
+        }
+        // The facet under the terminal belongs to no march.
+        if let (Some(ix), Some(iy)) = (under(x, nx), under(y, ny)) {
+            out[iy * nx + ix] = T::round_from(weigh(f64::INFINITY));
+        }
+        Ok(())
+    }
+}
+
+/// The facet that a place along one axis falls on, if it does.
+fn under(place: f64, facets: usize) -> Option<usize> {
+    let nearest = place.round();
+    ((place - nearest).abs() <= UNDER && (0.0..facets as f64).contains(&nearest)).then_some(nearest as usize)
+}
+
+/// Rises from 0 at 0 to 1 at 1 with level ends; 0 for NaN.
+fn smoothstep(s: f64) -> f64 {
+    let s = if s > 0.0 { s.min(1.0) } else { 0.0 };
+    s * s * (3.0 - 2.0 * s)
+}
+
+/// Linear interpolation at a (finite) place between entries, the first or the last one beyond them.
+#[inline(always)]
+fn between<T>(entries: &[T], place: f64, value: impl Fn(&T) -> f64) -> f64 {
+    /// Ones have the weight of the last bit: adding it rounds to an integer that stands in the low bits.
+    const INTEGERS: f64 = (3_u64 << 51) as f64;
+    let last = (entries.len() - 1) as f64;
+    let place = if place > 0.0 { place } else { 0.0 };
+    let place = if place < last { place } else { last };
+    // At a tie it may be the entry itself or the one before; the result is the same.
+    let rounded = (place - 0.5) + INTEGERS;
+    let left = (rounded.to_bits() & u64::from(u32::MAX)) as usize;
+    let right = (left + 1).min(entries.len() - 1);
+    let (a, b) = (value(&entries[left]), value(&entries[right]));
+    a + (b - a) * (place - (rounded - INTEGERS))
+}
+
+/// Combines `from` (rows of `columns`) into `to` (columns of it side by side), tile by tile.
+fn transpose<T: Copy>(from: &[T], [columns, rows]: [usize; 2], to: &mut [T], combine: impl Fn(&mut T, T)) {
+    for first_row in (0..rows).step_by(TILE) {
+        let last_row = (first_row + TILE).min(rows);
+        for first_column in (0..columns).step_by(TILE) {
+            for column in first_column..(first_column + TILE).min(columns) {
+                for (to, row) in
+                    to[column * rows + first_row..column * rows + last_row].iter_mut().zip(first_row..)
+                {
+                    combine(to, from[row * columns + column]);
+                }
+            }
+        }
+    }
+}
+
+/// The part of a map on one side of the terminal along one axis ("rows", from the terminal outward), as far as that
+/// axis is dominant. Lengths in facets.
+#[derive(Clone, Copy, Debug)]
+struct Sector {
+    columns: usize,
+    rows: usize,
+    /// Whether the first row of the map is the nearest, or the last.
+    inward_first: bool,
+    /// Nearest row, counted from the inner side.
+    nearest: usize,
+    /// Column of the terminal.
+    column: f64,
+    /// Row of the terminal, counted from the map's first.
+    row: f64,
+}
+
+impl Sector {
+    /// `None` where the map has nothing of it.
+    fn new(columns: usize, rows: usize, [column, row]: [f64; 2], inward_first: bool) -> Option<Self> {
+        let under = if inward_first { row } else { (rows - 1) as f64 - row };
+        // One less than the row under the terminal, whichever way it was rounded; then the first one past it.
+        let from = under.max(1.0) as usize - 1;
+        let mut sector = Self { columns, rows, inward_first, nearest: from, column, row };
+        sector.nearest = (from..rows).find(|&row| sector.forward(row) > UNDER)?;
+        let reach = STEEPEST * sector.last();
+        let meets = column + reach >= 0.0 && column - reach <= sector.last_column();
+        meets.then_some(sector)
+    }
+
+    /// Most rays that a march over a map of this size can have.
+    fn most_rays(columns: usize, rows: usize, rays_per_facet: usize) -> usize {
+        let widest = columns as f64 + 2.0 * STEEPEST * rows as f64;
+        (widest * rays_per_facet as f64) as usize + 8
+    }
+
+    fn last_column(&self) -> f64 {
+        (self.columns - 1) as f64
+    }
+
+    /// Distance from the terminal along the axis.
+    fn forward(&self, row: usize) -> f64 {
+        if self.inward_first { row as f64 - self.row } else { self.row - (self.rows - 1 - row) as f64 }
+    }
+
+    fn last(&self) -> f64 {
+        self.forward(self.rows - 1)
+    }
+
+    /// Bounds of lateral over forward distance.
+    fn lateral_range(&self) -> (f64, f64) {
+        let (near, last) = (self.forward(self.nearest), self.last());
+        let [left, right] = [-self.column, self.last_column() - self.column];
+        let least = (left / near).min(left / last);
+        let most = (right / near).max(right / last);
+        (least.max(-STEEPEST), most.min(STEEPEST))
+    }
+
+    /// Share of this axis in a facet seen in a direction near the diagonal; the other axis has the rest.
+    fn share(forward: f64, lateral: f64) -> f64 {
+        let lateral = lateral.abs();
+        let share = |more: f64, less: f64| smoothstep(0.5 + 0.5 / BLEND * (more - less) / (more + less));
+        // Both axes see the same two lengths, so that their shares make exactly 1.
+        if forward >= lateral { share(forward, lateral) } else { 1.0 - share(lateral, forward) }
+    }
+
+    /// From the terminal outward: facets of a row look up the horizon of the rows before, then the rays of the
+    /// fan take in this row. Adds results to `out`.
+    fn march<T: Real>(
+        &self,
+        heights_m: &[T],
+        height_m: f64,
+        rays_per_facet: usize,
+        horizon: &mut [f64],
+        out: &mut [T],
+        weigh: &impl Fn(f64) -> f64,
+    ) {
+        let density = rays_per_facet as f64;
+        let (last, last_column) = (self.last(), self.last_column());
+        let span = STEEPEST * (last - self.forward(self.nearest));
+        // Rays are numbered by where they meet the last row, `density` to a column.
+        let fan = [self.column - STEEPEST * last, self.column + STEEPEST * last];
+        let first_ray = (density * fan[0].max(-span)).floor() - 1.0;
+        let final_ray = (density * fan[1].min(last_column + span)).ceil() + 1.0;
+        let count = ((final_ray - first_ray + 1.0).max(0.0) as usize).min(horizon.len());
+        let horizon = &mut horizon[..count];
+        horizon.fill(f64::NEG_INFINITY);
+        let fan_rays = fan.map(|column| density * column - first_ray);
+        // Rays that were on the map in the row before.
+        let mut met = 0..0;
+        for row in self.nearest..self.rows {
+            let forward = self.forward(row);
+            let to_last = (self.rows - 1 - row) as f64;
+            // Column of a ray in this row: shift + narrowing * (its column in the last row).
+            let shift = self.column / last * to_last;
+            let narrowing = 1.0 - to_last / last;
+            let place = if self.inward_first { row } else { self.rows - 1 - row };
+            let cells = place * self.columns..(place + 1) * self.columns;
+            let (heights_m, out) = (&heights_m[cells.clone()], &mut out[cells]);
+            let line = Line {
+                heights_m,
+                inverse: 1.0 / forward,
+                offset: height_m * (to_last / (last * forward)),
+                forward,
+                column: self.column,
+            };
+
+            let in_sector = line.columns([-STEEPEST * forward, STEEPEST * forward].map(|x| x + self.column));
+            let shaded = if met.is_empty() {
+                in_sector.start..in_sector.start
+            } else {
+                // Facets whose line to the terminal crosses the row before on the map.
+                let before = forward - 1.0;
+                let left = -self.column / before - BORDER;
+                let right = last_column + (last_column - self.column) / before + BORDER;
+                let shaded = line.columns([left, right]);
+                let start = shaded.start.clamp(in_sector.start, in_sector.end);
+                start..shaded.end.clamp(start, in_sector.end)
+            };
+            for column in (in_sector.start..shaded.start).chain(shaded.end..in_sector.end) {
+                line.put(column, &mut out[column], weigh(f64::INFINITY));
+            }
+            if !shaded.is_empty() {
+                let per_column = density / narrowing;
+                let first = -shift * per_column - first_ray;
+                line.look_up([first, per_column], &horizon[met.clone()], met.start, shaded, out, weigh);
+            }
+
+            let on_map = |column: f64| density * ((column - shift) / narrowing) - first_ray;
+            let low = (on_map(0.0) - BORDER).ceil().max(fan_rays[0].floor()).max(0.0) as usize;
+            let high = (on_map(last_column) + BORDER).floor().min(fan_rays[1].ceil());
+            // A negative end becomes an empty range.
+            let high = ((high + 1.0).max(0.0) as usize).min(count);
+            met = low.min(high)..high;
+            let step = narrowing / density;
+            let first = shift + step * (first_ray + met.start as f64);
+            line.take_in([first, step], &mut horizon[met.clone()]);
+        }
+    }
+}
+
+/// One row of a march.
+struct Line<'a, T> {
+    heights_m: &'a [T],
+    /// One over the distance from the terminal.
+    inverse: f64,
+    /// `z_T (1/u - 1/u_last)`, m per facet.
+    offset: f64,
+    /// Distance from the terminal along the axis.
+    forward: f64,
+    /// Column of the terminal.
+    column: f64,
+}
+
+impl<T: Real> Line<'_, T> {
+    /// The columns between two places.
+    fn columns(&self, [left, right]: [f64; 2]) -> std::ops::Range<usize> {
+        let end = ((right.floor() + 1.0).max(0.0) as usize).min(self.heights_m.len());
+        (left.ceil().max(0.0) as usize).min(end)..end
+    }
+
+    fn put(&self, column: usize, out: &mut T, value: f64) {
+        let lateral = column as f64 - self.column;
+        let share = Sector::share(self.forward, lateral);
+        if share > 0.0 {
+            *out = *out + T::round_from(share * value);
+        }
+    }
+
+    /// Results of the facets `columns` from the horizon of the rays from number `first_ray` on; facet `j`
+    /// is on ray `ray[0] + ray[1] j`.
+    fn look_up(
+        &self,
+        ray: [f64; 2],
+        horizon: &[f64],
+        first_ray: usize,
+        columns: std::ops::Range<usize>,
+        out: &mut [T],
+        weigh: &impl Fn(f64) -> f64,
+    ) {
+        let first = ray[0] - first_ray as f64;
+        // Beyond it a facet belongs to the blend of two marches.
+        let core = self.forward / STEEPEST;
+        for column in columns {
+            let elevation = between(horizon, first + ray[1] * column as f64, |z| *z);
+            let own = self.heights_m[column].widen() * self.inverse - self.offset;
+            let value = weigh(self.forward * (own - elevation));
+            if (column as f64 - self.column).abs() <= core {
+                out[column] = T::round_from(value);
+            } else {
+                self.put(column, &mut out[column], value);
+            }
+        }
+    }
+
+    /// Raises the horizon of rays, the i-th of which is in column `ray[0] + ray[1] i`, to this row.
+    fn take_in(&self, ray: [f64; 2], horizon: &mut [f64]) {
+        for (i, horizon) in horizon.iter_mut().enumerate() {
+            let height_m = between(self.heights_m, ray[0] + ray[1] * i as f64, |z| z.widen());
+            let elevation = height_m * self.inverse - self.offset;
+            if elevation > *horizon {
+                *horizon = elevation;
+            }
+        }
+    }
+}
