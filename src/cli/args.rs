@@ -6,6 +6,8 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
 
+use super::table::TableArgs;
+
 /// Hardware-in-the-loop bistatic marine radar emulator.
 #[derive(Debug, Parser)]
 #[command(name = "nereus", version, about, disable_help_subcommand = true)]
@@ -25,7 +27,7 @@ pub enum Command {
     /// Print a commented scenario to start from, or the list of keys
     New(NewArgs),
     /// Print physics as CSV
-    Table(TableArgs),
+    Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
 }
@@ -92,76 +94,6 @@ pub enum Template {
     Quickstart,
     /// Every key with unit, default and range (Markdown)
     Keys,
-}
-
-/// `nereus table`
-#[derive(Debug, Args)]
-pub struct TableArgs {
-    /// Which quantity
-    #[command(subcommand)]
-    pub quantity: Quantity,
-}
-
-/// What can be tabulated.
-#[derive(Debug, Subcommand)]
-pub enum Quantity {
-    /// Gain of an aperture along a cut through its boresight
-    Antenna(TableAntennaArgs),
-}
-
-/// `nereus table antenna`
-#[derive(Debug, Args)]
-#[command(allow_negative_numbers = true)]
-pub struct TableAntennaArgs {
-    /// Shape of the aperture
-    #[arg(long, value_enum, default_value_t = Aperture::Rect)]
-    pub shape: Aperture,
-    /// Full width, or diameter of a circle, m
-    #[arg(long)]
-    pub width_m: Option<f64>,
-    /// Full height, m
-    #[arg(long)]
-    pub height_m: Option<f64>,
-    /// Gain of an isotropic antenna, dBi
-    #[arg(long, default_value_t = 0.0)]
-    pub gain_dbi: f64,
-    /// Carrier frequency, Hz
-    #[arg(long)]
-    pub carrier_hz: f64,
-    /// Plane of the cut
-    #[arg(long, value_enum, default_value_t = Cut::Az)]
-    pub cut: Cut,
-    /// First angle from boresight, degrees
-    #[arg(long, default_value_t = -5.0)]
-    pub from_deg: f64,
-    /// Last angle from boresight, degrees
-    #[arg(long, default_value_t = 5.0)]
-    pub to_deg: f64,
-    /// Step, degrees
-    #[arg(long, default_value_t = 0.05)]
-    pub step_deg: f64,
-}
-
-/// Shape of an aperture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Aperture {
-    /// Rectangle
-    Rect,
-    /// Ellipse
-    Ellipse,
-    /// Circle
-    Circle,
-    /// Equal gain everywhere
-    Isotropic,
-}
-
-/// Plane of a cut through the boresight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Cut {
-    /// Azimuth: along the width
-    Az,
-    /// Elevation: along the height
-    El,
 }
 
 /// `nereus merge`

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::table::TableError;
 use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
 use crate::radar::pattern::PatternError;
@@ -56,34 +57,9 @@ pub enum CliError {
         /// What was asked.
         out: PathBuf,
     },
-    /// A table without rows, or without end.
-    #[error(
-        "--from-deg {from_deg} --to-deg {to_deg} --step-deg {step_deg}: allowed: from -90 to 90, from below to, a step that gives at most {most} rows"
-    )]
-    Sweep {
-        /// First angle.
-        from_deg: f64,
-        /// Last angle.
-        to_deg: f64,
-        /// Step.
-        step_deg: f64,
-        /// Most rows.
-        most: usize,
-    },
-    /// A size that is missing or not positive and finite.
-    #[error("{option} {value} is not allowed; allowed: a number above 0")]
-    Size {
-        /// The option.
-        option: &'static str,
-        /// What was given.
-        value: String,
-    },
-    /// A gain that is not a number.
-    #[error("--gain-dbi {value} is not allowed; allowed: a finite number")]
-    Gain {
-        /// What was given.
-        value: f64,
-    },
+    /// The keys of a table.
+    #[error(transparent)]
+    Table(#[from] TableError),
 }
 
 impl CliError {
@@ -95,9 +71,7 @@ impl CliError {
             | Self::Pattern(_)
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
-            | Self::Sweep { .. }
-            | Self::Size { .. }
-            | Self::Gain { .. } => 2,
+            | Self::Table(_) => 2,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
             #[cfg(not(feature = "hdf5"))]
             Self::MergeNeedsHdf5 => 2,

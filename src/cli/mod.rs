@@ -19,10 +19,14 @@ use std::process::ExitCode;
 use clap::Parser;
 
 pub use args::{
-    Aperture, Arguments, CheckArgs, Command, Cut, MergeArgs, NewArgs, Pace, PulseRange, Quantity, RunArgs,
-    Setting, TableAntennaArgs, TableArgs, Template,
+    Arguments, CheckArgs, Command, MergeArgs, NewArgs, Pace, PulseRange, RunArgs, Setting, Template,
 };
 pub use error::CliError;
+pub use table::{
+    Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
+    TableFresnelArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs, TableSigma0Args,
+    TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWindArgs,
+};
 
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {

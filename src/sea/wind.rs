@@ -196,9 +196,10 @@ impl Wind {
     }
 }
 
-/// Roughness length z0 of Cardone's profile, m, for u* in m/s.
+/// Roughness length z0 of Cardone's profile, m, for u* in m/s; below 0.4 cm/s that of 0.4 cm/s, from where on
+/// down the speed is proportional to u*.
 pub fn cardone_roughness_m(ustar_mps: f64) -> f64 {
-    let ustar_cmps = 100.0 * ustar_mps;
+    let ustar_cmps = 100.0 * ustar_mps.max(USTAR_BRACKET_MPS[0]);
     0.01 * (0.684 / ustar_cmps + 4.28e-5 * ustar_cmps * ustar_cmps - 0.0443)
 }
 

@@ -216,14 +216,7 @@ pub enum SpectrumError {
 /// The spectrum of a sea: the wind sea (or the measured one) and every swell train.
 pub fn of_water(water: &Water, wind: &Wind) -> Result<Box<dyn Spectrum>, SpectrumError> {
     water.dispersion.check()?;
-    let wind_sea: Box<dyn Spectrum> = match &water.spectrum {
-        SpectrumKind::Elfouhaily { development } => Box::new(Elfouhaily::new(wind, *development)?),
-        SpectrumKind::FungLee => Box::new(FungLee::new(wind)),
-        SpectrumKind::ElfouhailyFungLee { development } => Box::new(Mix::new(wind, *development)?),
-        SpectrumKind::PiersonMoskowitz { spreading } => Box::new(PiersonMoskowitz::new(wind, *spreading)?),
-        SpectrumKind::Jonswap { fetch_m, spreading } => Box::new(Jonswap::new(wind, *fetch_m, *spreading)?),
-        SpectrumKind::Measured { path } => Box::new(Measured::load(path)?),
-    };
+    let wind_sea = of_kind(&water.spectrum, wind)?;
     if water.swell.is_empty() {
         return Ok(wind_sea);
     }
@@ -232,6 +225,18 @@ pub fn of_water(water: &Water, wind: &Wind) -> Result<Box<dyn Spectrum>, Spectru
         parts.push(Box::new(SwellTrain::new(swell, water.dispersion)?));
     }
     Ok(Box::new(Combined::new(parts)))
+}
+
+/// The spectrum of a wind sea alone (or the measured one).
+pub fn of_kind(kind: &SpectrumKind, wind: &Wind) -> Result<Box<dyn Spectrum>, SpectrumError> {
+    Ok(match kind {
+        SpectrumKind::Elfouhaily { development } => Box::new(Elfouhaily::new(wind, *development)?),
+        SpectrumKind::FungLee => Box::new(FungLee::new(wind)),
+        SpectrumKind::ElfouhailyFungLee { development } => Box::new(Mix::new(wind, *development)?),
+        SpectrumKind::PiersonMoskowitz { spreading } => Box::new(PiersonMoskowitz::new(wind, *spreading)?),
+        SpectrumKind::Jonswap { fetch_m, spreading } => Box::new(Jonswap::new(wind, *fetch_m, *spreading)?),
+        SpectrumKind::Measured { path } => Box::new(Measured::load(path)?),
+    })
 }
 
 /// Whether a spectrum may have energy at this wave number.

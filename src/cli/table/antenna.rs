@@ -1,50 +1,96 @@
-//! `nereus table`: physics as CSV on standard output.
+//! Antenna gains.
 
 use std::io::Write;
 
-use super::args::{Aperture, Cut, Quantity, TableAntennaArgs, TableArgs};
-use super::error::CliError;
+use clap::{Args, ValueEnum};
+
+use super::cos_sin;
+use super::csv::{self, Cell};
+use super::error::{TableError, check};
+use super::sweep::{AngleSweep, Usual};
+use crate::cli::error::CliError;
 use crate::frames::Vector;
 use crate::radar::antenna::Antenna;
 use crate::scene::radar::Pattern;
-use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
+use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Most rows of a table.
-const MOST_ROWS: usize = 1_000_000;
-
-/// Prints the table.
-pub(super) fn table(args: &TableArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    match &args.quantity {
-        Quantity::Antenna(args) => antenna(args, out),
-    }
+/// `nereus table antenna`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableAntennaArgs {
+    /// Shape of the aperture
+    #[arg(long, value_enum, default_value_t = Aperture::Rect)]
+    pub shape: Aperture,
+    /// Full width, or diameter of a circle, m
+    #[arg(long)]
+    pub width_m: Option<f64>,
+    /// Full height, m
+    #[arg(long)]
+    pub height_m: Option<f64>,
+    /// Gain of an isotropic antenna, dBi
+    #[arg(long, default_value_t = 0.0)]
+    pub gain_dbi: f64,
+    /// Carrier frequency, Hz
+    #[arg(long)]
+    pub carrier_hz: f64,
+    /// Plane of the cut
+    #[arg(long, value_enum, default_value_t = Cut::Az)]
+    pub cut: Cut,
+    /// Angles from boresight
+    #[command(flatten)]
+    pub sweep: AngleSweep,
 }
 
-/// One row an angle: the angle from boresight, its direction cosine, power gain and signed field gain.
-fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<(), CliError> {
+/// Shape of an aperture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Aperture {
+    /// Rectangle
+    Rect,
+    /// Ellipse
+    Ellipse,
+    /// Circle
+    Circle,
+    /// Equal gain everywhere
+    Isotropic,
+}
+
+/// Plane of a cut through the boresight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cut {
+    /// Azimuth: along the width
+    Az,
+    /// Elevation: along the height
+    El,
+}
+
+/// Prints the table.
+pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let pattern = pattern(args)?;
     let wavelength_m = SPEED_OF_LIGHT_MPS / size("--carrier-hz", Some(args.carrier_hz))?;
-    let angles_deg = angles_deg(args)?;
+    let angles_deg = args.sweep.sweep().values(Usual::steps(-5.0, 5.0, 0.05))?;
+    check("--from-deg/--to-deg", &angles_deg, [-90.0, 90.0])?;
     let antenna = Antenna::open(&pattern, wavelength_m)?;
-    writeln!(out, "angle_deg,direction_cosine,gain_dbi,field_gain").map_err(CliError::Output)?;
+    csv::header(out, &["angle_deg", "direction_cosine", "gain_dbi", "field_gain"])?;
     for angle_deg in angles_deg {
-        let (cosine, ahead) = angle_deg.to_radians().sin_cos();
+        let (ahead, cosine) = cos_sin(angle_deg);
         let direction = match args.cut {
             Cut::Az => Vector::new(ahead, cosine, 0.0),
             Cut::El => Vector::new(ahead, 0.0, cosine),
         };
         // Apertures have a real field.
         let field = antenna.field_gain(direction).re;
-        let gain_dbi = Decibels::from_power_ratio(field * field).0;
-        writeln!(out, "{angle_deg},{cosine:.12e},{gain_dbi:.9},{field:.12e}").map_err(CliError::Output)?;
+        let cells =
+            [Cell::Given(angle_deg), Cell::Value(cosine), Cell::Decibels(field * field), Cell::Value(field)];
+        csv::row(out, &cells)?;
     }
     Ok(())
 }
 
-fn pattern(args: &TableAntennaArgs) -> Result<Pattern, CliError> {
+fn pattern(args: &TableAntennaArgs) -> Result<Pattern, TableError> {
     Ok(match args.shape {
-        Aperture::Isotropic if args.gain_dbi.is_finite() => Pattern::Isotropic { gain_dbi: args.gain_dbi },
         Aperture::Isotropic => {
-            return Err(CliError::Gain { value: args.gain_dbi });
+            check("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
+            Pattern::Isotropic { gain_dbi: args.gain_dbi }
         }
         Aperture::Rect => Pattern::Rectangle {
             width_m: size("--width-m", args.width_m)?,
@@ -61,31 +107,17 @@ fn pattern(args: &TableAntennaArgs) -> Result<Pattern, CliError> {
     })
 }
 
-fn size(option: &'static str, value: Option<f64>) -> Result<f64, CliError> {
+/// Gains of an isotropic antenna that mean something, dBi.
+const GAIN_RANGE_DBI: [f64; 2] = [-200.0, 200.0];
+
+fn size(key: &'static str, value: Option<f64>) -> Result<f64, TableError> {
     match value {
         Some(value) if value.is_finite() && value > 0.0 => Ok(value),
         other => {
             let value = other.map_or("(missing)".to_owned(), |value| value.to_string());
-            Err(CliError::Size { option, value })
+            Err(TableError::Size { key, value })
         }
     }
-}
-
-/// The angles of the table: `from + i step`, never accumulated.
-fn angles_deg(args: &TableAntennaArgs) -> Result<impl Iterator<Item = f64>, CliError> {
-    let (from_deg, to_deg, step_deg) = (args.from_deg, args.to_deg, args.step_deg);
-    let range = -90.0..=90.0;
-    // Half a thousandth of a step, so that the last angle is not lost to rounding.
-    let steps = ((to_deg - from_deg) / step_deg + 5e-4).floor();
-    let legal = range.contains(&from_deg)
-        && range.contains(&to_deg)
-        && from_deg <= to_deg
-        && step_deg > 0.0
-        && steps < MOST_ROWS as f64;
-    if !legal {
-        return Err(CliError::Sweep { from_deg, to_deg, step_deg, most: MOST_ROWS });
-    }
-    Ok((0..=steps as usize).map(move |i| from_deg + i as f64 * step_deg))
 }
 
 #[cfg(test)]
@@ -94,12 +126,14 @@ mod tests {
 
     use super::*;
     use crate::cli::args::{Arguments, Command};
+    use crate::cli::table::Quantity;
 
     fn antenna_args(options: &[&str]) -> TableAntennaArgs {
         let words = ["nereus", "table", "antenna", "--carrier-hz", "1e10"];
         let arguments = Arguments::try_parse_from(words.iter().chain(options)).unwrap();
-        match arguments.command {
-            Command::Table(TableArgs { quantity: Quantity::Antenna(args) }) => args,
+        let Command::Table(args) = arguments.command else { panic!("another command") };
+        match args.quantity {
+            Quantity::Antenna(args) => args,
             other => panic!("{other:?}"),
         }
     }

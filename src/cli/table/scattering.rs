@@ -1,0 +1,331 @@
+//! What the sea returns: radar cross section, and the density of slopes behind its specular part.
+
+use std::f64::consts::PI;
+use std::io::Write;
+
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+
+use super::csv::{self, Cell};
+use super::error::check;
+use super::sea_keys::{SpectrumKeys, WaterKeys, WindKeys, bound_seas};
+use super::sweep::{AngleSweep, SlopeSweep, Usual};
+use super::waves::WAVE_NUMBER_RANGE_RAD_M;
+use super::{TableError, cos_sin};
+use crate::cli::error::CliError;
+use crate::scattering::kind::Kind;
+use crate::scattering::kind::clean::Clean;
+use crate::scattering::kind::slick::Slick;
+use crate::scattering::slope_pdf::SlopePdf;
+use crate::scattering::tilt::Path;
+use crate::scattering::two_scale::{self, Medium, TwoScale};
+use crate::sea::spectrum::WaveVector;
+
+/// Facets that may be asked for, m.
+const FACET_RANGE_M: [f64; 2] = [1e-3, 1e4];
+/// Steepest slope of a facet, or of a density, that may be asked for.
+const STEEPEST: f64 = 10.0;
+
+/// Kind of water surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Surface {
+    /// Clean water
+    Clean,
+    /// Under an oil film
+    Slick,
+}
+
+/// `nereus table sigma0`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableSigma0Args {
+    /// The angle that is swept
+    #[arg(long, value_enum, default_value_t = Angle::Incidence)]
+    vary: Angle,
+    #[command(flatten)]
+    sweep: AngleSweep,
+    /// Angles between the vertical and the transmitter, degrees [default: 45 when another angle is swept]
+    #[arg(long, value_name = "A,...", value_delimiter = ',')]
+    incidence_deg: Vec<f64>,
+    /// Angles between the vertical and the receiver, degrees [default: the incidence]
+    #[arg(long, value_name = "A,...", value_delimiter = ',')]
+    scattering_deg: Vec<f64>,
+    /// Azimuths of the receiver from the direction of incidence, degrees: 0 forward [default: 180, back]
+    #[arg(long, value_name = "A,...", value_delimiter = ',', allow_hyphen_values = true)]
+    azimuth_deg: Vec<f64>,
+    /// Directions the wind blows towards, from the direction of incidence, degrees [default: 180, the transmitter
+    /// looks upwind]
+    #[arg(long, value_name = "A,...", value_delimiter = ',', allow_hyphen_values = true)]
+    aspect_deg: Vec<f64>,
+    /// Carrier frequencies, Hz
+    #[arg(long, value_name = "F,...", value_delimiter = ',', default_value = "10e9")]
+    carrier_hz: Vec<f64>,
+    /// How waves are shared between specular and Bragg part
+    #[arg(long, value_enum, default_value_t = Splitting::Consistent)]
+    splitting: Splitting,
+    /// Side of a facet, whose own slopes are resolved, m
+    #[arg(long, value_name = "X")]
+    facet_m: Option<f64>,
+    /// Slope of the facet along the direction of incidence
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    slope_x: f64,
+    /// Slope of the facet to the left of the direction of incidence
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    slope_y: f64,
+    /// Wave number above which waves scatter by Bragg, rad/m [default: a third of the radar's, or the highest resolved]
+    #[arg(long, value_name = "K")]
+    cut_rad_m: Option<f64>,
+    /// Do not average the Bragg part over unresolved tilts
+    #[arg(long)]
+    untilted: bool,
+    /// Give the slope density its Gram-Charlier terms
+    #[arg(long)]
+    gram_charlier: bool,
+    /// Kind of water surface
+    #[arg(long, value_enum, default_value_t = Surface::Clean)]
+    surface: Surface,
+    #[command(flatten)]
+    spectrum: SpectrumKeys,
+    #[command(flatten)]
+    wind: WindKeys,
+    #[command(flatten)]
+    water: WaterKeys,
+}
+
+/// An angle of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Angle {
+    /// Incidence
+    Incidence,
+    /// Scattering angle
+    Scattering,
+    /// Azimuth of the receiver
+    Azimuth,
+    /// Aspect of the wind
+    Aspect,
+}
+
+/// How waves are shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Splitting {
+    /// Each wave counts once
+    Consistent,
+    /// As the paper: all slopes and the whole spectrum
+    Mars2007,
+}
+
+/// The angles of a table, degrees.
+struct Angles {
+    incidence: Vec<f64>,
+    /// Empty: the incidence.
+    scattering: Vec<f64>,
+    azimuth: Vec<f64>,
+    aspect: Vec<f64>,
+}
+
+impl Angles {
+    fn of(args: &TableSigma0Args) -> Result<Self, TableError> {
+        let values = |angle, key, list: &[f64], usual: Usual, single: &[f64], range| {
+            let values = if angle == args.vary {
+                args.sweep.sweep().or_list(key, list, usual)?
+            } else if list.is_empty() {
+                single.to_vec()
+            } else {
+                list.to_vec()
+            };
+            check(key, &values, range)?;
+            Ok::<_, TableError>(values)
+        };
+        let (rise, turn) = (Usual::steps(0.0, 80.0, 5.0), Usual::steps(0.0, 360.0, 10.0));
+        let (up, around) = ([0.0, 90.0], [-360.0, 360.0]);
+        let incidence = &args.incidence_deg;
+        Ok(Self {
+            incidence: values(Angle::Incidence, "--incidence-deg", incidence, rise, &[45.0], up)?,
+            scattering: values(Angle::Scattering, "--scattering-deg", &args.scattering_deg, rise, &[], up)?,
+            azimuth: values(Angle::Azimuth, "--azimuth-deg", &args.azimuth_deg, turn, &[180.0], around)?,
+            aspect: values(Angle::Aspect, "--aspect-deg", &args.aspect_deg, turn, &[180.0], around)?,
+        })
+    }
+}
+
+/// Prints the table.
+pub(super) fn sigma0(args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
+    match args.surface {
+        Surface::Clean => sigma0_of(Clean, args, out),
+        Surface::Slick => sigma0_of(Slick::default(), args, out),
+    }
+}
+
+fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
+    let angles = Angles::of(args)?;
+    if let Some(facet_m) = args.facet_m {
+        check("--facet-m", &[facet_m], FACET_RANGE_M)?;
+    }
+    if let Some(cut_rad_m) = args.cut_rad_m {
+        check("--cut-rad-m", &[cut_rad_m], WAVE_NUMBER_RANGE_RAD_M)?;
+    }
+    check("--slope-x", &[args.slope_x], [-STEEPEST, STEEPEST])?;
+    check("--slope-y", &[args.slope_y], [-STEEPEST, STEEPEST])?;
+    let waters = args.water.waters();
+    let media = args.water.permittivities(&args.carrier_hz, &waters)?;
+    let winds = args.wind.winds(0.0)?;
+    bound_seas(&[media.len(), winds.len(), angles.aspect.len()])?;
+    let scatterings = angles.scattering.len().max(1);
+    csv::bound(&[
+        media.len(),
+        winds.len(),
+        angles.aspect.len(),
+        angles.incidence.len(),
+        scatterings,
+        angles.azimuth.len(),
+    ])?;
+    let spectra = args.spectrum.spectra(&winds)?;
+    let settings = two_scale::Settings {
+        splitting: match args.splitting {
+            Splitting::Consistent => two_scale::Splitting::Consistent,
+            Splitting::Mars2007 => two_scale::Splitting::Mars2007,
+        },
+        cut_radpm: args.cut_rad_m,
+        tilt_average: !args.untilted,
+        gram_charlier: args.gram_charlier,
+    };
+
+    let mut columns: Vec<String> = [
+        "carrier_hz",
+        "temperature_c",
+        "salinity_psu",
+        "u10_mps",
+        "aspect_deg",
+        "incidence_deg",
+        "scattering_deg",
+        "azimuth_deg",
+    ]
+    .map(str::to_owned)
+    .into();
+    for part in ["sigma0", "spm", "go"] {
+        columns.extend(["hh", "hv", "vh", "vv"].map(|channel| format!("{part}_{channel}_db")));
+    }
+    csv::header(out, &columns)?;
+    for &(carrier_hz, water, permittivity) in &media {
+        for (wind, spectrum) in winds.iter().zip(&spectra) {
+            for &aspect_deg in &angles.aspect {
+                let (cos, sin) = cos_sin(aspect_deg);
+                let medium = Medium {
+                    carrier_hz,
+                    permittivity,
+                    wind_12p5_mps: wind.u12_5_mps,
+                    downwind_rad: sin.atan2(cos),
+                    resolved_radpm: args.facet_m.map_or(0.0, |facet_m| PI / facet_m),
+                    // The direction of incidence.
+                    axis: DVec3::X,
+                };
+                // The spectrum's own axis is downwind.
+                let psi = |kx: f64, ky: f64| {
+                    spectrum.symmetric_m4(WaveVector::new(cos * kx + sin * ky, cos * ky - sin * kx))
+                };
+                let sea = TwoScale::new(settings, medium, kind, psi);
+                let parameters =
+                    [carrier_hz, water.temperature_c, water.salinity_gpkg, wind.u10_mps, aspect_deg];
+                for &incidence_deg in &angles.incidence {
+                    let monostatic = [incidence_deg];
+                    let scattering =
+                        if angles.scattering.is_empty() { &monostatic[..] } else { &angles.scattering };
+                    for &scattering_deg in scattering {
+                        for &azimuth_deg in &angles.azimuth {
+                            let path = path(incidence_deg, scattering_deg, azimuth_deg);
+                            // Under a film the whole facet is.
+                            let response = sea.response(&path, (args.slope_x, args.slope_y), 1.0);
+                            let mut cells: Vec<Cell> = parameters.map(Cell::Given).into();
+                            cells.extend([incidence_deg, scattering_deg, azimuth_deg].map(Cell::Given));
+                            let parts =
+                                [response.sigma0(), response.bragg_sigma0(), response.specular_sigma0()];
+                            for [[vv, vh], [hv, hh]] in parts {
+                                cells.extend([hh, hv, vh, vv].map(Cell::Decibels));
+                            }
+                            csv::row(out, &cells)?;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The path whose direction of incidence is that of +x.
+fn path(incidence_deg: f64, scattering_deg: f64, azimuth_deg: f64) -> Path {
+    let (cos_i, sin_i) = cos_sin(incidence_deg);
+    let (cos_s, sin_s) = cos_sin(scattering_deg);
+    let (cos_d, sin_d) = cos_sin(azimuth_deg);
+    Path::new(DVec3::new(sin_i, 0.0, -cos_i), DVec3::new(sin_s * cos_d, sin_s * sin_d, cos_s))
+}
+
+/// `nereus table slope-pdf`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableSlopePdfArgs {
+    /// The slope that is swept
+    #[arg(long, value_enum, default_value_t = Direction::Downwind)]
+    vary: Direction,
+    #[command(flatten)]
+    sweep: SlopeSweep,
+    /// Slopes downwind (rising the way the wind blows) [default: 0 when the other is swept]
+    #[arg(long, value_name = "X,...", value_delimiter = ',', allow_hyphen_values = true)]
+    downwind_slope: Vec<f64>,
+    /// Slopes crosswind (rising to the left of it) [default: 0 when the other is swept]
+    #[arg(long, value_name = "X,...", value_delimiter = ',', allow_hyphen_values = true)]
+    crosswind_slope: Vec<f64>,
+    /// Kind of water surface
+    #[arg(long, value_enum, default_value_t = Surface::Clean)]
+    surface: Surface,
+    /// Give the density its Gram-Charlier terms
+    #[arg(long)]
+    gram_charlier: bool,
+    #[command(flatten)]
+    wind: WindKeys,
+}
+
+/// A direction of slope.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Direction {
+    /// Downwind
+    Downwind,
+    /// Crosswind
+    Crosswind,
+}
+
+/// Prints the table.
+pub(super) fn slope_pdf(args: &TableSlopePdfArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let slopes = |direction, key, list: &[f64]| {
+        let values = if direction == args.vary {
+            args.sweep.sweep().or_list(key, list, Usual::steps(-0.5, 0.5, 0.02))?
+        } else if list.is_empty() {
+            vec![0.0]
+        } else {
+            list.to_vec()
+        };
+        check(key, &values, [-STEEPEST, STEEPEST])?;
+        Ok::<_, TableError>(values)
+    };
+    let downwind = slopes(Direction::Downwind, "--downwind-slope", &args.downwind_slope)?;
+    let crosswind = slopes(Direction::Crosswind, "--crosswind-slope", &args.crosswind_slope)?;
+    let winds = args.wind.winds(0.0)?;
+    csv::bound(&[winds.len(), downwind.len(), crosswind.len()])?;
+    csv::header(out, &["u12p5_mps", "downwind_slope", "crosswind_slope", "density"])?;
+    for wind in &winds {
+        let u = wind.u12_5_mps;
+        let (variances, series) = match args.surface {
+            Surface::Clean => (Clean.slopes(u), Clean.gram_charlier(u)),
+            Surface::Slick => (Slick::default().slopes(u), Slick::default().gram_charlier(u)),
+        };
+        let pdf = SlopePdf::new(variances, args.gram_charlier.then_some(series), 0.0);
+        for &down in &downwind {
+            for &cross in &crosswind {
+                let density = pdf.density(down, cross);
+                let cells = [Cell::Given(u), Cell::Given(down), Cell::Given(cross), Cell::Value(density)];
+                csv::row(out, &cells)?;
+            }
+        }
+    }
+    Ok(())
+}

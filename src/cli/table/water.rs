@@ -1,0 +1,111 @@
+//! What sea water is to a radar: permittivity, reflection.
+
+use std::io::Write;
+
+use clap::Args;
+
+use super::cos_sin;
+use super::csv::{self, Cell};
+use super::error::check;
+use super::sea_keys::WaterKeys;
+use super::sweep::{AngleSweep, FrequencySweep, Usual};
+use crate::cli::error::CliError;
+use crate::scattering::fresnel::reflection;
+
+/// `nereus table permittivity`
+#[derive(Debug, Args)]
+pub struct TablePermittivityArgs {
+    /// Carrier frequencies, Hz, instead of a sweep
+    #[arg(long, value_name = "F,...", value_delimiter = ',')]
+    carrier_hz: Vec<f64>,
+    #[command(flatten)]
+    sweep: FrequencySweep,
+    #[command(flatten)]
+    water: WaterKeys,
+}
+
+/// Prints the table.
+pub(super) fn permittivity(args: &TablePermittivityArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let (from_hz, to_hz) = args.water.model().range().frequency_hz;
+    let usual = Usual::log(from_hz, to_hz, 40);
+    let carriers_hz = args.sweep.sweep().or_list("--carrier-hz", &args.carrier_hz, usual)?;
+    let waters = args.water.waters();
+    csv::bound(&[carriers_hz.len(), waters.len()])?;
+    let found = args.water.permittivities(&carriers_hz, &waters)?;
+    csv::header(out, &["carrier_hz", "temperature_c", "salinity_psu", "permittivity_re", "permittivity_im"])?;
+    for (carrier_hz, water, permittivity) in found {
+        csv::row(
+            out,
+            &[
+                Cell::Given(carrier_hz),
+                Cell::Given(water.temperature_c),
+                Cell::Given(water.salinity_gpkg),
+                Cell::Value(permittivity.re),
+                Cell::Value(permittivity.im),
+            ],
+        )?;
+    }
+    Ok(())
+}
+
+/// `nereus table fresnel`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableFresnelArgs {
+    /// Incidence angles, degrees, instead of a sweep
+    #[arg(long, value_name = "A,...", value_delimiter = ',')]
+    incidence_deg: Vec<f64>,
+    #[command(flatten)]
+    sweep: AngleSweep,
+    /// Carrier frequencies, Hz
+    #[arg(long, value_name = "F,...", value_delimiter = ',', default_value = "10e9")]
+    carrier_hz: Vec<f64>,
+    #[command(flatten)]
+    water: WaterKeys,
+}
+
+/// Prints the table.
+pub(super) fn fresnel(args: &TableFresnelArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let usual = Usual::steps(0.0, 90.0, 5.0);
+    let angles_deg = args.sweep.sweep().or_list("--incidence-deg", &args.incidence_deg, usual)?;
+    check("--incidence-deg", &angles_deg, [0.0, 90.0])?;
+    let waters = args.water.waters();
+    csv::bound(&[angles_deg.len(), args.carrier_hz.len(), waters.len()])?;
+    let media = args.water.permittivities(&args.carrier_hz, &waters)?;
+    csv::header(
+        out,
+        &[
+            "carrier_hz",
+            "temperature_c",
+            "salinity_psu",
+            "incidence_deg",
+            "rv_re",
+            "rv_im",
+            "rh_re",
+            "rh_im",
+            "power_v",
+            "power_h",
+        ],
+    )?;
+    for (carrier_hz, water, permittivity) in media {
+        for &angle_deg in &angles_deg {
+            let found = reflection(permittivity, cos_sin(angle_deg).0);
+            csv::row(
+                out,
+                &[
+                    Cell::Given(carrier_hz),
+                    Cell::Given(water.temperature_c),
+                    Cell::Given(water.salinity_gpkg),
+                    Cell::Given(angle_deg),
+                    Cell::Value(found.v.re),
+                    Cell::Value(found.v.im),
+                    Cell::Value(found.h.re),
+                    Cell::Value(found.h.im),
+                    Cell::Value(found.v.norm_sqr()),
+                    Cell::Value(found.h.norm_sqr()),
+                ],
+            )?;
+        }
+    }
+    Ok(())
+}
