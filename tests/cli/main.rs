@@ -7,3 +7,5 @@ mod readme;
 mod running;
 #[cfg(unix)]
 mod setup_script;
+mod table_golden;
+mod tables;

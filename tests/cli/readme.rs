@@ -33,7 +33,7 @@ fn commands_of_the_readme_are_understood() {
 
 #[test]
 fn commands_of_the_readme_that_only_print_work() {
-    for words in commands().iter().filter(|words| ["check", "new"].contains(&words[1].as_str())) {
+    for words in commands().iter().filter(|words| ["check", "new", "table"].contains(&words[1].as_str())) {
         let arguments: Vec<&str> = words[1..].iter().map(String::as_str).collect();
         let ended = nereus(package(), &arguments);
         assert_eq!(ended.code, 0, "{words:?}: {}", ended.stderr);

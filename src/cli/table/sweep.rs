@@ -140,14 +140,11 @@ macro_rules! sweep_keys {
         #[doc = concat!("A sweep in ", $unit, ".")]
         #[derive(Clone, Debug, Args)]
         pub struct $name {
-            #[doc = concat!("First value of the sweep, ", $unit)]
-            #[arg(long = $from, value_name = "X", help_heading = "Sweep")]
+            #[arg(long = $from, value_name = "X", help = concat!("First value of the sweep, ", $unit), help_heading = "Sweep")]
             from: Option<f64>,
-            #[doc = concat!("Last value of the sweep, ", $unit)]
-            #[arg(long = $to, value_name = "X", help_heading = "Sweep")]
+            #[arg(long = $to, value_name = "X", help = concat!("Last value of the sweep, ", $unit), help_heading = "Sweep")]
             to: Option<f64>,
-            #[doc = concat!("Step of the sweep, ", $unit)]
-            #[arg(long = $step, value_name = "X", help_heading = "Sweep")]
+            #[arg(long = $step, value_name = "X", help = concat!("Step of the sweep, ", $unit), help_heading = "Sweep")]
             step: Option<f64>,
             /// Number of values, instead of a step
             #[arg(long, value_name = "N", conflicts_with = "step", help_heading = "Sweep")]
