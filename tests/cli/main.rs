@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod inspection;
+#[cfg(feature = "hdf5")]
+mod oracle;
 mod program;
 mod readme;
 mod running;
