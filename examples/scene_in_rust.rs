@@ -68,6 +68,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
             receivers: vec![Receiver { name: "rx".into(), antenna }],
             channels: vec![vv],
         },
+        sea: None,
         targets: vec![Target {
             name: "buoy".into(),
             // The track runs North; its starboard side is East.

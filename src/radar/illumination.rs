@@ -62,6 +62,7 @@
 //!             name: "HH".into(), transmitter: 0, receiver: 0, tx: Polarisation::H, rx: Polarisation::H,
 //!         }],
 //!     },
+//!     sea: None,
 //!     targets: vec![Target {
 //!         name: "buoy".into(),
 //!         position: Point::new(3000.0, 0.0, 0.0),

@@ -51,15 +51,7 @@ use super::kind::Kind;
 use super::tilt::{NO_ECHO, Path, ScatterMatrix};
 use super::two_scale::TwoScale;
 
-/// How random phases enter a facet's matrix.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Phases {
-    /// One phase for each mechanism, amplitudes as they are.
-    #[default]
-    PolCoherent,
-    /// One phase for all, magnitudes only.
-    Single,
-}
+pub use crate::scene::sea::Phases;
 
 /// An array of a batch does not have one entry (or one set of phasors) per facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -55,6 +55,8 @@ use super::spm;
 use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
 use crate::units::SPEED_OF_LIGHT_MPS;
 
+pub use crate::scene::sea::Splitting;
+
 /// Sub-facet tilts of the Gauss-Hermite average.
 pub const TILTS: usize = 9;
 
@@ -69,16 +71,6 @@ const SHORTEST_RADPM: f64 = 2e4;
 
 /// Specular amplitude (root of `sigma0`) too small to be worth its reflection coefficients: -240 dB.
 const LEAST_SPECULAR: f64 = 1e-12;
-
-/// How waves are shared between the two mechanisms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Splitting {
-    /// Each wave counts once.
-    #[default]
-    Consistent,
-    /// As the paper: all slopes and the whole spectrum, on top of the tilts of the height map.
-    Mars2007,
-}
 
 /// Choices of the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,6 +2,7 @@
 
 pub mod patch;
 pub mod radar;
+pub mod sea;
 pub mod target;
 pub mod water;
 
@@ -10,6 +11,7 @@ use crate::time::TimeTag;
 
 pub use patch::Patch;
 pub use radar::Radar;
+pub use sea::Sea;
 pub use target::Target;
 pub use water::Water;
 
@@ -29,6 +31,8 @@ pub struct Scene {
     pub platforms: Vec<String>,
     /// The instrument.
     pub radar: Radar,
+    /// The sea; `None` for point targets alone.
+    pub sea: Option<Sea>,
     /// Point targets.
     pub targets: Vec<Target>,
 }

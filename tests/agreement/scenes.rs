@@ -67,6 +67,7 @@ pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targ
             receivers: vec![Receiver { name: "r".into(), antenna: mount(1) }],
             channels: vec![channel("HH", Polarisation::H), channel("VV", Polarisation::V)],
         },
+        sea: None,
         targets: targets
             .iter()
             .enumerate()

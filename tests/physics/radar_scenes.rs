@@ -82,6 +82,7 @@ pub fn scene() -> Scene {
             receivers: vec![Receiver { name: "rx".into(), antenna: looking_at(1, [0.0; 3]) }],
             channels: channels(&[(H, H), (H, V), (V, H), (V, V)]),
         },
+        sea: None,
         targets: vec![target([0.0; 3], [0.0; 3])],
     }
 }

@@ -122,6 +122,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         seed: time.seed?,
         platforms: platforms.names.into_iter().collect::<Option<_>>()?,
         radar,
+        sea: None,
         targets: targets?,
     };
     Some(Parts { scene, nav: nav.into_iter().collect::<Option<_>>()?, stream: stream?, sinks: sinks? })

@@ -61,24 +61,13 @@ use crate::scene::water::Dispersion;
 use crate::sea::dispersion::DepthError;
 use crate::sea::spectrum::{Spectrum, WaveVector};
 
+pub use crate::scene::sea::Averaging;
 pub use evaluator::Evaluator;
 pub use fields::{Fields, Sample, Selection};
 pub use grid::Grid;
 pub use phasors::Phasors;
 pub use state::StateError;
 pub use transform::{Pair, Transform};
-
-/// How the spectrum is taken on the grid of wave numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Averaging {
-    /// Means over cells where the grid is coarse for the spectrum, points otherwise.
-    #[default]
-    Automatic,
-    /// At the points of the grid.
-    Points,
-    /// Means over the cells around them.
-    Cells,
-}
 
 /// What is wrong with a surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
