@@ -13,3 +13,4 @@ pub mod spectrum_table;
 pub mod spm;
 pub mod tilt;
 pub mod two_scale;
+pub mod water;

@@ -114,6 +114,38 @@ impl Patch {
         Ok(Self { facets, facet_m, first })
     }
 
+    /// The patch of the same size and facets whose middle facet is the one nearest to another centre.
+    pub fn centred_at(&self, centre_m: [f64; 2]) -> Self {
+        let first = [0, 1].map(|i| {
+            // Casts saturate: a centre that is not finite moves the patch, and nothing overflows.
+            let middle = (centre_m[i] / self.facet_m).round().clamp(-(2f64.powi(40)), 2f64.powi(40)) as i64;
+            middle - (self.facets[i] / 2) as i64
+        });
+        Self { first, ..*self }
+    }
+
+    /// The patch with `rows` more facets on each side.
+    pub fn grown(&self, rows: usize) -> Self {
+        Self {
+            facets: self.facets.map(|n| n + 2 * rows),
+            first: self.first.map(|i| i - rows as i64),
+            ..*self
+        }
+    }
+
+    /// Place of the facet with a global key in arrays `[iy][ix]` over the patch; of a facet outside, the place of the
+    /// nearest one inside.
+    pub fn nearest_index(&self, key: [i64; 2]) -> usize {
+        let [ix, iy] = [0, 1].map(|i| (key[i] - self.first[i]).clamp(0, self.facets[i] as i64 - 1) as usize);
+        iy * self.facets[0] + ix
+    }
+
+    /// Global key of the facet at a place in arrays `[iy][ix]` over the patch.
+    pub fn key(&self, index: usize) -> [i64; 2] {
+        let [nx, _] = self.facets;
+        [self.first[0] + (index % nx) as i64, self.first[1] + (index / nx) as i64]
+    }
+
     /// Facets in all.
     pub fn len(&self) -> usize {
         self.facets[0] * self.facets[1]

@@ -153,6 +153,14 @@ impl Default for Shadowing {
 }
 
 /// A film on the water, at rest.
+///
+/// ```
+/// use nereus::scene::sea::{SlickRegion, SlickShape};
+/// let shape = SlickShape::Ellipse { centre_m: [0.0, 0.0], half_axes_m: [100.0, 50.0], direction_rad: 0.0 };
+/// let film = SlickRegion { name: "oil".into(), shape, rim_m: 10.0, cover: 0.8, elasticity_npm: 0.0255 };
+/// assert_eq!((film.cover_at([0.0, 0.0]), film.cover_at([110.0, 0.0])), (0.8, 0.0));
+/// assert!((film.cover_at([100.0, 0.0]) - 0.4).abs() < 1e-12);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlickRegion {
     /// Name, unique among slicks.
@@ -184,4 +192,112 @@ pub enum SlickShape {
         /// Corners, m.
         corners_m: Vec<[f64; 2]>,
     },
+}
+
+impl SlickRegion {
+    /// Share of the water covered at a place, 0 to `cover`: full further inside than half a rim, none further
+    /// outside, a raised cosine of the distance from the outline in between.
+    pub fn cover_at(&self, place_m: [f64; 2]) -> f64 {
+        let inward_m = self.shape.inward_m(place_m);
+        let half_m = 0.5 * self.rim_m;
+        if inward_m >= half_m {
+            self.cover
+        } else if inward_m <= -half_m || !inward_m.is_finite() {
+            0.0
+        } else {
+            self.cover * 0.5 * (1.0 + (std::f64::consts::FRAC_PI_2 * inward_m / half_m).sin())
+        }
+    }
+}
+
+impl SlickShape {
+    /// Distance from the outline, m, positive inside. Of an ellipse it is counted along the ray from the centre.
+    fn inward_m(&self, place_m: [f64; 2]) -> f64 {
+        match self {
+            Self::Ellipse { centre_m, half_axes_m, direction_rad } => {
+                let (sin, cos) = direction_rad.sin_cos();
+                let (x, y) = (place_m[0] - centre_m[0], place_m[1] - centre_m[1]);
+                let (along, across) = (cos * x + sin * y, cos * y - sin * x);
+                let radius_m = along.hypot(across);
+                let reduced = (along / half_axes_m[0]).hypot(across / half_axes_m[1]);
+                if reduced > 0.0 { radius_m / reduced - radius_m } else { half_axes_m[0].min(half_axes_m[1]) }
+            }
+            Self::Polygon { corners_m } => polygon_inward_m(corners_m, place_m),
+        }
+    }
+
+    /// The smallest upright rectangle around the outline: least and greatest x and y, m.
+    pub fn bounds_m(&self) -> [[f64; 2]; 2] {
+        match self {
+            Self::Ellipse { centre_m, half_axes_m: [a, b], direction_rad } => {
+                let (sin, cos) = direction_rad.sin_cos();
+                let half_m = [(a * cos).hypot(b * sin), (a * sin).hypot(b * cos)];
+                [0, 1].map(|axis| [centre_m[axis] - half_m[axis], centre_m[axis] + half_m[axis]])
+            }
+            Self::Polygon { corners_m } => [0, 1].map(|axis| {
+                let of = |fold: fn(f64, f64) -> f64, from| corners_m.iter().map(|c| c[axis]).fold(from, fold);
+                [of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)]
+            }),
+        }
+    }
+}
+
+/// Distance from the nearest side, positive where a ray to +x crosses an odd number of sides.
+fn polygon_inward_m(corners_m: &[[f64; 2]], [x, y]: [f64; 2]) -> f64 {
+    let mut inside = false;
+    let mut nearest_m = f64::INFINITY;
+    for (i, &[x1, y1]) in corners_m.iter().enumerate() {
+        let [x0, y0] = corners_m[if i == 0 { corners_m.len() - 1 } else { i - 1 }];
+        let (dx, dy) = (x1 - x0, y1 - y0);
+        let length2 = dx * dx + dy * dy;
+        let along =
+            if length2 > 0.0 { (((x - x0) * dx + (y - y0) * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        nearest_m = nearest_m.min((x - x0 - along * dx).hypot(y - y0 - along * dy));
+        if (y0 > y) != (y1 > y) && x < x0 + (y - y0) / dy * dx {
+            inside = !inside;
+        }
+    }
+    if inside { nearest_m } else { -nearest_m }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(rim_m: f64) -> SlickRegion {
+        let corners_m = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        SlickRegion {
+            name: "square".into(),
+            shape: SlickShape::Polygon { corners_m },
+            rim_m,
+            cover: 1.0,
+            elasticity_npm: 0.02,
+        }
+    }
+
+    #[test]
+    fn polygons_are_full_inside_and_empty_outside() {
+        let film = square(2.0);
+        assert_eq!((film.cover_at([5.0, 5.0]), film.cover_at([-1.5, 5.0])), (1.0, 0.0));
+        assert!((film.cover_at([0.0, 5.0]) - 0.5).abs() < 1e-12);
+        assert_eq!(square(0.0).cover_at([9.99, 5.0]), 1.0);
+        assert_eq!(film.shape.bounds_m(), [[0.0, 10.0], [0.0, 10.0]]);
+    }
+
+    #[test]
+    fn the_rim_of_a_turned_ellipse_lies_on_its_axes() {
+        let direction_rad = 0.7f64;
+        let shape = SlickShape::Ellipse { centre_m: [3.0, -2.0], half_axes_m: [40.0, 10.0], direction_rad };
+        let film = SlickRegion { shape, ..square(4.0) };
+        let (sin, cos) = direction_rad.sin_cos();
+        let at = |along: f64, across: f64| {
+            film.cover_at([3.0 + cos * along - sin * across, -2.0 + sin * along + cos * across])
+        };
+        for (along, across) in [(40.0, 0.0), (0.0, 10.0), (-40.0, 0.0), (0.0, -10.0)] {
+            assert!((at(along, across) - 0.5).abs() < 1e-9);
+        }
+        assert_eq!((at(37.9, 0.0), at(42.1, 0.0), at(0.0, 0.0)), (1.0, 0.0, 1.0));
+        let [[west, east], [south, north]] = film.shape.bounds_m();
+        assert!(film.cover_at([west - 4.0, 0.0]) == 0.0 && east > 3.0 && south < -2.0 && north > -2.0);
+    }
 }

@@ -5,7 +5,9 @@
 //! | [`wind`] | one consistent wind record per run |
 //! | [`spectrum`] | what waves there are, statistically |
 //! | [`dispersion`] | how fast a wave travels |
+//! | [`realise`] | from the description of a sea to all of these |
 //! | [`surface`] | one realisation, at any time |
+//! | [`sheet`] | the same over the patch that is modelled |
 //!
 //! From wind to heights, slopes and velocities of facets:
 //!
@@ -27,6 +29,8 @@
 //! ```
 
 pub mod dispersion;
+pub mod realise;
+pub mod sheet;
 pub mod spectrum;
 pub mod surface;
 pub mod wind;

@@ -109,7 +109,12 @@ pub struct Fields<T> {
 impl<T: Real> Fields<T> {
     /// Room for the selected fields of a grid, all zero: still water.
     pub fn new(grid: &Grid, selection: Selection) -> Self {
-        let make = |wanted: bool| vec![T::default(); if wanted { grid.len() } else { 0 }];
+        Self::sized(grid.len(), selection)
+    }
+
+    /// Room for the selected fields of so many facets.
+    pub fn sized(facets: usize, selection: Selection) -> Self {
+        let make = |wanted: bool| vec![T::default(); if wanted { facets } else { 0 }];
         let pair = |wanted: bool| [make(wanted), make(wanted)];
         let Selection { slopes, velocity, horizontal_acceleration, displacement, slope_rate } = selection;
         Self {
@@ -120,6 +125,32 @@ impl<T: Real> Fields<T> {
             displacement_m: pair(displacement),
             slope_rate_per_s: pair(slope_rate),
         }
+    }
+
+    /// All fields, one after the other.
+    pub(in crate::sea) fn columns(&self) -> [&[T]; 13] {
+        let Self {
+            height_m: z,
+            slope: [zx, zy],
+            velocity_mps: [u, v, w],
+            acceleration_mps2: [ax, ay, az],
+            displacement_m: [dx, dy],
+            slope_rate_per_s: [rx, ry],
+        } = self;
+        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry].map(Vec::as_slice)
+    }
+
+    /// The same, to be written.
+    pub(in crate::sea) fn columns_mut(&mut self) -> [&mut [T]; 13] {
+        let Self {
+            height_m: z,
+            slope: [zx, zy],
+            velocity_mps: [u, v, w],
+            acceleration_mps2: [ax, ay, az],
+            displacement_m: [dx, dy],
+            slope_rate_per_s: [rx, ry],
+        } = self;
+        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry].map(Vec::as_mut_slice)
     }
 }
 
