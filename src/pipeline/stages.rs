@@ -67,8 +67,8 @@ impl PulseFactory {
 
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        // Every target and the direct path, of this pulse and of two neighbours.
-        let contacts = 3 * (self.layout.targets + 1);
+        // Every target and the direct path, of this pulse and of two neighbours, and every facet.
+        let contacts = 3 * (self.layout.targets + 1) + self.illumination.facets();
         Workspace {
             illumination: self.illumination.workspace(),
             contacts: Contacts::new(self.layout.pairs, self.layout.channels, contacts),
