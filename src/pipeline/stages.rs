@@ -15,6 +15,7 @@ use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
 use crate::radar::illumination::Illumination;
+use crate::radar::illumination::snapshot::Snapshot;
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
@@ -63,6 +64,11 @@ impl PulseFactory {
         let whole = |delay_s: &&f64| (opens_s..=closes_s - self.waveform.duration_s()).contains(*delay_s);
         let pairs = pulse.target_delay_s.chunks_exact(targets);
         pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
+    }
+
+    /// The facets of the sea as a pulse's emission lights them; `None` for a scene without sea.
+    pub fn snapshot(&self, index: u64, work: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
+        self.illumination.snapshot(index, &mut work.illumination)
     }
 
     /// Memory for one thread.

@@ -32,7 +32,7 @@ use crate::radar::antenna::{Antenna, Axes, field};
 use crate::radar::emission::{Emission, TrackFailure};
 use crate::radar::fault::{RadarFault, TrackUse};
 use crate::scattering::facets::Facets;
-use crate::scattering::water::{Sight, WaterScattering};
+use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::{AntennaMount, Polarisation, Radar};
 use crate::scene::sea::{PatchPlace, Sea};
 use crate::scene::{Patch, Scene};
@@ -86,7 +86,7 @@ pub(super) struct SeaWork {
     fields: Fields<f64>,
     phasors: Phasors,
     updates: Option<Updates>,
-    pub chunk: Chunk,
+    chunk: Chunk,
 }
 
 /// What one transmitter-receiver pair sees of a chunk.
@@ -161,6 +161,13 @@ impl From<shadow::ShadowError> for SeaFailure {
     }
 }
 
+impl SeaWork {
+    /// Heights of the facets visited last, `[iy][ix]` over their patch, m.
+    pub fn heights_m(&self) -> &[f64] {
+        &self.fields.height_m
+    }
+}
+
 impl SeaPlan {
     /// Draws the sea of a scene and prepares its scattering; `last_s` is the time of the last emission after pulse 0.
     pub fn new(
@@ -178,8 +185,12 @@ impl SeaPlan {
         }
         let realised = realise(sea, scene.seed).map_err(|source| faults.push(source.into())).ok();
         let Realised { wind, spectrum, surface } = realised?;
-        let sight =
-            Sight { carrier_hz: scene.radar.carrier_hz, facet_m: sea.patch.facet_m, seed: scene.seed };
+        let sight = Sight {
+            carrier_hz: scene.radar.carrier_hz,
+            facet_m: sea.patch.facet_m,
+            seed: scene.seed,
+            spectrum: SpectrumPath::Exact,
+        };
         let scattering = WaterScattering::new(
             &sea.scattering,
             sea.water.temperature_c,
@@ -317,7 +328,7 @@ impl SeaPlan {
         &self,
         lighting: &Lighting,
         work: &mut SeaWork,
-        mut each: impl FnMut(&Patch, &Chunk),
+        mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let SeaWork { sheet, fields, phasors, updates, chunk } = work;
         let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
@@ -366,7 +377,7 @@ impl SeaPlan {
                 }
                 if !chunk.index.is_empty() {
                     chunk.scatter(lighting, &self.scattering, kind, footprint_m2);
-                    each(&patch, chunk);
+                    each(chunk);
                 }
             }
             first = end;

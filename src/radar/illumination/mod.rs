@@ -90,6 +90,7 @@
 //! ```
 
 mod facets;
+pub mod snapshot;
 mod visibility;
 mod window;
 
@@ -347,7 +348,7 @@ impl Illumination {
         contacts: &mut Contacts,
     ) -> Result<(), RadarError> {
         let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(()) };
-        let visited = sea.visit(lighting, work, |_, chunk| {
+        let visited = sea.visit(lighting, work, |chunk| {
             for place in 0..chunk.index.len() {
                 if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
                     continue;

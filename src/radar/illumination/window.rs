@@ -16,6 +16,10 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// Hears everything.
+    pub const UNBOUNDED: Self =
+        Self { open_s: f64::NEG_INFINITY, close_s: f64::INFINITY, guard_s: 0.0, pulse_s: 0.0 };
+
     pub fn new(radar: &Radar, open_s: f64, pulse_s: f64) -> Self {
         let close_s = open_s + radar.window.samples as f64 / radar.sample_rate_hz;
         Self { open_s, close_s, guard_s: GUARD_SAMPLES as f64 / radar.sample_rate_hz, pulse_s }
