@@ -218,13 +218,11 @@ class Scattering(Judge):
 
     def test_slope_density(self):
         g = golden("slope_pdf")
-        clean = g.slick == 0
-        for u, skew, zx, zy, want in cells(g.U12p5, g.skew, g.zx_downwind, g.zy_cross, g.pdf):
-            if not clean[0]:
-                continue
-            got = sc.slope_density(zx, zy, *sc.cox_munk(u), u if skew else None)
-            if clean[list(zip(g.U12p5, g.skew, g.zx_downwind, g.zy_cross, g.pdf)).index((u, skew, zx, zy, want))]:
-                self.near(got, want, 100 * PRINTED, 1e-290)
+        clean = [row for row in cells(g.slick, g.U12p5, g.skew, g.zx_downwind, g.zy_cross, g.pdf) if row[0] == 0]
+        self.assertGreaterEqual(len(clean), 50)
+        for _, u, skew, zx, zy, want in clean:
+            # Exponents of some tens.
+            self.near(sc.slope_density(zx, zy, *sc.cox_munk(u), u if skew else None), want, 100 * PRINTED, 1e-290)
 
     def test_reciprocity(self):
         # S[p, q](ks, ki) = s_p s_q S[q, p](-ki, -ks), s_v = 1, s_h = -1, whatever the tilt.
@@ -377,17 +375,71 @@ class Whole(Judge):
         self.near(np.abs(s[0, 0]) ** 2, np.abs(rv[0]) ** 2 / 2e-5, 1e-12)
         self.near(np.abs(s[1, 1]) ** 2, np.abs(rh[0]) ** 2 / 2e-5, 1e-12)
 
-    def test_phases_leave_the_power(self):
-        power = []
-        for phases in ("polcoherent", "single"):
-            scene, sea = scene_of(("[sea.shadow]", f'[sea.scattering]\nphases = "{phases}"\n[sea.shadow]'))
+    def test_facets_by_hand(self):
+        # What is put together from the judged parts, facet by facet: axes, cut, damping, area, phases.
+        k = 2 * math.pi * 10e9 / 299_792_458.0
+        for splitting, phases in (("consistent", "polcoherent"), ("consistent", "single"), ("mars2007", "single")):
+            scene, sea = scene_of(
+                ("[sea.shadow]", f'[sea.scattering]\nsplitting = "{splitting}"\nphases = "{phases}"\n[sea.shadow]')
+            )
             facets = sea.facets(0.1)
-            facets.phasors = np.array([np.ones(192), np.full(192, 1j)])  # mechanisms in quadrature ...
-            ki = np.tile(-towards(0.75, -math.pi / 2), (192, 1))
-            s = sea.matrices(facets, ki, -ki)
-            power.append(np.sum(np.abs(s) ** 2, axis=0))
-        # ... whose cross terms 2 Re(a conj(jb)) are bounded by the glint, some 1e-3 of the amplitude at 43 deg.
-        self.near(power[0], power[1], 2e-2)
+            count = len(facets.area)
+            for theta in (0.1, 0.18, 0.8) if splitting == "consistent" else (0.8,):
+                ki = np.tile(-towards(theta, -1.2), (count, 1))
+                ks = np.tile(towards(theta + 0.05, -1.0), (count, 1))
+                got = sea.matrices(facets, ki, ks)
+                for f in range(0, count, 17):
+                    self.near(got[f], self.by_hand(sea, f, 0.1, k, ki[f], ks[f]), 1e-9, np.max(np.abs(got[f])))
+
+    def by_hand(self, sea, f, t, k, ki, ks):
+        consistent = sea.splitting == "consistent"
+        ix, iy = -8 + f // 12, -6 + f % 12
+        h = sea.surface.coefficients(t)["z"]
+        wave = h * np.exp(1j * (sea.surface.kx * ix + sea.surface.ky * iy))
+        along_x = np.array([1, 0, np.sum(1j * sea.surface.kx * wave).real])
+        along_y = np.array([0, 1, np.sum(1j * sea.surface.ky * wave).real])
+        area = np.linalg.norm(np.cross(along_x, along_y))
+        n = np.cross(along_x, along_y) / area
+        # The facet's axis is downwind and level but for its tilt: in the plane of the wind and n.
+        across = np.cross(n, [math.cos(math.pi / 6), 0.5, 0.0])
+        ey = across / np.linalg.norm(across)
+        ex = np.cross(ey, n)
+        q = ks - ki
+        ku, kc = k * q @ ex, k * q @ ey
+        spectrum = spectra.Spectrum("elfouhaily-fung-lee", spectra.Wind(0.36))
+        psi = spectrum.psi(np.array([ku]), np.array([kc]))
+        variances = sc.cox_munk(sea.wind.u12)
+        damping = 1.0
+        if consistent:
+            cut = max(math.pi, k / 3)
+            kb = math.hypot(ku, kc)
+            octaves = math.log(kb / cut) / math.log(2)
+            psi = psi * (1.0 if octaves > 0.5 else 0.0 if octaves < -0.5 else (1 + math.sin(math.pi * octaves)) / 2)
+            variances = spectrum.slope_variances(math.pi, cut)
+            # In the amplitude: half the exponent of |R|^2.
+            damping = math.exp(-4 * k**2 * (q @ q / 4) * spectrum.height_variance(cut) / 2)
+        one = lambda v: v[None]
+        bragg = sc.bragg(one(ki), one(ks), one(n), k, sea.eps, psi)[0]
+        slopes = -np.array([q @ ex, q @ ey]) / (q @ n)
+        density = math.exp(-np.sum(slopes**2 / variances) / 2) / (2 * math.pi * math.sqrt(np.prod(variances)))
+        glint = damping * sc.specular(one(ki), one(ks), one(q @ n), sea.eps, np.array([density]))[0]
+        u0, u1 = uniform(7, 20, np.array([ix]), np.array([iy]), 2)[:, 0]
+        phase0, phase1 = np.exp(2j * math.pi * u0), np.exp(2j * math.pi * u1)
+        if sea.phases == "single":
+            return np.sqrt(area * (np.abs(bragg) ** 2 + np.abs(glint) ** 2)) * phase0
+        return math.sqrt(area) * (bragg * phase1 + glint * phase0)
+
+    def test_the_sea_curves(self):
+        scene, sea = scene_of(
+            ("0.36", "0.005"), ("duration_s", 'earth = "curved"\npatch_centre_m = [8e4, -5e4]\nduration_s')
+        )
+        facets = sea.facets(0.0)
+        place, n = (a.reshape(16, 12, 3) for a in (facets.place, facets.n))
+        down = place[1:] - place[:-1], place[:, 1:] - place[:, :-1]
+        # Chords lie on the tangents but for half a metre over R; the drop at 94 km is known.
+        self.assertLess(np.max(np.abs(np.sum(down[0] * n[1:], -1))), 1e-7)
+        self.assertLess(np.max(np.abs(np.sum(down[1] * n[:, 1:], -1))), 1e-7)
+        self.near(place[8, 6], [8e4, -5e4, -(8e4**2 + 5e4**2) / (2 * 6.371e6)], 1e-12)
 
     def test_a_following_patch_keeps_its_facets(self):
         follow = ("patch_size_m", 'patch = "follow"\npatch_size_m')
