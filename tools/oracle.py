@@ -4,8 +4,9 @@
     oracle.py RECORDING.h5 [--rows 0,7,19 | --count 4] [--limit-db -100] [--json]
 
 Needs numpy and h5py, and nothing of nereus: what is computed here (package `oracle` beside this file) follows
-the printed equations, by other means wherever there are any. The scenario comes from the attribute `config`; from the columns
-come the true (and reported) states of the platforms and the start of each window. Nothing of /truth is used.
+the printed equations, by other means wherever there are any. The scenario comes from the attribute `config`; from
+the columns come the true (and reported) states of the platforms and the start of each window. Nothing of /truth
+is used.
 
 For every emission whose echo meets the window, transmitter, receiver and target:
 
@@ -30,6 +31,7 @@ samples allows -150 dB; f64 phases of X band at 6 ms of delay allow -135 dB. Exi
 1: not; 2: the recording cannot be judged: noise, converter, file patterns or waveforms; slicks, swell, ships;
 spectra other than Elfouhaily's and Fung and Lee's; averages over cells of the spectrum; shadows that may fall.
 """
+
 import argparse
 import json
 import math
@@ -44,7 +46,6 @@ from oracle.scene import Scene, Track
 from oracle.sea import Sea
 
 
-
 def decibels(x):
     return 20 * math.log10(x) if x > 0 else -math.inf
 
@@ -57,13 +58,16 @@ def judge(path, rows=None, count=4):
         config = tomllib.loads(file.attrs["config"])
         text = lambda x: x.decode() if isinstance(x, bytes) else x
         channels = [
-            (text(c["transmitter"]), text(c["receiver"]), text(c["polarisations"])) for c in file["channel"][:]
+            (text(c["transmitter"]), text(c["receiver"]), text(c["polarisations"]))
+            for c in file["channel"][:]
         ]
         index = file["pulse/index"][:]
         start = int(file.attrs["start_time_ns"]), float(file.attrs["start_time_frac_ns"])
         times = (file["pulse/time_ns"][:] - start[0]) * 1e-9
         times = times + (file["pulse/time_frac_ns"][:] - start[1]) * 1e-9
-        track = lambda group: Track(times, *(group[c][:] for c in ("position_m", "velocity_mps", "attitude_quat")))
+        track = lambda group: Track(
+            times, *(group[c][:] for c in ("position_m", "velocity_mps", "attitude_quat"))
+        )
         tracks = {
             p["name"]: {k: track(file[f"nav/{p['name']}/{k}"]) for k in ("true", "reported")}
             for p in config["platform"]
@@ -89,7 +93,10 @@ def judge(path, rows=None, count=4):
             want, met = pulse(scene, sea, channels, int(index[k]), start_s, samples)
             got = file["iq"][k].astype(complex)
             error, level = np.linalg.norm(got - want, axis=-1), np.linalg.norm(want, axis=-1)
-            db = [decibels(e / s) if s > 0 else (-math.inf if e == 0 else math.inf) for e, s in zip(error, level)]
+            db = [
+                decibels(e / s) if s > 0 else (-math.inf if e == 0 else math.inf)
+                for e, s in zip(error, level)
+            ]
             result.append({"pulse": int(index[k]), "echoes": met, "error_db": db, "rms": list(level)})
         names = [text(c) for c in file["channel"]["name"]]
     return {
@@ -125,7 +132,9 @@ def main():
     for r in found["pulses"]:
         print(f"{r['pulse']:7}  {r['echoes']:6}  " + "  ".join(f"{d:8.1f}" for d in r["error_db"]))
     print(f"  emission times {found['clock_s']:.1e} s, phase centres {found['phase_centre_m']:.1e} m apart")
-    print(f"  worst {found['worst_db']:.1f} dB, limit {args.limit_db:g} dB: {'sound' if sound else 'NOT SOUND'}")
+    print(
+        f"  worst {found['worst_db']:.1f} dB, limit {args.limit_db:g} dB: {'sound' if sound else 'NOT SOUND'}"
+    )
     return 0 if sound else 1
 
 

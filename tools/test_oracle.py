@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Parts of the oracle against golden values, published vectors and plain sums."""
+
 import csv
+import json
 import math
 import os
 import sys
@@ -17,7 +19,7 @@ except ImportError:
 
 from oracle import scattering as sc
 from oracle import spectra
-from oracle.echo import all_at_once, Echoes, one_by_one, pulse
+from oracle.echo import Echoes, all_at_once, light_time, one_by_one, pulse, rate
 from oracle.frames import UP, Unfit
 from oracle.scene import Scene, Track
 from oracle.sea import Sea, Surface
@@ -101,7 +103,16 @@ class Spectra(Judge):
     def test_elfouhaily(self):
         g = golden("spectrum_elfouhaily")
         for u10, omega_c, ustar, k, *want in cells(
-            g.U10_m_s, g.Omega_c, g.ustar_m_s, g.K_rad_m, g.Bl, g.Bh, g.S_m3, g.Delta, g.Psi_down_m4, g.Psi_cross_m4
+            g.U10_m_s,
+            g.Omega_c,
+            g.ustar_m_s,
+            g.K_rad_m,
+            g.Bl,
+            g.Bh,
+            g.S_m3,
+            g.Delta,
+            g.Psi_down_m4,
+            g.Psi_cross_m4,
         ):
             self.near(spectra.wu_ustar(u10), ustar, PRINTED)
             got = spectra.elfouhaily(k, u10, omega_c, ustar)
@@ -129,7 +140,9 @@ class Spectra(Judge):
         phi = 2 * np.pi * np.arange(64) / 64
 
         def moment(f):
-            ring = lambda k: np.mean(2 * np.pi * k**2 * f(phi) ** 2 * k * s.psi(k * np.cos(phi), k * np.sin(phi)))
+            ring = lambda k: np.mean(
+                2 * np.pi * k**2 * f(phi) ** 2 * k * s.psi(k * np.cos(phi), k * np.sin(phi))
+            )
             return spectra.integral(lambda k: np.vectorize(ring)(k), 3.0, 70.0)
 
         # 64 points take every harmonic of Psi; the sums themselves are rounding.
@@ -173,7 +186,9 @@ class Scattering(Judge):
             g.vv_re, g.vv_im, g.vh_re, g.vh_im, g.hv_re, g.hv_im, g.hh_re, g.hh_im,
         ):  # fmt: skip
             ti, ts, phi = (np.radians([a]) for a in (ti, ts, phi))
-            a = sc.alpha(re + 1j * im, np.cos(ti), np.cos(ts), np.sin(ti), np.sin(ts), np.cos(phi), np.sin(phi))
+            a = sc.alpha(
+                re + 1j * im, np.cos(ti), np.cos(ts), np.sin(ti), np.sin(ts), np.cos(phi), np.sin(phi)
+            )
             want = np.array(want).reshape(4, 2) @ [1, 1j]
             # eps is printed with 13 digits; sin(180 deg) is 1e-16.
             self.near(a.ravel(), want, 10 * PRINTED, np.max(np.abs(want)))
@@ -218,11 +233,15 @@ class Scattering(Judge):
 
     def test_slope_density(self):
         g = golden("slope_pdf")
-        clean = [row for row in cells(g.slick, g.U12p5, g.skew, g.zx_downwind, g.zy_cross, g.pdf) if row[0] == 0]
+        clean = [
+            row for row in cells(g.slick, g.U12p5, g.skew, g.zx_downwind, g.zy_cross, g.pdf) if row[0] == 0
+        ]
         self.assertGreaterEqual(len(clean), 50)
         for _, u, skew, zx, zy, want in clean:
             # Exponents of some tens.
-            self.near(sc.slope_density(zx, zy, *sc.cox_munk(u), u if skew else None), want, 100 * PRINTED, 1e-290)
+            self.near(
+                sc.slope_density(zx, zy, *sc.cox_munk(u), u if skew else None), want, 100 * PRINTED, 1e-290
+            )
 
     def test_reciprocity(self):
         # S[p, q](ks, ki) = s_p s_q S[q, p](-ki, -ks), s_v = 1, s_h = -1, whatever the tilt.
@@ -238,7 +257,9 @@ class Scattering(Judge):
         self.near(there[0], sign * back[0].T, 1e-13, np.max(np.abs(there)))
 
     def test_taper(self):
-        self.near(sc.taper(70.0 * np.array([0.5**0.5, 1.0, 2**0.5, 9.0, 0.1]), 70.0), [0, 0.5, 1, 1, 0], 1e-12, 1.0)
+        self.near(
+            sc.taper(70.0 * np.array([0.5**0.5, 1.0, 2**0.5, 9.0, 0.1]), 70.0), [0, 0.5, 1, 1, 0], 1e-12, 1.0
+        )
 
 
 class Moving(Judge):
@@ -346,6 +367,54 @@ def scene_of(*changes):
     return scene, Sea(config, scene, 7)
 
 
+class GoldenEchoes(Judge):
+    def scene(self):
+        with open(GOLDEN / "echo_scene.json") as file:
+            g = json.load(file)
+        ends = [
+            SimpleNamespace(centre=lambda t, p=np.array(g[p]), v=np.array(g["v" + p]): p + np.outer(t, v))
+            for p in ("tx", "rx")
+        ]
+        place, velocity = (np.array([s[k] for s in g["scat"]]) for k in (0, 1))
+        return g, ends, lambda t: place + velocity * t[:, None]
+
+    def test_delays_and_rates(self):
+        g, (tx, rx), where = self.scene()
+        rows = golden("echo_delays")
+        for pulse in np.unique(rows.pulse):
+            of = rows.pulse == pulse
+            t = pulse / g["prf"]
+            tau1, tau2 = light_time(tx, rx, t, where)
+            # Printed are 13 digits of 24 us: 1e-17 s.
+            self.assertLess(np.max(np.abs(tau1 + tau2 - rows.tau_exact_s[of])), 1e-17)
+            self.assertLess(np.max(np.abs(tau1 - rows.tau_tx_leg_s[of])), 1e-17)
+            r = rate(lambda s: np.add(*light_time(tx, rx, s, where)), t)
+            # A digit of 24 us (4e-21 s) over a step of 1 ms, and the golden difference: 1e-9 of v/c = 1e-6.
+            self.assertLess(np.max(np.abs(r - rows.dtau_dt[of])), 1e-15)
+
+    def test_samples(self):
+        # The golden samples repeat every N, without Doppler in the pulse: fold so many periods of ours.
+        # The filter rings off like 1/x^3: beyond 8 periods there is 1e-9 of it, of changing sign.
+        g, (tx, rx), where = self.scene()
+        rows, n, periods = golden("echo_refB_filtered"), g["N"], 8
+        scene = SimpleNamespace(
+            f0=g["f0"], fs=g["fs"], bandwidth=g["B"], pulse_s=g["Tc"], mu=g["B"] / g["Tc"]
+        )
+        for pulse in (0, 499):
+            tau = np.add(*light_time(tx, rx, pulse / g["prf"], where))
+            a = (
+                np.array([s[2] for s in g["scat"]])
+                @ [1, 1j]
+                * np.exp(-2j * np.pi * np.mod(g["f0"] * tau, 1.0))
+            )
+            x0 = (g["t0"] - tau) * g["fs"] - periods * n
+            out = one_by_one(scene, Echoes(tau, 0 * tau, a[None]), x0, (2 * periods + 1) * n)
+            of = rows.pulse == pulse
+            want = rows.re[of] + 1j * rows.im[of]
+            # f0 tau is 2.4e5 turns in f64: 4e-11 turns each.
+            self.near(out.reshape(-1, n).sum(axis=0), want, 1e-9, np.max(np.abs(want)))
+
+
 class Whole(Judge):
     def test_the_sum_over_facets(self):
         scene, sea = scene_of()
@@ -378,9 +447,16 @@ class Whole(Judge):
     def test_facets_by_hand(self):
         # What is put together from the judged parts, facet by facet: axes, cut, damping, area, phases.
         k = 2 * math.pi * 10e9 / 299_792_458.0
-        for splitting, phases in (("consistent", "polcoherent"), ("consistent", "single"), ("mars2007", "single")):
+        for splitting, phases in (
+            ("consistent", "polcoherent"),
+            ("consistent", "single"),
+            ("mars2007", "single"),
+        ):
             scene, sea = scene_of(
-                ("[sea.shadow]", f'[sea.scattering]\nsplitting = "{splitting}"\nphases = "{phases}"\n[sea.shadow]')
+                (
+                    "[sea.shadow]",
+                    f'[sea.scattering]\nsplitting = "{splitting}"\nphases = "{phases}"\n[sea.shadow]',
+                )
             )
             facets = sea.facets(0.1)
             count = len(facets.area)
@@ -389,7 +465,9 @@ class Whole(Judge):
                 ks = np.tile(towards(theta + 0.05, -1.0), (count, 1))
                 got = sea.matrices(facets, ki, ks)
                 for f in range(0, count, 17):
-                    self.near(got[f], self.by_hand(sea, f, 0.1, k, ki[f], ks[f]), 1e-9, np.max(np.abs(got[f])))
+                    self.near(
+                        got[f], self.by_hand(sea, f, 0.1, k, ki[f], ks[f]), 1e-9, np.max(np.abs(got[f]))
+                    )
 
     def by_hand(self, sea, f, t, k, ki, ks):
         consistent = sea.splitting == "consistent"
@@ -414,7 +492,9 @@ class Whole(Judge):
             cut = max(math.pi, k / 3)
             kb = math.hypot(ku, kc)
             octaves = math.log(kb / cut) / math.log(2)
-            psi = psi * (1.0 if octaves > 0.5 else 0.0 if octaves < -0.5 else (1 + math.sin(math.pi * octaves)) / 2)
+            psi = psi * (
+                1.0 if octaves > 0.5 else 0.0 if octaves < -0.5 else (1 + math.sin(math.pi * octaves)) / 2
+            )
             variances = spectrum.slope_variances(math.pi, cut)
             # In the amplitude: half the exponent of |R|^2.
             damping = math.exp(-4 * k**2 * (q @ q / 4) * spectrum.height_variance(cut) / 2)

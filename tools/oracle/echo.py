@@ -1,4 +1,5 @@
 """Echoes: delays, amplitudes, samples."""
+
 import math
 
 import numpy as np

@@ -1,4 +1,5 @@
 """Vectors, rotations, geodetic places, polarisation bases. Arrays of vectors are [n, 3], of matrices [n, 3, 3]."""
+
 import math
 
 import numpy as np

@@ -4,6 +4,7 @@ Matrices are [n, 2, 2], receive then transmit, in the order v, h of the bases h 
 of the directions of propagation. Squared moduli are sigma0 per true area of the facet. Unit vectors: ki from
 the transmitter, ks to the receiver, n the normal, ex and ey = n x ex the axes of the facet.
 """
+
 import numpy as np
 
 from .frames import basis, dot
@@ -84,7 +85,15 @@ def bragg(ki, ks, n, k, eps, psi):
     vs, hs = basis(ks, n)
     # h = (-sin phi, cos phi, 0): the angle between the h's is that between the directions.
     cosine, sine = dot(hi, hs), dot(np.cross(hi, hs), n)
-    a = alpha(eps, ci, cs, np.linalg.norm(np.cross(n, ki), axis=-1), np.linalg.norm(np.cross(n, ks), axis=-1), cosine, sine)
+    a = alpha(
+        eps,
+        ci,
+        cs,
+        np.linalg.norm(np.cross(n, ki), axis=-1),
+        np.linalg.norm(np.cross(n, ks), axis=-1),
+        cosine,
+        sine,
+    )
     a = (4 * np.sqrt(np.pi) * k**2 * ci * cs * np.sqrt(psi))[:, None, None] * a
     return rotation(vs, hs, ks).swapaxes(1, 2) @ a @ rotation(vi, hi, ki)
 
@@ -121,9 +130,7 @@ def specular(ki, ks, qn, eps, density):
     t = np.where(norm < 1e-12, hi, t / np.where(norm < 1e-12, 1.0, norm))
     wi, ws = np.cross(t, ki), np.cross(t, ks)
     rv, rh = fresnel(eps, length / 2)
-    rho = [
-        [rh * dot(p, t) * dot(q, t) + rv * dot(p, ws) * dot(q, wi) for q in (vi, hi)] for p in (vs, hs)
-    ]
+    rho = [[rh * dot(p, t) * dot(q, t) + rv * dot(p, ws) * dot(q, wi) for q in (vi, hi)] for p in (vs, hs)]
     scale = np.sqrt(np.pi * density) * (length / qn) ** 2
     return np.moveaxis(np.array(rho), -1, 0) * scale[:, None, None]
 

@@ -1,4 +1,5 @@
 """The scenario as meant: tracks, antennas, targets. Times are arrays of s after the emission of pulse 0."""
+
 import math
 
 import numpy as np
@@ -150,7 +151,7 @@ class Scene:
         track = self.tracks[table["platform"]][which]
         ahead = unit(track.velocity(t)[:, :2])
         starboard = np.stack([ahead[:, 1], -ahead[:, 0]], -1)
-        beside = table.get("along_m", 0.0) * ahead + table["across_m"] * starboard
+        beside = table.get("along_m", 0.0) * ahead + table.get("across_m", 0.0) * starboard
         x, y = (track.position(t)[:, :2] + beside).T
         return self.on_sea(x, y)
 

@@ -7,6 +7,7 @@ Psi_w is twice the symmetrised spectrum where K goes with the wind, that spectru
 against it. Facets are keyed by integers (ix, iy); a facet stands at (ix, iy) times its side, and its heights
 repeat with the size of the patch. Waves at the Nyquist index and at 0 carry nothing.
 """
+
 import math
 
 import numpy as np
@@ -95,6 +96,12 @@ def choice(table, key, default, allowed):
     return value
 
 
+def given(table, key):
+    if key not in table:
+        raise Unfit(f"a scenario without {key} cannot be judged")
+    return table[key]
+
+
 class Sea:
     """The sea of a scenario."""
 
@@ -111,8 +118,8 @@ class Sea:
         self._shadow(sea.get("shadow", {}))
 
     def _patch(self, config, place):
-        self.facet = place["facet_m"]
-        sides = [size / self.facet for size in place["patch_size_m"]]
+        self.facet = given(place, "facet_m")
+        sides = [size / self.facet for size in given(place, "patch_size_m")]
         self.n = [round(n) for n in sides]
         if max(abs(a - b) for a, b in zip(sides, self.n)) > 1e-9:
             raise Unfit("a patch that is not a whole number of facets cannot be judged")
@@ -123,16 +130,15 @@ class Sea:
             choice(self.aim, "kind", None, ("at", "point", "beside"))
 
     def _water(self, sea):
-        if choice(sea, "wind_profile", "cardone", ("cardone",)) and "wind_ustar_mps" in sea:
+        choice(sea, "wind_profile", "cardone", ("cardone",))
+        if "wind_ustar_mps" in sea:
             self.wind = Wind(sea["wind_ustar_mps"])
         else:
-            self.wind = Wind(cardone_ustar(sea["wind_mps"], sea.get("wind_height_m", 10.0)))
+            self.wind = Wind(cardone_ustar(given(sea, "wind_mps"), sea.get("wind_height_m", 10.0)))
         if "wind_towards_deg" in sea:
             towards = sea["wind_towards_deg"]
-        elif "wind_from_deg" in sea:
-            towards = 270.0 - sea["wind_from_deg"]
         else:
-            raise Unfit("a wind without direction cannot be judged")
+            towards = 270.0 - given(sea, "wind_from_deg")
         self.towards = math.radians(towards)
         omega_c = sea.get("inverse_wave_age", 0.84)
         if "fetch_m" in sea:
@@ -142,7 +148,10 @@ class Sea:
             raise Unfit(f"an inverse wave age of {omega_c:.3g} cannot be judged")
         kind = choice(sea, "spectrum", "elfouhaily", SPECTRA)
         self.spectrum = Spectrum(kind, self.wind, omega_c)
-        if choice(sea, "averaging", "automatic", ("automatic", "points")) == "automatic" and not self.wind.calm:
+        if (
+            choice(sea, "averaging", "automatic", ("automatic", "points")) == "automatic"
+            and not self.wind.calm
+        ):
             # Near the limit the two sides may take the peak for different numbers.
             if self.spectrum.peak() * min(self.n) * self.facet / (2 * math.pi) < 7:
                 raise Unfit('averages over cells cannot be judged: set averaging = "points"')

@@ -5,6 +5,7 @@
 
 S in m^3, Psi in m^4, K in rad/m. Below 0.3 m/s of wind at 10 m the sea is flat.
 """
+
 import numpy as np
 
 G = 9.81

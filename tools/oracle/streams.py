@@ -3,6 +3,7 @@
 The key is the four words of 64 bits, little endian; block counter and nonce are 0; two words of 32 bits
 make one of 64, the low one first. Only the first block is made: eight words of 64 bits an address.
 """
+
 import numpy as np
 
 SEA_WAVE = 16
@@ -17,14 +18,11 @@ def block(key, rounds=8):
     start[4:12] = key
     x = start.copy()
 
-    def mix(a, b, left):
-        x[a] ^= x[b]
-        x[a] = (x[a] << np.uint32(left)) | (x[a] >> np.uint32(32 - left))
-
     def quarter(a, b, c, d):
-        for to, source, left in ((a, b, 16), (c, d, 12), (a, b, 8), (c, d, 7)):
+        for to, source, turned, left in ((a, b, d, 16), (c, d, b, 12), (a, b, d, 8), (c, d, b, 7)):
             x[to] += x[source]
-            mix(d if to == a else b, to, left)
+            x[turned] ^= x[to]
+            x[turned] = (x[turned] << np.uint32(left)) | (x[turned] >> np.uint32(32 - left))
 
     for _ in range(rounds // 2):
         for i in range(4):  # columns
