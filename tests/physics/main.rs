@@ -20,6 +20,7 @@ mod scatter_composite;
 mod scatter_extremes;
 mod scatter_golden;
 mod scatter_laws;
+mod scatter_options;
 mod scatter_oracle;
 mod sea_extremes;
 mod sea_golden;
