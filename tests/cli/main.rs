@@ -9,5 +9,6 @@ mod readme;
 mod running;
 #[cfg(unix)]
 mod setup_script;
+mod sigma0_page;
 mod table_golden;
 mod tables;
