@@ -297,6 +297,14 @@ impl Earth {
             }
         }
     }
+
+    /// Gradient of [`Self::drop_m`] along x and y: how steeply the sea surface falls away there.
+    pub fn drop_slope(self, x_m: f64, y_m: f64) -> [f64; 2] {
+        match self {
+            Self::Flat => [0.0; 2],
+            Self::Curved { radius_factor } => [x_m, y_m].map(|d| d / (radius_factor * EARTH_RADIUS_M)),
+        }
+    }
 }
 
 /// The scene's ENU frame: where its origin lies on Earth (if anywhere) and how the sea curves.

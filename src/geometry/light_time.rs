@@ -6,8 +6,8 @@
 //! `c tau1 = |x_s(t + tau1) - x_T(t)|`, `c tau2 = |x_R(t + tau) - x_s(t + tau1)|`.
 //!
 //! Both are solved by fixed-point iteration (contraction `v/c`, started from standing ends) until the
-//! step is below 1e-19 s or the rounding of `tau` itself. The ends move by `p + v s + a s^2/2` about the
-//! emission, the scatterer by `x + v s`; what the quadratic leaves out is `|da/dt| tau^3 / 6`: 2e-10 m
+//! step is below 1e-19 s or the rounding of `tau` itself. Ends and scatterer move by `p + v s + a s^2/2` about the
+//! emission; what the quadratic leaves out is `|da/dt| tau^3 / 6`: 2e-10 m
 //! for a satellite at 800 km.
 //!
 //! Rate with respect to the emission time, by differentiation, with the unit vectors `k_i`
@@ -101,7 +101,7 @@ fn moved(end: &PhaseCentre, s: f64) -> (DVec3, DVec3) {
 }
 
 /// The path over a scatterer that is at `position` at the emission and moves with `velocity`; both ends
-/// as they are at the emission.
+/// as they are at the emission. See [`bistatic_over`] for one that accelerates.
 pub fn bistatic(
     method: LightTime,
     transmitter: &PhaseCentre,
@@ -109,12 +109,22 @@ pub fn bistatic(
     velocity: Vector<Enu>,
     receiver: &PhaseCentre,
 ) -> Path {
+    let scatterer = PhaseCentre { position, velocity, acceleration: Vector::ZERO };
+    bistatic_over(method, transmitter, &scatterer, receiver)
+}
+
+/// The path over a scatterer whose motion about the emission is `p + v s + a s^2 / 2`, as that of the ends.
+pub fn bistatic_over(
+    method: LightTime,
+    transmitter: &PhaseCentre,
+    scatterer: &PhaseCentre,
+    receiver: &PhaseCentre,
+) -> Path {
     let (x_t, v_t) = (transmitter.position.raw(), transmitter.velocity.raw());
-    let (x_s, v_s) = (position.raw(), velocity.raw());
     match method {
         LightTime::Exact => {
-            let tx_leg_s = fixed_point(|s| (x_s + v_s * s - x_t).length());
-            let bounce = x_s + v_s * tx_leg_s;
+            let tx_leg_s = fixed_point(|s| (moved(scatterer, s).0 - x_t).length());
+            let (bounce, v_s) = moved(scatterer, tx_leg_s);
             let rx_leg_s = fixed_point(|s| (moved(receiver, tx_leg_s + s).0 - bounce).length());
             let (x_r, v_r) = moved(receiver, tx_leg_s + rx_leg_s);
             let incident = (bounce - x_t).normalize_or_zero();
@@ -131,6 +141,7 @@ pub fn bistatic(
             }
         }
         LightTime::StopAndGo => {
+            let (x_s, v_s) = (scatterer.position.raw(), scatterer.velocity.raw());
             let (x_r, v_r) = (receiver.position.raw(), receiver.velocity.raw());
             let (tx_leg_s, rx_leg_s) = ((x_s - x_t).length() / C, (x_r - x_s).length() / C);
             let incident = (x_s - x_t).normalize_or_zero();

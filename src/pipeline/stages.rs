@@ -15,6 +15,7 @@ use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
 use crate::radar::illumination::Illumination;
+use crate::radar::illumination::snapshot::Snapshot;
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
@@ -65,10 +66,15 @@ impl PulseFactory {
         pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
     }
 
+    /// The facets of the sea as a pulse's emission lights them; `None` for a scene without sea.
+    pub fn snapshot(&self, index: u64, work: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
+        self.illumination.snapshot(index, &mut work.illumination)
+    }
+
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        // Every target and the direct path, of this pulse and of two neighbours.
-        let contacts = 3 * (self.layout.targets + 1);
+        // Every target and the direct path, of this pulse and of two neighbours, and every facet.
+        let contacts = 3 * (self.layout.targets + 1) + self.illumination.facets();
         Workspace {
             illumination: self.illumination.workspace(),
             contacts: Contacts::new(self.layout.pairs, self.layout.channels, contacts),

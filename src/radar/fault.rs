@@ -12,10 +12,15 @@
 
 use thiserror::Error;
 
+use crate::geometry::shadow::ShadowError;
 use crate::motion::track::TrackError;
 use crate::radar::pattern::PatternError;
+use crate::scattering::permittivity::PermittivityError;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pointing, TxPolarisation};
+use crate::scene::sea::PatchPlace;
 use crate::scene::{Radar, Scene};
+use crate::sea::realise::RealiseError;
+use crate::sea::surface::SurfaceError;
 use crate::time::TimeTag;
 
 /// Why the contacts of a scene cannot be made.
@@ -43,6 +48,22 @@ pub enum RadarError {
         which: TrackUse,
         /// Why.
         source: TrackError,
+    },
+    /// The sea fails at a pulse.
+    #[error("pulse {index}: sea: {source}")]
+    Sea {
+        /// The pulse.
+        index: u64,
+        /// Why.
+        source: SurfaceError,
+    },
+    /// Its shadows fail at a pulse.
+    #[error("pulse {index}: shadows of the sea: {source}")]
+    Shadow {
+        /// The pulse.
+        index: u64,
+        /// Why.
+        source: ShadowError,
     },
 }
 
@@ -94,6 +115,18 @@ pub enum RadarFault {
         /// Why.
         source: PatternError,
     },
+    /// The sea cannot be drawn.
+    #[error("sea: {0}")]
+    Realise(#[from] RealiseError),
+    /// The sea cannot be evaluated.
+    #[error("sea: {0}")]
+    Surface(SurfaceError),
+    /// The sea cannot scatter at this carrier.
+    #[error("sea: {0}")]
+    Permittivity(#[from] PermittivityError),
+    /// The sea cannot cast shadows.
+    #[error("sea: {0}")]
+    Shadow(#[from] ShadowError),
     /// A track does not cover the run.
     #[error("platform '{platform}', {which} track: needed from {from} to {to}: {source}")]
     Track {
@@ -184,5 +217,10 @@ pub(super) fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<Ra
     }
     if let Gate::Follow { aim: Aim::Beside { platform, .. }, .. } = &radar.window.gate {
         check(&|| "window".to_owned(), "platform", *platform, platforms);
+    }
+    if let Some(PatchPlace::Follow { aim: Aim::Beside { platform, .. }, .. }) =
+        scene.sea.as_ref().map(|sea| &sea.place)
+    {
+        check(&|| "patch".to_owned(), "platform", *platform, platforms);
     }
 }

@@ -8,14 +8,14 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use nereus::scattering::water::WaterScattering;
+//! use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
 //! use nereus::scene::sea::FacetScattering;
 //! use nereus::scene::water::{Development, WindProfile};
 //! use nereus::sea::spectrum::Elfouhaily;
 //! use nereus::sea::wind::Wind;
 //! let wind = Wind::from_speed(8.0, 10.0, WindProfile::Cardone, 0.5)?;
 //! let spectrum = Arc::new(Elfouhaily::new(&wind, Development::default())?);
-//! let sight = nereus::scattering::water::Sight { carrier_hz: 10e9, facet_m: 1.0, seed: 1 };
+//! let sight = Sight { carrier_hz: 10e9, facet_m: 1.0, seed: 1, spectrum: SpectrumPath::Exact };
 //! let settings = FacetScattering::default();
 //! let water = WaterScattering::new(&settings, 20.0, 35.0, &[], &wind, spectrum, sight)?;
 //! assert_eq!((water.kinds(), water.mechanisms()), (1, 2));
@@ -34,6 +34,7 @@ use super::kind::clean::Clean;
 use super::kind::slick::Slick;
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
+use super::spectrum_table::SpectrumTable;
 use super::two_scale::{Medium, Moments, Settings, TwoScale};
 use crate::scene::sea::{FacetScattering, Permittivity, SlickRegion};
 use crate::sea::spectrum::{Spectrum, WaveVector};
@@ -48,6 +49,18 @@ pub struct Sight {
     pub facet_m: f64,
     /// Seed of the facets' phases.
     pub seed: u64,
+    /// How the spectrum that scatters is found.
+    pub spectrum: SpectrumPath,
+}
+
+/// How facets find the spectrum at their Bragg wave vector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpectrumPath {
+    /// From its equation.
+    #[default]
+    Exact,
+    /// From a table ([`super::spectrum_table`]), whose error is measured when it is made.
+    Tabulated,
 }
 
 /// Facets of one kind, a batch at a time.
@@ -79,6 +92,28 @@ pub struct WaterScattering {
     permittivity: Complex64,
     cut_radpm: Option<f64>,
     moments: Moments,
+    spectrum_error: f64,
+}
+
+/// One kind, asking the spectrum itself or a table of it.
+fn batch<K, F>(
+    settings: Settings,
+    medium: Medium,
+    kind: K,
+    psi: F,
+    table: Option<&Arc<SpectrumTable<F>>>,
+) -> Box<dyn Batch>
+where
+    K: Kind + Send + Sync + 'static,
+    F: Fn(f64, f64) -> f64 + Send + Sync + 'static,
+{
+    match table {
+        None => Box::new(TwoScale::new(settings, medium, kind, psi)),
+        Some(table) => {
+            let table = Arc::clone(table);
+            Box::new(TwoScale::new(settings, medium, kind, move |x, y| table.psi(x, y)))
+        }
+    }
 }
 
 impl WaterScattering {
@@ -124,11 +159,19 @@ impl WaterScattering {
         };
         let clean = TwoScale::new(two_scale, medium, Clean, psi());
         let (mechanisms, cut_radpm, moments) = (1 + clean.tilts(), clean.cut_radpm(), clean.moments(0.0));
-        let mut kinds: Vec<Box<dyn Batch>> = vec![Box::new(clean)];
+        let table = match sight.spectrum {
+            SpectrumPath::Exact => None,
+            SpectrumPath::Tabulated => {
+                Some(SpectrumTable::for_bragg(psi(), medium.wavenumber_radpm(), cut_radpm))
+            }
+        };
+        let spectrum_error = table.as_ref().map_or(0.0, SpectrumTable::worst_relative_error);
+        let table = table.map(Arc::new);
+        let mut kinds: Vec<Box<dyn Batch>> = vec![batch(two_scale, medium, Clean, psi(), table.as_ref())];
         let mut regions = Vec::with_capacity(slicks.len());
         for slick in slicks {
             let kind = Slick { elasticity_npm: slick.elasticity_npm };
-            kinds.push(Box::new(TwoScale::new(two_scale, medium, kind, psi())));
+            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
             let rim_m = 0.5 * slick.rim_m;
             let bounds = slick.shape.bounds_m().map(|[from, to]| [from - rim_m, to + rim_m]);
             regions.push((slick.clone(), bounds));
@@ -145,6 +188,7 @@ impl WaterScattering {
             permittivity,
             cut_radpm,
             moments,
+            spectrum_error,
         })
     }
 
@@ -171,6 +215,11 @@ impl WaterScattering {
     /// Moments of the unresolved waves of clean water.
     pub fn moments(&self) -> Moments {
         self.moments
+    }
+
+    /// Largest relative error of the spectrum that facets ask; 0 for the exact one.
+    pub fn spectrum_error(&self) -> f64 {
+        self.spectrum_error
     }
 
     /// Whether phasors change in time.

@@ -3,6 +3,7 @@
 pub mod patch;
 pub mod radar;
 pub mod sea;
+pub mod ship;
 pub mod target;
 pub mod water;
 
@@ -12,6 +13,7 @@ use crate::time::TimeTag;
 pub use patch::Patch;
 pub use radar::Radar;
 pub use sea::Sea;
+pub use ship::Ship;
 pub use target::Target;
 pub use water::Water;
 

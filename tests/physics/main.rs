@@ -20,6 +20,7 @@ mod scatter_extremes;
 mod scatter_golden;
 mod scatter_laws;
 mod scatter_oracle;
+mod sea_contacts;
 mod sea_extremes;
 mod sea_golden;
 mod sea_spectrum;

@@ -11,6 +11,10 @@
 //! are searched between bounds on their delays: those of emission `n`, widened by the fastest change of
 //! delay, `(|v_T| + |v_R| + 2 |v_s| + 1000 m/s) / c`, the last term for manoeuvres.
 //!
+//! The sea, if there is one, contributes a contact for every facet that the window hears and that returns
+//! anything. It does not count for [`flags::OUTSIDE_WINDOW`]: a patch that reaches beyond the window is the
+//! rule.
+//!
 //! Each emission has its own geometry: platforms, pointing and transmit polarisation at `t_e`, the
 //! receive antenna at reception. When polarisations alternate, a channel hears an emission only if that
 //! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Contacts
@@ -85,7 +89,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod facets;
+pub mod snapshot;
+mod visibility;
+mod window;
+
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -107,8 +117,10 @@ use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Samples at both ends of the window whose contacts still reach into it through the receive filter.
-pub const GUARD_SAMPLES: usize = 32;
+use facets::{Lighting, SeaFailure, SeaPlan, SeaWork};
+pub use window::GUARD_SAMPLES;
+use window::Window;
+
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
 const MANOEUVRE_MPS: f64 = 1000.0;
 /// Instants of the run at which its longest delay is sought.
@@ -148,32 +160,16 @@ pub struct Illumination {
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
     axes_span_s: f64,
+    sea: Option<Arc<SeaPlan>>,
 }
 
 /// Buffers of [`Illumination::pulse`]; one per thread.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Workspace {
     own: Emission,
     other: Emission,
     amplitude: Vec<Complex64>,
-}
-
-/// What is heard: from when to when, after the emission of the window's own pulse.
-#[derive(Clone, Copy, Debug)]
-struct Window {
-    open_s: f64,
-    close_s: f64,
-    guard_s: f64,
-}
-
-impl Window {
-    fn touches(&self, begin_s: f64, end_s: f64) -> bool {
-        begin_s <= self.close_s + self.guard_s && end_s >= self.open_s - self.guard_s
-    }
-
-    fn holds(&self, begin_s: f64, end_s: f64) -> bool {
-        begin_s >= self.open_s && end_s <= self.close_s
-    }
+    sea: Option<SeaWork>,
 }
 
 impl Illumination {
@@ -234,8 +230,14 @@ impl Illumination {
             channel_pairs,
             fastest_target_mps,
             axes_span_s: 0.0,
+            sea: None,
         };
         built.check_cover(0.0, &mut faults);
+        if let (Some(sea), true) = (&scene.sea, faults.is_empty()) {
+            let last_s = built.radar.emissions.interval_s(0, built.pulses.saturating_sub(1));
+            let fastest_mps = built.fastest_platform_mps()?;
+            built.sea = SeaPlan::new(scene, sea, last_s, fastest_mps, &mut faults).map(Arc::new);
+        }
         if faults.is_empty() {
             match built.longest_delay_s() {
                 Ok(longest_s) => built.check_cover(longest_s, &mut faults),
@@ -268,7 +270,8 @@ impl Illumination {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        Workspace { own: Emission::default(), other: Emission::default(), amplitude }
+        let sea = self.sea.as_ref().map(|sea| sea.work(self.pairs.len(), self.radar.channels.len()));
+        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea }
     }
 
     /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
@@ -285,28 +288,95 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, other, amplitude } = workspace;
+        let Workspace { own, other, amplitude, sea } = workspace;
         contacts.clear();
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
-        let window = self.window(record.window_start_s);
-        let audible = self.audible(index, own, &window);
-        let mut hear = |emission: u64, contacts: &mut Contacts, amplitude: &mut [Complex64]| {
-            let offset_s = self.radar.emissions.interval_s(index, emission);
-            self.evaluate(emission, other)?;
-            self.append(emission, offset_s, other, &window, amplitude, contacts);
-            Ok::<(), RadarError>(())
-        };
-        for emission in audible.start..audible.end.min(index) {
-            hear(emission, contacts, amplitude)?;
+        let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
+        let audible = self.audible(index, own, &window)?;
+        for heard in audible.start..audible.end.min(index) {
+            self.evaluate(heard, other)?;
+            let lighting = self.lighting(index, heard, other, window);
+            self.append(&lighting, amplitude, contacts);
+            self.append_sea(heard, &lighting, sea, contacts)?;
         }
-        if self.append(index, 0.0, own, &window, amplitude, contacts) {
+        let lighting = self.lighting(index, index, own, window);
+        if self.append(&lighting, amplitude, contacts) {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        for emission in audible.start.max(index + 1)..audible.end {
-            hear(emission, contacts, amplitude)?;
+        if audible.contains(&index) {
+            self.append_sea(index, &lighting, sea, contacts)?;
+        }
+        for heard in audible.start.max(index + 1)..audible.end {
+            self.evaluate(heard, other)?;
+            let lighting = self.lighting(index, heard, other, window);
+            self.append(&lighting, amplitude, contacts);
+            self.append_sea(heard, &lighting, sea, contacts)?;
         }
         Ok(())
+    }
+
+    /// What the window of pulse `index` meets of emission `heard`.
+    fn lighting<'a>(
+        &'a self,
+        index: u64,
+        heard: u64,
+        emission: &'a Emission,
+        window: Window,
+    ) -> Lighting<'a> {
+        Lighting {
+            surroundings: self.surroundings(),
+            radar: &self.radar,
+            antennas: &self.antennas,
+            plans: &self.plans,
+            emission,
+            t: self.radar.emissions.emission(self.start, heard),
+            elapsed_s: self.radar.emissions.interval_s(0, heard),
+            offset_s: self.radar.emissions.interval_s(index, heard),
+            tx_pol: self.radar.tx_polarisation.of_pulse(heard),
+            axes_span_s: self.axes_span_s,
+            window,
+        }
+    }
+
+    /// Appends the facets that one emission lights.
+    fn append_sea(
+        &self,
+        heard: u64,
+        lighting: &Lighting,
+        work: &mut Option<SeaWork>,
+        contacts: &mut Contacts,
+    ) -> Result<(), RadarError> {
+        let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(()) };
+        let visited = sea.visit(lighting, work, |chunk| {
+            for place in 0..chunk.index.len() {
+                if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
+                    continue;
+                }
+                contacts.emission_offset_s.push(lighting.offset_s);
+                for (pair, columns) in chunk.pairs.iter().enumerate() {
+                    contacts.delay_s[pair].push(columns.delay_s[place]);
+                    contacts.delay_rate[pair].push(columns.delay_rate[place]);
+                }
+                for (column, amplitude) in contacts.amplitude.iter_mut().zip(&chunk.amplitude) {
+                    column.push(amplitude[place]);
+                }
+            }
+        });
+        visited.map_err(|failure| self.sea_error(heard, failure))
+    }
+
+    fn sea_error(&self, index: u64, failure: SeaFailure) -> RadarError {
+        match failure {
+            SeaFailure::Track(failure) => self.track_error(index, failure),
+            SeaFailure::Sea(source) => RadarError::Sea { index, source },
+            SeaFailure::Shadow(source) => RadarError::Shadow { index, source },
+        }
+    }
+
+    /// Facets of the patch, if there is a sea.
+    pub fn facets(&self) -> usize {
+        self.sea.as_ref().map_or(0, |sea| sea.patch.len())
     }
 
     fn surroundings(&self) -> Surroundings<'_> {
@@ -386,15 +456,11 @@ impl Illumination {
         Ok(bistatic(LightTime::Exact, &tx, position, velocity, &rx).delay_s - lead_s)
     }
 
-    fn window(&self, open_s: f64) -> Window {
-        let rate_hz = self.radar.sample_rate_hz;
-        let close_s = open_s + self.radar.window.samples as f64 / rate_hz;
-        Window { open_s, close_s, guard_s: GUARD_SAMPLES as f64 / rate_hz }
-    }
-
     /// The emissions that may be heard in the window of pulse `index`.
-    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Range<u64> {
-        let Some((least_s, most_s)) = own.delay_span_s() else { return index..index };
+    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Result<Range<u64>, RadarError> {
+        let Some((least_s, most_s)) = self.delay_span_s(index, own, *window)? else {
+            return Ok(index..index);
+        };
         let transmitters = self.radar.transmitters.len();
         let fastest = |centres: &[PhaseCentre]| centres.iter().map(|c| c.velocity.norm()).fold(0.0, f64::max);
         let (tx, rx) = own.centres.split_at(transmitters);
@@ -405,7 +471,27 @@ impl Illumination {
         let change_s = 2.0 * closing_mps / SPEED_OF_LIGHT_MPS * earliest_s.abs().max(latest_s.abs());
         let first = self.first_emission(index, earliest_s - change_s);
         let after = self.first_emission(index, latest_s + change_s);
-        first..after
+        Ok(first..after)
+    }
+
+    /// Bounds on all delays of an emission, s; `None` where nothing returns it.
+    fn delay_span_s(
+        &self,
+        index: u64,
+        emission: &Emission,
+        window: Window,
+    ) -> Result<Option<(f64, f64)>, RadarError> {
+        let targets = emission.delay_span_s();
+        let Some(sea) = &self.sea else { return Ok(targets) };
+        let lighting = self.lighting(index, index, emission, window);
+        let patch = sea
+            .patch_at(&lighting.surroundings, lighting.t)
+            .map_err(|failure| self.track_error(index, failure))?;
+        let facets = sea.delay_span_s(&patch, &lighting);
+        Ok(match (targets, facets) {
+            (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
+            (one, other) => one.or(other),
+        })
     }
 
     /// The first emission of the run at least `offset_s` after emission `index` (the number of
@@ -428,16 +514,8 @@ impl Illumination {
     }
 
     /// Appends the contacts of one emission; says whether an echo lies partly or wholly outside.
-    fn append(
-        &self,
-        index: u64,
-        offset_s: f64,
-        emission: &Emission,
-        window: &Window,
-        amplitude: &mut [Complex64],
-        contacts: &mut Contacts,
-    ) -> bool {
-        let tx_pol = self.radar.tx_polarisation.of_pulse(index);
+    fn append(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) -> bool {
+        let Lighting { emission, offset_s, tx_pol, window, .. } = *lighting;
         let mut outside = false;
         for (contact, paths) in emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
             let target = self.targets.get(contact);
@@ -452,9 +530,8 @@ impl Illumination {
                     continue;
                 }
                 let begin_s = offset_s + path.delay_s;
-                let end_s = begin_s + self.pulse_length_s;
-                outside |= !window.holds(begin_s, end_s);
-                if window.touches(begin_s, end_s) {
+                outside |= !window.holds(begin_s);
+                if window.touches(begin_s) {
                     self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
                 }
             }
@@ -526,9 +603,25 @@ impl Illumination {
             let index =
                 (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;
             self.evaluate(index, &mut emission)?;
-            longest_s = longest_s.max(emission.delay_span_s().map_or(0.0, |(_, most)| most));
+            let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
+            let span = self.delay_span_s(index, &emission, window)?;
+            longest_s = longest_s.max(span.map_or(0.0, |(_, most)| most));
         }
         Ok(longest_s)
+    }
+
+    /// The greatest true speed of any platform at a few dozen instants spread over the run, m/s.
+    fn fastest_platform_mps(&self) -> Result<f64, RadarError> {
+        let mut emission = Emission::default();
+        let mut fastest_mps = 0f64;
+        let last = self.pulses.saturating_sub(1);
+        for sounding in 0..=SOUNDINGS.min(last) {
+            let index =
+                (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;
+            self.evaluate(index, &mut emission)?;
+            fastest_mps = emission.states.iter().map(|s| s.velocity.norm()).fold(fastest_mps, f64::max);
+        }
+        Ok(fastest_mps)
     }
 
     /// Whether all tracks reach from the first emission, less what servos look back, to the last plus

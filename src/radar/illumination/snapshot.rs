@@ -1,0 +1,86 @@
+//! What every facet contributes to the echo of one emission.
+
+use num_complex::Complex64;
+
+use super::window::Window;
+use super::{Illumination, Workspace};
+use crate::radar::fault::RadarError;
+use crate::scene::Patch;
+use crate::time::TimeTag;
+
+/// The facets of the sea as one emission lights them, whatever the receive window hears of it. Arrays over facets are
+/// `[iy][ix]` over the patch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// The pulse.
+    pub index: u64,
+    /// Its emission.
+    pub time: TimeTag,
+    /// Start of its window after the emission, s.
+    pub window_start_s: f64,
+    /// The facets.
+    pub patch: Patch,
+    /// `[facet]`: height above the mean surface, m.
+    pub height_m: Vec<f64>,
+    /// `[pair][facet]`: delay, s; NaN where the facet is dark.
+    pub delay_s: Vec<Vec<f64>>,
+    /// `[pair][facet]`: d tau / dt; NaN where the facet is dark.
+    pub delay_rate: Vec<Vec<f64>>,
+    /// `[channel][facet]`: amplitude without carrier phase, sqrt(W); zero where the facet is dark.
+    pub amplitude: Vec<Vec<Complex64>>,
+    /// `[pair][facet]`: whether its echo reaches into the window.
+    pub heard: Vec<Vec<bool>>,
+}
+
+impl Snapshot {
+    /// Elementary contributions in a channel, dBW; NaN where the facet is dark.
+    pub fn power_dbw(&self, channel: usize) -> Vec<f64> {
+        let dbw = |a: &Complex64| if *a == Complex64::ZERO { f64::NAN } else { 10.0 * a.norm_sqr().log10() };
+        self.amplitude[channel].iter().map(dbw).collect()
+    }
+}
+
+impl Illumination {
+    /// The facets as the emission of pulse `index` lights them; `None` for a scene without sea.
+    pub fn snapshot(&self, index: u64, workspace: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, sea: work, .. } = workspace;
+        let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(None) };
+        self.evaluate(index, own)?;
+        let window_start_s = self.window_start_s(index, self.radar.emissions.emission(self.start, index))?;
+        let window = Window::new(&self.radar, window_start_s, self.pulse_length_s);
+        let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
+        let facets = sea.patch.len();
+        let patch =
+            sea.patch_at(&lighting.surroundings, lighting.t).map_err(|f| self.track_error(index, f))?;
+        let mut snapshot = Snapshot {
+            index,
+            time: lighting.t,
+            window_start_s,
+            patch,
+            height_m: Vec::new(),
+            delay_s: vec![vec![f64::NAN; facets]; self.pairs.len()],
+            delay_rate: vec![vec![f64::NAN; facets]; self.pairs.len()],
+            amplitude: vec![vec![Complex64::ZERO; facets]; self.radar.channels.len()],
+            heard: vec![vec![false; facets]; self.pairs.len()],
+        };
+        sea.visit(&lighting, work, |chunk| {
+            for (place, &facet) in chunk.index.iter().enumerate() {
+                for (pair, columns) in chunk.pairs.iter().enumerate() {
+                    let delay_s = columns.delay_s[place];
+                    snapshot.delay_s[pair][facet] = delay_s;
+                    snapshot.delay_rate[pair][facet] = columns.delay_rate[place];
+                    snapshot.heard[pair][facet] = window.touches(delay_s);
+                }
+                for (column, amplitude) in snapshot.amplitude.iter_mut().zip(&chunk.amplitude) {
+                    column[facet] = amplitude[place];
+                }
+            }
+        })
+        .map_err(|failure| self.sea_error(index, failure))?;
+        snapshot.height_m = work.heights_m().to_vec();
+        Ok(Some(snapshot))
+    }
+}

@@ -1,0 +1,133 @@
+//! Visibility of facets from every antenna, updated at intervals and cross-faded in between.
+//!
+//! Updates happen at `t_k = k T` after pulse 0 (`T` the update interval; the last one not after the last
+//! emission), so that the weights of a pulse depend on its time alone. Between two updates the weights of each
+//! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
+//! until the next one; facets beyond the margin take the weight of the nearest facet within.
+
+use crate::frames::{Enu, Point};
+use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
+use crate::scene::Patch;
+use crate::sea::sheet::Sheet;
+use crate::sea::surface::{Fields, Selection, Surface};
+
+/// How visibility is found, for a whole run.
+#[derive(Clone, Debug)]
+pub(super) struct Visibility {
+    pub settings: Settings,
+    pub update_s: f64,
+    /// Time of the last emission, s after pulse 0.
+    pub last_s: f64,
+    /// Rows by which the patch of an update is larger than that of a pulse, on each side.
+    pub margin: usize,
+    /// Antennas.
+    pub ends: usize,
+}
+
+/// Weights at one update.
+#[derive(Clone)]
+struct Update {
+    number: Option<u64>,
+    patch: Patch,
+    /// `[antenna]`: `None` where the geometry cannot shadow.
+    lit: Vec<bool>,
+    weights: Vec<Vec<f64>>,
+}
+
+/// The two updates around an instant, and what makes them.
+#[derive(Clone)]
+pub(super) struct Updates {
+    sheet: Sheet,
+    heights: Fields<f64>,
+    shadow: Shadow<f64>,
+    held: [Update; 2],
+}
+
+/// Weights at an instant: a mix of two updates.
+pub(super) struct Mix<'a> {
+    before: &'a Update,
+    after: &'a Update,
+    share: f64,
+}
+
+impl Visibility {
+    pub fn updates(&self, surface: &Surface, patch: &Patch) -> Result<Updates, ShadowError> {
+        let grown = patch.grown(self.margin);
+        let sheet = Sheet::new(surface, Selection::HEIGHT);
+        let update = Update {
+            number: None,
+            patch: grown,
+            lit: vec![false; self.ends],
+            weights: vec![vec![0.0; grown.len()]; self.ends],
+        };
+        Ok(Updates {
+            heights: sheet.fields(&grown),
+            sheet,
+            shadow: Shadow::new(grown.facets, self.settings)?,
+            held: [update.clone(), update],
+        })
+    }
+
+    fn time_s(&self, number: u64) -> f64 {
+        (number as f64 * self.update_s).min(self.last_s)
+    }
+
+    /// The weights `elapsed_s` after pulse 0. `scenery` tells the patch and the place of every antenna at a time, and
+    /// `lower` the fall of the mean surface at a place, m.
+    pub fn at<'a, E: From<crate::sea::surface::SurfaceError> + From<ShadowError>>(
+        &self,
+        updates: &'a mut Updates,
+        elapsed_s: f64,
+        mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
+        lower: impl Fn([f64; 2]) -> f64,
+    ) -> Result<Mix<'a>, E> {
+        let number = (elapsed_s.max(0.0) / self.update_s).floor() as u64;
+        for wanted in [number, number + 1] {
+            let Updates { sheet, heights, shadow, held } = &mut *updates;
+            // Even and odd updates have a place each, so the pair needed next always keeps the one at hand.
+            let update = &mut held[(wanted % 2) as usize];
+            if update.number == Some(wanted) {
+                continue;
+            }
+            update.number = None;
+            let time_s = self.time_s(wanted);
+            let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
+            let places = &mut places[..self.ends];
+            update.patch = scenery(time_s, places)?.grown(self.margin);
+            sheet.evaluate(time_s, &update.patch, heights)?;
+            let patch = &update.patch;
+            for (index, z) in heights.height_m.iter_mut().enumerate() {
+                *z -= lower(patch.centre_m(patch.key(index)));
+            }
+            let map = Map::new(&heights.height_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
+            let relief = Relief::of(&map);
+            for ((place, lit), weights) in places.iter().zip(&mut update.lit).zip(&mut update.weights) {
+                *lit = relief.cannot_shadow(&map, *place, self.settings);
+                if !*lit {
+                    shadow.weights(&map, *place, weights)?;
+                }
+            }
+            update.number = Some(wanted);
+        }
+        let (from_s, to_s) = (self.time_s(number), self.time_s(number + 1));
+        let share =
+            if to_s > from_s { ((elapsed_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0) } else { 0.0 };
+        let [even, odd] = &updates.held;
+        let (before, after) = if number % 2 == 0 { (even, odd) } else { (odd, even) };
+        Ok(Mix { before, after, share })
+    }
+}
+
+/// Most antennas whose shadows are followed.
+pub(super) const MOST_ENDS: usize = 64;
+
+impl Mix<'_> {
+    /// Weight of the facet with a global key from an antenna, 0 to 1.
+    pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
+        let of = |update: &Update| {
+            if update.lit[antenna] { 1.0 } else { update.weights[antenna][update.patch.nearest_index(key)] }
+        };
+        let before = of(self.before);
+        before + self.share * (of(self.after) - before)
+    }
+}
