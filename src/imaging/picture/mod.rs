@@ -127,17 +127,17 @@ pub struct Picture<'a> {
     pub masked: &'a str,
     /// Longest side of the map, pixels; held within [`SIZE_RANGE_PX`].
     pub size_px: usize,
-    values: &'a [f64],
-    cells: [usize; 2],
+    /// Values `[iy][ix]`.
+    pub values: &'a [f64],
+    /// Cells along x and y.
+    pub cells: [usize; 2],
 }
 
 impl<'a> Picture<'a> {
     /// A picture of values `[iy][ix]` with so many cells along x and y, on axes that count cells.
     pub fn new(values: &'a [f64], cells: [usize; 2]) -> Result<Self, PictureError> {
         let [columns, rows] = cells;
-        if values.is_empty() || columns.checked_mul(rows) != Some(values.len()) {
-            return Err(PictureError::Shape { values: values.len(), columns, rows });
-        }
+        check_shape(values, cells)?;
         Ok(Self {
             title: "",
             x: Axis { label: "column", from: 0.0, to: columns as f64 },
@@ -175,6 +175,7 @@ impl<'a> Picture<'a> {
 
     /// Draws it.
     pub fn draw(&self) -> Result<Canvas, PictureError> {
+        check_shape(self.values, self.cells)?;
         for (name, axis) in [('x', self.x), ('y', self.y)] {
             if !ticks::is_axis([axis.from, axis.to]) {
                 return Err(PictureError::Axis { axis: name, from: axis.from, to: axis.to });
@@ -186,6 +187,13 @@ impl<'a> Picture<'a> {
         let limits = self.limits.of(&pixels, self.colours.is_diverging());
         Ok(Sheet::new(self, size, limits, &pixels).draw(self, &pixels))
     }
+}
+
+fn check_shape(values: &[f64], [columns, rows]: [usize; 2]) -> Result<(), PictureError> {
+    if values.is_empty() || columns.checked_mul(rows) != Some(values.len()) {
+        return Err(PictureError::Shape { values: values.len(), columns, rows });
+    }
+    Ok(())
 }
 
 fn shortened(text: &str) -> String {
