@@ -19,6 +19,7 @@
 //! | [`echo`] | contacts to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
 //! | [`sinks`] | where pulses go |
+//! | [`imaging`] | pictures of maps and curves, files of maps |
 //! | [`config`] | a scenario as written, then as meant |
 //! | [`pipeline`] | the only factory: a run becomes a running stream |
 //! | [`cli`] | the command line |
@@ -42,6 +43,7 @@ pub mod radar;
 pub mod echo;
 pub mod transport;
 pub mod sinks;
+pub mod imaging;
 pub mod config;
 pub mod pipeline;
 pub mod cli;

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
 
+use super::sea::SeaArgs;
 use super::table::TableArgs;
 
 /// Hardware-in-the-loop bistatic marine radar emulator.
@@ -26,6 +27,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Print a commented scenario to start from, or the list of keys
     New(NewArgs),
+    /// Map the sea of a scenario at a time: heights, slopes, velocities, a picture, its state for reuse
+    Sea(SeaArgs),
     /// Print physics as CSV
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run

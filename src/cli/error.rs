@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::sea::SeaError;
 use super::table::TableError;
 use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
@@ -60,6 +61,9 @@ pub enum CliError {
     /// The keys of a table.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// No map of the sea.
+    #[error(transparent)]
+    Sea(#[from] SeaError),
 }
 
 impl CliError {
@@ -72,6 +76,7 @@ impl CliError {
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
             | Self::Table(_) => 2,
+            Self::Sea(error) => error.exit_code(),
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
             #[cfg(not(feature = "hdf5"))]
             Self::MergeNeedsHdf5 => 2,

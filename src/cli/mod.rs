@@ -10,6 +10,7 @@ mod merge;
 mod new;
 mod progress;
 mod run;
+mod sea;
 mod table;
 
 use std::ffi::OsString;
@@ -22,6 +23,7 @@ pub use args::{
     Arguments, CheckArgs, Command, MergeArgs, NewArgs, Pace, PulseRange, RunArgs, Setting, Template,
 };
 pub use error::CliError;
+pub use sea::{Field, SeaArgs, SeaError};
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
     TableFresnelArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs, TableSigma0Args,
@@ -61,6 +63,7 @@ fn execute(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         Command::Run(args) => run::run(args, out),
         Command::Check(args) => check::check(args, out),
         Command::New(args) => new::new(args, out),
+        Command::Sea(args) => sea::sea(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
     }

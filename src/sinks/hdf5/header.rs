@@ -30,7 +30,8 @@ struct PairRecord {
     receiver: VarLenUnicode,
 }
 
-fn text(value: &str) -> Result<VarLenUnicode, Fault> {
+/// A text as the library takes it.
+pub(crate) fn text(value: &str) -> Result<VarLenUnicode, Fault> {
     VarLenUnicode::from_str(value).map_err(|e| Fault::Text(e.to_string()))
 }
 
@@ -38,11 +39,13 @@ fn texts<'a>(values: impl IntoIterator<Item = &'a String>) -> Result<Vec<VarLenU
     values.into_iter().map(|v| text(v)).collect()
 }
 
-fn attribute<T: H5Type>(place: &Location, name: &str, value: &T) -> Result<(), Fault> {
+/// Writes an attribute.
+pub(crate) fn attribute<T: H5Type>(place: &Location, name: &str, value: &T) -> Result<(), Fault> {
     Ok(place.new_attr::<T>().create(name)?.write_scalar(value)?)
 }
 
-fn list(place: &Location, name: &str, values: &[VarLenUnicode]) -> Result<(), Fault> {
+/// Writes an attribute of several texts.
+pub(crate) fn list(place: &Location, name: &str, values: &[VarLenUnicode]) -> Result<(), Fault> {
     Ok(place.new_attr_builder().with_data(values).create(name).map(|_| ())?)
 }
 

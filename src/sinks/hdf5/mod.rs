@@ -31,8 +31,8 @@ use crate::pulse::Pulse;
 use super::columns::{Column, Rows, columns};
 use super::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 
-pub(super) mod file;
-mod header;
+pub(crate) mod file;
+pub(crate) mod header;
 
 use file::{Fault, Recording};
 

@@ -1,0 +1,65 @@
+//! Why there is no map of the sea.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::imaging::canvas::PngError;
+use crate::imaging::map_file::MapError;
+use crate::imaging::output::OutputError;
+use crate::imaging::picture::PictureError;
+use crate::sea::realise::RealiseError;
+use crate::sea::surface::{StateError, SurfaceError};
+
+/// Why there is no map of the sea.
+#[derive(Debug, Error)]
+pub enum SeaError {
+    /// Point targets alone.
+    #[error("{}: the scenario has no [sea]", path.display())]
+    NoSea {
+        /// The scenario.
+        path: PathBuf,
+    },
+    /// An HDF5 file asked of a build without HDF5.
+    #[error("this build has no HDF5 (feature `hdf5`): --out {} cannot be made; allowed: --png, --save-state", out.display())]
+    NoHdf5 {
+        /// What was asked.
+        out: PathBuf,
+    },
+    /// Wind, spectrum, grid or saved state.
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
+    /// A time out of range.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A file that may not be made, or cannot.
+    #[error(transparent)]
+    File(#[from] OutputError),
+    /// The map cannot be written.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// The state cannot be written.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The picture cannot be written.
+    #[error(transparent)]
+    Png(#[from] PngError),
+}
+
+impl SeaError {
+    /// Exit code: 2 when the input is wrong, 1 otherwise.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::NoSea { .. }
+            | Self::NoHdf5 { .. }
+            | Self::Realise(_)
+            | Self::Surface(_)
+            | Self::Picture(_) => 2,
+            Self::File(error) if error.is_wrong_input() => 2,
+            Self::File(_) | Self::Map(_) | Self::State(_) | Self::Png(_) => 1,
+        }
+    }
+}

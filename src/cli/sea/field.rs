@@ -1,0 +1,105 @@
+//! Fields of the sea: as layers of a map, as pictures.
+
+use std::borrow::Cow;
+
+use clap::ValueEnum;
+
+use crate::imaging::colours::ColourMap;
+use crate::sea::surface::{Fields, Selection};
+
+/// Name, unit and meaning of a layer, and where its values are.
+type LayerOf = (&'static str, &'static str, &'static str, fn(&Fields<f64>) -> &[f64]);
+
+/// The layers of a map.
+pub(super) const LAYERS: [LayerOf; 11] = [
+    ("height_m", "m", "height above the mean surface", |f| &f.height_m),
+    ("slope_x", "1", "slope dz/dx, x to the East", |f| &f.slope[0]),
+    ("slope_y", "1", "slope dz/dy, y to the North", |f| &f.slope[1]),
+    ("velocity_x_mps", "m/s", "orbital velocity, East", |f| &f.velocity_mps[0]),
+    ("velocity_y_mps", "m/s", "orbital velocity, North", |f| &f.velocity_mps[1]),
+    ("velocity_up_mps", "m/s", "orbital velocity, up", |f| &f.velocity_mps[2]),
+    ("acceleration_x_mps2", "m/s^2", "orbital acceleration, East", |f| &f.acceleration_mps2[0]),
+    ("acceleration_y_mps2", "m/s^2", "orbital acceleration, North", |f| &f.acceleration_mps2[1]),
+    ("acceleration_up_mps2", "m/s^2", "orbital acceleration, up", |f| &f.acceleration_mps2[2]),
+    ("displacement_x_m", "m", "horizontal displacement of the water, East", |f| &f.displacement_m[0]),
+    ("displacement_y_m", "m", "horizontal displacement of the water, North", |f| &f.displacement_m[1]),
+];
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Field {
+    /// Height above the mean surface
+    Height,
+    /// Steepness, whatever its direction
+    Slope,
+    /// Slope to the East
+    SlopeX,
+    /// Slope to the North
+    SlopeY,
+    /// Orbital velocity to the East
+    VelocityX,
+    /// Orbital velocity to the North
+    VelocityY,
+    /// Orbital velocity upward
+    VelocityUp,
+    /// Horizontal displacement to the East
+    DisplacementX,
+    /// Horizontal displacement to the North
+    DisplacementY,
+}
+
+impl Field {
+    /// What must be evaluated for it.
+    pub(super) fn selection(self) -> Selection {
+        Selection {
+            slopes: matches!(self, Self::Slope | Self::SlopeX | Self::SlopeY),
+            velocity: matches!(self, Self::VelocityX | Self::VelocityY | Self::VelocityUp),
+            displacement: matches!(self, Self::DisplacementX | Self::DisplacementY),
+            ..Selection::HEIGHT
+        }
+    }
+
+    /// Its values, `[iy][ix]`.
+    pub(super) fn values(self, fields: &Fields<f64>) -> Cow<'_, [f64]> {
+        let [slope_x, slope_y] = &fields.slope;
+        Cow::Borrowed(match self {
+            Self::Height => &fields.height_m,
+            Self::Slope => return slope_x.iter().zip(slope_y).map(|(x, y)| x.hypot(*y)).collect(),
+            Self::SlopeX => slope_x,
+            Self::SlopeY => slope_y,
+            Self::VelocityX => &fields.velocity_mps[0],
+            Self::VelocityY => &fields.velocity_mps[1],
+            Self::VelocityUp => &fields.velocity_mps[2],
+            Self::DisplacementX => &fields.displacement_m[0],
+            Self::DisplacementY => &fields.displacement_m[1],
+        })
+    }
+
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Self::Height => "Height of the sea",
+            Self::Slope => "Slope of the sea",
+            Self::SlopeX => "Slope of the sea to the East",
+            Self::SlopeY => "Slope of the sea to the North",
+            Self::VelocityX => "Orbital velocity to the East",
+            Self::VelocityY => "Orbital velocity to the North",
+            Self::VelocityUp => "Orbital velocity upward",
+            Self::DisplacementX => "Displacement to the East",
+            Self::DisplacementY => "Displacement to the North",
+        }
+    }
+
+    /// Along the colour bar.
+    pub(super) fn quantity(self) -> &'static str {
+        match self {
+            Self::Height => "height, m",
+            Self::Slope | Self::SlopeX | Self::SlopeY => "slope",
+            Self::VelocityX | Self::VelocityY | Self::VelocityUp => "velocity, m/s",
+            Self::DisplacementX | Self::DisplacementY => "displacement, m",
+        }
+    }
+
+    pub(super) fn colours(self) -> ColourMap {
+        if self == Self::Slope { ColourMap::Deep } else { ColourMap::Swell }
+    }
+}

@@ -1,0 +1,204 @@
+//! `nereus sea`: the sea of a scenario at a time, as a map and a picture, and its state for reuse.
+//!
+//! The map is that of the patch at pulse 0; a patch that follows moves over the same water. Files:
+//! [`map_file`](crate::imaging::map_file) with format `nereus-sea`, [`picture`](crate::imaging::picture),
+//! [`state`](crate::sea::surface::state).
+
+mod error;
+mod field;
+mod summary;
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+pub use error::SeaError;
+pub use field::Field;
+
+use super::args::Setting;
+use super::error::CliError;
+use super::run::overrides;
+use super::say;
+use crate::config;
+use crate::imaging::map_file::{Attribute, Layer, MapFile};
+use crate::imaging::output::{FileKind, Output, OutputError, apart};
+use crate::imaging::picture::{Axis, Picture};
+use crate::scene::Patch;
+use crate::sea::realise::{Realised, realise};
+use crate::sea::sheet::Sheet;
+use crate::sea::surface::{Fields, Selection};
+use summary::Summary;
+
+/// `nereus sea`
+#[derive(Debug, Args)]
+pub struct SeaArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Time after pulse 0
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub time_s: f64,
+    /// Map to make: every field of the patch (HDF5)
+    #[arg(long, value_name = "PATH.h5")]
+    pub out: Option<PathBuf>,
+    /// Picture to make
+    #[arg(long, value_name = "PATH.png")]
+    pub png: Option<PathBuf>,
+    /// What the picture shows
+    #[arg(long, value_enum, default_value_t = Field::Height)]
+    pub field: Field,
+    /// State of the sea to save, for sea.state_path of other scenarios
+    #[arg(long, value_name = "PATH")]
+    pub save_state: Option<PathBuf>,
+    /// Set a key of the scenario, e.g. sea.wind_mps=12
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    out: Option<&'a PathBuf>,
+    png: Option<&'a PathBuf>,
+    state: Option<&'a PathBuf>,
+}
+
+/// Makes the files that the arguments ask for, and tells what sea it is.
+pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let run = config::load(&args.config, &overrides(&args.settings))?;
+    for warning in &run.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
+    let [map, picture, state] = outputs(args)?;
+    let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
+    let mut sheet = Sheet::new(&realised.surface, selection(args));
+    let mut fields = sheet.fields(&sea.patch);
+    sheet.evaluate(args.time_s, &sea.patch, &mut fields).map_err(SeaError::from)?;
+    let summary = Summary::new(&realised, &sea.patch, &fields, args.time_s);
+    for line in summary.lines() {
+        say(line);
+    }
+    if let Some(output) = state {
+        save(output, &realised)?;
+    }
+    if let Some(output) = map {
+        write_map(output, &run.text, &sea.patch, &fields, &summary)?;
+    }
+    if let Some(output) = picture {
+        draw(output, args.field, &sea.patch, &fields, args.time_s)?;
+    }
+    if args.out.is_none() && args.png.is_none() && args.save_state.is_none() {
+        say("no file was asked for: --out, --png, --save-state");
+    }
+    if args.json {
+        let (png, state) = (args.png.as_ref(), args.save_state.as_ref());
+        let report = Report { summary: &summary, out: args.out.as_ref(), png, state };
+        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
+        writeln!(out, "{text}").map_err(CliError::Output)?;
+    }
+    Ok(())
+}
+
+/// Map, picture and state, each of which may be made where it is asked for.
+fn outputs(args: &SeaArgs) -> Result<[Option<Output>; 3], SeaError> {
+    if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
+        return Err(SeaError::NoHdf5 { out: out.clone() });
+    }
+    let plan = |path: &Option<PathBuf>, kind| {
+        path.as_ref().map(|path| Output::plan(path, kind, args.force)).transpose()
+    };
+    let outputs = [
+        plan(&args.out, FileKind::Hdf5)?,
+        plan(&args.png, FileKind::Png)?,
+        plan(&args.save_state, FileKind::SeaState)?,
+    ];
+    apart(outputs.iter().flatten())?;
+    Ok(outputs)
+}
+
+/// Everything that is written; the summary wants height and slopes.
+fn selection(args: &SeaArgs) -> Selection {
+    if args.out.is_some() {
+        return Selection { slope_rate: false, ..Selection::ALL };
+    }
+    let wanted = if args.png.is_some() { args.field.selection() } else { Selection::HEIGHT };
+    Selection { slopes: true, ..wanted }
+}
+
+fn save(output: Output, realised: &Realised) -> Result<(), SeaError> {
+    output.write(|partial| {
+        let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
+        Ok(realised.surface.save(&mut BufWriter::new(file))?)
+    })
+}
+
+fn write_map(
+    output: Output,
+    config: &str,
+    patch: &Patch,
+    fields: &Fields<f64>,
+    summary: &Summary,
+) -> Result<(), SeaError> {
+    let layers = field::LAYERS.map(|(name, unit, meaning, values)| {
+        let values: &[f64] = values(fields);
+        Layer { name, unit, meaning, values }
+    });
+    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
+    let attributes = [
+        ("software", Attribute::Text(&software)),
+        ("config", Attribute::Text(config)),
+        ("seed", Attribute::Whole(summary.seed)),
+        ("time_s", Attribute::Real(summary.time_s)),
+        ("facet_m", Attribute::Real(summary.facet_m)),
+        ("wind_10m_mps", Attribute::Real(summary.wind_10m_mps)),
+        ("significant_height_m", Attribute::Real(summary.significant_height_m)),
+        ("expected_significant_height_m", Attribute::Real(summary.expected_significant_height_m)),
+    ];
+    let file = MapFile { format: "nereus-sea", attributes: &attributes, patch, layers: &layers };
+    output.write(|partial| Ok(file.write(partial)?))
+}
+
+fn draw(
+    output: Output,
+    field: Field,
+    patch: &Patch,
+    fields: &Fields<f64>,
+    time_s: f64,
+) -> Result<(), SeaError> {
+    // Facets lie about their centres.
+    let edges = |axis: usize| {
+        let from = (patch.first[axis] as f64 - 0.5) * patch.facet_m;
+        (from, from + patch.size_m()[axis])
+    };
+    let ((west, east), (south, north)) = (edges(0), edges(1));
+    let title = format!("{}, {time_s} s", field.title());
+    let values = field.values(fields);
+    let picture = Picture {
+        title: &title,
+        x: Axis { label: "East, m", from: west, to: east },
+        y: Axis { label: "North, m", from: south, to: north },
+        quantity: field.quantity(),
+        colours: field.colours(),
+        scale_bar: Some("m"),
+        ..Picture::new(&values, patch.facets)?
+    };
+    let canvas = picture.draw()?;
+    output.write(|partial| {
+        let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
+        let mut file = BufWriter::new(file);
+        canvas.write_png(&mut file)?;
+        file.flush().map_err(OutputError::io(partial, "writing"))?;
+        Ok(())
+    })
+}
