@@ -27,4 +27,5 @@ mod sea_surface;
 mod sea_wind;
 mod shadow;
 mod shadow_extremes;
+mod wake_map;
 mod waveform_spectrum;

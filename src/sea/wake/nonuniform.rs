@@ -37,7 +37,7 @@ use crate::sea::surface::fields::Real;
 /// Cells of the wave-number grid per cell of a critically sampled one, at least.
 pub const OVERSAMPLING: f64 = 1.5;
 /// Errors that may be asked for, dB.
-pub const ERROR_RANGE_DB: [f64; 2] = [-260.0, -20.0];
+pub const ERROR_RANGE_DB: [f64; 2] = [-220.0, -20.0];
 /// What one more cell of kernel width gains, dB.
 pub const DB_A_CELL: f64 = 15.0;
 /// Rows transformed before their results are turned.
@@ -45,7 +45,7 @@ const BLOCK: usize = 16;
 
 /// Cells of kernel width for an error, dB.
 pub fn width(error_db: f64) -> usize {
-    (2.0 - error_db / DB_A_CELL).ceil().clamp(3.0, 20.0) as usize
+    ((25.0 - error_db) / DB_A_CELL).ceil().clamp(4.0, 17.0) as usize
 }
 
 /// Sums of plane waves on a grid.
