@@ -94,6 +94,16 @@ pub enum WakeError {
         /// The limit given, rad/m.
         cutoff_rad_m: f64,
     },
+    /// Not a reach.
+    #[error(
+        "reach of a wake of {along_m} m along and {across_m} m across: both must be finite and at least 0"
+    )]
+    Reach {
+        /// Along the course, m.
+        along_m: f64,
+        /// To the sides, m.
+        across_m: f64,
+    },
     /// Too many nodes.
     #[error(
         "wake up to {along_m} m along and {across_m} m across needs {needed} waves, {MAX_NODES} are allowed: \
@@ -238,6 +248,10 @@ impl Wake {
         }
         let band = settings.band()?;
         let (speed_mps, reach) = (course.speed_mps, settings.reach);
+        let Reach { along_m, across_m } = reach;
+        if !((0.0..f64::INFINITY).contains(&along_m) && (0.0..f64::INFINITY).contains(&across_m)) {
+            return Err(WakeError::Reach { along_m, across_m });
+        }
         let none = |presence| Self {
             course,
             window: settings.upstream.window(length_m),
@@ -256,11 +270,11 @@ impl Wake {
         let Some(most) = band.most_tan_theta(k0) else {
             return Ok(none(Presence::BandLimited));
         };
-        let turn_rad = course.turn_rate_radps.abs() * reach.along_m / speed_mps;
-        if turn_rad.is_nan() || turn_rad > MOST_TURN_RAD {
-            return Err(WakeError::Turn { turn_rad, along_m: reach.along_m });
+        let turn_rad = course.turn_rate_radps.abs() * along_m / speed_mps;
+        if turn_rad > MOST_TURN_RAD {
+            return Err(WakeError::Turn { turn_rad, along_m });
         }
-        let with_ship = Reach { along_m: reach.along_m + 0.5 * length_m, ..reach };
+        let with_ship = Reach { along_m: along_m + 0.5 * length_m, across_m };
         let nodes = nodes::nodes(speed_mps, k0, most, band, with_ship, amplitude_m)?;
         Ok(Self { nodes, ..none(Presence::Waves) })
     }

@@ -108,7 +108,7 @@ pub(super) fn nodes(
 ) -> Result<Vec<Node>, WakeError> {
     let count = count_a_side(k0_rad_m, most_tan_theta, reach);
     let allowed = MAX_NODES / 2;
-    // A reach without end makes the count infinite or NaN.
+    // A band limit without end makes the count infinite or NaN.
     if count.is_nan() || count > allowed as f64 {
         return Err(WakeError::Nodes {
             needed: 2.0 * count,

@@ -107,14 +107,13 @@ impl Edge {
         let [dx, dy] = waves.displacement_m;
         let path = [dx, dy, z];
         let mut sample = Sample { height_m: w * z, ..Sample::default() };
-        for axis in 0..3 {
+        for (axis, along) in path.into_iter().enumerate() {
             let u = waves.velocity_mps[axis];
-            sample.velocity_mps[axis] = w * u + rate * path[axis];
+            sample.velocity_mps[axis] = w * u + rate * along;
             sample.acceleration_mps2[axis] =
-                w * waves.acceleration_mps2[axis] + 2.0 * rate * u + bend * speed_mps * path[axis];
+                w * waves.acceleration_mps2[axis] + 2.0 * rate * u + bend * speed_mps * along;
         }
-        for axis in 0..2 {
-            let f = ahead[axis];
+        for (axis, f) in ahead.into_iter().enumerate() {
             let s = waves.slope[axis];
             sample.displacement_m[axis] = w * path[axis];
             sample.slope[axis] = w * s - f * self.rate_per_m * z;
