@@ -30,4 +30,8 @@ mod sea_surface;
 mod sea_wind;
 mod shadow;
 mod shadow_extremes;
+mod wake_extremes;
+mod wake_laws;
+mod wake_map;
+mod wake_turbulent;
 mod waveform_spectrum;
