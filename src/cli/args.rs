@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
 
 use super::sea::SeaArgs;
+use super::sea::snapshot::SnapshotArgs;
 use super::table::TableArgs;
 
 /// Hardware-in-the-loop bistatic marine radar emulator.
@@ -29,6 +30,8 @@ pub enum Command {
     New(NewArgs),
     /// Map the sea of a scenario at a time: heights, slopes, velocities, a picture, its state for reuse
     Sea(SeaArgs),
+    /// Map what every facet contributes to the echo of a pulse, in dBW
+    Snapshot(SnapshotArgs),
     /// Print physics as CSV
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run

@@ -23,6 +23,7 @@ pub use args::{
     Arguments, CheckArgs, Command, MergeArgs, NewArgs, Pace, PulseRange, RunArgs, Setting, Template,
 };
 pub use error::CliError;
+pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
@@ -64,6 +65,7 @@ fn execute(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         Command::Check(args) => check::check(args, out),
         Command::New(args) => new::new(args, out),
         Command::Sea(args) => sea::sea(args, out),
+        Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
     }

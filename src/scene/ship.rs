@@ -64,6 +64,12 @@ pub struct TurbulentWake {
 impl Default for TurbulentWake {
     /// Zilman, Zapolski and Marom 2004: `w0 = x0 = 4`, `a = 5`; decay over 20 lengths, 0.4 of the wind.
     fn default() -> Self {
-        Self { width_beams: 4.0, distance_lengths: 4.0, spread_exponent: 5.0, decay_lengths: 20.0, wind_ratio: 0.4 }
+        Self {
+            width_beams: 4.0,
+            distance_lengths: 4.0,
+            spread_exponent: 5.0,
+            decay_lengths: 20.0,
+            wind_ratio: 0.4,
+        }
     }
 }

@@ -20,6 +20,22 @@ pub enum SeaError {
         /// The scenario.
         path: PathBuf,
     },
+    /// A channel that the scenario does not have.
+    #[error("no channel '{name}'; allowed: {known}")]
+    NoChannel {
+        /// What was asked.
+        name: String,
+        /// Those it has.
+        known: String,
+    },
+    /// A pulse that the run does not have.
+    #[error("pulse {pulse} is not part of the run; allowed: 0 to {}", pulses.saturating_sub(1))]
+    NoPulse {
+        /// What was asked.
+        pulse: u64,
+        /// Pulses of the run.
+        pulses: u64,
+    },
     /// An HDF5 file asked of a build without HDF5.
     #[error("this build has no HDF5 (feature `hdf5`): --out {} cannot be made; allowed: --png, --save-state", out.display())]
     NoHdf5 {
@@ -54,6 +70,8 @@ impl SeaError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::NoSea { .. }
+            | Self::NoChannel { .. }
+            | Self::NoPulse { .. }
             | Self::NoHdf5 { .. }
             | Self::Realise(_)
             | Self::Surface(_)

@@ -6,6 +6,7 @@
 
 mod error;
 mod field;
+pub mod snapshot;
 mod summary;
 
 use std::fs::File;
@@ -176,23 +177,30 @@ fn draw(
     fields: &Fields<f64>,
     time_s: f64,
 ) -> Result<(), SeaError> {
-    // Facets lie about their centres.
-    let edges = |axis: usize| {
-        let from = (patch.first[axis] as f64 - 0.5) * patch.facet_m;
-        (from, from + patch.size_m()[axis])
-    };
-    let ((west, east), (south, north)) = (edges(0), edges(1));
+    let [x, y] = axes(patch);
     let title = format!("{}, {time_s} s", field.title());
     let values = field.values(fields);
     let picture = Picture {
         title: &title,
-        x: Axis { label: "East, m", from: west, to: east },
-        y: Axis { label: "North, m", from: south, to: north },
+        x,
+        y,
         quantity: field.quantity(),
         colours: field.colours(),
         scale_bar: Some("m"),
         ..Picture::new(&values, patch.facets)?
     };
+    save_png(output, &picture)
+}
+
+/// Axes of a picture of a patch; facets lie about their centres.
+fn axes(patch: &Patch) -> [Axis<'static>; 2] {
+    [("East, m", 0), ("North, m", 1)].map(|(label, axis)| {
+        let from = (patch.first[axis] as f64 - 0.5) * patch.facet_m;
+        Axis { label, from, to: from + patch.size_m()[axis] }
+    })
+}
+
+fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError> {
     let canvas = picture.draw()?;
     output.write(|partial| {
         let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;

@@ -1,0 +1,237 @@
+//! `nereus snapshot`: what every facet contributes to the echo of one pulse.
+//!
+//! `10 log10 |a|^2` of each facet's amplitude `a` in a channel (sqrt(W), before noise and converter), for the emission
+//! of the pulse, whatever its receive window hears of it. Facets that return nothing (behind an antenna, hidden, turned
+//! away) are masked. The HDF5 file has the contributions of all channels, delays, Doppler, heights, and whether the window hears a
+//! facet.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::super::args::Setting;
+use super::super::error::CliError;
+use super::super::run::overrides;
+use super::super::say;
+use super::{SeaError, axes, save_png};
+use crate::config::{self, Run};
+use crate::imaging::colours::ColourMap;
+use crate::imaging::map_file::{Attribute, Layer, MapFile};
+use crate::imaging::output::{FileKind, Output, apart};
+use crate::imaging::picture::{Limits, Picture, Reduction};
+use crate::pipeline::build;
+use crate::radar::illumination::snapshot::Snapshot;
+
+/// Decibels that the colours of a picture span.
+const SPAN_DB: f64 = 60.0;
+
+/// `nereus snapshot`
+#[derive(Debug, Args)]
+pub struct SnapshotArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// The pulse
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub pulse: u64,
+    /// The channel that the picture shows [default: the last one]
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+    /// Map to make: contributions of all channels, delays, Doppler, heights (HDF5)
+    #[arg(long, value_name = "PATH.h5")]
+    pub out: Option<PathBuf>,
+    /// Picture to make
+    #[arg(long, value_name = "PATH.png")]
+    pub png: Option<PathBuf>,
+    /// Set a key of the scenario, e.g. sea.wind_mps=12
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What is printed.
+#[derive(Debug, Serialize)]
+struct Report {
+    pulse: u64,
+    facets: usize,
+    /// Facets that return something in any channel.
+    lit: usize,
+    /// Of these, how many the window hears.
+    heard: usize,
+    /// By channel: name, its strongest facet, the sum of all, dBW (`None` where nothing is returned).
+    channels: Vec<(String, Option<f64>, Option<f64>)>,
+    out: Option<PathBuf>,
+    png: Option<PathBuf>,
+}
+
+/// Makes the files that the arguments ask for, and tells what is lit.
+pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let run = config::load(&args.config, &overrides(&args.settings))?;
+    for warning in &run.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    let scene = &run.scene;
+    if scene.sea.is_none() {
+        return Err(SeaError::NoSea { path: args.config.clone() }.into());
+    }
+    let names: Vec<&str> = scene.radar.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let shown = match &args.channel {
+        None => names.len() - 1,
+        Some(name) => names
+            .iter()
+            .position(|n| n == name)
+            .ok_or_else(|| SeaError::NoChannel { name: name.clone(), known: names.join(", ") })?,
+    };
+    if args.pulse >= scene.pulses {
+        return Err(SeaError::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
+    }
+    let (map, picture) = outputs(args)?;
+    let (tracks, _) = build::tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
+    let factory = build::factory(scene, tracks)?;
+    let made = factory.snapshot(args.pulse, &mut factory.workspace());
+    // The pulse is in the run and the tracks cover it.
+    let Some(snapshot) = made.map_err(|error| build::BuildErrors::from(build::BuildError::Radar(error)))?
+    else {
+        return Err(SeaError::NoSea { path: args.config.clone() }.into());
+    };
+    let report = report(args, &names, &snapshot);
+    tell(&report);
+    if let Some(output) = map {
+        write_map(output, &run, &names, &snapshot)?;
+    }
+    if let Some(output) = picture {
+        draw(output, names[shown], &snapshot, shown)?;
+    }
+    if args.out.is_none() && args.png.is_none() {
+        say("no file was asked for: --out, --png");
+    }
+    if args.json {
+        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
+        writeln!(out, "{text}").map_err(CliError::Output)?;
+    }
+    Ok(())
+}
+
+fn outputs(args: &SnapshotArgs) -> Result<(Option<Output>, Option<Output>), SeaError> {
+    if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
+        return Err(SeaError::NoHdf5 { out: out.clone() });
+    }
+    let plan = |path: &Option<PathBuf>, kind| {
+        path.as_ref().map(|path| Output::plan(path, kind, args.force)).transpose()
+    };
+    let (map, picture) = (plan(&args.out, FileKind::Hdf5)?, plan(&args.png, FileKind::Png)?);
+    apart(map.iter().chain(&picture))?;
+    Ok((map, picture))
+}
+
+fn report(args: &SnapshotArgs, names: &[&str], snapshot: &Snapshot) -> Report {
+    let lit = |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
+    let lit: Vec<usize> = (0..snapshot.patch.len()).filter(lit).collect();
+    let heard = lit.iter().filter(|&&facet| snapshot.heard.iter().any(|pair| pair[facet])).count();
+    let dbw = |power: f64| (power > 0.0).then(|| 10.0 * power.log10());
+    let channels = names
+        .iter()
+        .zip(&snapshot.amplitude)
+        .map(|(name, amplitude)| {
+            let power = amplitude.iter().map(|a| a.norm_sqr());
+            ((*name).to_owned(), dbw(power.clone().fold(0.0, f64::max)), dbw(power.sum()))
+        })
+        .collect();
+    Report {
+        pulse: snapshot.index,
+        facets: snapshot.patch.len(),
+        lit: lit.len(),
+        heard,
+        channels,
+        out: args.out.clone(),
+        png: args.png.clone(),
+    }
+}
+
+fn tell(report: &Report) {
+    let Report { pulse, facets, lit, heard, channels, .. } = report;
+    say(format_args!("pulse {pulse}: {lit} of {facets} facets return something, the window hears {heard}"));
+    for (name, strongest, sum) in channels {
+        match (strongest, sum) {
+            (Some(strongest), Some(sum)) => {
+                say(format_args!("{name}: strongest facet {strongest:.1} dBW, sum of powers {sum:.1} dBW"));
+            }
+            _ => say(format_args!("{name}: nothing")),
+        }
+    }
+}
+
+fn write_map(output: Output, run: &Run, names: &[&str], snapshot: &Snapshot) -> Result<(), SeaError> {
+    let radar = &run.scene.radar;
+    let pair_name = |pair: usize, what: &str| {
+        if snapshot.delay_s.len() == 1 {
+            return what.to_owned();
+        }
+        let pair = radar.pairs()[pair];
+        let (tx, rx) = (&radar.transmitters[pair.transmitter].name, &radar.receivers[pair.receiver].name);
+        format!("{what}_{tx}_{rx}")
+    };
+    let mut columns: Vec<(String, &str, String, Vec<f64>)> =
+        vec![("height_m".into(), "m", "height above the mean surface".into(), snapshot.height_m.clone())];
+    for (channel, name) in names.iter().enumerate() {
+        let meaning = format!("elementary contribution in {name}; NaN where the facet is dark");
+        columns.push((format!("contribution_dbw_{name}"), "dBW", meaning, snapshot.power_dbw(channel)));
+    }
+    for pair in 0..snapshot.delay_s.len() {
+        let doppler_hz = snapshot.delay_rate[pair].iter().map(|rate| -rate * radar.carrier_hz).collect();
+        let heard = snapshot.heard[pair].iter().map(|&heard| f64::from(u8::from(heard))).collect();
+        let delay_us = snapshot.delay_s[pair].iter().map(|delay_s| delay_s * 1e6).collect();
+        columns.push((pair_name(pair, "delay_us"), "us", "delay after the emission".into(), delay_us));
+        columns.push((
+            pair_name(pair, "doppler_hz"),
+            "Hz",
+            "Doppler, positive when closing".into(),
+            doppler_hz,
+        ));
+        columns.push((pair_name(pair, "heard"), "1", "1 where the window hears the facet".into(), heard));
+    }
+    let layers: Vec<Layer> =
+        columns.iter().map(|(name, unit, meaning, values)| Layer { name, unit, meaning, values }).collect();
+    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
+    let attributes = [
+        ("software", Attribute::Text(&software)),
+        ("config", Attribute::Text(&run.text)),
+        ("seed", Attribute::Whole(run.scene.seed)),
+        ("pulse", Attribute::Whole(snapshot.index)),
+        ("carrier_hz", Attribute::Real(radar.carrier_hz)),
+        ("window_start_s", Attribute::Real(snapshot.window_start_s)),
+        ("facet_m", Attribute::Real(snapshot.patch.facet_m)),
+    ];
+    let file = MapFile {
+        format: "nereus-snapshot",
+        attributes: &attributes,
+        patch: &snapshot.patch,
+        layers: &layers,
+    };
+    output.write(|partial| Ok(file.write(partial)?))
+}
+
+fn draw(output: Output, name: &str, snapshot: &Snapshot, channel: usize) -> Result<(), SeaError> {
+    let values = snapshot.power_dbw(channel);
+    let title = format!("Contribution of each facet, {name}, pulse {}", snapshot.index);
+    let [x, y] = axes(&snapshot.patch);
+    let picture = Picture {
+        title: &title,
+        x,
+        y,
+        quantity: "dBW",
+        colours: ColourMap::Deep,
+        limits: Limits::Below { percent: 99.9, span: SPAN_DB },
+        reduction: Reduction::MeanPower,
+        masked: "dark",
+        scale_bar: Some("m"),
+        ..Picture::new(&values, snapshot.patch.facets)?
+    };
+    save_png(output, &picture)
+}
