@@ -64,9 +64,8 @@ fn heights_of_the_golden_table() {
         let settings = Settings {
             cutoff_rad_m: Some(row.get("kc_taper")),
             upstream: Upstream::Symmetric,
-            ..Settings::new(1.0, Reach { along_m: place[0], across_m: place[1].abs() + 1e-6 })
+            ..Settings::new(1.0, Reach { along_m: place[0] + 1e-6, across_m: place[1].abs() + 1e-6 })
         };
-        let settings = Settings { reach: Reach { along_m: place[0] + 1e-6, ..settings.reach }, ..settings };
         let (sin, cos) = 0.7f64.sin_cos();
         let position_m = [-place[0] * cos + place[1] * sin, -place[0] * sin - place[1] * cos];
         let sample = wake(hull, course, &settings).at(position_m, 0.0).unwrap();
@@ -166,9 +165,9 @@ fn scenes() -> Vec<(&'static str, Vec<Wake>, Patch, f64)> {
 fn maps_agree_with_the_direct_sum() {
     let mut worst = f64::NEG_INFINITY;
     for (name, wakes, patch, time_s) in scenes() {
-        // The budget is relative to the waves' root sum square, the error here to the largest value on the map,
-        // and a map shows the worst of many facets: 10 dB for the one against the other.
-        for (error_db, allowed_db) in [(-80.0, -80.0), (-100.0, -90.0), (-200.0, -190.0)] {
+        // The budget is relative to the waves' root sum square, the error here to the largest value on the map, which is no
+        // less. At -200 dB rounding has its share: 10 dB.
+        for (error_db, allowed_db) in [(-80.0, -80.0), (-100.0, -100.0), (-200.0, -190.0)] {
             let errors = errors_db::<f64>(&wakes, &patch, error_db, time_s);
             let (field, error) = errors.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
             println!(

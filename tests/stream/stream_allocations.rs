@@ -132,3 +132,35 @@ fn counted_pipeline() {
         assert_eq!(allocations, 0);
     }
 }
+
+/// The wake of a ship, added to the fields of a sea at many times.
+#[test]
+fn a_wake_map_allocates_nothing() {
+    in_a_process_of_its_own("counted_map");
+}
+
+#[test]
+#[ignore = "run by a_wake_map_allocates_nothing in a process of its own"]
+fn counted_map() {
+    use nereus::scene::Patch;
+    use nereus::sea::surface::{Fields, Grid, Selection};
+    use nereus::sea::wake::{Course, Map, Reach, Settings, Wake, Wigley};
+    let hull = Wigley { length_m: 100.0, beam_m: 13.0, draught_m: 4.3 };
+    let patch = Patch::new([96.0, 80.0], 1.0, [-60.0, 0.0]).unwrap();
+    let grid = Grid::new(96, 80, 1.0).unwrap();
+    let wake = |speed_mps: f64, turn_rate_radps: f64| {
+        let course = Course { turn_rate_radps, ..Course::straight([0.0, 0.0], 0.1, speed_mps) };
+        let settings = Settings::new(1.0, Reach::of(&patch, &course, [0.0, 10.0]).unwrap());
+        Wake::new(course, hull.length_m, &settings, |t| hull.amplitude_m(speed_mps, t)).unwrap()
+    };
+    let mut map = Map::<f32>::new(vec![wake(4.5, 0.0), wake(9.0, 1e-3)], &patch, -80.0).unwrap();
+    let mut fields = Fields::new(&grid, Selection::ALL);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for step in 0..100 {
+        map.add(patch.first, 0.1 * f64::from(step), &mut fields).unwrap();
+    }
+    let allocations = ALLOCATIONS.load(Ordering::Relaxed) - before;
+    println!("{allocations} allocations in 100 steps of two wakes");
+    assert_eq!(allocations, 0);
+    assert!(fields.height_m.iter().any(|z| *z != 0.0));
+}

@@ -1,6 +1,6 @@
 //! The wake of one ship.
 //!
-//! In the scene frame the waves of [`nodes`](super::nodes) run along `K = kx f + ky p` (f ahead, p to port):
+//! In the scene frame the waves of [`nodes`] run along `K = kx f + ky p` (f ahead, p to port):
 //! `z = Re sum of a_n exp(j K_n.(r - r_ship(t)))`, and since `w = K.f V` a ship on a straight course moves its wake by
 //! phases alone: nothing is interpolated. With `e_n` the n-th term:
 //!
