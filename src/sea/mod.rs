@@ -6,6 +6,7 @@
 //! | [`spectrum`] | what waves there are, statistically |
 //! | [`dispersion`] | how fast a wave travels |
 //! | [`surface`] | one realisation, at any time |
+//! | [`wake`] | the waves of ships |
 //!
 //! From wind to heights, slopes and velocities of facets:
 //!
@@ -29,6 +30,7 @@
 pub mod dispersion;
 pub mod spectrum;
 pub mod surface;
+pub mod wake;
 pub mod wind;
 
 /// Acceleration of gravity, m/s^2.
