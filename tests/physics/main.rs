@@ -4,6 +4,8 @@
 mod echo_golden;
 mod echo_peak;
 mod echo_quadrature;
+mod hull_particulars;
+mod hull_tables;
 mod quadrature;
 mod radar_extremes;
 mod radar_golden;
@@ -27,4 +29,5 @@ mod sea_surface;
 mod sea_wind;
 mod shadow;
 mod shadow_extremes;
+mod wake_kochin;
 mod waveform_spectrum;

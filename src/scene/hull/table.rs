@@ -78,7 +78,8 @@ pub(super) fn read(path: &Path, text: &str, faults: &mut Vec<HullFault>) -> Opti
         for (i, field) in names.enumerate() {
             waterlines_m.push(number(field, i + 2, header_line, &mut push));
         }
-    } else {
+    }
+    if waterlines_m.is_empty() {
         push(header_line, What::Header);
     }
     let (mut stations_m, mut half_breadths_m, mut station_lines) = (Vec::new(), Vec::new(), Vec::new());

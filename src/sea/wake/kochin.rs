@@ -61,9 +61,9 @@ pub const MOST_SPEED_MPS: f64 = 100.0;
 /// Largest wave number that a ship makes, rad/m: far beyond what water carries, far from overflow.
 pub const LARGEST_WAVE_NUMBER_RADPM: f64 = 1e9;
 /// Most nodes of the resistance integral.
-const MOST_NODES: f64 = 2e6;
+const MOST_NODES: f64 = 4e5;
 /// Where the resistance integral ends, in units of the tangent beyond which |A| has its last form. What remains of it
-/// falls by the fourth power (4e-8 of the whole at most), and is added in closed form.
+/// falls by the fourth power (4e-8 of the whole where ends close), and is added in closed form.
 const TAIL: f64 = 60.0;
 
 /// What the water does behind an immersed transom.
@@ -114,7 +114,7 @@ pub struct Kochin {
     waterlines: usize,
     /// `[station][waterline]`, m.
     half_breadths_m: Vec<f64>,
-    /// First and last station, m; length and draught, m.
+    /// First and last station, depth of the hull, m.
     ends_m: [f64; 2],
     depth_m: f64,
     /// Whether a step at the bow, at the stern is part of the hull.
@@ -359,8 +359,7 @@ impl Filon {
     }
 }
 
-/// `int_-1^1 cos ts ds`, `int s sin ts ds`, `int s^2 cos ts ds`. In Filon's letters
-/// `beta + gamma`, `alpha` and their kin are sums of these.
+/// `int_-1^1 cos ts ds`, `int s sin ts ds`, `int s^2 cos ts ds`: Filon's alpha, beta and gamma are sums of these.
 fn oscillating_moments(t: f64) -> [f64; 3] {
     // Below 1 by series: the closed forms lose t^-2 and t^-3. Ten terms leave 1/20!.
     if t < 1.0 {
@@ -432,8 +431,8 @@ mod tests {
             let beta = 2.0 * (t * (1.0 + cos * cos) - 2.0 * sin * cos) / t.powi(3);
             let gamma = 4.0 * (sin - t * cos) / t.powi(3);
             let [even, odd, second] = oscillating_moments(t);
-            // The cosine of an even function about the middle: its ends, and its middle.
-            // At t = 0.3 the textbook's form loses 1/t^3 = 40 of its digits' last.
+            // gamma: the middle of a panel; beta: an end, from the panels on both sides of it. At t = 0.3 the textbook's
+            // form loses t^-3 = 40 roundings of terms of about 1.
             assert!((gamma - (even - second)).abs() < 1e-13);
             assert!((beta - (second * cos + odd * sin)).abs() < 1e-13, "{t}: {beta} {}", second * cos + odd * sin);
         }
