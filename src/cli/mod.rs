@@ -24,8 +24,9 @@ pub use args::{
 pub use error::CliError;
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
-    TableFresnelArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs, TableSigma0Args,
-    TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWindArgs,
+    TableFresnelArgs, TableHullArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs,
+    TableSigma0Args, TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWakeResistanceArgs,
+    TableWindArgs, Transom,
 };
 
 /// Runs the program.

@@ -9,5 +9,6 @@ mod readme;
 mod running;
 #[cfg(unix)]
 mod setup_script;
+mod ship_tables;
 mod table_golden;
 mod tables;

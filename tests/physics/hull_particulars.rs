@@ -68,7 +68,8 @@ fn sections_of_the_fine_table() {
     let sections = hull.section_areas_m2();
     assert_eq!(text.lines().skip(1).count(), sections.len());
     for ((line, found), x) in text.lines().skip(1).zip(sections).zip(hull.stations_m()) {
-        let [x_m, area_m2] = line.split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>()[..] else {
+        let [x_m, area_m2] = line.split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>()[..]
+        else {
             panic!("{line}")
         };
         // Printed digits, and half-breadths to half a micrometre over 9 m of depth, both sides.
@@ -80,7 +81,8 @@ fn sections_of_the_fine_table() {
 fn the_parabolic_hull_in_closed_form() {
     let (length_m, beam_m, draught_m) = (100.0, 10.0, 6.25);
     let found = Particulars::of(&Hull::wigley(length_m, beam_m, draught_m).unwrap());
-    let near = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
+    let near =
+        |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
     near(found.volume_m3, 4.0 / 9.0 * length_m * beam_m * draught_m);
     near(found.block, 4.0 / 9.0);
     near(found.midship, 2.0 / 3.0);
@@ -89,7 +91,11 @@ fn the_parabolic_hull_in_closed_form() {
     // Inscribed triangles lose (1/24) of the square of the angle between neighbours: the side turns by 3.2 (slope at
     // the keel) over 24 waterlines at the most, 7e-4.
     let surface_m2 = 0.148_790_63 * length_m * length_m;
-    assert!((0.0..7e-4).contains(&(1.0 - found.wetted_surface_m2 / surface_m2)), "{}", found.wetted_surface_m2);
+    assert!(
+        (0.0..7e-4).contains(&(1.0 - found.wetted_surface_m2 / surface_m2)),
+        "{}",
+        found.wetted_surface_m2
+    );
     // The table that is shipped is the same hull, to its six decimals.
     let table = shipped("wigley.toml");
     let formula = Hull::wigley(length_m, beam_m, draught_m).unwrap();
@@ -161,8 +167,13 @@ fn numbers_that_are_no_hull_are_refused() {
     let deep = Hull::new(&x, &z, &[1.0; 9], facts(2.0, 0.5)).unwrap_err().to_string();
     assert!(deep.contains("draught_m is 2 m; allowed: 0.001 to 1.0"), "{deep}");
     let wrong = Hull::new(&x, &z, &[1.0; 9], facts(1.0, 0.9)).unwrap_err().to_string();
-    assert!(wrong.contains("block is stated as 0.9, the table gives 1.000000; allowed: within 1 percent"), "{wrong}");
-    for dimensions_m in [[0.0, 1.0, 1.0], [f64::NAN; 3], [10.0, 0.0, 1.0], [10.0, 1.0, -1.0], [1e-300; 3], [1e300; 3]] {
+    assert!(
+        wrong.contains("block is stated as 0.9, the table gives 1.000000; allowed: within 1 percent"),
+        "{wrong}"
+    );
+    for dimensions_m in
+        [[0.0, 1.0, 1.0], [f64::NAN; 3], [10.0, 0.0, 1.0], [10.0, 1.0, -1.0], [1e-300; 3], [1e300; 3]]
+    {
         let [length_m, beam_m, draught_m] = dimensions_m;
         assert!(Hull::wigley(length_m, beam_m, draught_m).is_err(), "{dimensions_m:?}");
     }

@@ -30,7 +30,8 @@ fn refused(files: &[(&str, &str)]) -> String {
 fn a_hull_by_hand() {
     let toml = "# a punt\nname = 'punt'\noffsets = 'punt.csv'\nsource = 'a pencil'\n[stated]\nblock = 0.444\n\
                 tolerance_percent = 0.2\n[[scatterer]]\nname = 'pole'\nforward_m = -4\nstarboard_m = 0.5\nup_m = 3\nrcs_m2 = 0.1\n";
-    let (_folder, path) = written(&[("punt.toml", toml), ("punt.csv", &format!("\u{feff}# half-breadths\n\n{TABLE}"))]);
+    let (_folder, path) =
+        written(&[("punt.toml", toml), ("punt.csv", &format!("\u{feff}# half-breadths\n\n{TABLE}"))]);
     let hull = Hull::load(&path).unwrap();
     assert_eq!((hull.name(), hull.length_m(), hull.beam_m(), hull.draught_m()), ("punt", 10.0, 2.0, 2.0));
     assert_eq!((hull.stations_m(), hull.waterlines_m()), (&[-5.0, 0.0, 5.0][..], &[-2.0, -1.0, 0.0][..]));
@@ -65,7 +66,10 @@ fn every_hull_that_is_shipped_is_described() {
     }
     assert!(hulls >= 4);
     let notice = fs::read_to_string(folder.join("LICENSE-dtmb5415")).unwrap();
-    assert!(notice.contains("Copyright (c) 2017 Marco Tezzele") && notice.contains("Permission is hereby granted"));
+    assert!(
+        notice.contains("Copyright (c) 2017 Marco Tezzele")
+            && notice.contains("Permission is hereby granted")
+    );
 }
 
 #[test]
@@ -108,18 +112,31 @@ fn single_faults() {
     csv("x_m/z_m\n0\n", "line 1: the header must be x_m/z_m and then the waterlines");
     csv("x_m/z_m,-2,-1,0\n", "line 1: 0 stations; allowed: an odd number");
     csv("x_m/z_m,-2,-1,0\n0,0,0,0\n5,0,1,1\n6,0,1,1\n10,0,0,0\n", "line 5: 4 stations");
-    csv("x_m/z_m,-2,-1,0\n0,0,0,0\n9,0,1,1\n10,0,0,0\n", "line 3: 9 m lies too far from the middle of 0 to 10 m");
-    csv("x_m/z_m,-2,-0.1,0\n0,0,0,0\n5,0,1,1\n10,0,0,0\n", "line 1: -0.1 m lies too far from the middle of -2 to 0 m");
-    csv("x_m/z_m,-2,-1,0\n0,0,0,0\n0.01,0,0.01,0.01\n0.02,0,0,0\n", "the length is 0.02 m; allowed: 0.05 to 1000 m");
+    csv(
+        "x_m/z_m,-2,-1,0\n0,0,0,0\n9,0,1,1\n10,0,0,0\n",
+        "line 3: 9 m lies too far from the middle of 0 to 10 m",
+    );
+    csv(
+        "x_m/z_m,-2,-0.1,0\n0,0,0,0\n5,0,1,1\n10,0,0,0\n",
+        "line 1: -0.1 m lies too far from the middle of -2 to 0 m",
+    );
+    csv(
+        "x_m/z_m,-2,-1,0\n0,0,0,0\n0.01,0,0.01,0.01\n0.02,0,0,0\n",
+        "the length is 0.02 m; allowed: 0.05 to 1000 m",
+    );
     csv("x_m/z_m,-2,-1,0\n0,0,0,0\n5,0,0,0\n10,0,0,0\n", "no volume");
     csv("x_m/z_m,-2,-1,0\n0,0,0,0\n5,0,1,1\n10,0,0,1e9\n", "the beam is 2000000000 m");
-    assert!(refused(&[("a.toml", "name = 'a'\noffsets = 'b.csv'\n")]).contains("a.toml line 2: b.csv cannot be read"));
+    assert!(
+        refused(&[("a.toml", "name = 'a'\noffsets = 'b.csv'\n")])
+            .contains("a.toml line 2: b.csv cannot be read")
+    );
     assert!(refused(&[("a.toml", "name = 'a'\noffsets = \n")]).contains("a.toml line 2: "));
     assert!(refused(&[("a.toml", "name = 'a'\n")]).contains("offsets is missing"));
     let twice = "name = 'a'\noffsets = 'a.csv'\n[[scatterer]]\nname='m'\nforward_m=0\nstarboard_m=0\nup_m=1\nrcs_m2=1\n\
                  [[scatterer]]\nname='m'\nforward_m=0\nstarboard_m=0\nup_m=1\nrcs_m2=1\n";
     assert!(refused(&[("a.toml", twice), ("a.csv", TABLE)]).contains("line 9: the name 'm' is given twice"));
-    let stated = "name = 'a'\noffsets = 'a.csv'\n[stated]\nvolume_m3 = 18\nlcb_percent = 1.5\nbeam_m = 2.01\n";
+    let stated =
+        "name = 'a'\noffsets = 'a.csv'\n[stated]\nvolume_m3 = 18\nlcb_percent = 1.5\nbeam_m = 2.01\n";
     let text = refused(&[("a.toml", stated), ("a.csv", TABLE)]);
     assert!(text.starts_with("hull a.toml: 2 faults"), "{text}");
     assert!(text.contains("line 4: volume_m3 is stated as 18, the table gives 17.777778"), "{text}");
@@ -129,7 +146,9 @@ fn single_faults() {
     assert!(matches!(Hull::load(Path::new("no/such.toml")), Err(HullError::Read { .. })));
     let (folder, _) = written(&[("a.csv", TABLE)]);
     fs::write(folder.path().join("a.csv"), b"x_m/z_m,\xff\n").unwrap();
-    assert!(Hull::load(&folder.path().join("a.csv")).unwrap_err().to_string().contains("line 1: not UTF-8 text"));
+    assert!(
+        Hull::load(&folder.path().join("a.csv")).unwrap_err().to_string().contains("line 1: not UTF-8 text")
+    );
     assert!(Hull::load(folder.path()).is_err());
 }
 

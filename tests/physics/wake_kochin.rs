@@ -159,7 +159,8 @@ fn the_curve_of_resistance_is_that_of_another_code() {
     let text = std::fs::read_to_string(path).unwrap();
     let (mut worst, mut count) = ((0.0, 0.0), 0);
     for line in text.lines().skip(1) {
-        let [froude, cw, _] = line.split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>()[..] else {
+        let [froude, cw, _] = line.split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>()[..]
+        else {
             panic!("{line}")
         };
         let error = (standard_cw(froude) / cw - 1.0).abs();
@@ -184,14 +185,16 @@ fn resistance_is_michells() {
             let depthwise = depthwise_m(draught_m, k);
             // Y_x = -4 B x/L^2, x = L s/2; even parts vanish: J alone, twice the half hull.
             let panels = 2 + (0.5 * kappa * length_m / 4.0) as usize;
-            let slope = unit_interval(panels, |s| Complex64::new(s * (0.5 * kappa * length_m * s).sin(), 0.0)).re;
+            let slope =
+                unit_interval(panels, |s| Complex64::new(s * (0.5 * kappa * length_m * s).sin(), 0.0)).re;
             let j = depthwise * (-2.0 * beam_m / length_m) * length_m * slope;
             j * j * u.cosh().powi(2)
         };
         // sec^3 dtheta = cosh^2 u du. The integrand falls as exp(-4u): 5e-11 at u = 6.
         let integral = 6.0 * unit_interval(400, |s| Complex64::new(integrand(6.0 * s), 0.0)).re;
-        let michell_n =
-            4.0 * DENSITY_KGPM3 * GRAVITY_MPS2.powi(2) / (std::f64::consts::PI * speed_mps * speed_mps) * integral;
+        let michell_n = 4.0 * DENSITY_KGPM3 * GRAVITY_MPS2.powi(2)
+            / (std::f64::consts::PI * speed_mps * speed_mps)
+            * integral;
         let found_n = at(&standard(length_m), speed_mps).wave_resistance_n(DENSITY_KGPM3).unwrap();
         let error = (found_n / michell_n - 1.0).abs();
         println!("Fn {froude}: {found_n:.3} N, Michell {michell_n:.3} N, {error:.1e}");
@@ -227,7 +230,10 @@ fn any_grid_of_the_parabolic_hull_is_exact() {
             let found = ship.kochin_m3(t);
             // F has 4 eps of its largest, 0.5 B min(T, 1/k), times L; sums over 4 panels.
             let scale = 0.5 * beam_m * draught_m.min(1.0 / (k0 * sec * sec)) * length_m;
-            assert!((found - expected).norm() < 64.0 * f64::EPSILON * scale, "{speed_mps} {t}: {found} {expected}");
+            assert!(
+                (found - expected).norm() < 64.0 * f64::EPSILON * scale,
+                "{speed_mps} {t}: {found} {expected}"
+            );
         }
     }
 }
@@ -236,11 +242,10 @@ fn any_grid_of_the_parabolic_hull_is_exact() {
 #[test]
 fn slope_form_and_kochin_function_agree() {
     let closed = standard(100.0);
-    let open = Hull::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/hulls/dtmb5415.toml"))).unwrap();
+    let open = Hull::load(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/hulls/dtmb5415.toml")))
+        .unwrap();
     assert!(open.transom_depth_m() > 0.0 && closed.transom_depth_m() == 0.0);
-    for (hull, transom) in
-        [(&closed, Transom::Open), (&closed, Transom::Capped), (&open, Transom::Capped)]
-    {
+    for (hull, transom) in [(&closed, Transom::Open), (&closed, Transom::Capped), (&open, Transom::Capped)] {
         for speed_mps in [2.0, 4.5, 9.0, 30.0] {
             let ship = Kochin::new(hull, speed_mps, transom).unwrap();
             let k0 = ship.transverse_radpm();

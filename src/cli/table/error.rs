@@ -3,7 +3,9 @@
 use thiserror::Error;
 
 use crate::scattering::permittivity::PermittivityError;
+use crate::scene::hull::HullError;
 use crate::sea::spectrum::SpectrumError;
+use crate::sea::wake::kochin::KochinError;
 use crate::sea::wind::WindError;
 
 /// What is wrong with the keys of a table.
@@ -121,6 +123,12 @@ pub enum TableError {
     /// The spectrum.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
+    /// The hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+    /// The ship's waves.
+    #[error(transparent)]
+    Kochin(#[from] KochinError),
     /// The permittivity.
     #[error(transparent)]
     Permittivity(#[from] PermittivityError),

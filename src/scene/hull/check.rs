@@ -158,5 +158,10 @@ pub(super) fn facts(hull: &Hull) -> Vec<HullFault> {
 pub(super) fn draught(hull: &Hull) -> Option<What> {
     let (least_m, most_m) = (FLATTEST * hull.length_m(), -hull.waterlines_m[0] * (1.0 + 1e-12));
     let value_m = hull.draught_m;
-    (!(least_m..=most_m).contains(&value_m)).then_some(What::Size { what: "draught_m", value_m, least_m, most_m })
+    (!(least_m..=most_m).contains(&value_m)).then_some(What::Size {
+        what: "draught_m",
+        value_m,
+        least_m,
+        most_m,
+    })
 }

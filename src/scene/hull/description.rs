@@ -48,8 +48,8 @@ const POSITIVE: &str = "a number above 0";
 /// Reads a description and its table, or a table alone.
 pub(super) fn load(path: &Path) -> Result<Hull, HullError> {
     let mut faults = Vec::new();
-    let (text, bad) = contents(path)
-        .map_err(|error| HullError::Read { path: path.to_owned(), kind: error.kind() })?;
+    let (text, bad) =
+        contents(path).map_err(|error| HullError::Read { path: path.to_owned(), kind: error.kind() })?;
     let fault = |what| HullFault { place: Place::Line { path: path.to_owned(), line: 1 }, what };
     faults.extend(bad.map(fault));
     let alone = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
@@ -59,7 +59,8 @@ pub(super) fn load(path: &Path) -> Result<Hull, HullError> {
     }
     let hull = if alone {
         let stem = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
-        table::read(path, &text, &mut faults).map(|table| table.hull(Facts { name: stem, ..Facts::default() }))
+        table::read(path, &text, &mut faults)
+            .map(|table| table.hull(Facts { name: stem, ..Facts::default() }))
     } else {
         Description::read(path, &text, &mut faults).hull(path, &mut faults)
     };
@@ -278,11 +279,11 @@ fn scatterers(value: &Spanned<DeValue<'_>>, notes: &mut Notes<'_>) -> Vec<Scatte
         let sections = "a number from 0 to 1e9 m^2";
         let rcs = given("rcs_m2", sections);
         let name = name.and_then(|value| notes.text("scatterer.name", value));
-        let place = place.map(|(key, value)| {
-            notes.number(&format!("scatterer.{key}"), value?, [-2000.0, 2000.0], far)
-        });
+        let place = place
+            .map(|(key, value)| notes.number(&format!("scatterer.{key}"), value?, [-2000.0, 2000.0], far));
         let rcs_m2 = rcs.and_then(|value| notes.number("scatterer.rcs_m2", value, [0.0, 1e9], sections));
-        let (Some(name), [Some(forward), Some(starboard), Some(up)], Some(rcs_m2)) = (name, place, rcs_m2) else {
+        let (Some(name), [Some(forward), Some(starboard), Some(up)], Some(rcs_m2)) = (name, place, rcs_m2)
+        else {
             continue;
         };
         if read.iter().any(|other| other.name == name) {

@@ -238,7 +238,9 @@ pub enum What {
         found: usize,
     },
     /// A node too far from the middle of its panel.
-    #[error("{value_m} m lies too far from the middle of {from_m} to {to_m} m; allowed: between its quarter points")]
+    #[error(
+        "{value_m} m lies too far from the middle of {from_m} to {to_m} m; allowed: between its quarter points"
+    )]
     Uneven {
         /// The node, m.
         value_m: f64,
@@ -263,7 +265,9 @@ pub enum What {
     #[error("no volume; allowed: offsets that displace water (lengths are {} to {} m)", LENGTH_RANGE_M[0], LENGTH_RANGE_M[1])]
     Empty,
     /// A stated particular that the table does not bear out.
-    #[error("{quantity} is stated as {stated}, the table gives {computed:.6}; allowed: within {tolerance_percent} percent")]
+    #[error(
+        "{quantity} is stated as {stated}, the table gives {computed:.6}; allowed: within {tolerance_percent} percent"
+    )]
     Differs {
         /// Which.
         quantity: &'static str,

@@ -52,8 +52,11 @@ impl Particulars {
         let along = Panel::all(hull.stations_m());
         let sections_m2 = hull.section_areas_m2();
         let volume_m3 = panel::integral(&along, &sections_m2);
-        let moment_m4: f64 =
-            along.iter().enumerate().map(|(i, panel)| panel.first_moment(&sections_m2[2 * i..2 * i + 3])).sum();
+        let moment_m4: f64 = along
+            .iter()
+            .enumerate()
+            .map(|(i, panel)| panel.first_moment(&sections_m2[2 * i..2 * i + 3]))
+            .sum();
         let largest_m2 = sections_m2.iter().copied().fold(0.0, f64::max);
         let top = hull.waterlines_m().len() - 1;
         let waterline_m: Vec<f64> =
@@ -71,6 +74,11 @@ impl Particulars {
             // Stations count astern.
             lcb_percent: -100.0 * moment_m4 / (volume_m3 * length_m),
         }
+    }
+
+    /// Computed minus stated, percent of what is stated; what is a percentage itself is subtracted as it is.
+    pub fn difference_percent(quantity: &str, computed: f64, stated: f64) -> f64 {
+        if quantity.ends_with("percent") { computed - stated } else { 100.0 * (computed / stated - 1.0) }
     }
 
     /// In the order of [`QUANTITIES`].
@@ -146,14 +154,15 @@ impl Stated {
     /// What disagrees with the table: index of the quantity, and the fault.
     pub fn disagreements(&self, found: &Particulars) -> Vec<(usize, What)> {
         let rows = QUANTITIES.into_iter().zip(found.values()).zip(self.values).enumerate();
-        let disagree = |(index, ((quantity, computed), stated)): (usize, ((&'static str, f64), Option<f64>))| {
-            let stated = stated?;
-            let off_percent = difference_percent(quantity, computed, stated).abs();
-            (!(off_percent <= self.tolerance_percent)).then_some((
-                index,
-                What::Differs { quantity, stated, computed, tolerance_percent: self.tolerance_percent },
-            ))
-        };
+        let disagree =
+            |(index, ((quantity, computed), stated)): (usize, ((&'static str, f64), Option<f64>))| {
+                let stated = stated?;
+                let off_percent = Particulars::difference_percent(quantity, computed, stated).abs();
+                (!(off_percent <= self.tolerance_percent)).then_some((
+                    index,
+                    What::Differs { quantity, stated, computed, tolerance_percent: self.tolerance_percent },
+                ))
+            };
         rows.filter_map(disagree).collect()
     }
 
@@ -166,9 +175,4 @@ impl Stated {
         }
         scaled
     }
-}
-
-/// Computed minus stated, percent of the stated one (a percentage is subtracted as it is).
-pub(super) fn difference_percent(quantity: &str, computed: f64, stated: f64) -> f64 {
-    if quantity.ends_with("percent") { computed - stated } else { 100.0 * (computed / stated - 1.0) }
 }

@@ -434,7 +434,11 @@ mod tests {
             // gamma: the middle of a panel; beta: an end, from the panels on both sides of it. At t = 0.3 the textbook's
             // form loses t^-3 = 40 roundings of terms of about 1.
             assert!((gamma - (even - second)).abs() < 1e-13);
-            assert!((beta - (second * cos + odd * sin)).abs() < 1e-13, "{t}: {beta} {}", second * cos + odd * sin);
+            assert!(
+                (beta - (second * cos + odd * sin)).abs() < 1e-13,
+                "{t}: {beta} {}",
+                second * cos + odd * sin
+            );
         }
     }
 }
