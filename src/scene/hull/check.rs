@@ -39,47 +39,27 @@ pub(super) fn offsets(stations_m: &[f64], waterlines_m: &[f64], half_breadths_m:
     let mut faults = Vec::new();
     let mut push = |place, what| faults.push(HullFault { place, what });
     let top = waterlines_m.len().saturating_sub(1);
-    let columns = steps(waterlines_m);
-    for step in &columns {
-        push(
-            Place::Waterline(step.index),
-            match *step {
-                Step { value: value_m, from: before_m, to: None, .. } => {
-                    What::WaterlineOrder { value_m, before_m }
-                }
-                Step { value: value_m, from: from_m, to: Some(to_m), .. } => {
-                    What::Uneven { value_m, from_m, to_m }
-                }
-            },
-        );
+    for step in steps(waterlines_m) {
+        let disorder = |value_m, before_m| What::WaterlineOrder { value_m, before_m };
+        push(Place::Waterline(step.index), step.fault(disorder));
     }
     if let Some(&value_m) = waterlines_m.last().filter(|z| z.is_finite() && **z != 0.0) {
         push(Place::Waterline(top), What::TopWaterline { value_m });
     }
-    if !(3..=MOST_WATERLINES).contains(&waterlines_m.len()) || waterlines_m.len() % 2 == 0 {
+    if !(3..=MOST_WATERLINES).contains(&waterlines_m.len()) || waterlines_m.len().is_multiple_of(2) {
         push(Place::Waterline(top), What::Waterlines { found: waterlines_m.len() });
     }
     let rows = steps(stations_m);
     for i in 0..stations_m.len() {
         if let Some(step) = rows.iter().find(|step| step.index == i) {
-            push(
-                Place::Station(i),
-                match *step {
-                    Step { value: value_m, from: before_m, to: None, .. } => {
-                        What::StationOrder { value_m, before_m }
-                    }
-                    Step { value: value_m, from: from_m, to: Some(to_m), .. } => {
-                        What::Uneven { value_m, from_m, to_m }
-                    }
-                },
-            );
+            push(Place::Station(i), step.fault(|value_m, before_m| What::StationOrder { value_m, before_m }));
         }
         let row = &half_breadths_m[i * waterlines_m.len()..(i + 1) * waterlines_m.len()];
         for (&value_m, &waterline_m) in row.iter().zip(waterlines_m).filter(|(y, _)| **y < 0.0) {
             push(Place::Station(i), What::Negative { value_m, waterline_m });
         }
     }
-    if !(3..=MOST_STATIONS).contains(&stations_m.len()) || stations_m.len() % 2 == 0 {
+    if !(3..=MOST_STATIONS).contains(&stations_m.len()) || stations_m.len().is_multiple_of(2) {
         push(Place::Whole, What::Stations { found: stations_m.len() });
     }
     if !faults.is_empty() {
@@ -98,8 +78,10 @@ pub(super) fn offsets(stations_m: &[f64], waterlines_m: &[f64], half_breadths_m:
         return faults;
     }
     let (least_m, most_m) = (FLATTEST * length_m, length_m);
-    for (what, value_m) in [("the beam", beam_m), ("the depth of the table", -waterlines_m[0])] {
-        if !(least_m..=most_m).contains(&value_m) && !(what == "the beam" && value_m == 0.0) {
+    let sizes = [("the beam", beam_m), ("the depth of the table", -waterlines_m[0])];
+    // No beam at all is told as no volume.
+    for (what, value_m) in sizes.into_iter().filter(|(_, size_m)| *size_m != 0.0) {
+        if !(least_m..=most_m).contains(&value_m) {
             push(Place::Whole, What::Size { what, value_m, least_m, most_m });
         }
     }
@@ -108,19 +90,29 @@ pub(super) fn offsets(stations_m: &[f64], waterlines_m: &[f64], half_breadths_m:
     let sections_m2: Vec<f64> =
         half_breadths_m.chunks(waterlines_m.len()).map(|row| panel::integral(&up, row)).collect();
     let block = panel::integral(&along, &sections_m2) / (length_m * beam_m * -waterlines_m[0]);
-    if !(block > FLATTEST) && half_breadths_m.iter().all(|y| y.is_finite()) {
+    // Where offsets could not be read the volume is not known either.
+    let known = half_breadths_m.iter().all(|y| y.is_finite());
+    if known && (block.is_nan() || block <= FLATTEST) {
         push(Place::Whole, What::Empty);
     }
     faults
 }
 
 /// A node out of order (`to` is `None`) or out of the middle of its panel.
-#[derive(Clone, Copy)]
 struct Step {
     index: usize,
     value: f64,
     from: f64,
     to: Option<f64>,
+}
+
+impl Step {
+    fn fault(&self, disorder: impl Fn(f64, f64) -> What) -> What {
+        match self.to {
+            Some(to_m) => What::Uneven { value_m: self.value, from_m: self.from, to_m },
+            None => disorder(self.value, self.from),
+        }
+    }
 }
 
 fn steps(nodes: &[f64]) -> Vec<Step> {
@@ -137,7 +129,7 @@ fn steps(nodes: &[f64]) -> Vec<Step> {
     if faults.is_empty() {
         for (i, panel) in nodes.windows(3).enumerate().step_by(2) {
             let place = (panel[1] - panel[0]) / (panel[2] - panel[0]);
-            if place < 0.25 || place > 0.75 {
+            if place.is_finite() && !(0.25..=0.75).contains(&place) {
                 faults.push(Step { index: i + 1, value: panel[1], from: panel[0], to: Some(panel[2]) });
             }
         }

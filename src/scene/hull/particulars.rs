@@ -158,10 +158,9 @@ impl Stated {
             |(index, ((quantity, computed), stated)): (usize, ((&'static str, f64), Option<f64>))| {
                 let stated = stated?;
                 let off_percent = Particulars::difference_percent(quantity, computed, stated).abs();
-                (!(off_percent <= self.tolerance_percent)).then_some((
-                    index,
-                    What::Differs { quantity, stated, computed, tolerance_percent: self.tolerance_percent },
-                ))
+                let tolerance_percent = self.tolerance_percent;
+                let what = What::Differs { quantity, stated, computed, tolerance_percent };
+                (off_percent.is_nan() || off_percent > tolerance_percent).then_some((index, what))
             };
         rows.filter_map(disagree).collect()
     }
