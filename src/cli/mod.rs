@@ -27,8 +27,9 @@ pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
-    TableFresnelArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs, TableSigma0Args,
-    TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWindArgs,
+    TableFresnelArgs, TableHullArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs,
+    TableSigma0Args, TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWakeResistanceArgs,
+    TableWindArgs, Transom,
 };
 
 /// Runs the program.

@@ -1,5 +1,6 @@
 //! What there is: plain, resolved descriptions without physics.
 
+pub mod hull;
 pub mod patch;
 pub mod radar;
 pub mod sea;
@@ -10,6 +11,7 @@ pub mod water;
 use crate::frames::SceneFrame;
 use crate::time::TimeTag;
 
+pub use hull::Hull;
 pub use patch::Patch;
 pub use radar::Radar;
 pub use sea::Sea;

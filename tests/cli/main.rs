@@ -10,5 +10,6 @@ mod running;
 #[cfg(unix)]
 mod setup_script;
 mod sigma0_page;
+mod ship_tables;
 mod table_golden;
 mod tables;

@@ -554,11 +554,12 @@ fn names_of_columns_bear_units() {
         "slope-pdf",
         "facet-density",
         "kpeak-lmin",
+        "wake-resistance --speed-mps 5",
     ] {
         let found = printed(table);
         for name in found.columns() {
             let unit = name.rsplit('_').next().unwrap();
-            let units = ["hz", "c", "psu", "deg", "mps", "m", "m3", "m4", "rad", "db"];
+            let units = ["hz", "c", "psu", "deg", "mps", "m", "m2", "m3", "m4", "rad", "db", "n"];
             // Numbers without a unit.
             let bare = [
                 "permittivity_re",
@@ -578,6 +579,8 @@ fn names_of_columns_bear_units() {
                 "downwind_slope",
                 "crosswind_slope",
                 "facets_per_m",
+                "froude",
+                "cw",
             ];
             let slopes = name.starts_with("mss") || name.starts_with("cox_munk");
             assert!(

@@ -8,7 +8,7 @@ use super::error::TableError;
 use crate::cli::error::CliError;
 use crate::units::Decibels;
 
-/// A number of a row, as it is printed.
+/// A number (or name) of a row, as it is printed.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Cell {
     /// A parameter of the row: the shortest text that reads back as the same number.
@@ -17,6 +17,10 @@ pub(super) enum Cell {
     Value(f64),
     /// A power ratio, in decibels.
     Decibels(f64),
+    /// A name.
+    Name(&'static str),
+    /// Nothing is known.
+    Empty,
 }
 
 impl Display for Cell {
@@ -25,6 +29,8 @@ impl Display for Cell {
             Self::Given(value) => write!(f, "{value}"),
             Self::Value(value) => write!(f, "{value:.12e}"),
             Self::Decibels(ratio) => write!(f, "{:.9}", Decibels::from_power_ratio(*ratio).0),
+            Self::Name(name) => f.write_str(name),
+            Self::Empty => Ok(()),
         }
     }
 }

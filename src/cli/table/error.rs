@@ -4,7 +4,9 @@ use thiserror::Error;
 
 use crate::scattering::clutter_nrl::ClutterError;
 use crate::scattering::permittivity::PermittivityError;
+use crate::scene::hull::HullError;
 use crate::sea::spectrum::SpectrumError;
+use crate::sea::wake::kochin::KochinError;
 use crate::sea::wind::WindError;
 
 /// What is wrong with the keys of a table.
@@ -122,6 +124,12 @@ pub enum TableError {
     /// The spectrum.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
+    /// The hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+    /// The ship's waves.
+    #[error(transparent)]
+    Kochin(#[from] KochinError),
     /// The permittivity.
     #[error(transparent)]
     Permittivity(#[from] PermittivityError),

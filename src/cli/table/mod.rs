@@ -8,6 +8,7 @@ mod antenna;
 mod clutter;
 mod csv;
 mod error;
+mod hull;
 mod sampling;
 mod scattering;
 mod sea_keys;
@@ -23,6 +24,7 @@ use clap::{Args, Subcommand};
 pub use antenna::{Aperture, Cut, TableAntennaArgs};
 pub use clutter::TableClutterArgs;
 pub use error::TableError;
+pub use hull::{TableHullArgs, TableWakeResistanceArgs, Transom};
 pub use sampling::{TableFacetDensityArgs, TableLeastLengthArgs};
 pub use scattering::{TableSigma0Args, TableSlopePdfArgs};
 pub use water::{TableFresnelArgs, TablePermittivityArgs};
@@ -102,6 +104,14 @@ pub enum Quantity {
     ///
     /// The half-power band is that of the spectrum itself. Sweep: speed at --wind-height-m, 1 to 25 m/s by 1.
     KpeakLmin(TableLeastLengthArgs),
+    /// Particulars of a hull, those stated in its file beside those of its offsets
+    ///
+    /// A difference is in percent of what is stated; that of the centre of buoyancy in percent of the length.
+    Hull(TableHullArgs),
+    /// Wave resistance of a thin ship against speed
+    ///
+    /// cw is the resistance over the dynamic pressure and the wetted surface. Sweep: speed, 1 to 15 m/s by 0.5 unless given.
+    WakeResistance(TableWakeResistanceArgs),
 }
 
 /// Prints the table.
@@ -119,6 +129,8 @@ pub(super) fn table(args: &TableArgs, out: &mut dyn Write) -> Result<(), CliErro
         Quantity::SlopePdf(args) => scattering::slope_pdf(args, out),
         Quantity::FacetDensity(args) => sampling::facet_density(args, out),
         Quantity::KpeakLmin(args) => sampling::least_length(args, out),
+        Quantity::Hull(args) => hull::hull(args, out),
+        Quantity::WakeResistance(args) => hull::wake_resistance(args, out),
     }
 }
 

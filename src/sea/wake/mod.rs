@@ -2,6 +2,7 @@
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`kochin`] | amplitude of the waves of any hull, and the resistance they mean |
 //! | [`wigley`] | amplitude of the waves of a Wigley hull, in closed form |
 //! | [`course`] | where a ship is, and how much it may turn |
 //! | [`nodes`] | the waves of a ship as a finite sum: how many, which, and the band limit of a map |
@@ -36,6 +37,7 @@
 
 pub mod course;
 pub mod free_waves;
+pub mod kochin;
 pub mod map;
 pub mod nodes;
 pub mod nonuniform;

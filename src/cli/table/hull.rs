@@ -1,0 +1,139 @@
+//! Ships: particulars, wave resistance.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::csv::{self, Cell};
+use super::error::{TableError, check};
+use super::sweep::{SpeedSweep, Usual};
+use crate::cli::error::CliError;
+use crate::scene::hull::{Hull, Particulars, QUANTITIES};
+use crate::sea::wake::kochin::{self, Kochin, resistance_coefficient};
+
+/// Density of sea water, kg/m^3.
+const DENSITY_KGPM3: f64 = 1025.0;
+
+/// `nereus table hull`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableHullArgs {
+    /// Hull: a description (.toml) or an offset table (.csv)
+    file: PathBuf,
+    /// Lengths that it is scaled to, m [its own]
+    #[arg(long, value_name = "X,...", value_delimiter = ',')]
+    length_m: Vec<f64>,
+}
+
+/// Prints the table.
+pub(super) fn hull(args: &TableHullArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let hulls = scaled(Hull::load(&args.file).map_err(TableError::from)?, &args.length_m)?;
+    csv::bound(&[hulls.len(), QUANTITIES.len()])?;
+    csv::header(out, &["scaled_to_m", "quantity", "computed", "stated", "difference_percent"])?;
+    for hull in &hulls {
+        let (found, stated) = (Particulars::of(hull), hull.stated());
+        for ((quantity, computed), stated) in QUANTITIES.into_iter().zip(found.values()).zip(stated.values) {
+            let mut cells = [
+                Cell::Given(hull.length_m()),
+                Cell::Name(quantity),
+                Cell::Value(computed),
+                Cell::Empty,
+                Cell::Empty,
+            ];
+            if let Some(stated) = stated {
+                cells[3] = Cell::Given(stated);
+                cells[4] = Cell::Value(Particulars::difference_percent(quantity, computed, stated));
+            }
+            csv::row(out, &cells)?;
+        }
+    }
+    Ok(())
+}
+
+/// `nereus table wake-resistance`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TableWakeResistanceArgs {
+    /// Hull: a description (.toml) or an offset table (.csv) [Wigley's]
+    #[arg(long, value_name = "FILE")]
+    hull_path: Option<PathBuf>,
+    /// Lengths that it is scaled to, m [that of the file; 100]
+    #[arg(long, value_name = "X,...", value_delimiter = ',')]
+    length_m: Vec<f64>,
+    /// Beam of Wigley's hull, parts of its length [0.1]
+    #[arg(long, value_name = "X", conflicts_with = "hull_path")]
+    beam_ratio: Option<f64>,
+    /// Draught of Wigley's hull, parts of its length [0.0625]
+    #[arg(long, value_name = "X", conflicts_with = "hull_path")]
+    draught_ratio: Option<f64>,
+    /// Speeds, m/s, instead of a sweep
+    #[arg(long, value_name = "V,...", value_delimiter = ',')]
+    speed_mps: Vec<f64>,
+    #[command(flatten)]
+    sweep: SpeedSweep,
+    /// What is behind an immersed transom
+    #[arg(long, value_enum, default_value_t = Transom::Open)]
+    transom: Transom,
+    /// Density of the water, kg/m^3
+    #[arg(long, value_name = "X", default_value_t = DENSITY_KGPM3)]
+    density_kg_m3: f64,
+}
+
+/// What is behind an immersed transom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Transom {
+    /// A dry edge: no step behind the hull
+    Open,
+    /// A flat stern: the step is part of the hull
+    Capped,
+}
+
+/// Prints the table.
+pub(super) fn wake_resistance(args: &TableWakeResistanceArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let usual = Usual::steps(1.0, 15.0, 0.5);
+    let speeds_mps = args.sweep.sweep().or_list("--speed-mps", &args.speed_mps, usual)?;
+    let hull = match &args.hull_path {
+        Some(path) => Hull::load(path),
+        None => {
+            let [beam, draught] = [args.beam_ratio.unwrap_or(0.1), args.draught_ratio.unwrap_or(0.0625)];
+            check("--beam-ratio", &[beam], [1e-3, 1.0])?;
+            check("--draught-ratio", &[draught], [1e-3, 1.0])?;
+            Hull::wigley(100.0, 100.0 * beam, 100.0 * draught)
+        }
+    };
+    let hulls = scaled(hull.map_err(TableError::from)?, &args.length_m)?;
+    csv::bound(&[hulls.len(), speeds_mps.len()])?;
+    let transom = match args.transom {
+        Transom::Open => kochin::Transom::Open,
+        Transom::Capped => kochin::Transom::Capped,
+    };
+    // Every row before the first is printed: one may be refused.
+    let mut rows = Vec::new();
+    for hull in &hulls {
+        let wetted_surface_m2 = Particulars::of(hull).wetted_surface_m2;
+        for &speed_mps in &speeds_mps {
+            let ship = Kochin::new(hull, speed_mps, transom).map_err(TableError::from)?;
+            let density = args.density_kg_m3;
+            let resistance_n = ship.wave_resistance_n(density).map_err(TableError::from)?;
+            rows.push([
+                Cell::Given(hull.length_m()),
+                Cell::Given(speed_mps),
+                Cell::Value(ship.froude()),
+                Cell::Value(wetted_surface_m2),
+                Cell::Value(resistance_n),
+                Cell::Value(resistance_coefficient(resistance_n, speed_mps, density, wetted_surface_m2)),
+            ]);
+        }
+    }
+    csv::header(out, &["length_m", "speed_mps", "froude", "wetted_surface_m2", "resistance_n", "cw"])?;
+    rows.iter().try_for_each(|cells| csv::row(out, cells))
+}
+
+/// A hull at every length asked, or as it is.
+fn scaled(hull: Hull, lengths_m: &[f64]) -> Result<Vec<Hull>, TableError> {
+    if lengths_m.is_empty() {
+        return Ok(vec![hull]);
+    }
+    Ok(lengths_m.iter().map(|length_m| hull.scaled_to_length(*length_m)).collect::<Result<_, _>>()?)
+}
