@@ -278,7 +278,7 @@ impl Sheet {
     fn draw(&self, picture: &Picture, pixels: &[f64]) -> Canvas {
         let [left, _, right, bottom] = self.map;
         let line = Face::Small.height();
-        let below = bottom + TICK + line + GAP + line;
+        let below = bottom + TICK + line + GAP + line / 2;
         let bar_right = self.bar[2] + TICK + GAP + widest(&self.bar_ticks) + GAP + line;
         let key_y = below.max(self.bar[3] + POINT) + GAP + line;
         let (key, key_width) = self.key(picture, key_y);
