@@ -93,6 +93,8 @@ pub enum Template {
     Monostatic,
     /// From orbit, several pulses in the air; stands alone
     Spaceborne,
+    /// A small patch of sea under one aircraft, with swell and a slick; stands alone
+    Sea,
     /// Recorded flight; needs configs/tracks beside it
     Quickstart,
     /// Every key with unit, default and range (Markdown)

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::scene::patch::PatchError;
+
 /// Why a scenario is not a run.
 #[derive(Debug, Error)]
 pub enum ConfigError {
@@ -243,6 +245,27 @@ pub enum Problem {
         /// The bound.
         allowed: u64,
     },
+    /// Facets that do not make a patch.
+    #[error("{fault}; allowed: {allowed}")]
+    Patch {
+        /// What is wrong.
+        fault: PatchError,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A model used where it does not hold.
+    #[error("\"{model}\" does not hold at {found}; allowed: {allowed}")]
+    BeyondModel {
+        /// The model.
+        model: &'static str,
+        /// Where it is used.
+        found: String,
+        /// Where it holds.
+        allowed: String,
+    },
+    /// Corners of a polygon on one line.
+    #[error("the corners enclose no area; allowed: corners of a polygon, in turn")]
+    NoArea,
     /// Recorded tracks without a start time.
     #[error("is missing; required with a recorded track: a UTC time within the recording")]
     NeedsStart,
@@ -310,6 +333,18 @@ pub enum Warning {
     Unused {
         /// Transmitter or receiver.
         what: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// A slick that no facet has.
+    #[error("slick \"{name}\" lies outside the patch of sea: no facet has it")]
+    SlickOutside {
+        /// Its name.
+        name: String,
+    },
+    /// A slick that is cut.
+    #[error("slick \"{name}\" reaches beyond the patch of sea: only what lies inside is modelled")]
+    SlickCut {
         /// Its name.
         name: String,
     },

@@ -54,6 +54,17 @@ pub enum Kind {
         /// Greatest value of an entry.
         max: f64,
     },
+    /// A list of points, each a pair of numbers.
+    Points {
+        /// Unit.
+        unit: &'static str,
+        /// Fewest points.
+        least: usize,
+        /// Most points.
+        most: usize,
+        /// Greatest coordinate either way.
+        limit: f64,
+    },
     /// A whole number.
     Count {
         /// Smallest value.
@@ -137,6 +148,32 @@ const MOST_PRI: usize = 65_536;
 /// Most targets of a scene.
 pub(super) const MOST_TARGETS: u64 = 100_000;
 
+/// Most facets of a patch of sea.
+pub(super) const MOST_FACETS: u64 = 1 << 26;
+
+/// Where a model of the permittivity holds.
+#[derive(Clone, Copy)]
+pub(super) struct ModelRange {
+    /// As written.
+    pub(super) model: &'static str,
+    pub(super) carrier_hz: [f64; 2],
+    pub(super) temperature_c: [f64; 2],
+    pub(super) salinity_psu: [f64; 2],
+}
+
+pub(super) const MEISSNER_WENTZ: ModelRange = ModelRange {
+    model: "meissner-wentz",
+    carrier_hz: [1e9, 90e9],
+    temperature_c: [-2.0, 34.0],
+    salinity_psu: [0.0, 40.0],
+};
+pub(super) const KLEIN_SWIFT: ModelRange = ModelRange {
+    model: "klein-swift",
+    carrier_hz: [1e9, 10e9],
+    temperature_c: [0.0, 30.0],
+    salinity_psu: [4.0, 35.0],
+};
+
 macro_rules! tables {
     ($($module:ident $heading:literal $about_table:literal {
         $($key:ident $name:literal, $kind:expr, $absent:expr, $about:literal;)*
@@ -166,6 +203,9 @@ tables! {
         PLATFORM "platform", Sections(&platform::TABLE), Required, "What moves; at least one.";
         TRANSMITTER "transmitter", Sections(&transmitter::TABLE), Required, "Transmitters; at least one.";
         RECEIVER "receiver", Sections(&receiver::TABLE), Required, "Receivers; at least one.";
+        SEA "sea", Section(&sea::TABLE), Means("no sea: targets alone"), "The sea, on the patch of [scene].";
+        SWELL "swell", Sections(&swell::TABLE), Means("none"), "Swell trains, with [sea].";
+        SLICK "slick", Sections(&slick::TABLE), Means("none"), "Films on the water, with [sea].";
         TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";
         TARGET_GRID "target_grid", Sections(&target_grid::TABLE), Means("none"), "Fields of equal point targets.";
         STREAM "stream", Section(&stream::TABLE), Means("all defaults"), "How pulses are released.";
@@ -180,6 +220,22 @@ tables! {
         START_UTC "start_utc", Time, Means("2000-01-01T00:00:00Z; required with recorded tracks"), "Emission of pulse 0.";
         DURATION_S "duration_s", above("s", 0.0, 1e7), Required, "Pulses leave from start_utc until just before this much later.";
         SEED "seed", count(0, u64::MAX), Count(0), "Seed of every random stream.";
+        PATCH "patch", Choice(&["fixed", "follow"]), Word("fixed"), "With [sea]: whether the patch of sea that is modelled stays, or follows a point as the platforms fly on.";
+        PATCH_SIZE_M "patch_size_m", Kind::Numbers { unit: "m", least: 2, most: 2, min: 1e-4, max: FAR_M }, Means("required with [sea]"), "Length of the patch along East and North, whole facets. The waves repeat after it.";
+        FACET_M "facet_m", number("m", 1e-4, 1e5), Means("required with [sea]"), "Side of a facet of the sea.";
+        PATCH_CENTRE_M "patch_centre_m", vector("m", 2, FAR_M), Zeros, "fixed: centre of the patch, East and North, to the nearest facet.";
+        PATCH_FOLLOW "patch_follow", Section(&patch_follow::TABLE), Means("the point at which the first receiver aims; required where it aims at none"), "follow: the point that the patch stays around.";
+    }
+    patch_follow "[scene.patch_follow]" "The point that the patch of sea stays around." {
+        KIND "kind", Choice(&["beside", "point"]), Required, "A point of the sea beside a platform, or one on a straight course.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "point: East, North, height above the sea, at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "point: latitude; the point lies on the sea.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "point: longitude.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "point: velocity East, North, up.";
+        PLATFORM "platform", Name, Required, "beside: the platform.";
+        ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
+        ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
+        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "Which tracks the point is known from.";
     }
     radar "[radar]" "The instrument." {
         CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Required, "Carrier frequency.";
@@ -304,6 +360,65 @@ tables! {
         BIAS_AZ_DEG "bias_az_deg", number("deg", -180.0, 180.0), default(0.0), "at, beside: constant misalignment about the antenna's z axis.";
         BIAS_EL_DEG "bias_el_deg", number("deg", -90.0, 90.0), default(0.0), "at, beside: constant misalignment about the antenna's y axis.";
     }
+    sea "[sea]" "The sea on the patch of [scene]: wind, waves, water. Exactly one strength and one direction of the wind." {
+        WIND_USTAR_MPS "wind_ustar_mps", number("m/s", 0.0, 3.0), Means("wind_mps is given"), "Strength of the wind as friction velocity in the profile.";
+        WIND_MPS "wind_mps", number("m/s", 0.0, 40.0), Means("wind_ustar_mps is given"), "Strength of the wind as mean speed at wind_height_m. Below 0.3 m/s at 10 m the sea is flat.";
+        WIND_HEIGHT_M "wind_height_m", number("m", 1.0, 100.0), default(10.0), "Height above the sea of wind_mps.";
+        WIND_PROFILE "wind_profile", Choice(&["cardone", "wu"]), Word("cardone"), "Profile that carries the wind to other heights: Cardone 1969, or logarithmic with the drag of Wu 1982.";
+        WIND_TOWARDS_DEG "wind_towards_deg", number("deg", -360.0, 360.0), Means("wind_from_deg is given"), "Direction in which the wind blows, counter-clockwise from East.";
+        WIND_FROM_DEG "wind_from_deg", number("deg", -360.0, 360.0), Means("wind_towards_deg is given"), "Direction from which the wind blows, clockwise from North, as in a weather report.";
+        SPECTRUM "spectrum", Choice(&["elfouhaily", "elfouhaily-fung-lee", "fung-lee", "pierson-moskowitz", "jonswap", "measured"]), Word("elfouhaily"), "Spectrum of the wind sea. elfouhaily-fung-lee: Elfouhaily's with the directions of Fung and Lee, as in the MaRS paper. measured: the whole sea from a file.";
+        INVERSE_WAVE_AGE "inverse_wave_age", number("", 0.84, 5.0), default(0.84), "elfouhaily, elfouhaily-fung-lee: 0.84 fully developed to 5 very young. At most one of inverse_wave_age and fetch_m.";
+        FETCH_M "fetch_m", number("m", 100.0, 1e7), Means("inverse_wave_age decides; required with jonswap"), "elfouhaily, elfouhaily-fung-lee, jonswap: distance over which the wind has blown.";
+        SPREADING "spreading", Choice(&["mitsuyasu", "elfouhaily", "constant"]), Word("mitsuyasu"), "pierson-moskowitz, jonswap: exponent s of the spreading cos^2s(phi/2) about the wind: Mitsuyasu's, that of Elfouhaily's upwind to crosswind ratio, or one for all waves.";
+        SPREADING_EXPONENT "spreading_exponent", number("", 0.0, 1000.0), Required, "spreading = \"constant\": the exponent s.";
+        SPECTRUM_PATH "spectrum_path", File, Required, "measured: CSV with the columns kx_rad_m,ky_rad_m,psi_m4 on a regular grid, K in the direction of travel.";
+        CAPILLARY "capillary", Kind::Flag, Flag(false), "Whether surface tension speeds up short waves.";
+        DEPTH_M "depth_m", number("m", 0.1, 1e5), Means("deep water"), "Depth of the water, for the speed of the waves.";
+        TEMPERATURE_C "temperature_c", number("C", -2.0, 34.0), default(20.0), "Temperature of the water; klein-swift holds from 0 to 30.";
+        SALINITY_PSU "salinity_psu", number("psu", 0.0, 40.0), default(35.0), "Salinity, g/kg; klein-swift holds from 4 to 35.";
+        PERMITTIVITY "permittivity", Choice(&["meissner-wentz", "klein-swift"]), Word("meissner-wentz"), "Model of the permittivity: Meissner and Wentz 2012 (1 to 90 GHz), Klein and Swift 1977 (1 to 10 GHz).";
+        AVERAGING "averaging", Choice(&["automatic", "points", "cells"]), Word("automatic"), "How the spectrum is taken on the grid of wave numbers: at points, as means over cells, or means only where the grid is coarse for the spectrum.";
+        STATE_PATH "state_path", File, Means("the waves are drawn from scene.seed"), "A saved sea of the same grid to start from.";
+        SCATTERING "scattering", Section(&scattering::TABLE), Means("all defaults"), "How facets scatter.";
+        SHADOW "shadow", Section(&shadow::TABLE), Means("all defaults"), "What waves hide.";
+    }
+    scattering "[sea.scattering]" "How facets scatter." {
+        SPLITTING "splitting", Choice(&["consistent", "mars2007"]), Word("consistent"), "How waves are shared between specular points and Bragg scattering: each once, or all slopes and the whole spectrum on top of the tilts of the map, as in the MaRS paper.";
+        PHASES "phases", Choice(&["polcoherent", "single"]), Word("polcoherent"), "Random phase of a facet: one for each mechanism, with the phases between polarisations kept, or a single one on the magnitudes.";
+        CUT_RADPM "cut_radpm", above("rad/m", 0.0, 1e6), Means("that of the splitting"), "Wave number between the two mechanisms.";
+        TILT_AVERAGE "tilt_average", Kind::Flag, Flag(false), "consistent: whether the Bragg part averages over tilts within a facet.";
+        GRAM_CHARLIER "gram_charlier", Kind::Flag, Flag(false), "Whether slope densities have the skewness and peakedness of Cox and Munk.";
+        DECORRELATION_MS "decorrelation_ms", above("ms", 0.0, 1e9), Means("never"), "Time in which a facet forgets its random phase.";
+        DISPLACEMENT "displacement", Kind::Flag, Flag(true), "Whether facets follow the horizontal orbital motion of the waves; false: they move up and down only.";
+    }
+    shadow "[sea.shadow]" "What waves hide from a transmitter or a receiver." {
+        ENABLED "enabled", Kind::Flag, Flag(true), "Whether anything is hidden.";
+        EDGE "edge", Choice(&["soft", "sharp"]), Word("soft"), "Whether visibility falls smoothly at the edge of a shadow, or at once as in the MaRS paper.";
+        WIDTH_RAD "width_rad", above("rad", 0.0, 1000.0), Means("half the rms change of slope over a facet, from the map"), "soft: angle above the horizon, as a tangent, over which a facet comes into full view.";
+        RAYS_PER_FACET "rays_per_facet", count(1, 64), Count(2), "Rays per facet across the look direction.";
+        UPDATE_MS "update_ms", number("ms", 0.1, 10_000.0), default(20.0), "Time between updates; visibility is cross-faded in between.";
+    }
+    swell "[[swell]]" "A swell train. Exactly one direction." {
+        SIGNIFICANT_HEIGHT_M "significant_height_m", number("m", 0.0, 30.0), Required, "Significant wave height.";
+        PEAK_PERIOD_S "peak_period_s", number("s", 1.0, 40.0), Required, "Peak period.";
+        TOWARDS_DEG "towards_deg", number("deg", -360.0, 360.0), Means("from_deg is given"), "Direction in which it travels, counter-clockwise from East.";
+        FROM_DEG "from_deg", number("deg", -360.0, 360.0), Means("towards_deg is given"), "Direction from which it comes, clockwise from North.";
+        SPREAD_DEG "spread_deg", number("deg", 3.0, 80.0), default(10.0), "Directional spread, circular standard deviation.";
+        SHAPE "shape", Choice(&["gaussian", "jonswap"]), Word("gaussian"), "Shape in frequency.";
+        RELATIVE_WIDTH "relative_width", number("", 0.01, 0.3), default(0.1), "gaussian: standard deviation over peak frequency.";
+        PEAK_ENHANCEMENT "peak_enhancement", number("", 1.0, 50.0), Required, "jonswap: peak enhancement; swell has about 5 to 20.";
+    }
+    slick "[[slick]]" "A film on the water, at rest: an ellipse (centre_m, half_axes_m, direction_deg) or a polygon (corners_m)." {
+        NAME "name", Name, Means("slick-<number>, counted from 0"), "Its name, unique among slicks.";
+        CENTRE_M "centre_m", vector("m", 2, FAR_M), Means("corners_m is given"), "ellipse: centre, East and North.";
+        HALF_AXES_M "half_axes_m", Kind::Numbers { unit: "m", least: 2, most: 2, min: 1e-3, max: FAR_M }, Required, "ellipse: half axes.";
+        DIRECTION_DEG "direction_deg", number("deg", -360.0, 360.0), default(0.0), "ellipse: direction of the first axis, counter-clockwise from East.";
+        CORNERS_M "corners_m", Kind::Points { unit: "m", least: 3, most: 1000, limit: FAR_M }, Means("centre_m is given"), "polygon: corners in turn, each [East, North].";
+        RIM_M "rim_m", number("m", 0.0, 1e5), Means("one facet"), "Width over which the film thins out across its outline.";
+        COVER "cover", number("", 0.0, 1.0), default(1.0), "Share of the water covered inside.";
+        ELASTICITY_NPM "elasticity_npm", number("N/m", 0.0, 1.0), default(0.0255), "Dilational elasticity of the film; 0.0255 is oleyl alcohol.";
+    }
     target "[[target]]" "A point target on a straight course. Its strength is one of rcs_m2, rcs_dbsm, or a scattering matrix." {
         NAME "name", Name, Means("target-<number>, counted from 0"), "Its name, unique among targets.";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "East, North, height above the sea, at pulse 0.";
@@ -362,6 +477,10 @@ impl Kind {
                 let entries = if least == most { format!("{least}") } else { format!("{least} to {most}") };
                 format!("a list of {entries} numbers from {} to {}{}", figure(*min), figure(*max), of(unit))
             }
+            Self::Points { unit, least, most, limit } => {
+                let limit = figure(*limit);
+                format!("a list of {least} to {most} pairs [x, y] from -{limit} to {limit}{}", of(unit))
+            }
             Self::Count { min, max } if *max == u64::MAX => format!("a whole number from {min} to 2^64 - 1"),
             Self::Count { min, max } => format!("a whole number from {min} to {max}"),
             Self::Flag => "true or false".to_owned(),
@@ -387,7 +506,7 @@ impl Kind {
     /// The unit, where there is one.
     pub fn unit(&self) -> &'static str {
         match self {
-            Self::Number { unit, .. } | Self::Numbers { unit, .. } => unit,
+            Self::Number { unit, .. } | Self::Numbers { unit, .. } | Self::Points { unit, .. } => unit,
             _ => "",
         }
     }

@@ -143,6 +143,22 @@ impl<'a> Section<'a> {
         legal.then_some(value)
     }
 
+    /// The number that [`Self::number`] gives, without a word about its faults.
+    pub(super) fn peek(&self, key: &'static Key) -> Option<f64> {
+        let Some(entry) = self.entry(key.name) else {
+            return if let Absent::Number(value) = key.absent { Some(value) } else { None };
+        };
+        let Kind::Number { min, max, .. } = key.kind else { return None };
+        plain_number(&entry.node).filter(|value| (min..=max).contains(value))
+    }
+
+    /// A number of a table of this table, without a word about faults.
+    pub(super) fn peek_in(&self, table: &Key, key: &'static Key) -> Option<f64> {
+        let Kind::Section(of) = table.kind else { return None };
+        let entry = self.entry(table.name)?;
+        Section::new(self.reader, of, String::new(), entry.at, entry.node.table()?).peek(key)
+    }
+
     /// A whole number; `None` when absent or faulty.
     pub(super) fn count(&self, key: &'static Key) -> Option<u64> {
         let Some(node) = self.ask(key) else {
@@ -282,6 +298,35 @@ impl<'a> Section<'a> {
         Some(values)
     }
 
+    /// A list of points; `None` when absent or faulty.
+    pub(super) fn points(&self, key: &'static Key) -> Option<Vec<[f64; 2]>> {
+        let Kind::Points { least, most, limit, .. } = key.kind else { return None };
+        let node = self.ask(key)?;
+        let pair = |node: &Node| match &node.value {
+            Value::Array(pair) => match &pair[..] {
+                [x, y] => Some([plain_number(x)?, plain_number(y)?]),
+                _ => None,
+            },
+            _ => None,
+        };
+        let points = match &node.value {
+            Value::Array(items) if (least..=most).contains(&items.len()) => {
+                items.iter().map(pair).collect::<Option<Vec<[f64; 2]>>>()
+            }
+            _ => None,
+        };
+        let Some(points) = points else {
+            self.wrong_type(key, node);
+            return None;
+        };
+        let legal = |value: &f64| (-limit..=limit).contains(value);
+        if let Some(index) = points.iter().position(|point| !point.iter().all(legal)) {
+            self.out_of_range(key, format!("entry {index}, {:?},", points[index]));
+            return None;
+        }
+        Some(points)
+    }
+
     /// A list of as many numbers as asked; `None` when absent without default or faulty.
     pub(super) fn vector<const N: usize>(&self, key: &'static Key) -> Option<[f64; N]> {
         self.numbers(key)?.try_into().ok()
@@ -366,6 +411,16 @@ impl<'a> Section<'a> {
             }
         }
         sections
+    }
+
+    /// Faults the keys that are written although they mean nothing here.
+    pub(super) fn idle(&self, keys: &[&'static Key], when: &str) {
+        for key in keys {
+            if let Some(entry) = self.entry(key.name) {
+                self.asked.borrow_mut().push(key.name);
+                self.push(entry.at, self.path_of(key.name), Problem::Idle { when: when.to_owned() });
+            }
+        }
     }
 
     /// Faults unless exactly one of the keys is written; returns which.

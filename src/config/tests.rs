@@ -11,6 +11,8 @@ use crate::frames::{Geodetic, SceneFrame};
 use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
+mod sea;
+
 const COASTAL: &str = include_str!("../../configs/coastal.toml");
 const QUICKSTART: &str = include_str!("../../configs/quickstart.toml");
 const MONOSTATIC: &str = include_str!("../../configs/monostatic.toml");
@@ -60,7 +62,9 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
             ],
         ),
     ];
-    for (text, overrides) in variants {
+    let seas = sea::variants();
+    let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
+    for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides)).asked);
     }
     let listed: BTreeSet<(&str, &str)> = keys::TABLES
@@ -104,6 +108,11 @@ fn names_of_keys_bear_their_unit() {
         ("m^2", "_m2"),
         ("dBsm", "_dbsm"),
         ("m/s^2", "_mps2"),
+        ("C", "_c"),
+        ("psu", "_psu"),
+        ("N/m", "_npm"),
+        ("rad", "_rad"),
+        ("rad/m", "_radpm"),
     ];
     for table in keys::TABLES {
         for key in table.keys.iter().filter(|key| !key.kind.unit().is_empty()) {

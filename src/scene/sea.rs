@@ -14,7 +14,7 @@ pub struct Sea {
     pub water: Water,
     /// How the spectrum is drawn, and where from.
     pub realisation: Realisation,
-    /// The facets that are modelled: at every pulse ([`PatchPlace::Fixed`]) or at pulse 0.
+    /// The facets that are modelled. Of a patch that follows, only their number and size: where they are, its aim says.
     pub patch: Patch,
     /// Whether they stay.
     pub place: PatchPlace,

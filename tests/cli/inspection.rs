@@ -25,7 +25,7 @@ fn every_scenario_of_the_repository_checks() {
 
 #[test]
 fn templates_that_stand_alone_check_anywhere() {
-    for kind in [None, Some("coastal"), Some("monostatic"), Some("spaceborne")] {
+    for kind in [None, Some("coastal"), Some("monostatic"), Some("spaceborne"), Some("sea")] {
         let folder = tempfile::tempdir().unwrap();
         let mut arguments = vec!["new"];
         arguments.extend(kind);
@@ -39,7 +39,7 @@ fn templates_that_stand_alone_check_anywhere() {
 
 #[test]
 fn templates_are_the_scenarios_of_the_repository() {
-    for kind in ["coastal", "monostatic", "spaceborne", "quickstart"] {
+    for kind in ["coastal", "monostatic", "spaceborne", "quickstart", "sea"] {
         let printed = nereus(package(), &["new", kind]).stdout;
         let file = fs::read_to_string(package().join(format!("configs/{kind}.toml"))).unwrap();
         assert_eq!(printed, file);

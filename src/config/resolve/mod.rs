@@ -4,9 +4,12 @@
 //! what is missing: so one pass reports every fault.
 
 mod antenna;
+mod patch;
 mod place;
 mod platform;
 mod radar;
+mod sea;
+mod slick;
 mod stream;
 mod target;
 
@@ -97,16 +100,25 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
             platform::platform(section, &ground)
         })
         .collect();
-    if let Some(section) = scene {
+    let patch = scene.as_ref().map(|section| {
         let recorded = nav.iter().flatten().any(|nav| {
             matches!(nav.truth, TrackSource::File(_)) || matches!(nav.reported, Some(TrackSource::File(_)))
         });
         if recorded && !time.start_written {
             section.fault(&keys::scene::START_UTC, Problem::NeedsStart);
         }
-        section.finish();
-    }
+        patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
+    });
     let radar = radar::radar(&root, &ground, &platforms);
+    let (patch, place) = match (patch, scene) {
+        (Some(patch), Some(section)) => {
+            let placed = patch.place(&section, radar.as_ref());
+            section.finish();
+            placed
+        }
+        _ => (None, None),
+    };
+    let sea = sea::sea(&root, patch, place, root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ));
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
@@ -122,7 +134,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         seed: time.seed?,
         platforms: platforms.names.into_iter().collect::<Option<_>>()?,
         radar,
-        sea: None,
+        sea: sea?,
         targets: targets?,
     };
     Some(Parts { scene, nav: nav.into_iter().collect::<Option<_>>()?, stream: stream?, sinks: sinks? })

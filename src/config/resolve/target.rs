@@ -50,7 +50,7 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
 }
 
 /// Takes the written name or the default one.
-fn name(section: &Section<'_>, key: &'static Key, default: &str, names: &mut Names) {
+pub(super) fn name(section: &Section<'_>, key: &'static Key, default: &str, names: &mut Names) {
     if section.has(key) {
         names.take(section, key, &[]);
         return;

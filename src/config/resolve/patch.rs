@@ -1,0 +1,148 @@
+//! The patch of sea: its facets, and whether it stays.
+
+use super::antenna::{self, AimKeys};
+use super::place::SurfaceKeys;
+use super::{Ground, Names};
+use crate::config::error::Problem;
+use crate::config::keys::{self, MOST_FACETS};
+use crate::config::section::Section;
+use crate::scene::Patch;
+use crate::scene::patch::{MAX_SIDE, PatchError};
+use crate::scene::radar::{Aim, AimFrom, Pointing, Radar};
+use crate::scene::sea::PatchPlace;
+
+/// What `[scene]` says about the patch.
+pub(super) struct PatchGiven {
+    patch: Option<Patch>,
+    /// `None` where it is faulty.
+    place: Option<PlaceGiven>,
+}
+
+enum PlaceGiven {
+    Fixed,
+    Follow(Aim, AimFrom),
+    /// Wherever the first receiver aims.
+    FollowReceiver,
+}
+
+/// Reads the keys of the patch; without a sea they are faults.
+pub(super) fn given(section: &Section<'_>, has_sea: bool, ground: &Ground, platforms: &Names) -> PatchGiven {
+    use keys::scene::{FACET_M, PATCH, PATCH_CENTRE_M, PATCH_FOLLOW, PATCH_SIZE_M};
+    let follows = section.choice(&PATCH);
+    let size_m = section.vector(&PATCH_SIZE_M);
+    let facet_m = section.number(&FACET_M);
+    let centre_m = section.vector(&PATCH_CENTRE_M);
+    let follow = section.section(&PATCH_FOLLOW).map(|section| follow(section, ground, platforms));
+    let all = [&PATCH, &PATCH_SIZE_M, &FACET_M, &PATCH_CENTRE_M, &PATCH_FOLLOW];
+    if !has_sea {
+        section.idle(&all, "there is no [sea]");
+        return PatchGiven { patch: None, place: None };
+    }
+    for key in [&PATCH_SIZE_M, &FACET_M].into_iter().filter(|key| !section.has(key)) {
+        section.fault(key, Problem::Missing { allowed: key.kind.allowed() });
+    }
+    let (place, centre_m) = match follows {
+        Some("follow") => {
+            section.idle(&[&PATCH_CENTRE_M], "patch = \"follow\"");
+            let place = match (section.has(&PATCH_FOLLOW), follow.flatten()) {
+                (false, _) => Some(PlaceGiven::FollowReceiver),
+                (true, follow) => follow.map(|(aim, aim_from)| PlaceGiven::Follow(aim, aim_from)),
+            };
+            (place, Some([0.0, 0.0]))
+        }
+        Some(_) => {
+            section.idle(&[&PATCH_FOLLOW], "patch = \"fixed\"");
+            (Some(PlaceGiven::Fixed), centre_m)
+        }
+        None => (None, centre_m),
+    };
+    let patch = match (size_m, facet_m, centre_m) {
+        (Some(size_m), Some(facet_m), Some(centre_m)) => facets(section, size_m, facet_m, centre_m),
+        _ => None,
+    };
+    PatchGiven { patch, place }
+}
+
+fn facets(section: &Section<'_>, size_m: [f64; 2], facet_m: f64, centre_m: [f64; 2]) -> Option<Patch> {
+    let report = |fault: PatchError| {
+        use keys::scene::{FACET_M, PATCH_CENTRE_M, PATCH_SIZE_M};
+        let (key, allowed) = match fault {
+            PatchError::TooMany { axis, facets } => {
+                let what = if axis == 'x' { "facets along x" } else { "facets along y" };
+                // Rounded, and saturating beyond any memory.
+                let problem = Problem::TooMany { count: facets as u64, what, allowed: MAX_SIDE as u64 };
+                section.fault(&PATCH_SIZE_M, problem);
+                return;
+            }
+            PatchError::Facet { .. } => (&FACET_M, "a length above 0"),
+            PatchError::FacetLargerThanPatch { .. } => (&FACET_M, "a facet that fits into both sides"),
+            PatchError::Size { .. } | PatchError::NotAMultiple { .. } => {
+                (&PATCH_SIZE_M, "whole facets along both sides")
+            }
+            PatchError::Centre { .. } => (&PATCH_CENTRE_M, "a centre nearer to the origin"),
+        };
+        section.fault(key, Problem::Patch { fault, allowed });
+    };
+    // Each side by itself first, beside one that is right, so that both may be reported.
+    let [x_m, y_m] = size_m;
+    let sides = [[x_m, facet_m], [facet_m, y_m]].map(|side| Patch::new(side, facet_m, [0.0; 2]).err());
+    if sides.iter().any(Option::is_some) {
+        sides.into_iter().flatten().for_each(report);
+        return None;
+    }
+    let patch = Patch::new(size_m, facet_m, centre_m).map_err(report).ok()?;
+    let count = patch.facets[0] as u64 * patch.facets[1] as u64;
+    if count > MOST_FACETS {
+        let problem = Problem::TooMany { count, what: "facets", allowed: MOST_FACETS };
+        section.fault(&keys::scene::PATCH_SIZE_M, problem);
+        return None;
+    }
+    Some(patch)
+}
+
+fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<(Aim, AimFrom)> {
+    use keys::patch_follow as k;
+    let keys = AimKeys {
+        surface: SurfaceKeys {
+            position_m: &k::POSITION_M,
+            lat_deg: &k::LAT_DEG,
+            lon_deg: &k::LON_DEG,
+            height_m: None,
+        },
+        velocity_mps: &k::VELOCITY_MPS,
+        platform: &k::PLATFORM,
+        along_m: &k::ALONG_M,
+        across_m: &k::ACROSS_M,
+    };
+    let kind = section.choice(&k::KIND).map(|kind| if kind == "point" { "at" } else { kind });
+    let aim = kind.and_then(|kind| antenna::aim(&section, kind, &keys, ground, platforms));
+    let aim_from = antenna::aim_from(&section, &k::AIM_FROM);
+    section.finish();
+    Some((aim?, aim_from?))
+}
+
+impl PatchGiven {
+    /// The patch and its place; `radar` is `None` where it is faulty.
+    pub(super) fn place(
+        self,
+        section: &Section<'_>,
+        radar: Option<&Radar>,
+    ) -> (Option<Patch>, Option<PatchPlace>) {
+        let place = match self.place {
+            Some(PlaceGiven::Fixed) => Some(PatchPlace::Fixed),
+            Some(PlaceGiven::Follow(aim, aim_from)) => Some(PatchPlace::Follow { aim, aim_from }),
+            Some(PlaceGiven::FollowReceiver) => radar.and_then(|radar| {
+                let first = radar.receivers.first().map(|receiver| &receiver.antenna.pointing);
+                if let Some(Pointing::At { aim, aim_from, .. }) = first {
+                    return Some(PatchPlace::Follow { aim: aim.clone(), aim_from: *aim_from });
+                }
+                let key = &keys::scene::PATCH_FOLLOW;
+                let allowed = format!("{}, as the first receiver aims at no point", key.kind.allowed());
+                section.fault(key, Problem::Missing { allowed });
+                None
+            }),
+            None => None,
+        };
+        (self.patch, place)
+    }
+}

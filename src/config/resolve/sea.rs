@@ -1,0 +1,304 @@
+//! The sea: wind, waves, water, and how its facets scatter.
+
+use super::slick;
+use crate::config::error::Problem;
+use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
+use crate::config::section::Section;
+use crate::scene::sea::{
+    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Shadowing, Splitting,
+};
+use crate::scene::water::{
+    Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
+};
+use crate::scene::{Patch, Sea, Water};
+
+/// `[sea]`, `[[swell]]`, `[[slick]]`: `Some(None)` without a sea, `None` where something is faulty.
+pub(super) fn sea(
+    root: &Section<'_>,
+    patch: Option<Patch>,
+    place: Option<PatchPlace>,
+    carrier_hz: Option<f64>,
+) -> Option<Option<Sea>> {
+    let has_sea = root.has(&keys::root::SEA);
+    let section = root.section(&keys::root::SEA);
+    let swell: Vec<Option<Swell>> = root.sections(&keys::root::SWELL).into_iter().map(swell).collect();
+    let slicks = slick::slicks(root, patch.as_ref(), place.as_ref());
+    if !has_sea {
+        root.idle(&[&keys::root::SWELL, &keys::root::SLICK], "there is no [sea]");
+        return Some(None);
+    }
+    let section = section?;
+    let wind = wind(&section);
+    let spectrum = spectrum(&section);
+    let dispersion = dispersion(&section);
+    let permittivity = permittivity(&section, carrier_hz);
+    let temperature_c = section.number(&keys::sea::TEMPERATURE_C);
+    let salinity_psu = section.number(&keys::sea::SALINITY_PSU);
+    let realisation = realisation(&section);
+    let scattering = section
+        .section_or_empty(&keys::sea::SCATTERING)
+        .and_then(|section| scattering(section, permittivity));
+    let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(shadow);
+    section.finish();
+    let water = Water {
+        wind: wind?,
+        spectrum: spectrum?,
+        swell: swell.into_iter().collect::<Option<_>>()?,
+        dispersion: dispersion?,
+        temperature_c: temperature_c?,
+        salinity_psu: salinity_psu?,
+    };
+    Some(Some(Sea {
+        water,
+        realisation: realisation?,
+        patch: patch?,
+        place: place?,
+        scattering: scattering?,
+        shadow: shadow?,
+        slicks: slicks?,
+    }))
+}
+
+/// A direction given as where to, from East counter-clockwise, or where from, from North clockwise; radians.
+fn direction_rad(section: &Section<'_>, towards: &'static Key, from: &'static Key) -> Option<f64> {
+    let written = section.exactly_one(&[towards, from]);
+    let (towards_deg, from_deg) = (section.number(towards), section.number(from));
+    written?;
+    towards_deg.or(from_deg.map(|from_deg| 270.0 - from_deg)).map(f64::to_radians)
+}
+
+fn wind(section: &Section<'_>) -> Option<WindGiven> {
+    use keys::sea::{WIND_FROM_DEG, WIND_HEIGHT_M, WIND_MPS, WIND_PROFILE, WIND_TOWARDS_DEG, WIND_USTAR_MPS};
+    let written = section.exactly_one(&[&WIND_USTAR_MPS, &WIND_MPS]);
+    let (ustar_mps, speed_mps) = (section.number(&WIND_USTAR_MPS), section.number(&WIND_MPS));
+    if section.has(&WIND_USTAR_MPS) {
+        section.idle(&[&WIND_HEIGHT_M], "beside wind_ustar_mps");
+    }
+    let height_m = section.number(&WIND_HEIGHT_M);
+    let profile = section.choice(&WIND_PROFILE);
+    let direction_rad = direction_rad(section, &WIND_TOWARDS_DEG, &WIND_FROM_DEG);
+    written?;
+    let strength = match (ustar_mps, speed_mps) {
+        (Some(ustar_mps), _) => WindStrength::FrictionVelocity { ustar_mps },
+        (None, Some(speed_mps)) => WindStrength::Speed { speed_mps, height_m: height_m? },
+        (None, None) => return None,
+    };
+    let profile = if profile? == "wu" { WindProfile::Wu } else { WindProfile::Cardone };
+    Some(WindGiven { strength, profile, direction_rad: direction_rad? })
+}
+
+fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
+    use keys::sea::{FETCH_M, INVERSE_WAVE_AGE, SPECTRUM, SPECTRUM_PATH, SPREADING, SPREADING_EXPONENT};
+    let growth = [&INVERSE_WAVE_AGE, &FETCH_M];
+    let spread = [&SPREADING, &SPREADING_EXPONENT];
+    let Some(kind) = section.choice(&SPECTRUM) else {
+        // It is not known which of these belong here: they are read, for faults of their own, where they are written.
+        for key in growth.into_iter().filter(|key| section.has(key)) {
+            section.number(key);
+        }
+        section.choice(&SPREADING);
+        if section.has(&SPREADING_EXPONENT) {
+            section.number(&SPREADING_EXPONENT);
+        }
+        if section.has(&SPECTRUM_PATH) {
+            section.file(&SPECTRUM_PATH);
+        }
+        return None;
+    };
+    let when = format!("spectrum = \"{kind}\"");
+    let idle = |keys: &[&'static Key]| section.idle(keys, &when);
+    if kind != "measured" {
+        idle(&[&SPECTRUM_PATH]);
+    }
+    match kind {
+        "elfouhaily" | "elfouhaily-fung-lee" => {
+            idle(&spread);
+            let development = development(section)?;
+            Some(match kind {
+                "elfouhaily" => SpectrumKind::Elfouhaily { development },
+                _ => SpectrumKind::ElfouhailyFungLee { development },
+            })
+        }
+        "fung-lee" => {
+            idle(&growth);
+            idle(&spread);
+            Some(SpectrumKind::FungLee)
+        }
+        "pierson-moskowitz" => {
+            idle(&growth);
+            Some(SpectrumKind::PiersonMoskowitz { spreading: spreading(section)? })
+        }
+        "jonswap" => {
+            idle(&[&INVERSE_WAVE_AGE]);
+            let fetch_m = section.number(&FETCH_M);
+            if !section.has(&FETCH_M) {
+                section.fault(&FETCH_M, Problem::Missing { allowed: FETCH_M.kind.allowed() });
+            }
+            let spreading = spreading(section);
+            Some(SpectrumKind::Jonswap { fetch_m: fetch_m?, spreading: spreading? })
+        }
+        _ => {
+            idle(&growth);
+            idle(&spread);
+            section.file(&SPECTRUM_PATH).map(|path| SpectrumKind::Measured { path })
+        }
+    }
+}
+
+fn development(section: &Section<'_>) -> Option<Development> {
+    use keys::sea::{FETCH_M, INVERSE_WAVE_AGE};
+    section.at_most_one(&[&INVERSE_WAVE_AGE, &FETCH_M]);
+    let (age, fetch_m) = (section.number(&INVERSE_WAVE_AGE), section.number(&FETCH_M));
+    if section.has(&FETCH_M) { fetch_m.map(Development::Fetch) } else { age.map(Development::InverseWaveAge) }
+}
+
+fn spreading(section: &Section<'_>) -> Option<Spreading> {
+    use keys::sea::{SPREADING, SPREADING_EXPONENT};
+    let word = section.choice(&SPREADING);
+    match word {
+        Some("constant") => section.number(&SPREADING_EXPONENT).map(Spreading::Constant),
+        Some(word) => {
+            section.idle(&[&SPREADING_EXPONENT], &format!("spreading = \"{word}\""));
+            Some(if word == "elfouhaily" { Spreading::LikeElfouhaily } else { Spreading::Mitsuyasu })
+        }
+        None => {
+            if section.has(&SPREADING_EXPONENT) {
+                section.number(&SPREADING_EXPONENT);
+            }
+            None
+        }
+    }
+}
+
+fn dispersion(section: &Section<'_>) -> Option<Dispersion> {
+    use keys::sea::{CAPILLARY, DEPTH_M};
+    let capillary = section.flag(&CAPILLARY);
+    let depth_m = section.number(&DEPTH_M);
+    if section.has(&DEPTH_M) && depth_m.is_none() {
+        return None;
+    }
+    Some(Dispersion { capillary: capillary?, depth_m })
+}
+
+fn permittivity(section: &Section<'_>, carrier_hz: Option<f64>) -> Option<Permittivity> {
+    use keys::sea::{PERMITTIVITY, SALINITY_PSU, TEMPERATURE_C};
+    let (model, range) = match section.choice(&PERMITTIVITY)? {
+        "klein-swift" => (Permittivity::KleinSwift, KLEIN_SWIFT),
+        _ => (Permittivity::MeissnerWentz, MEISSNER_WENTZ),
+    };
+    let check = |key: &'static Key, what: &str, unit: &str, value: Option<f64>, [low, high]: [f64; 2]| {
+        if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+            let found = format!("{what} = {} {unit}", keys::figure(value));
+            let allowed = format!("{} to {} {unit}", keys::figure(low), keys::figure(high));
+            section.fault(key, Problem::BeyondModel { model: range.model, found, allowed });
+        }
+    };
+    check(&PERMITTIVITY, "radar.carrier_hz", "Hz", carrier_hz, range.carrier_hz);
+    // What lies outside the key's own range has its own fault.
+    let within = |key: &'static Key| section.peek(key);
+    check(&TEMPERATURE_C, "temperature_c", "C", within(&TEMPERATURE_C), range.temperature_c);
+    check(&SALINITY_PSU, "salinity_psu", "psu", within(&SALINITY_PSU), range.salinity_psu);
+    Some(model)
+}
+
+fn realisation(section: &Section<'_>) -> Option<Realisation> {
+    use keys::sea::{AVERAGING, STATE_PATH};
+    if section.has(&STATE_PATH) {
+        section.idle(&[&AVERAGING], "beside state_path");
+        return section.file(&STATE_PATH).map(|path| Realisation::Saved { path });
+    }
+    section.file(&STATE_PATH);
+    let averaging = match section.choice(&AVERAGING)? {
+        "points" => Averaging::Points,
+        "cells" => Averaging::Cells,
+        _ => Averaging::Automatic,
+    };
+    Some(Realisation::Drawn { averaging })
+}
+
+fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Option<FacetScattering> {
+    use keys::scattering::{
+        CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, GRAM_CHARLIER, PHASES, SPLITTING, TILT_AVERAGE,
+    };
+    let splitting = section.choice(&SPLITTING);
+    let phases = section.choice(&PHASES);
+    let cut_radpm = section.number(&CUT_RADPM);
+    let decorrelation_ms = section.number(&DECORRELATION_MS);
+    let sound = |key, value: Option<f64>| !section.has(key) || value.is_some();
+    let sound = sound(&CUT_RADPM, cut_radpm) && sound(&DECORRELATION_MS, decorrelation_ms);
+    let [tilt_average, gram_charlier, displacement] =
+        [&TILT_AVERAGE, &GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
+    if splitting == Some("mars2007") && tilt_average == Some(true) {
+        section.idle(&[&TILT_AVERAGE], "splitting = \"mars2007\"");
+    }
+    section.finish();
+    if !sound {
+        return None;
+    }
+    Some(FacetScattering {
+        permittivity: permittivity?,
+        splitting: if splitting? == "mars2007" { Splitting::Mars2007 } else { Splitting::Consistent },
+        cut_radpm,
+        tilt_average: tilt_average?,
+        gram_charlier: gram_charlier?,
+        phases: if phases? == "single" { Phases::Single } else { Phases::PolCoherent },
+        decorrelation_s: decorrelation_ms.map(|ms| ms / 1e3),
+        displacement: displacement?,
+    })
+}
+
+/// `Some(None)` where nothing is hidden.
+fn shadow(section: Section<'_>) -> Option<Option<Shadowing>> {
+    use keys::shadow::{EDGE, ENABLED, RAYS_PER_FACET, UPDATE_MS, WIDTH_RAD};
+    let enabled = section.flag(&ENABLED);
+    let edge = section.choice(&EDGE);
+    let width_rad = section.number(&WIDTH_RAD);
+    let sound = !section.has(&WIDTH_RAD) || width_rad.is_some();
+    if edge == Some("sharp") {
+        section.idle(&[&WIDTH_RAD], "edge = \"sharp\"");
+    }
+    let rays = section.count(&RAYS_PER_FACET);
+    let update_ms = section.number(&UPDATE_MS);
+    section.finish();
+    let width_rad = if edge? == "sharp" { Some(0.0) } else { width_rad };
+    let rays_per_facet = usize::try_from(rays?).ok()?;
+    let shadowing = Shadowing { width_rad, rays_per_facet, update_s: update_ms? / 1e3 };
+    sound.then_some(enabled?.then_some(shadowing))
+}
+
+fn swell(section: Section<'_>) -> Option<Swell> {
+    use keys::swell::{
+        FROM_DEG, PEAK_ENHANCEMENT, PEAK_PERIOD_S, RELATIVE_WIDTH, SHAPE, SIGNIFICANT_HEIGHT_M, SPREAD_DEG,
+        TOWARDS_DEG,
+    };
+    let significant_height_m = section.number(&SIGNIFICANT_HEIGHT_M);
+    let peak_period_s = section.number(&PEAK_PERIOD_S);
+    let direction_rad = direction_rad(&section, &TOWARDS_DEG, &FROM_DEG);
+    let spread_deg = section.number(&SPREAD_DEG);
+    let shape = match section.choice(&SHAPE) {
+        Some("jonswap") => {
+            section.idle(&[&RELATIVE_WIDTH], "shape = \"jonswap\"");
+            let peak_enhancement = section.number(&PEAK_ENHANCEMENT);
+            peak_enhancement.map(|peak_enhancement| SwellShape::Jonswap { peak_enhancement })
+        }
+        Some(_) => {
+            section.idle(&[&PEAK_ENHANCEMENT], "shape = \"gaussian\"");
+            let relative_width = section.number(&RELATIVE_WIDTH);
+            relative_width.map(|relative_width| SwellShape::Gaussian { relative_width })
+        }
+        None => {
+            for key in [&RELATIVE_WIDTH, &PEAK_ENHANCEMENT].into_iter().filter(|key| section.has(key)) {
+                section.number(key);
+            }
+            None
+        }
+    };
+    section.finish();
+    Some(Swell {
+        significant_height_m: significant_height_m?,
+        peak_period_s: peak_period_s?,
+        direction_rad: direction_rad?,
+        spread_rad: spread_deg?.to_radians(),
+        shape: shape?,
+    })
+}
