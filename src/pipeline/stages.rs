@@ -71,6 +71,16 @@ impl PulseFactory {
         self.illumination.snapshot(index, &mut work.illumination)
     }
 
+    /// What comes and goes when a following patch moves by one row, dB below all that is heard, found at one pulse.
+    /// `None` where the patch stays, or there is no sea.
+    pub fn patch_edge_db(&self, index: u64, work: &mut Workspace) -> Result<Option<f64>, RadarError> {
+        if !self.illumination.follows() {
+            return Ok(None);
+        }
+        let snapshot = self.snapshot(index, work)?;
+        Ok(snapshot.map(|snapshot| snapshot.edge_db(self.illumination.channel_pairs())))
+    }
+
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
         // Every target and the direct path, of this pulse and of two neighbours, and every facet.

@@ -8,6 +8,7 @@
 //! | [`realise`] | from the description of a sea to all of these |
 //! | [`surface`] | one realisation, at any time |
 //! | [`sheet`] | the same over the patch that is modelled |
+//! | [`wake`] | what ships add to it |
 //!
 //! From wind to heights, slopes and velocities of facets:
 //!
@@ -33,6 +34,7 @@ pub mod realise;
 pub mod sheet;
 pub mod spectrum;
 pub mod surface;
+pub mod wake;
 pub mod wind;
 
 /// Acceleration of gravity, m/s^2.

@@ -10,5 +10,6 @@ mod running;
 mod sea;
 #[cfg(unix)]
 mod setup_script;
+mod sigma0_page;
 mod table_golden;
 mod tables;

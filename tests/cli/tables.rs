@@ -329,6 +329,25 @@ fn the_default_is_the_whole_sea_seen_from_where_it_is_lit() {
     assert_eq!((found.get("scattering_deg"), found.get("azimuth_deg")), (45.0, 180.0));
 }
 
+/// The worked example of another program (MathWorks, `seareflectivity`): 2.1555e-4, cut or rounded; all seven sea states
+/// from 0.1 to 60 degrees unless asked otherwise.
+#[test]
+fn measured_clutter_is_that_of_another_program() {
+    let found = printed("sigma0-nrl --carrier-hz 30e9 --sea-state 2 --grazing-deg 10");
+    let found = found.single();
+    assert!((2.15545e-4..2.1556e-4).contains(&ratio(found.get("sigma0_hh_db"))));
+    assert_eq!(found.get("incidence_deg"), 80.0);
+    let usual = printed("sigma0-nrl");
+    let grazing = |i: usize| usual.rows().nth(i).unwrap().get("grazing_deg");
+    assert_eq!((usual.rows().len(), grazing(0), grazing(27)), (7 * 28, 0.1, 60.0));
+    // A wind is the sea it raises in time.
+    let risen = printed("sigma0-nrl --wind-mps 10 --grazing-deg 1");
+    let sea_state = risen.single().get("sea_state");
+    let same = printed(&format!("sigma0-nrl --sea-state {sea_state} --grazing-deg 1"));
+    assert_eq!(same.single().get("sigma0_vv_db"), risen.single().get("sigma0_vv_db"));
+    assert!((same.single().get("u10_mps") - 10.0).abs() < 1e-12);
+}
+
 #[test]
 fn any_angle_is_swept() {
     for (angle, rows) in [("incidence", 17), ("scattering", 17), ("azimuth", 37), ("aspect", 37)] {
@@ -480,6 +499,14 @@ fn bad_keys_are_refused_in_words() {
         ("sigma0 --slope-x 11", "--slope-x 11 is not allowed; allowed: -10 to 10"),
         ("sigma0 --splitting half", "consistent"),
         ("sigma0 --carrier-hz 100e9", "frequency is 100 GHz"),
+        ("sigma0-nrl --grazing-deg 70", "--grazing-deg 70 is not allowed; allowed: 0.1 to 60"),
+        ("sigma0-nrl --from-deg 0 --to-deg 10 --step-deg 1", "--grazing-deg 0 is not allowed"),
+        ("sigma0-nrl --grazing-deg 1 --from-deg 2", "--grazing-deg and --from-deg both say"),
+        ("sigma0-nrl --sea-state 7", "sea state is 7, allowed 0 to 6"),
+        ("sigma0-nrl --wind-mps 15", "wind is 15 m/s, allowed 1.99 to 12.92 m/s"),
+        ("sigma0-nrl --wind-mps nan", "wind is NaN m/s"),
+        ("sigma0-nrl --wind-mps 5 --sea-state 3", "cannot be used with"),
+        ("sigma0-nrl --carrier-hz 10e9,40e9", "carrier is 40 GHz, allowed 0.5 to 35 GHz"),
         ("slope-pdf --from-slope nan", "--from-slope NaN"),
         ("slope-pdf --downwind-slope 11", "--downwind-slope 11"),
         ("facet-density --wind-mps 0.2", "raises no waves; allowed: at least 0.3 m/s"),
@@ -503,6 +530,7 @@ fn tables_have_an_end() {
         ("spreading --points 400000", "a table of 1600000 rows; allowed: at most 1000000"),
         ("sigma0 --points 1000000 --azimuth-deg 0,180 --aspect-deg 0", "a table of 2000000 rows"),
         ("sigma0 --vary aspect --points 10001", "10001 different seas"),
+        ("sigma0-nrl --points 200000", "a table of 1400000 rows"),
         ("moments --points 10001", "10001 different seas"),
     ] {
         let stderr = refused(keys);
@@ -522,6 +550,7 @@ fn names_of_columns_bear_units() {
         "spreading",
         "moments",
         "sigma0 --incidence-deg 45",
+        "sigma0-nrl",
         "slope-pdf",
         "facet-density",
         "kpeak-lmin",
@@ -541,7 +570,15 @@ fn names_of_columns_bear_units() {
                 "power_v",
                 "power_h",
             ];
-            let pure = ["b", "density", "band_step", "downwind_slope", "crosswind_slope", "facets_per_m"];
+            let pure = [
+                "sea_state",
+                "b",
+                "density",
+                "band_step",
+                "downwind_slope",
+                "crosswind_slope",
+                "facets_per_m",
+            ];
             let slopes = name.starts_with("mss") || name.starts_with("cox_munk");
             assert!(
                 units.contains(&unit)

@@ -1,6 +1,7 @@
 //! Physics against golden values, closed forms and independent computations.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+mod clutter_nrl;
 mod echo_golden;
 mod echo_peak;
 mod echo_quadrature;
@@ -19,6 +20,7 @@ mod scatter_composite;
 mod scatter_extremes;
 mod scatter_golden;
 mod scatter_laws;
+mod scatter_options;
 mod scatter_oracle;
 mod sea_contacts;
 mod sea_extremes;
@@ -28,4 +30,8 @@ mod sea_surface;
 mod sea_wind;
 mod shadow;
 mod shadow_extremes;
+mod wake_extremes;
+mod wake_laws;
+mod wake_map;
+mod wake_turbulent;
 mod waveform_spectrum;

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::scattering::clutter_nrl::ClutterError;
 use crate::scattering::permittivity::PermittivityError;
 use crate::sea::spectrum::SpectrumError;
 use crate::sea::wind::WindError;
@@ -124,6 +125,9 @@ pub enum TableError {
     /// The permittivity.
     #[error(transparent)]
     Permittivity(#[from] PermittivityError),
+    /// The model of measured clutter.
+    #[error(transparent)]
+    Clutter(#[from] ClutterError),
 }
 
 /// Refuses values outside a range, not-a-number among them.

@@ -5,6 +5,7 @@
 //! instead ([`sweep`]). Columns bear their units too; decibels of nothing are `-inf`.
 
 mod antenna;
+mod clutter;
 mod csv;
 mod error;
 mod sampling;
@@ -20,6 +21,7 @@ use std::io::Write;
 use clap::{Args, Subcommand};
 
 pub use antenna::{Aperture, Cut, TableAntennaArgs};
+pub use clutter::TableClutterArgs;
 pub use error::TableError;
 pub use sampling::{TableFacetDensityArgs, TableLeastLengthArgs};
 pub use scattering::{TableSigma0Args, TableSlopePdfArgs};
@@ -82,6 +84,12 @@ pub enum Quantity {
     /// angle is the incidence; with the default azimuth of 180 that is monostatic. Sweep: the angle named by --vary;
     /// incidence or scattering 0 to 80 degrees by 5, azimuth or aspect 0 to 360 by 10 unless given.
     Sigma0(TableSigma0Args),
+    /// Measured cross section of the sea, by the empirical NRL clutter model
+    ///
+    /// Mean over the wind's directions, by sea state; with --wind-mps that of the fully risen sea. Nothing of a scene is
+    /// computed with it. Sweep: grazing angle, 0.1 to 60 degrees, 28 points in log spacing unless given.
+    #[command(name = "sigma0-nrl")]
+    Sigma0Nrl(TableClutterArgs),
     /// Density of sea slopes (Cox and Munk)
     ///
     /// Sweep: the slope named by --vary, -0.5 to 0.5 by 0.02 unless given.
@@ -107,6 +115,7 @@ pub(super) fn table(args: &TableArgs, out: &mut dyn Write) -> Result<(), CliErro
         Quantity::Spreading(args) => waves::spreading(args, out),
         Quantity::Moments(args) => waves::moments(args, out),
         Quantity::Sigma0(args) => scattering::sigma0(args, out),
+        Quantity::Sigma0Nrl(args) => clutter::sigma0(args, out),
         Quantity::SlopePdf(args) => scattering::slope_pdf(args, out),
         Quantity::FacetDensity(args) => sampling::facet_density(args, out),
         Quantity::KpeakLmin(args) => sampling::least_length(args, out),

@@ -270,6 +270,11 @@ impl SeaPlan {
         }
     }
 
+    /// Whether the patch moves.
+    pub fn moves(&self) -> bool {
+        matches!(self.place, PatchPlace::Follow { .. })
+    }
+
     /// The patch at a time.
     pub fn patch_at(&self, of: &Surroundings, t: TimeTag) -> Result<Patch, TrackFailure> {
         match &self.place {

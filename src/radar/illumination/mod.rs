@@ -374,6 +374,11 @@ impl Illumination {
         }
     }
 
+    /// Whether there is a sea whose patch moves.
+    pub fn follows(&self) -> bool {
+        self.sea.as_ref().is_some_and(|sea| sea.moves())
+    }
+
     /// Facets of the patch, if there is a sea.
     pub fn facets(&self) -> usize {
         self.sea.as_ref().map_or(0, |sea| sea.patch.len())

@@ -38,6 +38,28 @@ impl Snapshot {
         let dbw = |a: &Complex64| if *a == Complex64::ZERO { f64::NAN } else { 10.0 * a.norm_sqr().log10() };
         self.amplitude[channel].iter().map(dbw).collect()
     }
+
+    /// Power of the heard facets along the edge of the patch over that of all heard facets, dB, in the worst channel:
+    /// what comes and goes when the patch moves by one row. Negative infinity where nothing is heard.
+    ///
+    /// `pair_of` is the pair of each channel.
+    pub fn edge_db(&self, pair_of: &[usize]) -> f64 {
+        let [nx, ny] = self.patch.facets;
+        let channels = self.amplitude.iter().zip(pair_of);
+        channels
+            .map(|(amplitude, &pair)| {
+                let (mut edge, mut all) = (0.0, 0.0);
+                for (facet, a) in amplitude.iter().enumerate().filter(|&(facet, _)| self.heard[pair][facet]) {
+                    let (ix, iy) = (facet % nx, facet / nx);
+                    all += a.norm_sqr();
+                    if ix == 0 || iy == 0 || ix + 1 == nx || iy + 1 == ny {
+                        edge += a.norm_sqr();
+                    }
+                }
+                if edge > 0.0 { 10.0 * f64::log10(edge / all) } else { f64::NEG_INFINITY }
+            })
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
 }
 
 impl Illumination {

@@ -15,6 +15,7 @@
 
 pub mod clean;
 pub mod slick;
+pub mod turbulent_wake;
 
 use super::slope_pdf::{GramCharlier, MeanSquareSlope};
 

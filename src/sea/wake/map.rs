@@ -1,0 +1,320 @@
+//! All fields of several wakes on a rectangle of facets.
+//!
+//! The waves of each ship are summed by [`nonuniform`](super::nonuniform) FFT. Four pairs are summed, and in deep water all else
+//! follows from them facet by facet (u the horizontal velocity, s the slope, q its rate, D the displacement,
+//! f ahead, V the speed):
+//!
+//! | field | from |
+//! | --- | --- |
+//! | height | `V f.u/g` |
+//! | vertical velocity | `-V f.s` |
+//! | vertical acceleration | `-V f.q` |
+//! | horizontal acceleration | `-g s` |
+//!
+//! Only what the caller's fields ask for is summed. The window of [`upstream`](super::upstream) is applied last. Fields are
+//! **added to**, where [`Grid::index`] has the facets of the patch: those of the sea can be passed on.
+//! Memory is taken at construction only. The error is relative to the root sum square of the waves' amplitudes, which is
+//! the level of the wake over the reach: ahead of the ship and outside the cone, where waves cancel, it is as large as inside.
+//! A test holds the largest error of every field against its largest value.
+//!
+//! A ship all of whose facets lie ahead of its window adds nothing. An example is at [`super`].
+
+use num_complex::{Complex, Complex64};
+
+use super::course::{Pose, corners_m};
+use super::free_waves::{Wake, WakeError};
+use super::nonuniform::NonUniform;
+use crate::scene::Patch;
+use crate::sea::GRAVITY_MPS2;
+use crate::sea::surface::fields::Real;
+use crate::sea::surface::{Fields, Grid, Sample, SurfaceError};
+
+/// Evaluates wakes on a rectangle of facets, in f32 or f64.
+#[derive(Clone)]
+pub struct Map<T: Real> {
+    wakes: Vec<Wake>,
+    grid: Grid,
+    sum: NonUniform<T>,
+    steps_rad: Vec<[f64; 2]>,
+    /// Per wave: its value at the middle facet, m.
+    waves_m: Vec<Complex64>,
+    amplitudes: Vec<[Complex<T>; 2]>,
+    planes: [Vec<Complex<T>>; 4],
+}
+
+/// A pair of fields that is summed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pair {
+    Velocity,
+    Slope,
+    SlopeRate,
+    Displacement,
+}
+
+impl Pair {
+    const ALL: [Self; 4] = [Self::Velocity, Self::Slope, Self::SlopeRate, Self::Displacement];
+}
+
+impl<T: Real> Map<T> {
+    /// For wakes on the facets of a patch (any patch of that many facets of that side), with an error in dB.
+    pub fn new(wakes: Vec<Wake>, patch: &Patch, error_db: f64) -> Result<Self, WakeError> {
+        let [nx, ny] = patch.facets;
+        let grid = Grid::new(nx, ny, patch.facet_m)?;
+        if let Some(wake) = wakes.iter().find(|wake| wake.facet_m() != patch.facet_m) {
+            return Err(WakeError::FacetsDiffer { wake_m: wake.facet_m(), map_m: patch.facet_m });
+        }
+        let most = wakes.iter().map(|wake| wake.nodes().len()).max().unwrap_or(0);
+        let zero = Complex::new(T::default(), T::default());
+        let plane = || vec![zero; grid.len()];
+        Ok(Self {
+            wakes,
+            grid,
+            sum: NonUniform::new(patch.facets, most, error_db)?,
+            steps_rad: Vec::with_capacity(most),
+            waves_m: Vec::with_capacity(most),
+            amplitudes: Vec::with_capacity(most),
+            planes: [plane(), plane(), plane(), plane()],
+        })
+    }
+
+    /// Its wakes.
+    pub fn wakes(&self) -> &[Wake] {
+        &self.wakes
+    }
+
+    /// Adds all wakes at a time, s, to every field that is not empty; `first` is the global key of the patch's facet
+    /// with the smallest x and y.
+    ///
+    /// # Errors
+    /// Fields of another size, or a patch beyond the reach of a wake; nothing is added then.
+    pub fn add(&mut self, first: [i64; 2], time_s: f64, fields: &mut Fields<T>) -> Result<(), WakeError> {
+        check_sizes(fields, self.grid.len())?;
+        let patch = Patch { facets: [self.grid.nx(), self.grid.ny()], facet_m: self.grid.facet_m(), first };
+        for wake in &self.wakes {
+            let pose = wake.pose(time_s)?;
+            if touches(wake, &pose, &patch) {
+                for corner_m in corners_m(&patch) {
+                    wake.check_reach(pose.astern_starboard_m(corner_m))?;
+                }
+            }
+        }
+        for place in 0..self.wakes.len() {
+            self.add_one(place, &patch, time_s, fields)?;
+        }
+        Ok(())
+    }
+
+    fn add_one(
+        &mut self,
+        place: usize,
+        patch: &Patch,
+        time_s: f64,
+        fields: &mut Fields<T>,
+    ) -> Result<(), WakeError> {
+        let pose = self.wakes[place].pose(time_s)?;
+        if !touches(&self.wakes[place], &pose, patch) {
+            return Ok(());
+        }
+        self.turn_to(place, &pose, patch);
+        let wanted = Wanted::of(fields);
+        let edge = edge_crosses(&self.wakes[place], &pose, patch);
+        for (plane, pair) in Pair::ALL.into_iter().enumerate() {
+            if wanted.needs(pair, edge) {
+                self.weigh(place, &pose, pair);
+                self.sum.run(&self.amplitudes, &mut self.planes[plane]);
+            }
+        }
+        self.collect(place, &pose, patch, wanted, edge, fields);
+        Ok(())
+    }
+
+    /// Phase steps of the waves, and their values at the middle facet.
+    fn turn_to(&mut self, place: usize, pose: &Pose, patch: &Patch) {
+        let middle = [0, 1].map(|i| patch.first[i] + (patch.facets[i] / 2) as i64);
+        let [astern_m, starboard_m] = pose.astern_starboard_m(patch.centre_m(middle));
+        self.steps_rad.clear();
+        self.waves_m.clear();
+        for node in self.wakes[place].nodes() {
+            let k = wave_vector(node.ahead_rad_m, node.port_rad_m, pose);
+            self.steps_rad.push(k.map(|k| k * patch.facet_m));
+            let phase = -(node.ahead_rad_m * astern_m + node.port_rad_m * starboard_m);
+            self.waves_m.push(node.amplitude_m * Complex64::cis(phase));
+        }
+        self.sum.place(&self.steps_rad);
+    }
+
+    /// Amplitudes of a pair: `K r Re e` along x and y gives `(Kx + j Ky) r e/2` and the same of the conjugate of e;
+    /// `-K r Im e` is `K r Re(j e)`.
+    fn weigh(&mut self, place: usize, pose: &Pose, pair: Pair) {
+        self.amplitudes.clear();
+        for (node, &wave) in self.wakes[place].nodes().iter().zip(&self.waves_m) {
+            let turned = Complex64::new(-wave.im, wave.re);
+            let (factor, wave) = match pair {
+                Pair::Velocity => (node.omega_rad_s / node.k_rad_m, wave),
+                Pair::Slope => (1.0, turned),
+                Pair::SlopeRate => (node.omega_rad_s, wave),
+                Pair::Displacement => (1.0 / node.k_rad_m, turned),
+            };
+            let [kx, ky] = wave_vector(node.ahead_rad_m, node.port_rad_m, pose);
+            let vector = Complex64::new(kx, ky) * (0.5 * factor);
+            let round = |value: Complex64| Complex::new(T::round_from(value.re), T::round_from(value.im));
+            self.amplitudes.push([round(vector * wave), round(vector * wave.conj())]);
+        }
+    }
+
+    /// From the planes to the fields.
+    fn collect(
+        &self,
+        place: usize,
+        pose: &Pose,
+        patch: &Patch,
+        wanted: Wanted,
+        edge: bool,
+        fields: &mut Fields<T>,
+    ) {
+        let wake = &self.wakes[place];
+        let (window, speed_mps, ahead) = (wake.window(), wake.course().speed_mps, pose.ahead);
+        let [nx, ny] = patch.facets;
+        let first_column = self.grid.index([patch.first[0], 0]);
+        for iy in 0..ny {
+            let key_y = patch.first[1] + iy as i64;
+            let row = self.grid.index([0, key_y]);
+            for ix in 0..nx {
+                let key = [patch.first[0] + ix as i64, key_y];
+                let from = iy * nx + ix;
+                let column = first_column + ix;
+                let to = row + if column < nx { column } else { column - nx };
+                let pair = |plane: usize| {
+                    let value = self.planes[plane][from];
+                    [value.re.widen(), value.im.widen()]
+                };
+                // Planes that were not summed hold old values, which go nowhere.
+                let mut sample = waves(pair, speed_mps, ahead);
+                if edge {
+                    let [astern_m, _] = pose.astern_starboard_m(patch.centre_m(key));
+                    sample = window.at(astern_m).apply(&sample, speed_mps, ahead);
+                }
+                wanted.add(&sample, to, fields);
+            }
+        }
+    }
+}
+
+/// All fields of waves from the four pairs.
+#[inline(always)]
+fn waves(pair: impl Fn(usize) -> [f64; 2], speed_mps: f64, [fx, fy]: [f64; 2]) -> Sample {
+    let (u, s, q) = (pair(0), pair(1), pair(2));
+    let ahead = |[x, y]: [f64; 2]| speed_mps * (fx * x + fy * y);
+    Sample {
+        height_m: ahead(u) / GRAVITY_MPS2,
+        slope: s,
+        velocity_mps: [u[0], u[1], -ahead(s)],
+        acceleration_mps2: [-GRAVITY_MPS2 * s[0], -GRAVITY_MPS2 * s[1], -ahead(q)],
+        displacement_m: pair(3),
+        slope_rate_per_s: q,
+    }
+}
+
+fn wave_vector(ahead_rad_m: f64, port_rad_m: f64, pose: &Pose) -> [f64; 2] {
+    let [cos, sin] = pose.ahead;
+    [ahead_rad_m * cos - port_rad_m * sin, ahead_rad_m * sin + port_rad_m * cos]
+}
+
+/// Distances astern of the patch's corners: least and largest, m.
+fn astern_range_m(pose: &Pose, patch: &Patch) -> [f64; 2] {
+    let astern_m = corners_m(patch).map(|corner_m| pose.astern_starboard_m(corner_m)[0]);
+    [
+        astern_m.iter().copied().fold(f64::INFINITY, f64::min),
+        astern_m.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    ]
+}
+
+/// Whether some facet may have waves.
+fn touches(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
+    let half_m = wake.window().half_m();
+    !wake.nodes().is_empty() && (half_m < 0.0 || astern_range_m(pose, patch)[1] > -half_m)
+}
+
+/// Whether some facet may be under the edge of the window, or ahead of it.
+fn edge_crosses(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
+    astern_range_m(pose, patch)[0] < wake.window().half_m()
+}
+
+/// Which of the caller's fields are there.
+#[derive(Clone, Copy)]
+struct Wanted {
+    height: bool,
+    slope: [bool; 2],
+    velocity: [bool; 3],
+    acceleration: [bool; 3],
+    displacement: [bool; 2],
+    slope_rate: [bool; 2],
+}
+
+impl Wanted {
+    fn of<T: Real>(fields: &Fields<T>) -> Self {
+        let there = |field: &Vec<T>| !field.is_empty();
+        Self {
+            height: there(&fields.height_m),
+            slope: fields.slope.each_ref().map(there),
+            velocity: fields.velocity_mps.each_ref().map(there),
+            acceleration: fields.acceleration_mps2.each_ref().map(there),
+            displacement: fields.displacement_m.each_ref().map(there),
+            slope_rate: fields.slope_rate_per_s.each_ref().map(there),
+        }
+    }
+
+    /// Whether a pair must be summed; under the edge of the window the product rule needs more.
+    fn needs(&self, pair: Pair, edge: bool) -> bool {
+        let some = |wanted: &[bool]| wanted.contains(&true);
+        let level = |wanted: &[bool; 3]| some(&wanted[..2]);
+        let (slope, rate) = (some(&self.slope), some(&self.slope_rate));
+        let (uz, az) = (self.velocity[2], self.acceleration[2]);
+        match pair {
+            Pair::Velocity => {
+                self.height
+                    || level(&self.velocity)
+                    || edge && (slope || rate || uz || az || level(&self.acceleration))
+            }
+            Pair::Slope => slope || uz || level(&self.acceleration) || edge && (rate || az),
+            Pair::SlopeRate => rate || az,
+            Pair::Displacement => {
+                some(&self.displacement) || edge && (level(&self.velocity) || level(&self.acceleration))
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add<T: Real>(&self, sample: &Sample, to: usize, fields: &mut Fields<T>) {
+        let put = |wanted: bool, field: &mut Vec<T>, value: f64| {
+            if wanted {
+                field[to] = field[to] + T::round_from(value);
+            }
+        };
+        put(self.height, &mut fields.height_m, sample.height_m);
+        for axis in 0..3 {
+            put(self.velocity[axis], &mut fields.velocity_mps[axis], sample.velocity_mps[axis]);
+            put(self.acceleration[axis], &mut fields.acceleration_mps2[axis], sample.acceleration_mps2[axis]);
+        }
+        for axis in 0..2 {
+            put(self.slope[axis], &mut fields.slope[axis], sample.slope[axis]);
+            put(self.displacement[axis], &mut fields.displacement_m[axis], sample.displacement_m[axis]);
+            put(self.slope_rate[axis], &mut fields.slope_rate_per_s[axis], sample.slope_rate_per_s[axis]);
+        }
+    }
+}
+
+fn check_sizes<T: Real>(fields: &Fields<T>, needed: usize) -> Result<(), SurfaceError> {
+    let Fields { height_m, slope, velocity_mps, acceleration_mps2, displacement_m, slope_rate_per_s } =
+        fields;
+    let all = std::iter::once(height_m)
+        .chain(slope)
+        .chain(velocity_mps)
+        .chain(acceleration_mps2)
+        .chain(displacement_m)
+        .chain(slope_rate_per_s);
+    match all.map(Vec::len).find(|&found| found != 0 && found != needed) {
+        Some(found) => Err(SurfaceError::FieldSize { found, needed }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,52 @@
+//! Ship wakes: Kelvin waves on a straight or slowly turning course, and the turbulent strip behind the stern.
+//!
+//! | page | holds |
+//! | --- | --- |
+//! | [`wigley`] | amplitude of the waves of a Wigley hull, in closed form |
+//! | [`course`] | where a ship is, and how much it may turn |
+//! | [`nodes`] | the waves of a ship as a finite sum: how many, which, and the band limit of a map |
+//! | [`upstream`] | no waves ahead of the bow |
+//! | [`free_waves`] | the wake of one ship; all fields at a point, summed wave by wave |
+//! | [`nonuniform`] | sums of arbitrary plane waves on a grid of facets, by FFT |
+//! | [`map`] | all fields of several wakes on a rectangle of facets |
+//! | [`turbulent`] | the strip of damped small waves |
+//!
+//! A hull enters through the complex amplitude of its free waves, `A(theta)` in metres, as a function of
+//! `tan theta`; theta is the angle of a wave's direction from the course.
+//!
+//! ```
+//! use nereus::scene::Patch;
+//! use nereus::sea::surface::{Fields, Grid, Selection};
+//! use nereus::sea::wake::{Course, Map, Reach, Settings, Wake, Wigley};
+//! let hull = Wigley { length_m: 100.0, beam_m: 13.0, draught_m: 4.3 };
+//! let course = Course::straight([60.0, 0.0], 0.0, 9.0);
+//! let patch = Patch::new([256.0, 128.0], 2.0, [-60.0, 0.0])?;
+//! let settings = Settings::new(patch.facet_m, Reach::of(&patch, &course, [0.0, 10.0])?);
+//! let wake = Wake::new(course, hull.length_m, &settings, |tan_theta| hull.amplitude_m(9.0, tan_theta))?;
+//! let mut map = Map::<f64>::new(vec![wake.clone()], &patch, -100.0)?;
+//!
+//! let grid = Grid::new(128, 64, 2.0)?;
+//! let mut fields = Fields::new(&grid, Selection::ALL);
+//! map.add(patch.first, 10.0, &mut fields)?;
+//! let key = [-20, 4];
+//! let sum = wake.at(patch.centre_m(key), 10.0)?;
+//! assert!((fields.height_m[grid.index(key)] - sum.height_m).abs() < 1e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod course;
+pub mod free_waves;
+pub mod map;
+pub mod nodes;
+pub mod nonuniform;
+pub mod turbulent;
+pub mod upstream;
+pub mod wigley;
+
+pub use course::{Course, Reach};
+pub use free_waves::{Presence, Settings, Wake, WakeError};
+pub use map::Map;
+pub use nodes::Band;
+pub use turbulent::TurbulentStrip;
+pub use upstream::Upstream;
+pub use wigley::Wigley;

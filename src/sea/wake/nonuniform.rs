@@ -1,0 +1,224 @@
+//! Sums of arbitrary plane waves on a grid of facets, by FFT.
+//!
+//! `P(m, l) = sum over n of [c_n exp(j (a_n m + b_n l)) + d_n exp(-j (a_n m + b_n l))]`
+//!
+//! with m, l the place of a facet counted from the middle of the grid and `a_n, b_n` the phase steps from facet to facet, radians:
+//! two real fields at once when c and d are chosen so that P's real and imaginary parts are they. Each wave is spread
+//! over `w x w` cells of a wave-number grid finer by the factor [`OVERSAMPLING`] with the kernel
+//! `phi(x) = exp(beta (sqrt(1 - x^2) - 1))`, `x = 2 (cell - place)/w`, `beta = 0.97 pi (1 - 1/(2 s)) w`; then one FFT
+//! along each axis (columns that are not wanted are left out), and division by the kernel's own transform. Source: Barnett, Magland
+//! and af Klinteberg, SIAM J. Sci. Comp. 41, C479 (2019).
+//!
+//! The error falls by [`DB_A_CELL`] dB with each cell of w, relative to the root sum square of c and d, until rounding stops it: near -280 dB
+//! in f64, near -125 dB in f32.
+//!
+//! ```
+//! use nereus::sea::wake::nonuniform::NonUniform;
+//! use num_complex::Complex64;
+//! let mut sum = NonUniform::<f64>::new([8, 4], 1, -100.0)?;
+//! sum.place(&[[0.3, -0.2]]);
+//! let mut out = vec![Complex64::ZERO; 32];
+//! sum.run(&[[Complex64::ONE, Complex64::ZERO]], &mut out);
+//! // Facet (6, 3) is (2, 1) from the middle facet (4, 2).
+//! let phase: f64 = 0.3 * 2.0 - 0.2 * 1.0;
+//! assert!((out[3 * 8 + 6] - Complex64::cis(phase)).norm() < 1e-5);
+//! # Ok::<(), nereus::sea::wake::WakeError>(())
+//! ```
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
+
+use num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+
+use super::free_waves::WakeError;
+use crate::sea::surface::fields::Real;
+
+/// Cells of the wave-number grid per cell of a critically sampled one, at least.
+pub const OVERSAMPLING: f64 = 1.5;
+/// Errors that may be asked for, dB.
+pub const ERROR_RANGE_DB: [f64; 2] = [-220.0, -20.0];
+/// What one more cell of kernel width gains, dB.
+pub const DB_A_CELL: f64 = 15.0;
+/// Rows transformed before their results are turned.
+const BLOCK: usize = 16;
+
+/// Cells of kernel width for an error, dB.
+pub fn width(error_db: f64) -> usize {
+    ((25.0 - error_db) / DB_A_CELL).ceil().clamp(4.0, 17.0) as usize
+}
+
+/// Sums of plane waves on a grid.
+#[derive(Clone)]
+pub struct NonUniform<T: Real> {
+    axes: [Axis<T>; 2],
+    width: usize,
+    beta: f64,
+    /// Per wave, and then its opposite: first cell along x and y.
+    first: Vec<[usize; 2]>,
+    /// As many: `w` values of the kernel along x, `w` along y.
+    taps: Vec<T>,
+    /// `[kx][ky]`.
+    grid: Vec<Complex<T>>,
+    /// `[iy][kx]`.
+    half: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
+}
+
+/// One axis of the grid.
+#[derive(Clone)]
+struct Axis<T: Real> {
+    facets: usize,
+    cells: usize,
+    fft: Arc<dyn Fft<T>>,
+    /// Per facet: cell of its value after the transform.
+    cell: Vec<usize>,
+    /// Per facet: the inverse of the kernel's transform.
+    factor: Vec<T>,
+}
+
+impl<T: Real> Axis<T> {
+    fn new(facets: usize, width: usize, beta: f64) -> Self {
+        let cells = smooth(((OVERSAMPLING * facets as f64).ceil() as usize).max(2 * width));
+        let offset = |i: usize| i as i64 - (facets / 2) as i64;
+        Self {
+            facets,
+            cells,
+            fft: FftPlanner::new().plan_fft_inverse(cells),
+            cell: (0..facets).map(|i| offset(i).rem_euclid(cells as i64) as usize).collect(),
+            factor: (0..facets)
+                .map(|i| {
+                    let turn = PI * width as f64 * offset(i) as f64 / cells as f64;
+                    T::round_from(2.0 / (width as f64 * kernel_transform(beta, turn)))
+                })
+                .collect(),
+        }
+    }
+}
+
+impl<T: Real> NonUniform<T> {
+    /// For facets along x and y, at most so many waves, and an error in dB.
+    pub fn new(facets: [usize; 2], most_waves: usize, error_db: f64) -> Result<Self, WakeError> {
+        if !(ERROR_RANGE_DB[0]..=ERROR_RANGE_DB[1]).contains(&error_db) {
+            return Err(WakeError::ErrorBudget { error_db });
+        }
+        let width = width(error_db);
+        let beta = 0.97 * PI * (1.0 - 0.5 / OVERSAMPLING) * width as f64;
+        let axes = facets.map(|n| Axis::new(n.max(1), width, beta));
+        let zero = Complex::new(T::default(), T::default());
+        let scratch = axes.iter().map(|axis| axis.fft.get_inplace_scratch_len()).max().unwrap_or(0);
+        Ok(Self {
+            width,
+            beta,
+            first: Vec::with_capacity(2 * most_waves),
+            taps: Vec::with_capacity(4 * width * most_waves),
+            grid: vec![zero; axes[0].cells * axes[1].cells],
+            half: vec![zero; axes[0].cells * axes[1].facets],
+            scratch: vec![zero; scratch],
+            axes,
+        })
+    }
+
+    /// Where the waves are: phase steps along x and y, radians. No memory is taken up to the number of waves made for.
+    pub fn place(&mut self, steps_rad: &[[f64; 2]]) {
+        self.first.clear();
+        self.taps.clear();
+        let half_width = 0.5 * self.width as f64;
+        for step in steps_rad {
+            for sign in [1.0, -1.0] {
+                let mut first = [0; 2];
+                for (axis, first) in first.iter_mut().enumerate() {
+                    let cells = self.axes[axis].cells;
+                    let turn = sign * step[axis] / TAU;
+                    let place = (turn - turn.round()) * cells as f64;
+                    let start = (place - half_width).ceil();
+                    *first = (start as i64).rem_euclid(cells as i64) as usize;
+                    for i in 0..self.width {
+                        let x = (start + i as f64 - place) / half_width;
+                        let root = (1.0 - x * x).max(0.0).sqrt();
+                        self.taps.push(T::round_from((self.beta * (root - 1.0)).exp()));
+                    }
+                }
+                self.first.push(first);
+            }
+        }
+    }
+
+    /// The sum with amplitudes `[c, d]` of each wave, into `out[iy nx + ix]`.
+    pub fn run(&mut self, amplitudes: &[[Complex<T>; 2]], out: &mut [Complex<T>]) {
+        self.spread(amplitudes);
+        let [x, y] = &self.axes;
+        for (block, rows) in self.grid.chunks_mut(BLOCK * y.cells).enumerate() {
+            y.fft.process_with_scratch(rows, &mut self.scratch);
+            let first = block * BLOCK;
+            let count = rows.len() / y.cells;
+            for (line, (&cell, &factor)) in
+                self.half.chunks_exact_mut(x.cells).zip(y.cell.iter().zip(&y.factor))
+            {
+                for (row, value) in line[first..first + count].iter_mut().enumerate() {
+                    *value = rows[row * y.cells + cell] * factor;
+                }
+            }
+        }
+        for (line, out) in self.half.chunks_exact_mut(x.cells).zip(out.chunks_exact_mut(x.facets)) {
+            x.fft.process_with_scratch(line, &mut self.scratch);
+            for (value, (&cell, &factor)) in out.iter_mut().zip(x.cell.iter().zip(&x.factor)) {
+                *value = line[cell] * factor;
+            }
+        }
+    }
+
+    fn spread(&mut self, amplitudes: &[[Complex<T>; 2]]) {
+        let w = self.width;
+        let [cells_x, cells_y] = [self.axes[0].cells, self.axes[1].cells];
+        self.grid.fill(Complex::new(T::default(), T::default()));
+        let waves = self.first.iter().zip(self.taps.chunks_exact(2 * w));
+        for ((first, taps), &amplitude) in waves.zip(amplitudes.iter().flatten()) {
+            let (along_x, along_y) = taps.split_at(w);
+            // Cells that run over the edge go on at the other.
+            let inside = w.min(cells_y - first[1]);
+            for (i, &tap) in along_x.iter().enumerate() {
+                let row = (first[0] + i) % cells_x * cells_y;
+                let value = amplitude * tap;
+                let start = row + first[1];
+                add(&mut self.grid[start..start + inside], value, &along_y[..inside]);
+                add(&mut self.grid[row..row + w - inside], value, &along_y[inside..]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add<T: Real>(cells: &mut [Complex<T>], value: Complex<T>, taps: &[T]) {
+    for (cell, &tap) in cells.iter_mut().zip(taps) {
+        cell.re = cell.re + value.re * tap;
+        cell.im = cell.im + value.im * tap;
+    }
+}
+
+/// `integral from -1 to 1 of phi(x) cos(turn x) dx`.
+fn kernel_transform(beta: f64, turn: f64) -> f64 {
+    // x = sin v: the integrand is then smooth, and the trapezoid's error at the ends is exp(-beta) h^2. The
+    // steps follow the faster of kernel and cosine.
+    let steps = (16.0 + 2.0 * beta + 2.0 * turn.abs()).ceil();
+    let h = FRAC_PI_2 / steps;
+    let mut sum = 0.5;
+    for i in 1..=steps as usize {
+        let (sin, cos) = (h * i as f64).sin_cos();
+        sum += cos * (beta * (cos - 1.0)).exp() * (turn * sin).cos();
+    }
+    2.0 * h * sum
+}
+
+/// The least product of twos, threes and fives that is not below `n`.
+fn smooth(n: usize) -> usize {
+    let rest = |mut n: usize| {
+        for p in [2, 3, 5] {
+            while n.is_multiple_of(p) {
+                n /= p;
+            }
+        }
+        n
+    };
+    (n.max(1)..).find(|&n| rest(n) == 1).unwrap_or(n)
+}

@@ -1,0 +1,125 @@
+//! No waves ahead of the bow.
+//!
+//! The integral over free waves alone is symmetric fore and aft: it has waves ahead of the ship that no ship
+//! makes. Height z and horizontal displacement D are multiplied by a raised cosine of the distance x astern
+//! of midship,
+//!
+//! `w = 0` for `x <= -L/2`, `(1 + sin(pi x/L))/2` between, `1` for `x >= L/2`,
+//!
+//! which moves with the ship. All else follows from `w z` and `w D` by the product rule, the rate of the
+//! window included (`dx/dt = V` at a fixed place, `grad x = -f`):
+//!
+//! | field | value |
+//! | --- | --- |
+//! | slope | `w grad z - f w' z` |
+//! | velocity | `w u + w' V (D, z)` |
+//! | acceleration | `w a + 2 w' V u + w'' V^2 (D, z)` |
+//! | rate of the slope | `w grad u_z + w' V grad z - f (w' u_z + w'' V z)` |
+//!
+//! So D and z stay the time integrals of the velocity everywhere, and one scatterer path serves for delay and
+//! Doppler. Limits: the waves are those of the far field, good from about two lengths astern; nearer they are
+//! plausible, not exact. `w''` jumps at both ends of the ship, so acceleration and slope rate do, by
+//! `pi^2/(2 L^2)` times `V^2 z` and `V z`.
+//!
+//! ```
+//! use nereus::sea::wake::Upstream;
+//! let edge = Upstream::RaisedCosine.window(100.0);
+//! assert_eq!((edge.at(-50.0).value, edge.at(0.0).value, edge.at(50.0).value), (0.0, 0.5, 1.0));
+//! assert_eq!(Upstream::Symmetric.window(100.0).at(-1e3).value, 1.0);
+//! ```
+
+use std::f64::consts::PI;
+
+use crate::sea::surface::Sample;
+
+/// What stands ahead of a ship.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Upstream {
+    /// Nothing: a raised cosine over the length of the ship.
+    #[default]
+    RaisedCosine,
+    /// The mirror image, as the integral has it: for checks of the integral.
+    Symmetric,
+}
+
+impl Upstream {
+    /// The window of a ship of a length, m.
+    pub fn window(self, length_m: f64) -> Window {
+        match self {
+            Self::RaisedCosine => Window { half_m: 0.5 * length_m },
+            Self::Symmetric => Window { half_m: f64::NEG_INFINITY },
+        }
+    }
+}
+
+/// A window on the distance astern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Half length of the ship, m; minus infinity for no window.
+    half_m: f64,
+}
+
+/// A window and its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// `w`.
+    pub value: f64,
+    /// `w'`, 1/m.
+    pub rate_per_m: f64,
+    /// `w''`, 1/m^2.
+    pub bend_per_m2: f64,
+}
+
+impl Window {
+    /// Half the width of the edge, m; minus infinity without a window.
+    pub fn half_m(&self) -> f64 {
+        self.half_m
+    }
+
+    /// At a distance astern of midship, m.
+    #[inline]
+    pub fn at(&self, astern_m: f64) -> Edge {
+        let constant = |value| Edge { value, rate_per_m: 0.0, bend_per_m2: 0.0 };
+        if self.half_m < 0.0 || astern_m >= self.half_m {
+            return constant(1.0);
+        }
+        if astern_m <= -self.half_m {
+            return constant(0.0);
+        }
+        let scale = 0.5 * PI / self.half_m;
+        let (sin, cos) = (scale * astern_m).sin_cos();
+        Edge {
+            value: 0.5 + 0.5 * sin,
+            rate_per_m: 0.5 * scale * cos,
+            bend_per_m2: -0.5 * scale * scale * sin,
+        }
+    }
+}
+
+impl Edge {
+    /// Waves under the window, for a ship of speed V, m/s, with a unit vector ahead.
+    pub fn apply(&self, waves: &Sample, speed_mps: f64, ahead: [f64; 2]) -> Sample {
+        let w = self.value;
+        let rate = self.rate_per_m * speed_mps;
+        let bend = self.bend_per_m2 * speed_mps;
+        let z = waves.height_m;
+        let uz = waves.velocity_mps[2];
+        let [dx, dy] = waves.displacement_m;
+        let path = [dx, dy, z];
+        let mut sample = Sample { height_m: w * z, ..Sample::default() };
+        for (axis, along) in path.into_iter().enumerate() {
+            let u = waves.velocity_mps[axis];
+            sample.velocity_mps[axis] = w * u + rate * along;
+            sample.acceleration_mps2[axis] =
+                w * waves.acceleration_mps2[axis] + 2.0 * rate * u + bend * speed_mps * along;
+        }
+        for (axis, f) in ahead.into_iter().enumerate() {
+            let s = waves.slope[axis];
+            sample.displacement_m[axis] = w * path[axis];
+            sample.slope[axis] = w * s - f * self.rate_per_m * z;
+            sample.slope_rate_per_s[axis] =
+                w * waves.slope_rate_per_s[axis] + rate * s - f * (self.rate_per_m * uz + bend * z);
+        }
+        sample
+    }
+}

@@ -1,0 +1,150 @@
+//! The turbulent strip: golden widths, its outline, its cover of a patch, what it does to the spectrum.
+
+use nereus::scattering::kind::turbulent_wake::{RatioError, TurbulentWake, WIND_RATIO};
+use nereus::scattering::kind::{Kind, clean::Clean};
+use nereus::scattering::slope_pdf::MeanSquareSlope;
+use nereus::scene::Patch;
+use nereus::scene::water::{Development, WindProfile};
+use nereus::sea::spectrum::{Elfouhaily, Spectrum, WaveVector};
+use nereus::sea::surface::Grid;
+use nereus::sea::wake::{Course, TurbulentStrip, WakeError};
+use nereus::sea::wind::Wind;
+use proptest::prelude::*;
+
+use crate::sea_golden::{Judge, rows};
+
+#[test]
+fn widths_of_the_golden_table() {
+    let mut judge = Judge::new("turbulent_wake_width.csv", 1e-9);
+    for row in rows("turbulent_wake_width.csv") {
+        let length_m = row.get("L");
+        let strip = TurbulentStrip::with(length_m, row.get("B"), row.get("alpha"), 20.0 * length_m).unwrap();
+        judge.compare(&row, "W_m", strip.width_m(row.get("x_m")));
+    }
+    judge.verdict();
+}
+
+#[test]
+fn the_outline_has_half_the_cover_and_the_edge_a_tenth_of_the_width() {
+    let strip = TurbulentStrip::new(100.0, 13.0).unwrap();
+    for behind_m in [1.0, 40.0, 400.0, 3000.0] {
+        let (half_m, decay) = (0.5 * strip.width_m(behind_m), (-behind_m / 2000.0f64).exp());
+        let cover = |share: f64| strip.cover([behind_m + 50.0, -share * half_m]) / decay;
+        for (share, value) in
+            [(0.0, 1.0), (0.899, 1.0), (0.95, 0.5 + 0.125f64.sqrt()), (1.0, 0.5), (1.101, 0.0)]
+        {
+            assert!((cover(share) - value).abs() < 1e-12, "{behind_m} m, {share}: {}", cover(share));
+        }
+    }
+    // Nothing abreast of the ship or ahead of it.
+    for astern_m in [50.0, 49.0, 0.0, -500.0, f64::NAN] {
+        assert_eq!(strip.cover([astern_m, 0.0]), 0.0);
+    }
+}
+
+#[test]
+fn strips_join_on_a_patch() {
+    let patch = Patch::new([600.0, 300.0], 2.0, [-250.0, 40.0]).unwrap();
+    let grid = Grid::new(300, 150, 2.0).unwrap();
+    let strip = TurbulentStrip::new(100.0, 13.0).unwrap();
+    let courses = [Course::straight([-80.0, 10.0], 0.2, 6.0), Course::straight([-200.0, 100.0], 1.9, 9.0)];
+    let mut cover = vec![0.0f64; grid.len()];
+    for course in &courses {
+        strip.join(course, 11.0, &patch, &mut cover).unwrap();
+    }
+    let (mut one, mut both) = (0, 0);
+    for ix in 0..300 {
+        for iy in 0..150 {
+            let key = [patch.first[0] + ix, patch.first[1] + iy];
+            let own = courses.map(|course| {
+                // Along and across the course, from where the ship is after 11 s.
+                let (sin, cos) = course.heading_rad.sin_cos();
+                let [x, y] = patch.centre_m(key);
+                let x = x - course.position_m[0] - 11.0 * course.speed_mps * cos;
+                let y = y - course.position_m[1] - 11.0 * course.speed_mps * sin;
+                strip.cover([-x * cos - y * sin, x * sin - y * cos])
+            });
+            let joint = own[0] + own[1] - own[0] * own[1];
+            assert!((cover[grid.index(key)] - joint).abs() < 1e-12);
+            one += usize::from(joint > 0.0);
+            both += usize::from(own[0] * own[1] > 0.0);
+        }
+    }
+    assert!(one > 1000 && both > 10, "{one} {both}");
+    // At rest a ship stirs nothing; a fast turn is refused; so is a wrong size.
+    let rest = Course::straight([-80.0, 10.0], 0.2, 0.0);
+    let before = cover.clone();
+    strip.join(&rest, 0.0, &patch, &mut cover).unwrap();
+    assert_eq!(cover, before);
+    let turning = Course { turn_rate_radps: 0.01, ..courses[0] };
+    assert!(matches!(strip.join(&turning, 0.0, &patch, &mut cover), Err(WakeError::Turn { .. })));
+    assert!(matches!(strip.join(&rest, 0.0, &patch, &mut cover[1..]), Err(WakeError::Surface(_))));
+}
+
+#[test]
+fn strips_that_are_refused() {
+    for (length_m, beam_m, exponent, decay_m) in [
+        (0.0, 13.0, 5.0, 100.0),
+        (100.0, -1.0, 5.0, 100.0),
+        (100.0, f64::NAN, 5.0, 100.0),
+        (100.0, 13.0, 3.9, 100.0),
+        (100.0, 13.0, 5.0, 0.0),
+        (100.0, 13.0, 5.0, f64::INFINITY),
+    ] {
+        assert!(TurbulentStrip::with(length_m, beam_m, exponent, decay_m).is_err());
+    }
+    for range in [[0.0, 1.0], [2.0, 1.0], [1.0, 1.0], [1.0, f64::INFINITY], [f64::NAN, 1.0]] {
+        assert!(matches!(TurbulentWake::new(range, |_| 0.5), Err(RatioError::Range { .. })));
+    }
+    assert!(matches!(TurbulentWake::new([1.0, 2.0], |_| -0.1), Err(RatioError::Value { .. })));
+}
+
+#[test]
+fn the_spectrum_in_the_strip_is_that_of_a_weaker_wind() {
+    let sea = |u10_mps: f64| {
+        let wind = Wind::from_speed(u10_mps, 10.0, WindProfile::Cardone, 0.0).unwrap();
+        Elfouhaily::new(&wind, Development::InverseWaveAge(0.84)).unwrap()
+    };
+    let (clean, weak) = (sea(10.0), sea(10.0 * WIND_RATIO));
+    // Upwind and crosswind together: the mean over direction.
+    let mean = |sea: &Elfouhaily, k: f64| {
+        sea.wave_m4(WaveVector::new(k, 0.0))
+            + sea.wave_m4(WaveVector::new(-k, 0.0))
+            + sea.wave_m4(WaveVector::new(0.0, k))
+            + sea.wave_m4(WaveVector::new(0.0, -k))
+    };
+    let ratio = |k: f64| mean(&weak, k) / mean(&clean, k);
+    let stirred = TurbulentWake::new([1.0, 1000.0], ratio).unwrap();
+    for k in [1.5, 37.0, 209.0, 419.0, 900.0] {
+        // 256 values over ln 1000: steps of 0.027, and linear between misses by step^2/8 of the second derivative,
+        // which at the capillary end is about 10.
+        assert!(
+            (stirred.spectrum_factor(k) - ratio(k).min(1.0)).abs() < 1e-3,
+            "{k}: {}",
+            stirred.spectrum_factor(k)
+        );
+    }
+    assert!(stirred.spectrum_factor(209.0) < 0.5, "X-band Bragg waves are damped");
+    assert_eq!(stirred.spectrum_factor(1e-9), stirred.spectrum_factor(1.0));
+    // Slopes go from clean to slick with the cover.
+    let half = Clean.slopes(8.0).blend(stirred.slopes(8.0), 0.5);
+    let mean = 0.5 * (MeanSquareSlope::cox_munk_clean(8.0).up + MeanSquareSlope::cox_munk_slick(8.0).up);
+    assert!((half.up - mean).abs() < 1e-15);
+    assert_eq!(stirred.name(), "turbulent_wake");
+}
+
+proptest! {
+    #[test]
+    fn covers_and_factors_are_shares(
+        length_log in -3.0..4.0f64, beam_log in -3.0..4.0f64, exponent in 4.0..=5.0f64, decay_log in -3.0..6.0f64,
+        x in -1e6..1e6f64, y in -1e6..1e6f64, k in any::<f64>(),
+    ) {
+        let [length_m, beam_m, decay_m] = [length_log, beam_log, decay_log].map(|e| 10f64.powf(e));
+        let strip = TurbulentStrip::with(length_m, beam_m, exponent, decay_m).unwrap();
+        for place in [[x, y], [x, y * 1e-4], [x * 1e-3, 0.0]] {
+            prop_assert!((0.0..=1.0).contains(&strip.cover(place)));
+        }
+        let kind = TurbulentWake::new([0.1, 1e3], |k| 2.0 / (1.0 + k)).unwrap();
+        prop_assert!((0.0..=1.0).contains(&kind.spectrum_factor(k)));
+    }
+}
