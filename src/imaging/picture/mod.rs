@@ -246,7 +246,7 @@ impl Sheet {
     fn new(picture: &Picture, size: [usize; 2], limits: [f64; 2], pixels: &[f64]) -> Self {
         let [width, height] = size.map(|side| side as i64);
         let line = Face::Small.height();
-        let rows = |length: i64| usize::try_from(length / (2 * line)).unwrap_or(0).clamp(2, 8);
+        let rows = |length: i64| usize::try_from(length / (2 * line)).unwrap_or(0).clamp(2, 10);
         let x_ticks = fitting([picture.x.from, picture.x.to], width);
         let y_ticks = ticks::linear([picture.y.from, picture.y.to], rows(height));
         let bar_height = height.max(LEAST_BAR_PX);
