@@ -255,7 +255,7 @@ fn clip(
     [left, top, right, bottom]: [f64; 4],
     margin: f64,
 ) -> Option<[[f64; 2]; 2]> {
-    if from.iter().chain(&to).any(|c| !(c.abs() <= 1e9)) {
+    if from.iter().chain(&to).any(|c| c.is_nan() || c.abs() > 1e9) {
         return None;
     }
     let way = [to[0] - from[0], to[1] - from[1]];

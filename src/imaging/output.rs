@@ -235,7 +235,11 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(listing(folder.path()), ["sea.png"]);
         assert!(fs::read(&path).unwrap().ends_with(b"old"));
-        output.write::<OutputError>(|partial| Ok(fs::write(partial, b"new").unwrap())).unwrap();
+        let done: Result<(), OutputError> = output.write(|partial| {
+            fs::write(partial, b"new").unwrap();
+            Ok(())
+        });
+        done.unwrap();
         assert_eq!((listing(folder.path()).len(), fs::read(&path).unwrap().as_slice()), (1, &b"new"[..]));
     }
 

@@ -7,6 +7,7 @@ mod oracle;
 mod program;
 mod readme;
 mod running;
+mod sea;
 #[cfg(unix)]
 mod setup_script;
 mod sigma0_page;

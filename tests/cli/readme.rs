@@ -26,7 +26,7 @@ fn commands_of_the_readme_are_understood() {
     for words in &commands {
         assert!(Arguments::try_parse_from(words).is_ok(), "{words:?}");
     }
-    for word in ["run", "check", "new", "merge", "table"] {
+    for word in ["run", "check", "new", "merge", "sea", "table"] {
         assert!(commands.iter().any(|words| words[1] == word), "README does not show {word}");
     }
 }
@@ -43,7 +43,7 @@ fn commands_of_the_readme_that_only_print_work() {
 #[test]
 fn tools_of_the_readme_exist() {
     let readme = fs::read_to_string(package().join("README.md")).unwrap();
-    for tool in ["tools/quickstart", "tools/test"] {
+    for tool in ["tools/quickstart", "tools/test", "tools/gallery"] {
         assert!(readme.contains(tool) && package().join(tool).is_file(), "{tool}");
     }
 }

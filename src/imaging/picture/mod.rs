@@ -246,7 +246,7 @@ impl Sheet {
     fn new(picture: &Picture, size: [usize; 2], limits: [f64; 2], pixels: &[f64]) -> Self {
         let [width, height] = size.map(|side| side as i64);
         let line = Face::Small.height();
-        let rows = |length: i64| usize::try_from(length / (2 * line)).unwrap_or(0).clamp(2, 8);
+        let rows = |length: i64| usize::try_from(length / (2 * line)).unwrap_or(0).clamp(2, 10);
         let x_ticks = fitting([picture.x.from, picture.x.to], width);
         let y_ticks = ticks::linear([picture.y.from, picture.y.to], rows(height));
         let bar_height = height.max(LEAST_BAR_PX);
@@ -278,7 +278,7 @@ impl Sheet {
     fn draw(&self, picture: &Picture, pixels: &[f64]) -> Canvas {
         let [left, _, right, bottom] = self.map;
         let line = Face::Small.height();
-        let below = bottom + TICK + line + GAP + line;
+        let below = bottom + TICK + line + GAP + line / 2;
         let bar_right = self.bar[2] + TICK + GAP + widest(&self.bar_ticks) + GAP + line;
         let key_y = below.max(self.bar[3] + POINT) + GAP + line;
         let (key, key_width) = self.key(picture, key_y);
