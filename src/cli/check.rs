@@ -1,5 +1,7 @@
 //! `nereus check`: validate, explain, predict.
 
+mod sea;
+
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -14,6 +16,7 @@ use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
 use crate::pipeline::build::{self, BuildErrors};
 use crate::pipeline::forecast::Forecast;
+use crate::pipeline::outlook::{Outlook, outlook};
 use crate::pulse::SampleFormat;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
 use crate::sinks::{self, Kind};
@@ -45,6 +48,8 @@ pub(super) struct Report {
     warnings: Vec<String>,
     /// How the recorded tracks were made.
     tracks: Vec<Described>,
+    /// The sea in figures.
+    sea: Option<Outlook>,
     forecast: Option<Forecast>,
     #[serde(skip)]
     lines: Vec<Described>,
@@ -75,6 +80,12 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     for note in stream.notes() {
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));
+    }
+    report.sea = outlook(&run)?;
+    let warnings = report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string);
+    for warning in warnings.collect::<Vec<_>>() {
+        say(format_args!("warning: {warning}"));
+        report.warnings.push(warning);
     }
     let forecast = stream.forecast().map_err(BuildErrors::from)?;
     if forecast.targets_in_window == 0 && report.targets > 0 {
@@ -108,6 +119,7 @@ fn text(report: &Report) -> String {
     section("platforms", &report.platforms);
     section("modelled", &report.modelled);
     section("not modelled", &report.not_modelled);
+    section("sea", &report.sea.as_ref().map(sea::rows).unwrap_or_default());
     section("recorded tracks", &report.tracks);
     section("forecast", &report.forecast.as_ref().map(forecast_rows).unwrap_or_default());
     text
@@ -168,6 +180,7 @@ pub(super) fn report(run: &Run) -> Report {
         memory_mib: slots as f64 * layout.slot_bytes() as f64 / f64::from(1 << 20),
         warnings: run.warnings.iter().map(ToString::to_string).collect(),
         tracks: Vec::new(),
+        sea: None,
         forecast: None,
         lines: Vec::new(),
     };
@@ -381,6 +394,7 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
     } else {
         without.push(described("navigation errors", "no [platform.reported]: platforms report the truth"));
     }
-    without.push(described("sea and wakes", "this version knows point targets only"));
+    sea::models(&run.scene, &mut with, &mut without);
+    without.push(described("ships and wakes", "this version knows none"));
     (with, without)
 }

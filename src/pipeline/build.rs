@@ -22,6 +22,7 @@ use thread_priority::ThreadPriority;
 use crate::config::Run;
 use crate::echo::reference::ReferenceEcho;
 use crate::frames::SceneFrame;
+use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
 use crate::pulse::Pulse;
@@ -30,6 +31,7 @@ use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
+use crate::sea::realise::{RealiseError, realise};
 use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain};
 use crate::sinks::{self, Kind};
 use crate::time::TimeTag;
@@ -60,6 +62,19 @@ pub enum BuildError {
         /// What is wrong.
         source: SourceError,
     },
+    /// A track that ends early, met while looking ahead.
+    #[error("platform '{platform}', at pulse {pulse}: {source}")]
+    Lost {
+        /// The platform.
+        platform: String,
+        /// The pulse.
+        pulse: u64,
+        /// Why.
+        source: TrackError,
+    },
+    /// The sea, told beside faults of other parts.
+    #[error("sea: {0}")]
+    Sea(#[from] RealiseError),
     /// The waveform.
     #[error(transparent)]
     Waveform(#[from] WaveformError),
@@ -196,6 +211,11 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
         Err(errors) => {
+            // Where tracks or waveform stopped the radar from being made, its sea has not been looked at.
+            let met = errors.0.iter().any(|error| matches!(error, BuildError::Radar(_)));
+            if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
+                faults.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
+            }
             faults.extend(errors.0);
             return Err(BuildErrors(faults));
         }

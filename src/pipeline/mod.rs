@@ -5,4 +5,5 @@
 
 pub mod build;
 pub mod forecast;
+pub mod outlook;
 pub mod stages;

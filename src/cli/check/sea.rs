@@ -1,0 +1,215 @@
+//! What `nereus check` says about a sea.
+
+use super::{Described, described, neat};
+use crate::pipeline::outlook::{AZIMUTH_M, Outlook};
+use crate::scene::Scene;
+use crate::scene::sea::{
+    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing, SlickShape, Splitting,
+};
+use crate::scene::water::{
+    Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
+};
+
+/// What is modelled of the sea, and what is not and why.
+pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    let Some(sea) = &scene.sea else {
+        without.push(described("sea", "no [sea]"));
+        return;
+    };
+    with.push(described("sea", patch_text(sea, &scene.platforms)));
+    with.push(described("waves", waves_text(sea, scene.seed)));
+    for swell in &sea.water.swell {
+        with.push(described("swell", swell_text(swell)));
+    }
+    with.push(described("water", water_text(sea)));
+    with.push(described("scattering", scattering_text(&sea.scattering)));
+    match &sea.shadow {
+        Some(shadow) => with.push(described("shadows", shadow_text(shadow))),
+        None => without.push(described("shadows", "sea.shadow.enabled = false: nothing is hidden by waves")),
+    }
+    for slick in &sea.slicks {
+        let shape = match &slick.shape {
+            SlickShape::Ellipse { half_axes_m: [a, b], .. } => format!("ellipse of {} m x {} m", 2.0 * a, 2.0 * b),
+            SlickShape::Polygon { corners_m } => format!("polygon of {} corners", corners_m.len()),
+        };
+        let text = format!(
+            "{}: {shape}, rim {} m, covers {} % of the water, elasticity {} N/m",
+            slick.name,
+            slick.rim_m,
+            neat(100.0 * slick.cover),
+            slick.elasticity_npm
+        );
+        with.push(described("slick", text));
+    }
+    let scattering = &sea.scattering;
+    if scattering.decorrelation_s.is_none() {
+        without.push(described("decorrelation", "no sea.scattering.decorrelation_ms: phases of facets are frozen"));
+    }
+    if !scattering.displacement {
+        let how = "sea.scattering.displacement = false: facets move up and down only";
+        without.push(described("orbital displacement", how));
+    }
+    if sea.slicks.is_empty() {
+        without.push(described("slicks", "no [[slick]]"));
+    }
+    without.push(described("breaking waves", "a linear sea: no sea spikes, low HH at low grazing angles"));
+    without.push(described("currents and drift", "the water as a whole is at rest, slicks with it"));
+}
+
+/// The figures that follow from the wind and the geometry.
+pub(super) fn rows(outlook: &Outlook) -> Vec<Described> {
+    let mut rows = vec![described(
+        "wind",
+        format!(
+            "{:.2} m/s at 10 m, {:.2} at 12.5 m, {:.2} at 19.5 m; friction velocity {:.3} m/s{}",
+            outlook.u10_mps,
+            outlook.u12_5_mps,
+            outlook.u19_5_mps,
+            outlook.ustar_mps,
+            if outlook.calm { "; too weak to raise waves" } else { "" }
+        ),
+    )];
+    rows.push(match outlook.peak_wavelength_m {
+        Some(peak_m) => described(
+            "waves",
+            format!(
+                "significant height {:.2} m expected; {peak_m:.1} m long at the peak; a patch should be {:.0} m long",
+                outlook.significant_height_m, outlook.least_length_m
+            ),
+        ),
+        None => described("waves", "none: the sea is flat"),
+    });
+    rows.push(match (outlook.ground_range_m, outlook.facets_per_cell) {
+        (Some(range_m), Some(facets)) => described(
+            "resolution cell",
+            format!("{range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): {facets:.1} facets"),
+        ),
+        _ => described("resolution cell", "range does not resolve the ground"),
+    });
+    let share = 100.0 * outlook.share_in_window;
+    rows.push(described("in the window", format!("whole echoes of at least {share:.0} % of the patch")));
+    rows
+}
+
+fn patch_text(sea: &Sea, platforms: &[String]) -> String {
+    let [nx, ny] = sea.patch.facets;
+    let [x_m, y_m] = sea.patch.size_m().map(neat);
+    let place = match &sea.place {
+        PatchPlace::Fixed => {
+            let middle = [0, 1].map(|axis| sea.patch.first[axis] + (sea.patch.facets[axis] / 2) as i64);
+            let [e, n] = sea.patch.centre_m(middle).map(neat);
+            format!("about {e} m East, {n} m North")
+        }
+        PatchPlace::Follow { aim, .. } => {
+            format!("following {}; waves repeat with its size", super::aim_text(aim, platforms))
+        }
+    };
+    format!("{nx} x {ny} facets of {} m, {x_m} m x {y_m} m, {place}", sea.patch.facet_m)
+}
+
+fn waves_text(sea: &Sea, seed: u64) -> String {
+    let Water { wind, spectrum, dispersion, .. } = &sea.water;
+    let strength = match wind.strength {
+        WindStrength::FrictionVelocity { ustar_mps } => format!("friction velocity {ustar_mps} m/s"),
+        WindStrength::Speed { speed_mps, height_m } => format!("{speed_mps} m/s at {height_m} m"),
+    };
+    let profile = match wind.profile {
+        WindProfile::Cardone => "Cardone's profile",
+        WindProfile::Wu => "Wu's profile",
+    };
+    let towards_deg = neat(wind.direction_rad.to_degrees().rem_euclid(360.0));
+    let from_deg = neat((270.0 - towards_deg).rem_euclid(360.0));
+    let growth = |development: &Development| match development {
+        Development::InverseWaveAge(age) => format!("inverse wave age {age}"),
+        Development::Fetch(fetch_m) => format!("fetch {} km", neat(fetch_m / 1e3)),
+    };
+    let spread = |spreading: &Spreading| match spreading {
+        Spreading::Constant(exponent) => format!("spreading exponent {exponent}"),
+        Spreading::Mitsuyasu => "Mitsuyasu's spreading".to_owned(),
+        Spreading::LikeElfouhaily => "spreading like Elfouhaily's".to_owned(),
+    };
+    let spectrum = match spectrum {
+        SpectrumKind::Elfouhaily { development } => format!("Elfouhaily, {}", growth(development)),
+        SpectrumKind::FungLee => "Fung and Lee (for backscatter, not for energy)".to_owned(),
+        SpectrumKind::ElfouhailyFungLee { development } => {
+            format!("Elfouhaily with directions of Fung and Lee, {}", growth(development))
+        }
+        SpectrumKind::PiersonMoskowitz { spreading } => format!("Pierson-Moskowitz, {}", spread(spreading)),
+        SpectrumKind::Jonswap { fetch_m, spreading } => {
+            format!("JONSWAP, fetch {} km, {}", neat(fetch_m / 1e3), spread(spreading))
+        }
+        SpectrumKind::Measured { path } => format!("measured, {}", path.display()),
+    };
+    let drawn = match &sea.realisation {
+        Realisation::Drawn { averaging } => {
+            let how = match averaging {
+                Averaging::Automatic => "",
+                Averaging::Points => " at points",
+                Averaging::Cells => " as means over cells",
+            };
+            format!("drawn{how} from seed {seed}")
+        }
+        Realisation::Saved { path } => format!("saved state {}", path.display()),
+    };
+    let depth = dispersion.depth_m.map_or("deep water".to_owned(), |depth_m| format!("{depth_m} m deep"));
+    let tension = if dispersion.capillary { ", surface tension" } else { "" };
+    format!(
+        "{spectrum}; wind {strength} in {profile}, towards {towards_deg} deg from East (from {from_deg} deg from North); \
+         {depth}{tension}; {drawn}"
+    )
+}
+
+fn swell_text(swell: &Swell) -> String {
+    let shape = match swell.shape {
+        SwellShape::Gaussian { relative_width } => format!("Gaussian of relative width {relative_width}"),
+        SwellShape::Jonswap { peak_enhancement } => format!("JONSWAP shape, peak enhancement {peak_enhancement}"),
+    };
+    format!(
+        "significant height {} m, period {} s, towards {} deg from East, spread {} deg, {shape}",
+        swell.significant_height_m,
+        swell.peak_period_s,
+        neat(swell.direction_rad.to_degrees().rem_euclid(360.0)),
+        neat(swell.spread_rad.to_degrees())
+    )
+}
+
+fn water_text(sea: &Sea) -> String {
+    let model = match sea.scattering.permittivity {
+        Permittivity::MeissnerWentz => "Meissner and Wentz 2012",
+        Permittivity::KleinSwift => "Klein and Swift 1977",
+    };
+    format!("{} C, {} psu, permittivity of {model}", sea.water.temperature_c, sea.water.salinity_psu)
+}
+
+fn scattering_text(scattering: &FacetScattering) -> String {
+    let mut text = match scattering.splitting {
+        Splitting::Consistent => "Bragg and specular, each wave once".to_owned(),
+        Splitting::Mars2007 => "Bragg and specular as in the MaRS paper, resolved slopes counted twice".to_owned(),
+    };
+    if let Some(cut_radpm) = scattering.cut_radpm {
+        text += &format!(", divided at {cut_radpm} rad/m");
+    }
+    if scattering.tilt_average {
+        text += ", averaged over tilts within a facet";
+    }
+    if scattering.gram_charlier {
+        text += ", skewed and peaked slopes (Gram-Charlier)";
+    }
+    text += match scattering.phases {
+        Phases::PolCoherent => "; a random phase for each mechanism",
+        Phases::Single => "; one random phase",
+    };
+    if let Some(decorrelation_s) = scattering.decorrelation_s {
+        text += &format!(", forgotten in {} ms", neat(1e3 * decorrelation_s));
+    }
+    text
+}
+
+fn shadow_text(shadow: &Shadowing) -> String {
+    let edge = match shadow.width_rad {
+        Some(0.0) => "sharp edge".to_owned(),
+        Some(width_rad) => format!("soft edge of {width_rad} rad"),
+        None => "soft edge, its width from the map".to_owned(),
+    };
+    format!("{edge}, {} rays per facet, every {} ms", shadow.rays_per_facet, neat(1e3 * shadow.update_s))
+}
