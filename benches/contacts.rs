@@ -3,7 +3,7 @@
 //!
 //! `pulse, exact`: everything from the sea's waves to the list of contacts. `scattering, ...`: the facets' matrices
 //! alone, from the spectrum itself and from its table; their difference is printed in dB of the scene.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::expect_used)]
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -96,6 +96,7 @@ fn scene(facets: usize) -> Scene {
                 .collect(),
         },
         sea: Some(sea(facets)),
+        ships: Vec::new(),
         targets: Vec::new(),
     }
 }
@@ -138,8 +139,8 @@ fn scattering(c: &mut Criterion) {
     let sea = sea(64);
     let water = |spectrum| {
         let Realised { wind, spectrum: waves, .. } = realise(&sea, 1).expect("a sea");
-        let sight = Sight { carrier_hz: 10e9, facet_m: 1.0, seed: 1, spectrum };
-        WaterScattering::new(&sea.scattering, 20.0, 35.0, &[], &wind, Arc::from(waves), sight).expect("water")
+        let sight = Sight { carrier_hz: 10e9, seed: 1, spectrum };
+        WaterScattering::new(&sea, &wind, Arc::from(waves), &[], sight).expect("water")
     };
     let (exact, tabulated) = (water(SpectrumPath::Exact), water(SpectrumPath::Tabulated));
     let surface = realise(&sea, 1).expect("a sea").surface;

@@ -69,6 +69,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
             channels: vec![vv],
         },
         sea: None,
+        ships: Vec::new(),
         targets: vec![Target {
             name: "buoy".into(),
             // The track runs North; its starboard side is East.

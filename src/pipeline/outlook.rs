@@ -227,8 +227,9 @@ impl View<'_> {
         let closes_s = opens_s + radar.window.samples as f64 / radar.sample_rate_hz - pulse_s;
         let interval_s = 1.0 / radar.emissions.mean_prf_hz();
         // The echo of another emission may be the one that the window hears.
-        let heard =
-            |delay_s: f64| ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil();
+        let heard = |delay_s: f64| {
+            ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil()
+        };
         let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
         let mut held = 0_usize;
         for ends in std::iter::once(first).chain(rest) {
@@ -266,7 +267,8 @@ impl View<'_> {
                 (end - **point).dot(Vector::new(fall_x, fall_y, 1.0)) <= 0.0
             });
             let share = hidden.count() as f64 / points.len() as f64;
-            let known = |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
+            let known =
+                |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
             if share > 0.0 && !outlook.warnings.iter().any(known) {
                 let (antenna, pulse) = (name.clone(), self.pulse);
                 outlook.warnings.push(SeaWarning::BeyondHorizon { antenna, share, pulse });

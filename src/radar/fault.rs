@@ -15,12 +15,13 @@ use thiserror::Error;
 use crate::geometry::shadow::ShadowError;
 use crate::motion::track::TrackError;
 use crate::radar::pattern::PatternError;
-use crate::scattering::permittivity::PermittivityError;
+use crate::scattering::water::WaterError;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pointing, TxPolarisation};
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Radar, Scene};
+use crate::sea::fleet::FleetError;
 use crate::sea::realise::RealiseError;
-use crate::sea::surface::SurfaceError;
+use crate::sea::wake::WakeError;
 use crate::time::TimeTag;
 
 /// Why the contacts of a scene cannot be made.
@@ -55,7 +56,7 @@ pub enum RadarError {
         /// The pulse.
         index: u64,
         /// Why.
-        source: SurfaceError,
+        source: WakeError,
     },
     /// Its shadows fail at a pulse.
     #[error("pulse {index}: shadows of the sea: {source}")]
@@ -120,10 +121,13 @@ pub enum RadarFault {
     Realise(#[from] RealiseError),
     /// The sea cannot be evaluated.
     #[error("sea: {0}")]
-    Surface(SurfaceError),
-    /// The sea cannot scatter at this carrier.
+    Surface(#[from] WakeError),
+    /// A ship cannot sail.
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
+    /// Its water cannot scatter.
     #[error("sea: {0}")]
-    Permittivity(#[from] PermittivityError),
+    Water(#[from] WaterError),
     /// The sea cannot cast shadows.
     #[error("sea: {0}")]
     Shadow(#[from] ShadowError),

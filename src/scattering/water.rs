@@ -1,25 +1,45 @@
 //! The water of a scene: which kind of surface a facet is, and what facets of each kind return.
 //!
-//! Kinds are numbered: 0 clean, then the slicks in the order of the scene. A facet belongs to the slick that
-//! covers most of its centre (the first of equals), to the share it covers; where none does, it is clean.
+//! Kinds are numbered: 0 clean, then the slicks in the order of the scene, then the water stirred by its ships. A
+//! facet belongs to the slick or strip that covers most of its centre (the first of equals), to the share it
+//! covers; where none does, it is clean.
 //!
 //! Spectrum, slope variances and the local axes of facets are counted from the direction the wind blows
 //! towards, so that turning scene, wind and radar together changes nothing.
 //!
 //! ```
-//! use std::sync::Arc;
 //! use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
-//! use nereus::scene::sea::FacetScattering;
-//! use nereus::scene::water::{Development, WindProfile};
-//! use nereus::sea::spectrum::Elfouhaily;
-//! use nereus::sea::wind::Wind;
-//! let wind = Wind::from_speed(8.0, 10.0, WindProfile::Cardone, 0.5)?;
-//! let spectrum = Arc::new(Elfouhaily::new(&wind, Development::default())?);
-//! let sight = Sight { carrier_hz: 10e9, facet_m: 1.0, seed: 1, spectrum: SpectrumPath::Exact };
-//! let settings = FacetScattering::default();
-//! let water = WaterScattering::new(&settings, 20.0, 35.0, &[], &wind, spectrum, sight)?;
+//! use nereus::scene::sea::{FacetScattering, PatchPlace, Realisation};
+//! use nereus::scene::water::{Development, Dispersion, SpectrumKind, WindGiven, WindProfile, WindStrength};
+//! use nereus::scene::{Patch, Sea, Water};
+//! use nereus::sea::realise::realise;
+//! let wind = WindGiven {
+//!     strength: WindStrength::Speed { speed_mps: 8.0, height_m: 10.0 },
+//!     profile: WindProfile::Cardone,
+//!     direction_rad: 0.5,
+//! };
+//! let water = Water {
+//!     wind,
+//!     spectrum: SpectrumKind::Elfouhaily { development: Development::default() },
+//!     swell: Vec::new(),
+//!     dispersion: Dispersion::default(),
+//!     temperature_c: 20.0,
+//!     salinity_psu: 35.0,
+//! };
+//! let sea = Sea {
+//!     water,
+//!     realisation: Realisation::Drawn { averaging: Default::default() },
+//!     patch: Patch::new([16.0, 16.0], 1.0, [0.0, 0.0])?,
+//!     place: PatchPlace::Fixed,
+//!     scattering: FacetScattering::default(),
+//!     shadow: None,
+//!     slicks: Vec::new(),
+//! };
+//! let realised = realise(&sea, 1)?;
+//! let sight = Sight { carrier_hz: 10e9, seed: 1, spectrum: SpectrumPath::Exact };
+//! let water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight)?;
 //! assert_eq!((water.kinds(), water.mechanisms()), (1, 2));
-//! assert_eq!(water.kind_at([10.0, 20.0]), (0, 0.0));
+//! assert_eq!(water.kind_at([10.0, 20.0], &[]), (0, 0.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -32,21 +52,41 @@ use super::facets::{Facets, LengthError, Phases};
 use super::kind::Kind;
 use super::kind::clean::Clean;
 use super::kind::slick::Slick;
+use super::kind::turbulent_wake::{RatioError, TurbulentWake};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
 use super::spectrum_table::SpectrumTable;
 use super::two_scale::{Medium, Moments, Settings, TwoScale};
-use crate::scene::sea::{FacetScattering, Permittivity, SlickRegion};
-use crate::sea::spectrum::{Spectrum, WaveVector};
-use crate::sea::wind::Wind;
+use crate::scene::sea::{Permittivity, SlickRegion};
+use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
+use crate::scene::{Sea, Water};
+use crate::sea::fleet::Strip;
+use crate::sea::spectrum::{Spectrum, SpectrumError, WaveVector, of_kind};
+use crate::sea::wake::course::Pose;
+use crate::sea::wind::{Wind, WindError};
+
+/// Why water cannot scatter.
+#[derive(Debug, thiserror::Error)]
+pub enum WaterError {
+    /// Water or carrier out of range.
+    #[error(transparent)]
+    Permittivity(#[from] PermittivityError),
+    /// The wind in a strip.
+    #[error("wake of a ship: {0}")]
+    Wind(#[from] WindError),
+    /// The spectrum in a strip.
+    #[error("wake of a ship: {0}")]
+    Spectrum(#[from] SpectrumError),
+    /// Its ratio to that outside.
+    #[error("wake of a ship: {0}")]
+    Ratio(#[from] RatioError),
+}
 
 /// What the water is looked at with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     /// Carrier, Hz.
     pub carrier_hz: f64,
-    /// Side of a facet, m.
-    pub facet_m: f64,
     /// Seed of the facets' phases.
     pub seed: u64,
     /// How the spectrum that scatters is found.
@@ -85,6 +125,8 @@ pub struct WaterScattering {
     kinds: Vec<Box<dyn Batch>>,
     /// Regions of kinds 1 onwards, with their bounds.
     regions: Vec<(SlickRegion, [[f64; 2]; 2])>,
+    /// Strips of the kinds after these.
+    strips: Vec<Strip>,
     phases: Phases,
     speckle: Speckle,
     seed: u64,
@@ -93,6 +135,39 @@ pub struct WaterScattering {
     cut_radpm: Option<f64>,
     moments: Moments,
     spectrum_error: f64,
+}
+
+/// Longest wave of which a strip knows the damping, rad/m.
+const LONGEST_STIRRED_RADPM: f64 = 0.5;
+
+/// Water in which only a part of the wind raises the short waves. A measured spectrum does not tell what less wind would
+/// do; the ratio is then that of Elfouhaily's.
+fn stirred(
+    water: &Water,
+    wind: &Wind,
+    wind_ratio: f64,
+    shortest_radpm: f64,
+) -> Result<TurbulentWake, WaterError> {
+    let strength = match water.wind.strength {
+        WindStrength::FrictionVelocity { ustar_mps } => {
+            WindStrength::FrictionVelocity { ustar_mps: ustar_mps * wind_ratio }
+        }
+        WindStrength::Speed { speed_mps, height_m } => {
+            WindStrength::Speed { speed_mps: speed_mps * wind_ratio, height_m }
+        }
+    };
+    let weaker = Wind::resolve(&WindGiven { strength, ..water.wind })?;
+    let kind = match &water.spectrum {
+        SpectrumKind::Measured { .. } => SpectrumKind::Elfouhaily { development: Development::default() },
+        kind => kind.clone(),
+    };
+    let (inside, outside) = (of_kind(&kind, &weaker)?, of_kind(&kind, wind)?);
+    let range = [LONGEST_STIRRED_RADPM, shortest_radpm.max(2.0 * LONGEST_STIRRED_RADPM)];
+    let ratio = |k: f64| {
+        let clean = outside.omnidirectional_m3(k);
+        if clean > 0.0 { inside.omnidirectional_m3(k) / clean } else { 1.0 }
+    };
+    Ok(TurbulentWake::new(range, ratio)?)
 }
 
 /// One kind, asking the spectrum itself or a table of it.
@@ -120,16 +195,16 @@ impl WaterScattering {
     /// Prepares every kind: permittivity, moments of the unresolved waves.
     ///
     /// # Errors
-    /// Water or carrier outside the range of the permittivity model.
+    /// Water or carrier outside the range of the permittivity model; a strip whose wind raises no spectrum.
     pub fn new(
-        settings: &FacetScattering,
-        temperature_c: f64,
-        salinity_psu: f64,
-        slicks: &[SlickRegion],
+        sea: &Sea,
         wind: &Wind,
         spectrum: Arc<dyn Spectrum>,
+        strips: &[Strip],
         sight: Sight,
-    ) -> Result<Self, PermittivityError> {
+    ) -> Result<Self, WaterError> {
+        let Sea { water: Water { temperature_c, salinity_psu, .. }, scattering: settings, slicks, .. } = sea;
+        let (temperature_c, salinity_psu) = (*temperature_c, *salinity_psu);
         let model = match settings.permittivity {
             Permittivity::MeissnerWentz => Model::MeissnerWentz2012,
             Permittivity::KleinSwift => Model::KleinSwift1977,
@@ -142,7 +217,7 @@ impl WaterScattering {
             permittivity,
             wind_12p5_mps: wind.u12_5_mps,
             downwind_rad: 0.0,
-            resolved_radpm: std::f64::consts::PI / sight.facet_m,
+            resolved_radpm: std::f64::consts::PI / sea.patch.facet_m,
             axis: DVec3::new(cos, sin, 0.0),
         };
         let two_scale = Settings {
@@ -176,11 +251,16 @@ impl WaterScattering {
             let bounds = slick.shape.bounds_m().map(|[from, to]| [from - rim_m, to + rim_m]);
             regions.push((slick.clone(), bounds));
         }
+        for strip in strips {
+            let kind = stirred(&sea.water, wind, strip.wind_ratio, 2.0 * medium.wavenumber_radpm())?;
+            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
+        }
         let speckle =
             settings.decorrelation_s.map_or(Speckle::Frozen, |time_s| Speckle::Decorrelating { time_s });
         Ok(Self {
             kinds,
             regions,
+            strips: strips.to_vec(),
             phases: settings.phases,
             speckle,
             seed: sight.seed,
@@ -227,8 +307,14 @@ impl WaterScattering {
         self.speckle != Speckle::Frozen
     }
 
-    /// Kind of the facet centred on a place, and the share of it that the kind covers.
-    pub fn kind_at(&self, place_m: [f64; 2]) -> (usize, f64) {
+    /// Where the ships of the strips are, `t_s` after pulse 0: for [`Self::kind_at`].
+    pub fn poses(&self, t_s: f64, out: &mut Vec<Pose>) {
+        out.clear();
+        out.extend(self.strips.iter().map(|strip| strip.course.pose(t_s)));
+    }
+
+    /// Kind of the facet centred on a place, and the share of it that the kind covers, with ships at these poses.
+    pub fn kind_at(&self, place_m: [f64; 2], poses: &[Pose]) -> (usize, f64) {
         let mut most = (0, 0.0);
         for (kind, (region, bounds)) in (1..).zip(&self.regions) {
             let near = [0, 1].into_iter().all(|i| (bounds[i][0]..=bounds[i][1]).contains(&place_m[i]));
@@ -237,6 +323,12 @@ impl WaterScattering {
                 if cover > most.1 {
                     most = (kind, cover);
                 }
+            }
+        }
+        for (kind, (strip, pose)) in (1 + self.regions.len()..).zip(self.strips.iter().zip(poses)) {
+            let cover = strip.strip.cover(pose.astern_starboard_m(place_m));
+            if cover > most.1 {
+                most = (kind, cover);
             }
         }
         most

@@ -37,6 +37,8 @@ pub struct Scene {
     pub radar: Radar,
     /// The sea; `None` for point targets alone.
     pub sea: Option<Sea>,
+    /// Ships, which raise wakes where there is a sea.
+    pub ships: Vec<Ship>,
     /// Point targets.
     pub targets: Vec<Target>,
 }

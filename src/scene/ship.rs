@@ -46,13 +46,9 @@ pub struct KelvinWake {
     pub band_limit_radpm: Option<f64>,
 }
 
-/// The dark V behind a ship: width `w0 B (x / (x0 L))^(1/a)`, `x` from the stern.
+/// The dark V behind a ship: width `4 B (x / (4 L))^(1/a)`, `x` from the stern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurbulentWake {
-    /// Width over beam at the reference distance.
-    pub width_beams: f64,
-    /// Reference distance over length.
-    pub distance_lengths: f64,
     /// Exponent a of the spread, 4 to 5.
     pub spread_exponent: f64,
     /// Distance over which the damping falls by e, in lengths.
@@ -62,14 +58,8 @@ pub struct TurbulentWake {
 }
 
 impl Default for TurbulentWake {
-    /// Zilman, Zapolski and Marom 2004: `w0 = x0 = 4`, `a = 5`; decay over 20 lengths, 0.4 of the wind.
+    /// Exponent 5, decay over 20 lengths, 0.4 of the wind.
     fn default() -> Self {
-        Self {
-            width_beams: 4.0,
-            distance_lengths: 4.0,
-            spread_exponent: 5.0,
-            decay_lengths: 20.0,
-            wind_ratio: 0.4,
-        }
+        Self { spread_exponent: 5.0, decay_lengths: 20.0, wind_ratio: 0.4 }
     }
 }

@@ -9,6 +9,7 @@
 //! | [`surface`] | one realisation, at any time |
 //! | [`sheet`] | the same over the patch that is modelled |
 //! | [`wake`] | what ships add to it |
+//! | [`fleet`] | the ships of a scene with their wakes |
 //!
 //! From wind to heights, slopes and velocities of facets:
 //!
@@ -30,6 +31,7 @@
 //! ```
 
 pub mod dispersion;
+pub mod fleet;
 pub mod realise;
 pub mod sheet;
 pub mod spectrum;

@@ -1,7 +1,8 @@
 //! The moving surface over a patch: what scatters, facet by facet, in the order of the patch.
 //!
 //! A [`Surface`] repeats with its grid; a patch is a window on it, placed anywhere by the global keys of its
-//! facets. Fields of a sheet stand in arrays `[iy][ix]` over the patch.
+//! facets. Fields of a sheet stand in arrays `[iy][ix]` over the patch. Ships add their waves to those of the wind
+//! ([`Sheet::with_wakes`]); unlike these, they do not repeat.
 //!
 //! ```
 //! use nereus::scene::Patch;
@@ -23,7 +24,11 @@
 //! ```
 
 use super::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceError};
+use super::wake::{Map, Wake, WakeError};
 use crate::scene::Patch;
+
+/// Error of the wakes of a sheet over the root sum square of their waves, dB: below the rounding of what follows.
+const WAKE_ERROR_DB: f64 = -140.0;
 
 /// Evaluates a surface over patches; one per thread.
 #[derive(Clone)]
@@ -35,6 +40,16 @@ pub struct Sheet {
     whole: Fields<f64>,
     /// Time at which `whole` stands.
     time_s: Option<f64>,
+    wakes: Option<Wakes>,
+}
+
+/// Waves of ships over patches of one size.
+#[derive(Clone)]
+struct Wakes {
+    map: Map<f64>,
+    /// The patch as a grid, in whose order the waves are summed.
+    grid: Grid,
+    fields: Fields<f64>,
 }
 
 impl Sheet {
@@ -42,7 +57,18 @@ impl Sheet {
     pub fn new(surface: &Surface, selection: Selection) -> Self {
         let grid = *surface.grid();
         let whole = Fields::new(&grid, selection);
-        Self { grid, selection, evaluator: Evaluator::new(surface), whole, time_s: None }
+        Self { grid, selection, evaluator: Evaluator::new(surface), whole, time_s: None, wakes: None }
+    }
+
+    /// The same with the waves of ships, over patches of the size of the given one.
+    pub fn with_wakes(mut self, wakes: &[Wake], patch: &Patch) -> Result<Self, WakeError> {
+        self.wakes = None;
+        if wakes.iter().any(|wake| !wake.nodes().is_empty()) {
+            let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
+            let map = Map::new(wakes.to_vec(), patch, WAKE_ERROR_DB)?;
+            self.wakes = Some(Wakes { map, grid, fields: Fields::new(&grid, self.selection) });
+        }
+        Ok(self)
     }
 
     /// Room for the fields over a patch.
@@ -51,13 +77,8 @@ impl Sheet {
     }
 
     /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have been made
-    /// for as many facets.
-    pub fn evaluate(
-        &mut self,
-        time_s: f64,
-        patch: &Patch,
-        out: &mut Fields<f64>,
-    ) -> Result<(), SurfaceError> {
+    /// for as many facets, which with ships are those of the patch that they were given.
+    pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<f64>) -> Result<(), WakeError> {
         if self.time_s != Some(time_s) {
             self.time_s = None;
             self.evaluator.evaluate(time_s, &mut self.whole)?;
@@ -66,18 +87,42 @@ impl Sheet {
         let grid = &self.grid;
         for (from, to) in self.whole.columns().into_iter().zip(out.columns_mut()) {
             if to.len() != if from.is_empty() { 0 } else { patch.len() } {
-                return Err(SurfaceError::FieldSize { found: to.len(), needed: patch.len() });
+                return Err(SurfaceError::FieldSize { found: to.len(), needed: patch.len() }.into());
             }
             for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {
-                copy_row(grid, from, [patch.first[0], patch.first[1] + iy as i64], row);
+                let key = [patch.first[0], patch.first[1] + iy as i64];
+                go_round(grid, from, key, row, |to, from| to.copy_from_slice(from));
+            }
+        }
+        match &mut self.wakes {
+            Some(wakes) => wakes.add(time_s, patch, out),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Wakes {
+    fn add(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<f64>) -> Result<(), WakeError> {
+        let Self { map, grid, fields } = self;
+        if patch.len() != grid.len() {
+            return Err(SurfaceError::FieldSize { found: patch.len(), needed: grid.len() }.into());
+        }
+        fields.columns_mut().into_iter().for_each(|column| column.fill(0.0));
+        map.add(patch.first, time_s, fields)?;
+        for (from, to) in fields.columns().into_iter().zip(out.columns_mut()) {
+            for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {
+                let key = [patch.first[0], patch.first[1] + iy as i64];
+                go_round(grid, from, key, row, |to, from| {
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+                });
             }
         }
         Ok(())
     }
 }
 
-/// Copies a row that begins at a global key, going round the grid as often as it is long.
-fn copy_row(grid: &Grid, from: &[f64], key: [i64; 2], row: &mut [f64]) {
+/// Hands over a row that begins at a global key piece by piece, going round the grid as often as it is long.
+fn go_round(grid: &Grid, from: &[f64], key: [i64; 2], row: &mut [f64], hand: impl Fn(&mut [f64], &[f64])) {
     let begin = grid.index([0, key[1]]);
     let line = &from[begin..begin + grid.nx()];
     let mut at = grid.index([key[0], 0]);
@@ -85,7 +130,7 @@ fn copy_row(grid: &Grid, from: &[f64], key: [i64; 2], row: &mut [f64]) {
     while !rest.is_empty() {
         let count = rest.len().min(line.len() - at);
         let (now, later) = rest.split_at_mut(count);
-        now.copy_from_slice(&line[at..at + count]);
+        hand(now, &line[at..at + count]);
         (rest, at) = (later, 0);
     }
 }

@@ -68,6 +68,7 @@ pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targ
             channels: vec![channel("HH", Polarisation::H), channel("VV", Polarisation::V)],
         },
         sea: None,
+        ships: Vec::new(),
         targets: targets
             .iter()
             .enumerate()

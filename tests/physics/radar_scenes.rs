@@ -83,6 +83,7 @@ pub fn scene() -> Scene {
             channels: channels(&[(H, H), (H, V), (V, H), (V, V)]),
         },
         sea: None,
+        ships: Vec::new(),
         targets: vec![target([0.0; 3], [0.0; 3])],
     }
 }

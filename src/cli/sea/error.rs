@@ -9,7 +9,8 @@ use crate::imaging::map_file::MapError;
 use crate::imaging::output::OutputError;
 use crate::imaging::picture::PictureError;
 use crate::sea::realise::RealiseError;
-use crate::sea::surface::{StateError, SurfaceError};
+use crate::sea::surface::StateError;
+use crate::sea::wake::WakeError;
 
 /// Why there is no map of the sea.
 #[derive(Debug, Error)]
@@ -47,7 +48,7 @@ pub enum SeaError {
     Realise(#[from] RealiseError),
     /// A time out of range.
     #[error(transparent)]
-    Surface(#[from] SurfaceError),
+    Surface(#[from] WakeError),
     /// A file that may not be made, or cannot.
     #[error(transparent)]
     File(#[from] OutputError),

@@ -135,6 +135,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         platforms: platforms.names.into_iter().collect::<Option<_>>()?,
         radar,
         sea: sea?,
+        ships: Vec::new(),
         targets: targets?,
     };
     Some(Parts { scene, nav: nav.into_iter().collect::<Option<_>>()?, stream: stream?, sinks: sinks? })

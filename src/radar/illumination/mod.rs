@@ -67,6 +67,7 @@
 //!         }],
 //!     },
 //!     sea: None,
+//!     ships: Vec::new(),
 //!     targets: vec![Target {
 //!         name: "buoy".into(),
 //!         position: Point::new(3000.0, 0.0, 0.0),
@@ -90,6 +91,7 @@
 //! ```
 
 mod facets;
+mod sea;
 pub mod snapshot;
 mod visibility;
 mod window;
@@ -113,11 +115,12 @@ use crate::radar::fault::{RadarError, RadarFault, TrackUse, check_numbers, check
 use crate::radar::link::Link;
 use crate::scattering::contact::Contacts;
 use crate::scene::radar::{Aim, AntennaMount, Gate, Pair, Pointing, Polarisation};
-use crate::scene::{Radar, Scene, Target};
+use crate::scene::{Patch, Radar, Scene, Sea, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-use facets::{Lighting, SeaFailure, SeaPlan, SeaWork};
+use facets::Lighting;
+use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use window::GUARD_SAMPLES;
 use window::Window;
 
@@ -234,9 +237,8 @@ impl Illumination {
         };
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty()) {
-            let last_s = built.radar.emissions.interval_s(0, built.pulses.saturating_sub(1));
-            let fastest_mps = built.fastest_platform_mps()?;
-            built.sea = SeaPlan::new(scene, sea, last_s, fastest_mps, &mut faults).map(Arc::new);
+            let (fastest_mps, patches) = (built.fastest_platform_mps()?, built.patches(sea)?);
+            built.sea = SeaPlan::new(scene, sea, &patches, fastest_mps, &mut faults).map(Arc::new);
         }
         if faults.is_empty() {
             match built.longest_delay_s() {
@@ -270,7 +272,7 @@ impl Illumination {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        let sea = self.sea.as_ref().map(|sea| sea.work(self.pairs.len(), self.radar.channels.len()));
+        let sea = self.sea.as_ref().and_then(|sea| sea.work(self.pairs.len(), self.radar.channels.len()));
         Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea }
     }
 
@@ -603,10 +605,10 @@ impl Illumination {
     fn longest_delay_s(&self) -> Result<f64, RadarError> {
         let mut emission = Emission::default();
         let mut longest_s = 0f64;
-        let Some(last) = self.pulses.checked_sub(1) else { return Ok(0.0) };
-        for sounding in 0..=SOUNDINGS.min(last) {
-            let index =
-                (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;
+        if self.pulses == 0 {
+            return Ok(0.0);
+        }
+        for index in self.soundings() {
             self.evaluate(index, &mut emission)?;
             let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
             let span = self.delay_span_s(index, &emission, window)?;
@@ -615,14 +617,31 @@ impl Illumination {
         Ok(longest_s)
     }
 
+    /// Where the patch lies at a few dozen instants spread over the run, with their times after pulse 0, s.
+    fn patches(&self, sea: &Sea) -> Result<Vec<(f64, Patch)>, RadarError> {
+        self.soundings()
+            .map(|index| {
+                let t = self.radar.emissions.emission(self.start, index);
+                let patch = sea::patch_at(&sea.patch, &sea.place, &self.surroundings(), t);
+                let elapsed_s = self.radar.emissions.interval_s(0, index);
+                Ok((elapsed_s, patch.map_err(|failure| self.track_error(index, failure))?))
+            })
+            .collect()
+    }
+
+    /// A few dozen pulses spread over the run, the first and the last among them.
+    fn soundings(&self) -> impl Iterator<Item = u64> + use<> {
+        let last = self.pulses.saturating_sub(1);
+        let count = SOUNDINGS.min(last);
+        (0..=count)
+            .map(move |sounding| (u128::from(last) * u128::from(sounding) / u128::from(count.max(1))) as u64)
+    }
+
     /// The greatest true speed of any platform at a few dozen instants spread over the run, m/s.
     fn fastest_platform_mps(&self) -> Result<f64, RadarError> {
         let mut emission = Emission::default();
         let mut fastest_mps = 0f64;
-        let last = self.pulses.saturating_sub(1);
-        for sounding in 0..=SOUNDINGS.min(last) {
-            let index =
-                (u128::from(last) * u128::from(sounding) / u128::from(SOUNDINGS.min(last).max(1))) as u64;
+        for index in self.soundings() {
             self.evaluate(index, &mut emission)?;
             fastest_mps = emission.states.iter().map(|s| s.velocity.norm()).fold(fastest_mps, f64::max);
         }

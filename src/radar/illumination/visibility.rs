@@ -10,6 +10,7 @@ use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::scene::Patch;
 use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection, Surface};
+use crate::sea::wake::{Wake, WakeError};
 
 /// How visibility is found, for a whole run.
 #[derive(Clone, Debug)]
@@ -51,9 +52,14 @@ pub(super) struct Mix<'a> {
 }
 
 impl Visibility {
-    pub fn updates(&self, surface: &Surface, patch: &Patch) -> Result<Updates, ShadowError> {
+    pub fn updates<E: From<WakeError> + From<ShadowError>>(
+        &self,
+        surface: &Surface,
+        wakes: &[Wake],
+        patch: &Patch,
+    ) -> Result<Updates, E> {
         let grown = patch.grown(self.margin);
-        let sheet = Sheet::new(surface, Selection::HEIGHT);
+        let sheet = Sheet::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = Update {
             number: None,
             patch: grown,
@@ -74,7 +80,7 @@ impl Visibility {
 
     /// The weights `elapsed_s` after pulse 0. `scenery` tells the patch and the place of every antenna at a time, and
     /// `lower` the fall of the mean surface at a place, m.
-    pub fn at<'a, E: From<crate::sea::surface::SurfaceError> + From<ShadowError>>(
+    pub fn at<'a, E: From<WakeError> + From<ShadowError>>(
         &self,
         updates: &'a mut Updates,
         elapsed_s: f64,
@@ -113,7 +119,7 @@ impl Visibility {
         let share =
             if to_s > from_s { ((elapsed_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0) } else { 0.0 };
         let [even, odd] = &updates.held;
-        let (before, after) = if number % 2 == 0 { (even, odd) } else { (odd, even) };
+        let (before, after) = if number.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         Ok(Mix { before, after, share })
     }
 }

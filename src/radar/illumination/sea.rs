@@ -1,0 +1,402 @@
+//! The sea of a run: drawn once, lit emission by emission.
+//!
+//! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch lies at a
+//! time and how long its echoes take, and visits its facets ([`super::facets`]).
+
+use std::fmt;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::facets::{CHUNK, Chunk, Lighting, motion};
+use super::visibility::{MOST_ENDS, Updates, Visibility};
+use crate::frames::{Enu, Point};
+use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::radar::emission::TrackFailure;
+use crate::radar::fault::{RadarFault, TrackUse};
+use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
+use crate::scene::radar::AntennaMount;
+use crate::scene::sea::{PatchPlace, Sea};
+use crate::scene::{Patch, Scene};
+use crate::sea::fleet::Fleet;
+use crate::sea::realise::{Realised, realise};
+use crate::sea::sheet::Sheet;
+use crate::sea::surface::{Fields, Selection, Surface};
+use crate::sea::wake::course::Pose;
+use crate::sea::wake::{Wake, WakeError};
+use crate::time::TimeTag;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
+const CREST_RMS: f64 = 8.0;
+
+/// The sea of a run, ready to be lit. Immutable, shared by all threads.
+pub(super) struct SeaPlan {
+    pub patch: Patch,
+    place: PatchPlace,
+    surface: Surface,
+    wakes: Vec<Wake>,
+    scattering: WaterScattering,
+    /// Buffers of the surface, made once and copied for every thread.
+    sheet: Option<Sheet>,
+    visibility: Option<Visibility>,
+    /// Buffers of the shadows, made once and copied for every thread.
+    updates: Option<Updates>,
+    displacement: bool,
+    /// How far waves may carry a facet from its grid position, m.
+    reach_m: f64,
+}
+
+impl fmt::Debug for SeaPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SeaPlan")
+            .field("patch", &self.patch)
+            .field("place", &self.place)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Random phasors of the facets at hand. A facet's place is its key modulo the patch, so that what moves is
+/// only what enters.
+#[derive(Clone)]
+struct Phasors {
+    keys: Vec<Option<[i64; 2]>>,
+    phasors: Vec<Complex64>,
+    mechanisms: usize,
+}
+
+/// Buffers of one thread.
+#[derive(Clone)]
+pub(super) struct SeaWork {
+    sheet: Sheet,
+    fields: Fields<f64>,
+    phasors: Phasors,
+    updates: Option<Updates>,
+    poses: Vec<Pose>,
+    chunk: Chunk,
+}
+
+/// Why the sea cannot be lit at an instant.
+#[derive(Debug)]
+pub(super) enum SeaFailure {
+    Track(TrackFailure),
+    Sea(WakeError),
+    Shadow(shadow::ShadowError),
+}
+
+impl From<TrackFailure> for SeaFailure {
+    fn from(failure: TrackFailure) -> Self {
+        Self::Track(failure)
+    }
+}
+
+impl From<WakeError> for SeaFailure {
+    fn from(error: WakeError) -> Self {
+        Self::Sea(error)
+    }
+}
+
+impl From<shadow::ShadowError> for SeaFailure {
+    fn from(error: shadow::ShadowError) -> Self {
+        Self::Shadow(error)
+    }
+}
+
+/// A patch at a time, given where it is at pulse 0.
+pub(super) fn patch_at(
+    patch: &Patch,
+    place: &PatchPlace,
+    of: &Surroundings,
+    t: TimeTag,
+) -> Result<Patch, TrackFailure> {
+    match place {
+        PatchPlace::Fixed => Ok(*patch),
+        PatchPlace::Follow { aim, aim_from } => {
+            let (point, _) = of.aim_point(aim, *aim_from, t).map_err(|source| TrackFailure {
+                platform: super::beside(aim).unwrap_or(0),
+                which: TrackUse::from(*aim_from),
+                source,
+            })?;
+            let [x, y, _] = point.to_array();
+            Ok(patch.centred_at([x, y]))
+        }
+    }
+}
+
+/// A bound on the height of ships' waves: every wave at its crest, m.
+fn crest_m(wakes: &[Wake]) -> f64 {
+    wakes.iter().flat_map(Wake::nodes).map(|node| node.amplitude_m.norm()).sum()
+}
+
+impl SeaWork {
+    /// Heights of the facets visited last, `[iy][ix]` over their patch, m.
+    pub fn heights_m(&self) -> &[f64] {
+        &self.fields.height_m
+    }
+}
+
+impl SeaPlan {
+    /// Draws the sea of a scene and prepares its scattering; `last_s` is the time of the last emission after pulse 0.
+    ///
+    /// `patches` are where the patch lies at some times, s after pulse 0, the last one not before the last emission.
+    pub fn new(
+        scene: &Scene,
+        sea: &Sea,
+        patches: &[(f64, Patch)],
+        fastest_platform_mps: f64,
+        faults: &mut Vec<RadarFault>,
+    ) -> Option<Self> {
+        let realised = realise(sea, scene.seed).map_err(|source| faults.push(source.into())).ok();
+        let fleet = Fleet::muster(&scene.ships, patches).map_err(|source| faults.push(source.into())).ok();
+        Self::build(scene, sea, realised?, fleet?, patches, fastest_platform_mps)
+            .map_err(|fault| faults.push(fault))
+            .ok()
+    }
+
+    fn build(
+        scene: &Scene,
+        sea: &Sea,
+        realised: Realised,
+        fleet: Fleet,
+        patches: &[(f64, Patch)],
+        fastest_platform_mps: f64,
+    ) -> Result<Self, RadarFault> {
+        let last_s = patches.last().map_or(0.0, |&(time_s, _)| time_s);
+        let antennas = scene.radar.transmitters.len() + scene.radar.receivers.len();
+        if sea.shadow.is_some() && antennas > MOST_ENDS {
+            let allowed = "at most 64 antennas where the sea casts shadows";
+            return Err(RadarFault::Value { name: "antennas", value: antennas as f64, allowed });
+        }
+        let Realised { wind, spectrum, surface } = realised;
+        let carrier_hz = scene.radar.carrier_hz;
+        let sight = Sight { carrier_hz, seed: scene.seed, spectrum: SpectrumPath::Exact };
+        let Fleet { wakes, strips } = fleet;
+        let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?;
+        let mut plan = Self {
+            patch: sea.patch,
+            place: sea.place.clone(),
+            reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes),
+            surface,
+            wakes,
+            scattering,
+            sheet: None,
+            visibility: None,
+            updates: None,
+            displacement: sea.scattering.displacement,
+        };
+        if let Some(shadowing) = &sea.shadow {
+            let width_rad = match shadowing.width_rad {
+                Some(width_rad) => width_rad,
+                None => plan.half_slope_change_rad()?,
+            };
+            let settings =
+                shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
+            let margin = match sea.place {
+                PatchPlace::Fixed => 0,
+                // A point beside a turning platform moves faster than the platform does: twice as fast is allowed for.
+                PatchPlace::Follow { .. } => {
+                    (2.0 * fastest_platform_mps * shadowing.update_s / sea.patch.facet_m).ceil() as usize + 1
+                }
+            };
+            let visibility =
+                Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
+            // Whether its maps are legal shows here and not at the first pulse.
+            let updates = visibility.updates::<RadarFault>(&plan.surface, &plan.wakes, &plan.patch)?;
+            plan.updates = Some(updates);
+            plan.visibility = Some(visibility);
+        }
+        plan.sheet = Some(Sheet::new(&plan.surface, plan.selection()).with_wakes(&plan.wakes, &plan.patch)?);
+        Ok(plan)
+    }
+
+    /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
+    fn half_slope_change_rad(&self) -> Result<f64, RadarFault> {
+        let mut sheet = Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, &self.patch)?;
+        let mut fields = sheet.fields(&self.patch);
+        sheet.evaluate(0.0, &self.patch, &mut fields)?;
+        let map = Map::new(&fields.height_m, self.patch.facets, self.patch.facet_m, [0.0, 0.0])?;
+        Ok(half_slope_change_rad(&map))
+    }
+
+    /// Buffers of one thread for a radar with so many pairs and channels.
+    pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
+        let sheet = self.sheet.clone()?;
+        let mechanisms = self.scattering.mechanisms();
+        let facets = self.patch.len();
+        Some(SeaWork {
+            fields: sheet.fields(&self.patch),
+            sheet,
+            phasors: Phasors {
+                keys: vec![None; facets],
+                phasors: vec![Complex64::ZERO; facets * mechanisms],
+                mechanisms,
+            },
+            updates: self.updates.clone(),
+            poses: Vec::with_capacity(self.scattering.kinds()),
+            chunk: Chunk::new(pairs, channels, mechanisms),
+        })
+    }
+
+    /// What the paths and tilts of facets ask of the surface.
+    fn selection(&self) -> Selection {
+        Selection {
+            slopes: true,
+            velocity: true,
+            horizontal_acceleration: self.displacement,
+            displacement: self.displacement,
+            ..Selection::HEIGHT
+        }
+    }
+
+    /// Whether the patch moves.
+    pub fn moves(&self) -> bool {
+        matches!(self.place, PatchPlace::Follow { .. })
+    }
+
+    /// The patch at a time.
+    pub fn patch_at(&self, of: &Surroundings, t: TimeTag) -> Result<Patch, TrackFailure> {
+        patch_at(&self.patch, &self.place, of, t)
+    }
+
+    /// Bounds on the delays of all facets of a patch over all pairs, s.
+    pub fn delay_span_s(&self, patch: &Patch, lighting: &Lighting) -> Option<(f64, f64)> {
+        let transmitters = lighting.radar.transmitters.len();
+        let centres = &lighting.emission.centres;
+        let side = 0.5 * patch.facet_m + self.reach_m;
+        let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+        let (low, high) =
+            (patch.centre_m(patch.first).map(|x| x - side), patch.centre_m(last).map(|x| x + side));
+        // The mean surface is nowhere higher than where the patch is nearest to the origin, nor lower than in a corner.
+        let earth = lighting.surroundings.frame.earth();
+        let inner = [0, 1].map(|i| 0f64.clamp(low[i], high[i]));
+        let corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
+        let deepest = corners.iter().map(|c| earth.drop_m(c[0], c[1])).fold(0.0, f64::max);
+        let (floor, ceiling) = (-deepest - self.reach_m, self.reach_m - earth.drop_m(inner[0], inner[1]));
+        let nearest_m = |p: [f64; 3]| {
+            let d = [
+                p[0] - p[0].clamp(low[0], high[0]),
+                p[1] - p[1].clamp(low[1], high[1]),
+                p[2] - p[2].clamp(floor, ceiling),
+            ];
+            d[0].hypot(d[1]).hypot(d[2])
+        };
+        // The sum of two distances is convex, so it is greatest in a corner of the box.
+        let farthest_m = |tx: [f64; 3], rx: [f64; 3]| {
+            let leg = |p: [f64; 3], c: [f64; 2], z: f64| (p[0] - c[0]).hypot(p[1] - c[1]).hypot(p[2] - z);
+            let both = |c: [f64; 2], z: f64| leg(tx, c, z) + leg(rx, c, z);
+            corners.iter().flat_map(|&c| [both(c, floor), both(c, ceiling)]).fold(0.0, f64::max)
+        };
+        lighting.plans.iter().fold(None, |span: Option<(f64, f64)>, plan| {
+            let tx = centres[plan.pair.transmitter].position.to_array();
+            let rx = centres[transmitters + plan.pair.receiver].position.to_array();
+            let (least, most) = (nearest_m(tx) + nearest_m(rx), farthest_m(tx, rx));
+            let (least, most) = (least / SPEED_OF_LIGHT_MPS, most / SPEED_OF_LIGHT_MPS);
+            Some(span.map_or((least, most), |(a, b)| (a.min(least), b.max(most))))
+        })
+    }
+
+    /// Visits the facets that one emission lights in a window, chunk by chunk.
+    pub fn visit(
+        &self,
+        lighting: &Lighting,
+        work: &mut SeaWork,
+        mut each: impl FnMut(&Chunk),
+    ) -> Result<(), SeaFailure> {
+        let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
+        let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
+        sheet.evaluate(lighting.elapsed_s, &patch, fields)?;
+        self.scattering.poses(lighting.elapsed_s, poses);
+        phasors.prepare(&self.scattering, &patch, lighting.elapsed_s);
+        let earth = lighting.surroundings.frame.earth();
+        let mix = match (&self.visibility, updates) {
+            (Some(visibility), Some(updates)) => Some(visibility.at(
+                updates,
+                lighting.elapsed_s,
+                |elapsed_s, places| self.scenery(lighting, elapsed_s, places),
+                |[x, y]| earth.drop_m(x, y),
+            )?),
+            _ => None,
+        };
+        let footprint_m2 = patch.facet_m * patch.facet_m;
+        let transmitters = lighting.radar.transmitters.len();
+        let mut first = 0;
+        while first < patch.len() {
+            let end = (first + CHUNK).min(patch.len());
+            for kind in 0..self.scattering.kinds() {
+                chunk.clear();
+                for index in first..end {
+                    let key = patch.key(index);
+                    let place_m = patch.centre_m(key);
+                    let cover = if self.scattering.kinds() > 1 {
+                        let (its_kind, cover) = self.scattering.kind_at(place_m, poses);
+                        if its_kind != kind {
+                            continue;
+                        }
+                        cover
+                    } else {
+                        0.0
+                    };
+                    let scatterer = motion(fields, index, place_m, earth.drop_m(place_m[0], place_m[1]));
+                    let visible = |antenna: usize| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, key));
+                    if !chunk.see(lighting, transmitters, &scatterer, visible) {
+                        continue;
+                    }
+                    let fall = earth.drop_slope(place_m[0], place_m[1]);
+                    let slope = [fields.slope[0][index] - fall[0], fields.slope[1][index] - fall[1]];
+                    chunk.take(index, slope, cover, phasors.of(&patch, key));
+                }
+                if !chunk.index.is_empty() {
+                    chunk.scatter(lighting, &self.scattering, kind, footprint_m2);
+                    each(chunk);
+                }
+            }
+            first = end;
+        }
+        Ok(())
+    }
+
+    /// Patch and antennas at a time after pulse 0.
+    fn scenery(
+        &self,
+        lighting: &Lighting,
+        elapsed_s: f64,
+        places: &mut [Point<Enu>],
+    ) -> Result<Patch, SeaFailure> {
+        let t = lighting.surroundings.start.plus(elapsed_s);
+        let transmitters = lighting.radar.transmitters.iter().map(|tx| &tx.antenna);
+        let mounts = transmitters.chain(lighting.radar.receivers.iter().map(|rx| &rx.antenna));
+        for (mount, place) in mounts.zip(places) {
+            let AntennaMount { platform, lever_arm, .. } = *mount;
+            let state = lighting.surroundings.tracks[platform].truth.state(t).map_err(|source| {
+                SeaFailure::Track(TrackFailure { platform, which: TrackUse::Truth, source })
+            })?;
+            *place = PhaseCentre::of(&state, lever_arm).position;
+        }
+        Ok(self.patch_at(&lighting.surroundings, t)?)
+    }
+}
+
+impl Phasors {
+    fn place(&self, patch: &Patch, key: [i64; 2]) -> usize {
+        let [nx, ny] = patch.facets;
+        key[1].rem_euclid(ny as i64) as usize * nx + key[0].rem_euclid(nx as i64) as usize
+    }
+
+    fn of(&self, patch: &Patch, key: [i64; 2]) -> &[Complex64] {
+        let place = self.place(patch, key) * self.mechanisms;
+        &self.phasors[place..place + self.mechanisms]
+    }
+
+    fn prepare(&mut self, scattering: &WaterScattering, patch: &Patch, t_s: f64) {
+        for index in 0..patch.len() {
+            let key = patch.key(index);
+            let place = self.place(patch, key);
+            if self.keys[place] != Some(key) || scattering.decorrelates() {
+                self.keys[place] = Some(key);
+                let begin = place * self.mechanisms;
+                scattering.phasors(key, t_s, &mut self.phasors[begin..begin + self.mechanisms]);
+            }
+        }
+    }
+}

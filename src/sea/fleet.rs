@@ -1,0 +1,134 @@
+//! The ships of a scene: their hulls found, their wakes prepared for the patch that will be looked at.
+//!
+//! A hull is read (or is Wigley's), scaled to the length asked, and its Kochin function gives the amplitudes of the
+//! free waves; they are prepared as far from the ship as any facet of the given patches lies. Ships that raise no
+//! waves on these facets (too slow, waves too short) have a wake without waves, and say why ([`Wake::presence`]).
+//!
+//! ```
+//! use nereus::scene::ship::{HullGiven, KelvinWake, Ship, TurbulentWake};
+//! use nereus::scene::Patch;
+//! use nereus::sea::fleet::Fleet;
+//! let ship = Ship {
+//!     name: "tanker".into(),
+//!     hull: HullGiven::Wigley { beam_m: 13.0, draught_m: 4.3 },
+//!     length_m: Some(100.0),
+//!     position_m: [60.0, 0.0],
+//!     heading_rad: 0.0,
+//!     speed_mps: 9.0,
+//!     kelvin: Some(KelvinWake::default()),
+//!     turbulent: Some(TurbulentWake::default()),
+//!     echo: false,
+//! };
+//! let patch = Patch::new([256.0, 128.0], 2.0, [0.0, 0.0])?;
+//! let fleet = Fleet::muster(&[ship], &[(0.0, patch), (2.0, patch)])?;
+//! assert!(!fleet.wakes[0].nodes().is_empty() && fleet.strips.len() == 1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use super::wake::kochin::{Kochin, KochinError, Transom};
+use super::wake::{Course, Reach, Settings, TurbulentStrip, Wake, WakeError};
+use crate::scene::hull::{Hull, HullError};
+use crate::scene::ship::HullGiven;
+use crate::scene::{Patch, Ship};
+
+/// By how much the reach of a wake exceeds what the patches at hand ask for: a patch that moves is known at some instants only.
+const MARGIN: f64 = 1.2;
+
+/// A turbulent wake under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Its shape.
+    pub strip: TurbulentStrip,
+    /// Where its ship goes.
+    pub course: Course,
+    /// Wind that raises the short waves within, over the wind outside.
+    pub wind_ratio: f64,
+}
+
+/// Ships under way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fleet {
+    /// Their gravity waves.
+    pub wakes: Vec<Wake>,
+    /// Their turbulent wakes.
+    pub strips: Vec<Strip>,
+}
+
+/// Why a ship cannot sail.
+#[derive(Debug, thiserror::Error)]
+#[error("ship '{ship}': {source}")]
+pub struct FleetError {
+    /// The ship.
+    pub ship: String,
+    /// What is wrong.
+    pub source: ShipError,
+}
+
+/// What is wrong with a ship.
+#[derive(Debug, thiserror::Error)]
+pub enum ShipError {
+    /// Its hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+    /// A hull without a length of its own.
+    #[error("a Wigley hull needs a length")]
+    NoLength,
+    /// Its speed.
+    #[error(transparent)]
+    Kochin(#[from] KochinError),
+    /// Its wake.
+    #[error(transparent)]
+    Wake(#[from] WakeError),
+}
+
+/// The hull of a ship, scaled.
+pub fn hull(ship: &Ship) -> Result<Hull, ShipError> {
+    Ok(match (&ship.hull, ship.length_m) {
+        (HullGiven::File(path), None) => Hull::load(path)?,
+        (HullGiven::File(path), Some(length_m)) => Hull::load(path)?.scaled_to_length(length_m)?,
+        (HullGiven::Wigley { beam_m, draught_m }, Some(length_m)) => {
+            Hull::wigley(length_m, *beam_m, *draught_m)?
+        }
+        (HullGiven::Wigley { .. }, None) => return Err(ShipError::NoLength),
+    })
+}
+
+/// The course of a ship.
+pub fn course(ship: &Ship) -> Course {
+    Course::straight(ship.position_m, ship.heading_rad, ship.speed_mps)
+}
+
+impl Fleet {
+    /// Prepares ships for the patch as it lies at some times, s after pulse 0.
+    pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetError> {
+        let mut fleet = Self::default();
+        for ship in ships {
+            fleet.enlist(ship, patches).map_err(|source| FleetError { ship: ship.name.clone(), source })?;
+        }
+        Ok(fleet)
+    }
+
+    fn enlist(&mut self, ship: &Ship, patches: &[(f64, Patch)]) -> Result<(), ShipError> {
+        let (hull, course) = (hull(ship)?, course(ship));
+        let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
+        if let (Some(kelvin), Some(&(_, Patch { facet_m, .. }))) = (&ship.kelvin, patches.first()) {
+            let mut reach = Reach { along_m: 0.0, across_m: 0.0 };
+            for &(time_s, ref patch) in patches {
+                let Reach { along_m, across_m } = Reach::of(patch, &course, [time_s, time_s])?;
+                reach.along_m = reach.along_m.max(MARGIN * along_m);
+                reach.across_m = reach.across_m.max(MARGIN * across_m);
+            }
+            let settings =
+                Settings { cutoff_rad_m: kelvin.band_limit_radpm, ..Settings::new(facet_m, reach) };
+            let amplitude_m = |tan_theta| kochin.amplitude_m(tan_theta);
+            self.wakes.push(Wake::new(course, hull.length_m(), &settings, amplitude_m)?);
+        }
+        if let Some(turbulent) = &ship.turbulent {
+            let decay_m = turbulent.decay_lengths * hull.length_m();
+            let strip =
+                TurbulentStrip::with(hull.length_m(), hull.beam_m(), turbulent.spread_exponent, decay_m)?;
+            self.strips.push(Strip { strip, course, wind_ratio: turbulent.wind_ratio });
+        }
+        Ok(())
+    }
+}
