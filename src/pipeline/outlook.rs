@@ -214,7 +214,9 @@ impl View<'_> {
         let points = self.lattice(&patch);
         let Some((first, rest)) = ends.split_first() else { return Ok(()) };
 
-        let middle = points[points.len() / 2];
+        let key = [0, 1].map(|axis| patch.first[axis] + (patch.facets[axis] / 2) as i64);
+        let [x_m, y_m] = patch.centre_m(key);
+        let middle = self.scene.frame.above_sea(x_m, y_m, 0.0);
         let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
         let [east, north, _] = gradient.to_array();
         let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
@@ -227,8 +229,9 @@ impl View<'_> {
         let closes_s = opens_s + radar.window.samples as f64 / radar.sample_rate_hz - pulse_s;
         let interval_s = 1.0 / radar.emissions.mean_prf_hz();
         // The echo of another emission may be the one that the window hears.
-        let heard =
-            |delay_s: f64| ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil();
+        let heard = |delay_s: f64| {
+            ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil()
+        };
         let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
         let mut held = 0_usize;
         for ends in std::iter::once(first).chain(rest) {
@@ -266,7 +269,8 @@ impl View<'_> {
                 (end - **point).dot(Vector::new(fall_x, fall_y, 1.0)) <= 0.0
             });
             let share = hidden.count() as f64 / points.len() as f64;
-            let known = |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
+            let known =
+                |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
             if share > 0.0 && !outlook.warnings.iter().any(known) {
                 let (antenna, pulse) = (name.clone(), self.pulse);
                 outlook.warnings.push(SeaWarning::BeyondHorizon { antenna, share, pulse });
@@ -325,7 +329,7 @@ impl View<'_> {
         }
     }
 
-    /// Points of the mean surface over the patch, its corners and its centre among them.
+    /// Points of the mean surface over the patch, its corners among them.
     fn lattice(&self, patch: &Patch) -> Vec<Point<Enu>> {
         let low = patch.centre_m(patch.first);
         let steps = patch.facets.map(|n| (n - 1) as f64 * patch.facet_m / (LATTICE - 1) as f64);

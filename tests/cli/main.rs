@@ -7,6 +7,7 @@ mod oracle;
 mod program;
 mod readme;
 mod running;
+mod sea_check;
 #[cfg(unix)]
 mod setup_script;
 mod table_golden;

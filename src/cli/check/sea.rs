@@ -4,7 +4,8 @@ use super::{Described, described, neat};
 use crate::pipeline::outlook::{AZIMUTH_M, Outlook};
 use crate::scene::Scene;
 use crate::scene::sea::{
-    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing, SlickShape, Splitting,
+    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing, SlickShape,
+    Splitting,
 };
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
@@ -29,7 +30,9 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     }
     for slick in &sea.slicks {
         let shape = match &slick.shape {
-            SlickShape::Ellipse { half_axes_m: [a, b], .. } => format!("ellipse of {} m x {} m", 2.0 * a, 2.0 * b),
+            SlickShape::Ellipse { half_axes_m: [a, b], .. } => {
+                format!("ellipse of {} m x {} m", 2.0 * a, 2.0 * b)
+            }
             SlickShape::Polygon { corners_m } => format!("polygon of {} corners", corners_m.len()),
         };
         let text = format!(
@@ -43,7 +46,10 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     }
     let scattering = &sea.scattering;
     if scattering.decorrelation_s.is_none() {
-        without.push(described("decorrelation", "no sea.scattering.decorrelation_ms: phases of facets are frozen"));
+        without.push(described(
+            "decorrelation",
+            "no sea.scattering.decorrelation_ms: phases of facets are frozen",
+        ));
     }
     if !scattering.displacement {
         let how = "sea.scattering.displacement = false: facets move up and down only";
@@ -162,7 +168,9 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
 fn swell_text(swell: &Swell) -> String {
     let shape = match swell.shape {
         SwellShape::Gaussian { relative_width } => format!("Gaussian of relative width {relative_width}"),
-        SwellShape::Jonswap { peak_enhancement } => format!("JONSWAP shape, peak enhancement {peak_enhancement}"),
+        SwellShape::Jonswap { peak_enhancement } => {
+            format!("JONSWAP shape, peak enhancement {peak_enhancement}")
+        }
     };
     format!(
         "significant height {} m, period {} s, towards {} deg from East, spread {} deg, {shape}",
@@ -184,7 +192,9 @@ fn water_text(sea: &Sea) -> String {
 fn scattering_text(scattering: &FacetScattering) -> String {
     let mut text = match scattering.splitting {
         Splitting::Consistent => "Bragg and specular, each wave once".to_owned(),
-        Splitting::Mars2007 => "Bragg and specular as in the MaRS paper, resolved slopes counted twice".to_owned(),
+        Splitting::Mars2007 => {
+            "Bragg and specular as in the MaRS paper, resolved slopes counted twice".to_owned()
+        }
     };
     if let Some(cut_radpm) = scattering.cut_radpm {
         text += &format!(", divided at {cut_radpm} rad/m");
