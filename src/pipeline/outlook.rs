@@ -81,7 +81,8 @@ pub struct Outlook {
 pub enum SeaWarning {
     /// Too short for its waves.
     #[error(
-        "the patch of {size_m:?} m is shorter than the {least_m:.0} m that its spectrum asks for: long waves are coarsely drawn"
+        "the patch of {} m x {} m is shorter than the {least_m:.0} m that its spectrum asks for: long waves are coarsely drawn",
+        size_m[0], size_m[1]
     )]
     ShortPatch {
         /// Its size, m.

@@ -105,9 +105,9 @@ fn what_does_not_fit_is_said_and_not_refused() {
         check("configs/sea.toml", &all).1
     };
     insta::assert_snapshot!(said(&[]), @"");
-    insta::assert_snapshot!(said(&["sea.wind_mps=10"]), @r#"warning: the patch of [16.0, 16.0] m is shorter than the 329 m that its spectrum asks for: long waves are coarsely drawn"#);
+    insta::assert_snapshot!(said(&["sea.wind_mps=10"]), @r#"warning: the patch of 16 m x 16 m is shorter than the 329 m that its spectrum asks for: long waves are coarsely drawn"#);
     insta::assert_snapshot!(said(&["sea.wind_mps=26"]), @r#"
-warning: the patch of [16.0, 16.0] m is shorter than the 2221 m that its spectrum asks for: long waves are coarsely drawn
+warning: the patch of 16 m x 16 m is shorter than the 2221 m that its spectrum asks for: long waves are coarsely drawn
 warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are extrapolations, and a linear sea is a rough model
 "#);
     insta::assert_snapshot!(said(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's"#);
