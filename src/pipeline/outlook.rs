@@ -81,7 +81,8 @@ pub struct Outlook {
 pub enum SeaWarning {
     /// Too short for its waves.
     #[error(
-        "the patch of {size_m:?} m is shorter than the {least_m:.0} m that its spectrum asks for: long waves are coarsely drawn"
+        "the patch of {} m x {} m is shorter than the {least_m:.0} m that its spectrum asks for: long waves are coarsely drawn",
+        size_m[0], size_m[1]
     )]
     ShortPatch {
         /// Its size, m.
@@ -214,7 +215,9 @@ impl View<'_> {
         let points = self.lattice(&patch);
         let Some((first, rest)) = ends.split_first() else { return Ok(()) };
 
-        let middle = points[points.len() / 2];
+        let key = [0, 1].map(|axis| patch.first[axis] + (patch.facets[axis] / 2) as i64);
+        let [x_m, y_m] = patch.centre_m(key);
+        let middle = self.scene.frame.above_sea(x_m, y_m, 0.0);
         let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
         let [east, north, _] = gradient.to_array();
         let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
@@ -327,7 +330,7 @@ impl View<'_> {
         }
     }
 
-    /// Points of the mean surface over the patch, its corners and its centre among them.
+    /// Points of the mean surface over the patch, its corners among them.
     fn lattice(&self, patch: &Patch) -> Vec<Point<Enu>> {
         let low = patch.centre_m(patch.first);
         let steps = patch.facets.map(|n| (n - 1) as f64 * patch.facet_m / (LATTICE - 1) as f64);

@@ -8,6 +8,7 @@ mod program;
 mod readme;
 mod running;
 mod sea;
+mod sea_check;
 #[cfg(unix)]
 mod setup_script;
 mod sigma0_page;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::scattering::permittivity::Model;
+use crate::scene::radar::{Sweep, Waveform};
 use crate::scene::sea::{
     Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Shadowing, SlickShape,
     Splitting,
@@ -290,18 +291,18 @@ scene.patch_size_m: 1000000000 facets along y; allowed: at most 1048576
     let lost = SEA.replace("[sea]", "[sea_]").replace("[sea.shadow]", "[sea_.shadow]");
     let error = parse(&lost, Path::new("lost.toml"), &[]).unwrap_err();
     insta::assert_snapshot!(error.to_string(), @r#"
-lost.toml:7:1: scene.patch_size_m: has no meaning here (there is no [sea])
-lost.toml:8:1: scene.facet_m: has no meaning here (there is no [sea])
-lost.toml:10:2: sea_: unknown key; did you mean sea?
-lost.toml:18:3: swell: has no meaning here (there is no [sea])
-lost.toml:23:3: slick: has no meaning here (there is no [sea])
+lost.toml:8:1: scene.patch_size_m: has no meaning here (there is no [sea])
+lost.toml:9:1: scene.facet_m: has no meaning here (there is no [sea])
+lost.toml:11:2: sea_: unknown key; did you mean sea?
+lost.toml:19:3: swell: has no meaning here (there is no [sea])
+lost.toml:24:3: slick: has no meaning here (there is no [sea])
 lost.toml: 5 faults
 "#);
     let bare = SEA.replace("patch_size_m = [128.0, 128.0]", "").replace("facet_m = 1.0", "");
     let error = parse(&bare, Path::new("bare.toml"), &[]).unwrap_err();
     insta::assert_snapshot!(error.to_string(), @r#"
-bare.toml:4:2: scene.patch_size_m: is missing; required: a list of 2 numbers from 1e-4 to 1e8 m
-bare.toml:4:2: scene.facet_m: is missing; required: a number from 1e-4 to 100000 m
+bare.toml:5:2: scene.patch_size_m: is missing; required: a list of 2 numbers from 1e-4 to 1e8 m
+bare.toml:5:2: scene.facet_m: is missing; required: a number from 1e-4 to 100000 m
 bare.toml: 2 faults
 "#);
 }
@@ -444,6 +445,62 @@ fn slicks_beyond_the_patch_are_said() {
     );
     // A patch that moves may come to any slick.
     assert_eq!(warned(&[("slick.0.centre_m", "[5000, 0]"), ("scene.patch", "follow")]), "");
+}
+
+#[test]
+fn presets_are_the_configurations_of_the_paper() {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder =
+        std::env::var_os("NEREUS_GOLDEN").map_or_else(|| manifest.join("tests/data/golden"), PathBuf::from);
+    let golden: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("configs.json")).unwrap()).unwrap();
+    let figure = |table: &str, key: &str| golden[table][key].as_f64().unwrap();
+    for (index, configuration) in golden["configurations"].as_array().unwrap().iter().enumerate() {
+        let run = load(&manifest.join(format!("configs/mars-{}.toml", index + 1)), &[]).unwrap();
+        let (scene, radar) = (&run.scene, &run.scene.radar);
+        assert_eq!(run.warnings.iter().filter(|w| !matches!(w, Warning::NoHdf5 { .. })).count(), 0);
+        assert_eq!(scene.pulses as f64, figure("radar", "n_pulses"));
+        assert_eq!(radar.carrier_hz, figure("radar", "f0_hz"));
+        assert_eq!(radar.sample_rate_hz, figure("radar", "fs_hz"));
+        assert_eq!(radar.emissions.mean_prf_hz(), figure("radar", "prf_hz"));
+        assert_eq!(radar.losses_db, figure("radar", "losses_db"));
+        assert_eq!(radar.transmitters[0].power_w, figure("radar", "peak_power_w"));
+        let Waveform::Lfm { bandwidth_hz, duration_s, sweep: Sweep::Up } = radar.waveform else { panic!() };
+        assert_eq!(bandwidth_hz, figure("radar", "bandwidth_hz"));
+        assert_eq!(duration_s, figure("radar", "pulse_s"));
+        let antenna = &golden["radar"]["antenna"];
+        let [width_m, height_m] = ["width_m", "height_m"].map(|key| antenna[key].as_f64().unwrap());
+        for mount in [&radar.transmitters[0].antenna, &radar.receivers[0].antenna] {
+            assert_eq!(mount.pattern, Pattern::Rectangle { width_m, height_m });
+        }
+        let ends =
+            [("tx", radar.transmitters[0].antenna.platform), ("rx", radar.receivers[0].antenna.platform)];
+        for (end, platform) in ends {
+            let vector = |key: &str| {
+                let entries = configuration[end][key].as_array().unwrap().iter();
+                entries.map(|value| value.as_f64().unwrap()).collect::<Vec<f64>>()
+            };
+            let (place, moves) = match &run.nav[platform].truth {
+                TrackSource::Straight { place, velocity, .. } => (place, velocity.to_array()),
+                TrackSource::Fixed { place, .. } => (place, [0.0; 3]),
+                TrackSource::File(_) => panic!(),
+            };
+            let Place::Local(start) = place else { panic!() };
+            assert_eq!(start.to_array().to_vec(), vector("start"));
+            assert_eq!(moves.to_vec(), vector("velocity"));
+        }
+        let sea = scene.sea.as_ref().unwrap();
+        let facets = golden["environment"]["dem"]["n"].as_u64().unwrap() as usize;
+        assert_eq!(sea.patch.facets, [facets; 2]);
+        assert_eq!(sea.patch.facet_m, golden["environment"]["dem"]["dx_m"].as_f64().unwrap());
+        assert_eq!(sea.water.temperature_c, figure("environment", "T_c"));
+        assert_eq!(sea.water.salinity_psu, figure("environment", "S_psu"));
+        let ustar_mps = figure("environment", "ustar_m_s");
+        assert_eq!(sea.water.wind.strength, WindStrength::FrictionVelocity { ustar_mps });
+        assert_eq!(sea.water.wind.direction_rad, figure("environment", "wind_dir_deg").to_radians());
+        let development = Development::InverseWaveAge(0.84);
+        assert_eq!(sea.water.spectrum, SpectrumKind::ElfouhailyFungLee { development });
+    }
 }
 
 proptest! {

@@ -1,0 +1,158 @@
+//! `check` of seas: figures, warnings, files that are wrong.
+
+use std::fs;
+use std::path::PathBuf;
+
+use crate::program::{nereus, package};
+use crate::table_golden::golden;
+
+/// Checks a scenario with settings.
+fn check(scenario: &str, settings: &[&str]) -> (serde_json::Value, String) {
+    let mut arguments = vec!["check", scenario, "--json"];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    let ended = nereus(package(), &arguments);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    (serde_json::from_str(&ended.stdout).unwrap(), ended.stderr)
+}
+
+fn number(report: &serde_json::Value, key: &str) -> f64 {
+    report["sea"][key].as_f64().unwrap_or_else(|| panic!("{key}: {report}"))
+}
+
+fn close(what: &str, value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{what}: {value}, expected {expected} within {tolerance}");
+}
+
+/// The four configurations of the paper as computed independently.
+fn configurations() -> serde_json::Value {
+    let folder =
+        std::env::var_os("NEREUS_GOLDEN").map_or_else(|| package().join("tests/data/golden"), PathBuf::from);
+    serde_json::from_str(&fs::read_to_string(folder.join("configs.json")).unwrap()).unwrap()
+}
+
+/// Half of the last digit that the golden file prints, and what rounding of decimals may add.
+const THREE_DECIMALS: f64 = 0.5e-3 + 1e-12;
+
+#[test]
+fn the_configurations_of_the_paper_have_their_wind_and_their_resolution() {
+    let golden = configurations();
+    // The resolutions are those of the middle of the track.
+    for (n, platform) in [("1", 0), ("2", 0), ("4", 1)] {
+        let scenario = format!("configs/mars-{n}.toml");
+        let middle = format!("platform.{platform}.track.position_m.0=0");
+        let (report, _) =
+            check(&scenario, &["scene.patch_size_m=[16, 16]", "scene.duration_s=0.004", &middle]);
+        let expected = golden["expected"]["range_res_m"][n].as_f64().unwrap();
+        close(&scenario, number(&report, "ground_range_m"), expected, THREE_DECIMALS);
+        for (key, name) in [("u10_mps", "U10_m_s"), ("u12_5_mps", "U12p5_m_s"), ("u19_5_mps", "U19p5_m_s")] {
+            let expected = golden["environment"][name].as_f64().unwrap();
+            close(name, number(&report, key), expected, THREE_DECIMALS);
+        }
+    }
+}
+
+#[test]
+fn the_windows_of_the_paper_s_scenarios_hold_their_patches() {
+    for n in 1..=4 {
+        // Few pulses: the three that are looked at are at the ends and the middle of the track all the same. A coarse
+        // facet keeps the size of the patch and spares the forecast.
+        let (report, _) = check(&format!("configs/mars-{n}.toml"), &["scene.facet_m=16"]);
+        assert_eq!(number(&report, "share_in_window"), 1.0, "mars-{n}");
+        assert_eq!(report["pulses"], 500);
+    }
+}
+
+#[test]
+fn waves_are_those_of_the_golden_spectra() {
+    let small = "scene.patch_size_m=[16, 16]";
+    let kpeak = golden("kpeak_lmin.csv");
+    let row = kpeak.rows().find(|row| row.get("U19p5_m_s") == 10.0 && row.get("alpha") == 0.25).unwrap();
+    let settings = [small, "swell=[]", "sea.spectrum=fung-lee", "sea.wind_mps=10", "sea.wind_height_m=19.5"];
+    let (report, _) = check("configs/sea.toml", &settings);
+    // The edges of the band are bisected to the last bits; the golden file prints 12 decimals.
+    close("Lmin", number(&report, "least_length_m"), row.get("Lmin_m"), 1e-6);
+
+    let moments = golden("spectrum_moments.csv");
+    let row = moments.rows().find(|row| row.get("U10_m_s") == 10.0 && row.get("Omega_c") == 0.84).unwrap();
+    let (report, _) = check("configs/sea.toml", &[small, "swell=[]", "sea.wind_mps=10"]);
+    // Trapezoids of the golden file over 2e4 points a decade or better; nothing lies beyond its band.
+    let expected = row.get("Hs_m");
+    close("Hs", number(&report, "significant_height_m"), expected, 1e-4 * expected);
+    // A swell adds its variance: Hs adds in squares.
+    let (report, _) = check("configs/sea.toml", &[small, "sea.wind_mps=10"]);
+    close("with swell", number(&report, "significant_height_m"), expected.hypot(0.8), 2e-4 * expected);
+
+    let (report, _) = check("configs/sea.toml", &[small, "swell=[]", "sea.wind_mps=0.2"]);
+    assert_eq!(report["sea"]["calm"], true);
+    assert_eq!((number(&report, "significant_height_m"), number(&report, "least_length_m")), (0.0, 0.0));
+}
+
+#[test]
+fn what_does_not_fit_is_said_and_not_refused() {
+    let said = |settings: &[&str]| {
+        // Nothing to say of this sea: long, finely cut.
+        let mut all = vec![
+            "swell=[]",
+            "slick=[]",
+            "target=[]",
+            "sea.wind_mps=2",
+            "scene.patch_size_m=[16, 16]",
+            "scene.facet_m=0.5",
+        ];
+        all.extend(settings);
+        check("configs/sea.toml", &all).1
+    };
+    insta::assert_snapshot!(said(&[]), @"");
+    insta::assert_snapshot!(said(&["sea.wind_mps=10"]), @r#"warning: the patch of 16 m x 16 m is shorter than the 329 m that its spectrum asks for: long waves are coarsely drawn"#);
+    insta::assert_snapshot!(said(&["sea.wind_mps=26"]), @r#"
+warning: the patch of 16 m x 16 m is shorter than the 2221 m that its spectrum asks for: long waves are coarsely drawn
+warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are extrapolations, and a linear sea is a rough model
+"#);
+    insta::assert_snapshot!(said(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's"#);
+    insta::assert_snapshot!(said(&["scene.facet_m=8"]), @r#"
+warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's
+warning: facets of 8 m are longer than a resolution cell of 3.53 m ground range
+"#);
+    insta::assert_snapshot!(said(&["radar.window.start_us=29.5"]), @r#"warning: the window does not hear the patch at pulse 0: whole echoes begin [29.5, 31.09] us after the emission, those of the patch [28.27, 28.34] us"#);
+    // The echo of the pulse before: 28.3 us are 3.3 us after the next emission.
+    assert_eq!(said(&["radar.window={samples=64,start_us=3.0}", "radar.prf_hz=40000"]), "");
+    insta::assert_snapshot!(said(&["scene.earth=curved", "platform.0.track.position_m=[-30000, 0, 0]", "radar.window.start_us=199.5"]), @r#"
+warning: 48 % of the patch lie beyond the horizon of "tx" at pulse 0
+warning: 48 % of the patch lie beyond the horizon of "rx" at pulse 0
+"#);
+    insta::assert_snapshot!(said(&["slick=[{centre_m=[50,0],half_axes_m=[3,4]}]"]), @r#"warning: slick "slick-0" lies outside the patch of sea: no facet has it"#);
+}
+
+#[test]
+fn a_spectrum_file_is_faulted_by_line_beside_the_other_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("waves.csv", "kx_rad_m,ky_rad_m,psi_m4\n0,0,0\n0,1,-2\n1,0,4\n1,1.5,2\n");
+    write("flight.csv", "time_utc,x_m\n");
+    let scenario = fs::read_to_string(package().join("configs/sea.toml")).unwrap();
+    let scenario = scenario.replace("\"elfouhaily\"  ", "\"measured\"\nspectrum_path = \"waves.csv\"");
+    write("my.toml", &scenario);
+    let ended = nereus(folder.path(), &["check", "my.toml"]);
+    assert_eq!((ended.code, ended.stdout.as_str()), (2, ""));
+    let sea = "line 3: psi_m4 is -2: it must not be negative";
+    assert!(
+        ended.stderr.contains("sea: measured spectrum waves.csv: ") && ended.stderr.contains(sea),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("line 5: "), "{}", ended.stderr);
+    // The other faulty files of the scenario are named in the same run.
+    let flight = "platform.0.track={kind='csv',path='flight.csv'}";
+    let start = "scene.start_utc='2020-01-01T00:00:00Z'";
+    for command in ["check", "run"] {
+        let ended = nereus(folder.path(), &[command, "my.toml", "--set", flight, "--set", start]);
+        assert_eq!(ended.code, 2);
+        assert!(ended.stderr.contains(sea) && ended.stderr.contains("flight.csv"), "{}", ended.stderr);
+    }
+    write("waves.csv", "kx_rad_m,ky_rad_m,psi_m4\n0,0,0\n0,1,0\n1,0,4\n1,1,2\n");
+    let settings = ["--set", "scene.patch_size_m=[16, 16]"];
+    let ended = nereus(folder.path(), &[&["check", "my.toml"], &settings[..]].concat());
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+}
