@@ -3,10 +3,10 @@
 //! | key | unit | meaning |
 //! | --- | --- | --- |
 //! | `name` | | required |
-//! | `offsets` | | required: the offset table ([`table`](super::table)), a path from this file's folder |
+//! | `offsets` | | required: the offset table ([`table`]), a path from this file's folder |
 //! | `source`, `licence` | | where the table comes from; for people |
 //! | `draught_m` | m | draught of the particulars, where a dome or keel reaches below it |
-//! | `[stated]` | | published particulars, each optional: `length_m` `beam_m` `draught_m` `volume_m3` `wetted_surface_m2` `block` `midship` `waterplane` `lcb_percent`, as in [`Particulars`](super::Particulars) |
+//! | `[stated]` | | published particulars, each optional: `length_m` `beam_m` `draught_m` `volume_m3` `wetted_surface_m2` `block` `midship` `waterplane` `lcb_percent`, as in [`Particulars`] |
 //! | `stated.tolerance_percent` | % | how far the table may be from them, 0.001 to 20, usually 1; beyond it the file is refused |
 //! | `[[scatterer]]` | | `name`, `forward_m`, `starboard_m`, `up_m` from midship at the waterline, `rcs_m2` |
 //!
