@@ -116,21 +116,9 @@ pub enum RadarFault {
         /// Why.
         source: PatternError,
     },
-    /// The sea cannot be drawn.
+    /// The sea.
     #[error("sea: {0}")]
-    Realise(#[from] RealiseError),
-    /// The sea cannot be evaluated.
-    #[error("sea: {0}")]
-    Surface(#[from] WakeError),
-    /// A ship cannot sail.
-    #[error(transparent)]
-    Fleet(#[from] FleetError),
-    /// Its water cannot scatter.
-    #[error("sea: {0}")]
-    Water(#[from] WaterError),
-    /// The sea cannot cast shadows.
-    #[error("sea: {0}")]
-    Shadow(#[from] ShadowError),
+    Sea(#[from] SeaFault),
     /// A track does not cover the run.
     #[error("platform '{platform}', {which} track: needed from {from} to {to}: {source}")]
     Track {
@@ -144,6 +132,34 @@ pub enum RadarFault {
         to: TimeTag,
         /// Why it does not.
         source: TrackError,
+    },
+}
+
+/// Why a scene's sea cannot be lit.
+#[derive(Debug, Error)]
+pub enum SeaFault {
+    /// It cannot be drawn.
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
+    /// It cannot be evaluated.
+    #[error(transparent)]
+    Surface(#[from] WakeError),
+    /// A ship cannot sail.
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
+    /// Its water cannot scatter.
+    #[error(transparent)]
+    Water(#[from] WaterError),
+    /// It cannot cast shadows.
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
+    /// More antennas than its shadows are followed for.
+    #[error("shadows are followed for at most {most} antennas, the scene has {antennas}")]
+    Antennas {
+        /// Antennas of the scene.
+        antennas: usize,
+        /// Most.
+        most: usize,
     },
 }
 

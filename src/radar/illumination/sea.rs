@@ -14,7 +14,7 @@ use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::radar::emission::TrackFailure;
-use crate::radar::fault::{RadarFault, TrackUse};
+use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
 use crate::scene::sea::{PatchPlace, Sea};
@@ -147,10 +147,13 @@ impl SeaPlan {
         fastest_platform_mps: f64,
         faults: &mut Vec<RadarFault>,
     ) -> Option<Self> {
-        let realised = realise(sea, scene.seed).map_err(|source| faults.push(source.into())).ok();
-        let fleet = Fleet::muster(&scene.ships, patches).map_err(|source| faults.push(source.into())).ok();
+        let realised =
+            realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
+        let fleet = Fleet::muster(&scene.ships, patches)
+            .map_err(|source| faults.push(SeaFault::from(source).into()))
+            .ok();
         Self::build(scene, sea, realised?, fleet?, patches, fastest_platform_mps)
-            .map_err(|fault| faults.push(fault))
+            .map_err(|fault| faults.push(fault.into()))
             .ok()
     }
 
@@ -161,12 +164,11 @@ impl SeaPlan {
         fleet: Fleet,
         patches: &[(f64, Patch)],
         fastest_platform_mps: f64,
-    ) -> Result<Self, RadarFault> {
+    ) -> Result<Self, SeaFault> {
         let last_s = patches.last().map_or(0.0, |&(time_s, _)| time_s);
         let antennas = scene.radar.transmitters.len() + scene.radar.receivers.len();
         if sea.shadow.is_some() && antennas > MOST_ENDS {
-            let allowed = "at most 64 antennas where the sea casts shadows";
-            return Err(RadarFault::Value { name: "antennas", value: antennas as f64, allowed });
+            return Err(SeaFault::Antennas { antennas, most: MOST_ENDS });
         }
         let Realised { wind, spectrum, surface } = realised;
         let carrier_hz = scene.radar.carrier_hz;
@@ -202,7 +204,7 @@ impl SeaPlan {
             let visibility =
                 Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
             // Whether its maps are legal shows here and not at the first pulse.
-            let updates = visibility.updates::<RadarFault>(&plan.surface, &plan.wakes, &plan.patch)?;
+            let updates = visibility.updates::<SeaFault>(&plan.surface, &plan.wakes, &plan.patch)?;
             plan.updates = Some(updates);
             plan.visibility = Some(visibility);
         }
@@ -211,7 +213,7 @@ impl SeaPlan {
     }
 
     /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
-    fn half_slope_change_rad(&self) -> Result<f64, RadarFault> {
+    fn half_slope_change_rad(&self) -> Result<f64, SeaFault> {
         let mut sheet = Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, &self.patch)?;
         let mut fields = sheet.fields(&self.patch);
         sheet.evaluate(0.0, &self.patch, &mut fields)?;
