@@ -16,7 +16,7 @@ use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
 use crate::pipeline::build::{self, BuildErrors};
 use crate::pipeline::forecast::Forecast;
-use crate::pipeline::outlook::{Outlook, outlook};
+use crate::pipeline::outlook::{EDGE_BUDGET_DB, Outlook, SeaWarning, edge_db, outlook};
 use crate::pulse::SampleFormat;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
 use crate::sinks::{self, Kind};
@@ -82,6 +82,12 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         report.tracks.push(described(&what, note.report.to_string()));
     }
     report.sea = outlook(&run)?;
+    if let Some(sea) = &mut report.sea {
+        sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
+        sea.warnings.extend(
+            sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB).map(|edge_db| SeaWarning::Edge { edge_db }),
+        );
+    }
     let warnings = report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string);
     for warning in warnings.collect::<Vec<_>>() {
         say(format_args!("warning: {warning}"));

@@ -12,8 +12,8 @@
 //! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear sea.
 //!
 //! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points over the patch,
-//! without the motion during the echo and without waves. Limits: of a patch that follows, the gain at its edges is not
-//! looked at.
+//! without the motion during the echo and without waves. What a following patch lets come and go is
+//! [`edge_db`]: it lights every facet.
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
 
@@ -21,11 +21,13 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::build::{BuildError, BuildErrors, tracks};
+use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::frames::{Earth, Enu, Point, Vector};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::TrackError;
+use crate::radar::fault::RadarError;
 use crate::radar::waveform;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair};
 use crate::scene::sea::{PatchPlace, Sea};
@@ -35,8 +37,11 @@ use crate::sea::spectrum::moments::Moments;
 use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, of_water, sampling};
 use crate::sea::wind::{EXTRAPOLATED_ABOVE_MPS, Wind};
 use crate::time::TimeTag;
+use crate::transport::schedule::Schedule;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
+/// Power that may come and go with the edge rows of a following patch, dB below all that is heard.
+pub const EDGE_BUDGET_DB: f64 = -60.0;
 /// Assumed extent of a resolution cell in azimuth, m.
 pub const AZIMUTH_M: f64 = 1.0;
 /// Points along a side of the patch at which geometry is taken.
@@ -71,9 +76,25 @@ pub struct Outlook {
     pub facets_per_cell: Option<f64>,
     /// Least share of the patch whose whole echo lies in the window, over the instants looked at.
     pub share_in_window: f64,
+    /// Of a following patch, [`edge_db`] once it has been looked at.
+    pub edge_db: Option<f64>,
     /// What is legal but worth knowing.
     #[serde(skip)]
     pub warnings: Vec<SeaWarning>,
+}
+
+/// The power that comes and goes when a following patch moves by one row, dB below all that is heard: the worst of the first,
+/// middle and last pulse, all facets lit. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
+pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
+    let last = schedule.end().saturating_sub(1);
+    let mut worst: Option<f64> = None;
+    let mut work = None;
+    for index in [schedule.first, schedule.first + schedule.count / 2, last] {
+        let work = work.get_or_insert_with(|| factory.workspace());
+        let Some(edge) = factory.patch_edge_db(index, work)? else { return Ok(None) };
+        worst = Some(worst.map_or(edge, |worst| worst.max(edge)));
+    }
+    Ok(worst)
 }
 
 /// Something about a sea that the user should know.
@@ -109,6 +130,15 @@ pub enum SeaWarning {
         facet_m: f64,
         /// The cell in ground range, m.
         ground_range_m: f64,
+    },
+    /// Rows enter and leave where they are heard.
+    #[error(
+        "rows that enter and leave the following patch are heard at {edge_db:.0} dB of the whole echo; below {EDGE_BUDGET_DB} dB \
+         the sea is without end: a larger patch or a shorter window helps"
+    )]
+    Edge {
+        /// Power of the edge rows, dB of all that is heard.
+        edge_db: f64,
     },
     /// Nothing is heard.
     #[error(
@@ -167,6 +197,7 @@ pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
         ground_range_m: None,
         facets_per_cell: None,
         share_in_window: 1.0,
+        edge_db: None,
         warnings: Vec::new(),
     };
     let size_m = sea.patch.size_m();

@@ -94,6 +94,12 @@ pub(super) fn rows(outlook: &Outlook) -> Vec<Described> {
     });
     let share = 100.0 * outlook.share_in_window;
     rows.push(described("in the window", format!("whole echoes of at least {share:.0} % of the patch")));
+    if let Some(edge_db) = outlook.edge_db {
+        rows.push(described(
+            "edge of the patch",
+            format!("a row that enters or leaves is at most {edge_db:.0} dB of the whole echo"),
+        ));
+    }
     rows
 }
 
