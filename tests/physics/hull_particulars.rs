@@ -88,14 +88,12 @@ fn the_parabolic_hull_in_closed_form() {
     near(found.midship, 2.0 / 3.0);
     near(found.waterplane, 2.0 / 3.0);
     assert!(found.lcb_percent.abs() < 1e-12);
-    // Inscribed triangles lose (1/24) of the square of the angle between neighbours: the side turns by 3.2 (slope at
-    // the keel) over 24 waterlines at the most, 7e-4.
+    // Inscribed triangles lose 1/24 of the square of the turn between neighbours: Y_z goes from 0 to B/T = 1.6 over 24
+    // waterlines, 1.9e-4 at most. At the four lower corners half a triangle pair lies on the centre plane and is not
+    // counted: a quarter of 2 m x 0.26 m each, 3.5e-4 of the whole.
     let surface_m2 = 0.148_790_63 * length_m * length_m;
-    assert!(
-        (0.0..7e-4).contains(&(1.0 - found.wetted_surface_m2 / surface_m2)),
-        "{}",
-        found.wetted_surface_m2
-    );
+    let lost = 1.0 - found.wetted_surface_m2 / surface_m2;
+    assert!((3.5e-4..5.4e-4).contains(&lost), "{lost:e}");
     // The table that is shipped is the same hull, to its six decimals.
     let table = shipped("wigley.toml");
     let formula = Hull::wigley(length_m, beam_m, draught_m).unwrap();
