@@ -9,7 +9,9 @@ use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
 
 /// Contacts that are kept close for all pulses of a share.
-pub(super) const CHUNK: usize = 256;
+pub(super) const CHUNK: usize = 128;
+/// Pulses that are spread by turns.
+const TOGETHER: usize = 2;
 
 /// Phases and places of the contacts of one pair over a block; polynomials in pulses from the middle.
 #[derive(Debug, Default)]
@@ -49,8 +51,24 @@ struct Passes<T, const W: usize, const C: usize> {
     cell: [i32; CHUNK],
     cos: [T; CHUNK],
     sin: [T; CHUNK],
+    /// From the middle of the first tap back to its place, cells: the `z` of the kernel.
+    beyond: [T; CHUNK],
     weight: [[T; CHUNK]; W],
     turned: [[T; C]; CHUNK],
+}
+
+impl<T: Scalar, const W: usize, const C: usize> Passes<T, W, C> {
+    fn new() -> Self {
+        let zero = T::default();
+        Self {
+            cell: [0; CHUNK],
+            cos: [zero; CHUNK],
+            sin: [zero; CHUNK],
+            beyond: [zero; CHUNK],
+            weight: [[zero; CHUNK]; W],
+            turned: [[zero; C]; CHUNK],
+        }
+    }
 }
 
 /// Adds the job's contacts to `grids`.
@@ -59,23 +77,26 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
     job: &Job<'_, T>,
     grids: &mut [T],
 ) {
-    let zero = T::default();
-    let mut passes = Passes::<T, W, C> {
-        cell: [0; CHUNK],
-        cos: [zero; CHUNK],
-        sin: [zero; CHUNK],
-        weight: [[zero; CHUNK]; W],
-        turned: [[zero; C]; CHUNK],
-    };
+    let mut passes = [Passes::<T, W, C>::new(), Passes::new()];
     let contacts = job.courses.base.len();
     let mut from = 0;
     while from < contacts {
         let count = CHUNK.min(contacts - from);
-        for (pulse, (shift, grid)) in job.shifts.iter().zip(grids.chunks_exact_mut(job.stride)).enumerate() {
-            let m = job.first + pulse as i32;
-            place::<T, FUSED, W, C>(job, from, count, m, *shift, &mut passes);
-            turn::<T, FUSED, W, C>(job, from, count, m, &mut passes);
-            scatter::<T, FUSED, W, C>(&passes, count, &mut grid[job.offset..]);
+        let mut m = job.first;
+        for (shifts, grids) in job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride)) {
+            for (shift, passes) in shifts.iter().zip(&mut passes) {
+                place::<T, FUSED, W, C>(job, from, count, m, *shift, passes);
+                turn::<T, FUSED, W, C>(job, from, count, m, passes);
+                m += 1;
+            }
+            let (near, far) = grids.split_at_mut(job.stride.min(grids.len()));
+            let near = near.get_mut(job.offset..).unwrap_or_default();
+            match far.get_mut(job.offset..) {
+                Some(far) if shifts.len() == TOGETHER => {
+                    scatter_two::<T, FUSED, W, C>(&passes, count, near, far);
+                }
+                _ => scatter::<T, FUSED, W, C>(&passes[0], count, near),
+            }
         }
         from += count;
     }
@@ -93,43 +114,110 @@ fn place<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
 ) {
     let part = from..from + count;
     let courses = job.courses;
-    let [p0, p1, p2] = [0, 1, 2].map(|k| &courses.phase[k][part.clone()]);
-    let p3 = &courses.phase_cubic[part.clone()];
-    let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|k| &courses.place[k][part.clone()]);
-    let base = &courses.base[part];
-    let (cell, cos, sin) = (&mut passes.cell[..count], &mut passes.cos[..count], &mut passes.sin[..count]);
-    let weight = passes.weight.each_mut().map(|w| &mut w[..count]);
+    phasors::<T, FUSED>(
+        m,
+        &courses.phase[0][part.clone()],
+        &courses.phase[1][part.clone()],
+        &courses.phase[2][part.clone()],
+        &courses.phase_cubic[part.clone()],
+        &mut passes.cos[..count],
+        &mut passes.sin[..count],
+    );
+    first_cells::<T, FUSED>(
+        m,
+        shift,
+        [job.last_cell, job.outside],
+        &courses.base[part.clone()],
+        &courses.place[0][part.clone()],
+        &courses.place[1][part.clone()],
+        &courses.place[2][part.clone()],
+        &courses.place[3][part],
+        &mut passes.cell[..count],
+        &mut passes.beyond[..count],
+    );
+    weights::<T, FUSED, W>(job.coefficients, &passes.beyond[..count], &mut passes.weight);
+}
+
+// The passes below take every slice as an argument of its own: only so does the compiler know that they do not overlap.
+
+/// Cosine and sine of the phase.
+#[inline(always)]
+fn phasors<T: Scalar, const FUSED: bool>(
+    m: i32,
+    p0: &[T::Turns],
+    p1: &[T::Turns],
+    p2: &[T::Turns],
+    p3: &[T],
+    cos: &mut [T],
+    sin: &mut [T],
+) {
+    let lanes = p0.iter().zip(p1).zip(p2).zip(p3).zip(cos.iter_mut().zip(sin));
+    for ((((p0, p1), p2), p3), (cos, sin)) in lanes {
+        (*cos, *sin) = T::phasor::<FUSED>(T::phase([*p0, *p1, *p2], *p3, m));
+    }
+}
+
+/// First cell, and how far its middle lies beyond the place of the first tap.
+#[inline(always)]
+fn first_cells<T: Scalar, const FUSED: bool>(
+    m: i32,
+    shift: (i32, T),
+    [last_cell, outside]: [i32; 2],
+    base: &[i32],
+    c0: &[T],
+    c1: &[T],
+    c2: &[T],
+    c3: &[T],
+    cell: &mut [i32],
+    beyond: &mut [T],
+) {
     let s = T::from_int(m);
-    for i in 0..count {
-        let t = T::phase([p0[i], p1[i], p2[i]], p3[i], m);
-        (cos[i], sin[i]) = T::phasor::<FUSED>(t);
-        let high = T::fma::<FUSED>(T::fma::<FUSED>(c3[i], s, c2[i]), s, c1[i]);
-        let place = T::fma::<FUSED>(high, s, c0[i]) + shift.1;
+    let lanes = base.iter().zip(c0).zip(c1).zip(c2).zip(c3).zip(cell.iter_mut().zip(beyond));
+    for (((((base, c0), c1), c2), c3), (cell, beyond)) in lanes {
+        let high = T::fma::<FUSED>(T::fma::<FUSED>(*c3, s, *c2), s, *c1);
+        let place = T::fma::<FUSED>(high, s, *c0) + shift.1;
         let (whole, nearest) = T::nearest(place);
-        let first = base[i].wrapping_add(shift.0).wrapping_add(whole);
-        let seen = (first as u32) <= (job.last_cell as u32);
-        cell[i] = if seen { first } else { job.outside };
-        let z = nearest - place;
-        let zz = z * z;
-        for tap in 0..W.div_ceil(2) {
-            let [even, odd] = &job.coefficients[tap];
-            let n = terms(W);
-            let mut e = even[n - 1];
-            for k in (0..n - 1).rev() {
-                e = T::fma::<FUSED>(e, zz, even[k]);
-            }
-            if 2 * tap + 1 == W {
-                weight[tap][i] = e;
-            } else {
-                let mut o = odd[n - 1];
-                for k in (0..n - 1).rev() {
-                    o = T::fma::<FUSED>(o, zz, odd[k]);
-                }
-                o = o * z;
-                weight[tap][i] = e + o;
-                weight[W - 1 - tap][i] = e - o;
-            }
+        let first = base.wrapping_add(shift.0).wrapping_add(whole);
+        *cell = if (first as u32) <= (last_cell as u32) { first } else { outside };
+        *beyond = nearest - place;
+    }
+}
+
+/// Weights of all taps.
+#[inline(always)]
+fn weights<T: Scalar, const FUSED: bool, const W: usize>(
+    coefficients: &[[[T; MAX_TERMS]; 2]],
+    beyond: &[T],
+    weight: &mut [[T; CHUNK]; W],
+) {
+    for (tap, [even, odd]) in coefficients.iter().enumerate().take(W.div_ceil(2)) {
+        let mut mirrored = [T::default(); CHUNK];
+        weight_pair::<T, FUSED, W>(even, odd, beyond, &mut weight[tap], &mut mirrored);
+        if 2 * tap + 1 != W {
+            weight[W - 1 - tap] = mirrored;
         }
+    }
+}
+
+/// Weights of a tap and of the one opposite.
+#[inline(always)]
+fn weight_pair<T: Scalar, const FUSED: bool, const W: usize>(
+    even: &[T; MAX_TERMS],
+    odd: &[T; MAX_TERMS],
+    beyond: &[T],
+    near: &mut [T; CHUNK],
+    far: &mut [T; CHUNK],
+) {
+    let n = terms(W);
+    for (z, (near, far)) in beyond.iter().zip(near.iter_mut().zip(far)) {
+        let zz = *z * *z;
+        let (mut e, mut o) = (even[n - 1], odd[n - 1]);
+        for k in (0..n - 1).rev() {
+            e = T::fma::<FUSED>(e, zz, even[k]);
+            o = T::fma::<FUSED>(o, zz, odd[k]);
+        }
+        *near = T::fma::<FUSED>(o, *z, e);
+        *far = T::fma::<FUSED>(-o, *z, e);
     }
 }
 
@@ -182,23 +270,48 @@ fn turn<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     }
 }
 
-/// Contacts onto their cells.
+/// One contact onto its cells.
+#[inline(always)]
+fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    passes: &Passes<T, W, C>,
+    i: usize,
+    cells: &mut [[T; C]],
+) {
+    let at = passes.cell[i] as usize;
+    let Some(taps) = cells.get_mut(at..at + W) else { return };
+    let a = &passes.turned[i];
+    for tap in 0..W {
+        let weight = passes.weight[tap][i];
+        for k in 0..C {
+            taps[tap][k] = T::fma::<FUSED>(weight, a[k], taps[tap][k]);
+        }
+    }
+}
+
+/// Contacts onto the cells of one pulse.
 #[inline(always)]
 fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     passes: &Passes<T, W, C>,
     count: usize,
     grid: &mut [T],
 ) {
-    let (cells, _) = grid.as_chunks_mut::<C>();
+    let cells = grid.as_chunks_mut::<C>().0;
     for i in 0..count {
-        let at = passes.cell[i] as usize;
-        let Some(taps) = cells.get_mut(at..at + W) else { continue };
-        let a = &passes.turned[i];
-        for tap in 0..W {
-            let weight = passes.weight[tap][i];
-            for k in 0..C {
-                taps[tap][k] = T::fma::<FUSED>(weight, a[k], taps[tap][k]);
-            }
-        }
+        add::<T, FUSED, W, C>(passes, i, cells);
+    }
+}
+
+/// Contacts onto the cells of two pulses by turns: neighbours often share cells, and would wait for each other's sums.
+#[inline(always)]
+fn scatter_two<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    passes: &[Passes<T, W, C>; TOGETHER],
+    count: usize,
+    near: &mut [T],
+    far: &mut [T],
+) {
+    let (near, far) = (near.as_chunks_mut::<C>().0, far.as_chunks_mut::<C>().0);
+    for i in 0..count {
+        add::<T, FUSED, W, C>(&passes[0], i, near);
+        add::<T, FUSED, W, C>(&passes[1], i, far);
     }
 }
