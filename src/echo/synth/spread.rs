@@ -1,7 +1,7 @@
 //! The inner loop: contacts of a block onto the grids of its pulses.
 //!
 //! For `CHUNK` contacts at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
-//! of them, lane by lane; (2) amplitudes at this pulse, turned by the phasor; (3) each contact's `C` lanes onto its `W` cells. The
+//! of them, lane by lane; (2) amplitudes at this pulse; (3) each contact's `C` lanes, turned by its phasor, onto its `W` cells, two pulses by turns. The
 //! chunk stays in the nearest cache for all pulses. Everything is safe code over slices; what CPU it is compiled for is
 //! decided by its callers.
 
@@ -54,7 +54,7 @@ struct Passes<T, const W: usize, const C: usize> {
     /// From the middle of the first tap back to its place, cells: the `z` of the kernel.
     beyond: [T; CHUNK],
     weight: [[T; CHUNK]; W],
-    turned: [[T; C]; CHUNK],
+    level: [[T; C]; CHUNK],
 }
 
 impl<T: Scalar, const W: usize, const C: usize> Passes<T, W, C> {
@@ -66,7 +66,7 @@ impl<T: Scalar, const W: usize, const C: usize> Passes<T, W, C> {
             sin: [zero; CHUNK],
             beyond: [zero; CHUNK],
             weight: [[zero; CHUNK]; W],
-            turned: [[zero; C]; CHUNK],
+            level: [[zero; C]; CHUNK],
         }
     }
 }
@@ -86,7 +86,7 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
         for (shifts, grids) in job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride)) {
             for (shift, passes) in shifts.iter().zip(&mut passes) {
                 place::<T, FUSED, W, C>(job, from, count, m, *shift, passes);
-                turn::<T, FUSED, W, C>(job, from, count, m, passes);
+                levels::<T, FUSED, W, C>(job, from, count, m, passes);
                 m += 1;
             }
             let (near, far) = grids.split_at_mut(job.stride.min(grids.len()));
@@ -221,56 +221,47 @@ fn weight_pair<T: Scalar, const FUSED: bool, const W: usize>(
     }
 }
 
-/// Amplitudes at this pulse times the phasor.
+/// Amplitudes at this pulse.
 #[inline(always)]
-fn turn<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+fn levels<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     job: &Job<'_, T>,
     from: usize,
     count: usize,
     m: i32,
     passes: &mut Passes<T, W, C>,
 ) {
-    let s = T::from_int(m);
     let part = from * C..(from + count) * C;
-    let (cos, sin, turned) = (&passes.cos[..count], &passes.sin[..count], &mut passes.turned[..count]);
-    let rotate = |a: &[T; C], i: usize| -> [T; C] {
-        let mut out = [T::default(); C];
-        for k in 0..C / 2 {
-            let (re, im) = (a[2 * k], a[2 * k + 1]);
-            out[2 * k] = T::fma::<FUSED>(re, cos[i], -(im * sin[i]));
-            out[2 * k + 1] = T::fma::<FUSED>(im, cos[i], re * sin[i]);
-        }
-        out
-    };
+    let s = T::from_int(m);
+    let level = &mut passes.level.as_flattened_mut()[..count * C];
     match *job.amplitude {
-        [a0, a1] => {
-            let (a0, _) = a0[part.clone()].as_chunks::<C>();
-            let (a1, _) = a1[part].as_chunks::<C>();
-            for (i, (to, (a0, a1))) in turned.iter_mut().zip(a0.iter().zip(a1)).enumerate() {
-                let mut a = [T::default(); C];
-                for k in 0..C {
-                    a[k] = T::fma::<FUSED>(a1[k], s, a0[k]);
-                }
-                *to = rotate(&a, i);
-            }
-        }
+        [a0, a1] => linear::<T, FUSED>(s, &a0[part.clone()], &a1[part], level),
         [a0, a1, a2, a3] => {
-            let [a0, a1, a2, a3] = [a0, a1, a2, a3].map(|a| a[part.clone()].as_chunks::<C>().0);
-            for i in 0..turned.len().min(a0.len()).min(a1.len()).min(a2.len()).min(a3.len()) {
-                let mut a = [T::default(); C];
-                for k in 0..C {
-                    let high = T::fma::<FUSED>(T::fma::<FUSED>(a3[i][k], s, a2[i][k]), s, a1[i][k]);
-                    a[k] = T::fma::<FUSED>(high, s, a0[i][k]);
-                }
-                turned[i] = rotate(&a, i);
-            }
+            let powers = [a0, a1, a2, a3].map(|a| &a[part.clone()]);
+            cubic::<T, FUSED>(s, powers[0], powers[1], powers[2], powers[3], level);
         }
         // The block keeps two powers or four.
         _ => {}
     }
 }
 
-/// One contact onto its cells.
+/// `a0 + a1 s`.
+#[inline(always)]
+fn linear<T: Scalar, const FUSED: bool>(s: T, a0: &[T], a1: &[T], level: &mut [T]) {
+    for (to, (a0, a1)) in level.iter_mut().zip(a0.iter().zip(a1)) {
+        *to = T::fma::<FUSED>(*a1, s, *a0);
+    }
+}
+
+/// `a0 + a1 s + a2 s^2 + a3 s^3`.
+#[inline(always)]
+fn cubic<T: Scalar, const FUSED: bool>(s: T, a0: &[T], a1: &[T], a2: &[T], a3: &[T], level: &mut [T]) {
+    for (to, (((a0, a1), a2), a3)) in level.iter_mut().zip(a0.iter().zip(a1).zip(a2).zip(a3)) {
+        let high = T::fma::<FUSED>(T::fma::<FUSED>(*a3, s, *a2), s, *a1);
+        *to = T::fma::<FUSED>(high, s, *a0);
+    }
+}
+
+/// One contact, turned by its phasor, onto its cells.
 #[inline(always)]
 fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     passes: &Passes<T, W, C>,
@@ -279,7 +270,13 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
 ) {
     let at = passes.cell[i] as usize;
     let Some(taps) = cells.get_mut(at..at + W) else { return };
-    let a = &passes.turned[i];
+    let level = &passes.level[i];
+    let (cos, sin) = (passes.cos[i], passes.sin[i]);
+    let mut a = [T::default(); C];
+    for k in 0..C {
+        let across = if k % 2 == 0 { -sin } else { sin };
+        a[k] = T::fma::<FUSED>(level[k], cos, level[k ^ 1] * across);
+    }
     for tap in 0..W {
         let weight = passes.weight[tap][i];
         for k in 0..C {
