@@ -103,7 +103,8 @@ fn contacts_at_and_beyond_the_edges_are_those_of_the_reference() {
         let db = error_db(&spectra(&synth, &block, 1, &[0])[0], &exact);
         println!("place {place}: {db:.1} dB");
         assert!(db < synth.predicted_error(&block).total_db() + 3.02, "{place}: {db}");
-        assert_eq!(block.found().unplaced, usize::from(!place.is_finite()));
+        // Out of reach, or unseen by this pair: nothing is lost.
+        assert_eq!(block.found().unplaced, 0);
     }
 }
 

@@ -46,11 +46,12 @@ pub struct Node<'a> {
 /// What filling a block has found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fill {
-    /// Contacts and pairs left out: they sound at some node, but have no delay at another or move beyond [`MAX_DRIFT_CELLS`].
+    /// Contacts and pairs left out though they sound: with a delay at one node and none at another, a rate of 1 or more (faster
+    /// than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
     pub unplaced: usize,
     /// Largest Doppler off its pair's mean at a node, Hz.
     pub residual_hz: f64,
-    /// Largest change of place from the middle of the block to a node, cells, window included.
+    /// Largest change of place from the middle of the block to a node, cells; the window's own steps are whole cells and cost nothing.
     pub drift_cells: f64,
 }
 
@@ -213,9 +214,14 @@ impl<T: Scalar> Synth<T> {
                 return Err(SynthError::NodePulse { pulse: node.pulse, pulses });
             }
             let (contacts, first) = (node.contacts, nodes[0].contacts);
+            let courses =
+                contacts.delay_s.iter().take(self.pairs).chain(contacts.delay_rate.iter().take(self.pairs));
             let same = contacts.len() == first.len()
                 && contacts.delay_s.len() >= self.pairs
-                && contacts.amplitude.len() >= self.channels;
+                && contacts.delay_rate.len() >= self.pairs
+                && contacts.amplitude.len() >= self.channels
+                && courses.map(Vec::len).all(|len| len == first.len())
+                && contacts.amplitude.iter().take(self.channels).all(|a| a.len() == first.len());
             if !same {
                 return Err(SynthError::Contacts { pulse: node.pulse });
             }
@@ -230,9 +236,11 @@ impl<T: Scalar> Synth<T> {
             for layer in self.layers.iter().filter(|l| l.pair == pair && !l.moment) {
                 for channel in &layer.channels {
                     let amplitudes = &node.contacts.amplitude[*channel];
-                    for (a, rate) in amplitudes.iter().zip(&node.contacts.delay_rate[pair]) {
+                    let delays_s = &node.contacts.delay_s[pair];
+                    let rates = &node.contacts.delay_rate[pair];
+                    for (a, (delay_s, rate)) in amplitudes.iter().zip(delays_s.iter().zip(rates)) {
                         let power = a.norm_sqr();
-                        if power > 0.0 && power.is_finite() && rate.is_finite() {
+                        if power > 0.0 && power.is_finite() && is_course(*delay_s, *rate) {
                             sum += power * rate;
                             weight += power;
                         }
@@ -265,14 +273,9 @@ impl<T: Scalar> Synth<T> {
                 held.iter_mut().for_each(|a| a.reset(contacts * layer.lanes));
             }
         }
-        // Shift of each node's window, which its place must not contain twice.
-        let mut shifts = [0.0; MAX_NODES];
-        for (shift, node) in shifts.iter_mut().zip(nodes) {
-            *shift = (reference_s - block.windows_s[node.pulse]) * self.cells_per_s;
-        }
         for n in 0..contacts {
             let (mut turns, mut cells, mut residual) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-            let (mut placed, mut drift) = (true, 0.0f64);
+            let (mut placed, mut anywhere, mut drift) = (true, false, 0.0f64);
             for (i, node) in nodes.iter().enumerate() {
                 let delay_s = node.contacts.delay_s[pair][n];
                 let rate = node.contacts.delay_rate[pair][n];
@@ -282,22 +285,25 @@ impl<T: Scalar> Synth<T> {
                 turns[i] = extra_turns - self.carrier_hz * delay_s;
                 let after_s = node.contacts.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
                 cells[i] = (after_s + self.lead_s) * self.cells_per_s + 0.5;
-                placed &= turns[i].is_finite() && cells[i].is_finite();
+                let seen = is_course(delay_s, rate) && cells[i].is_finite();
+                placed &= seen;
+                anywhere |= delay_s.is_finite();
             }
             let mut place = through.coefficients(&cells);
             let held = place[0].clamp(-FAR_CELLS, FAR_CELLS).round();
-            for (i, node) in nodes.iter().enumerate() {
-                drift = drift.max((cells[i] - held).abs()).max((cells[i] + shifts[i] - held).abs());
-                debug_assert!(node.pulse < MAX_PULSES);
+            for cells in &cells[..nodes.len()] {
+                drift = drift.max((cells - held).abs());
             }
             // The polynomial at either end of the block.
             let end = MAX_PULSES as f64 / 2.0;
             placed &= place[1..].iter().rev().fold(0.0, |s, c| (s + c.abs()) * end) < MAX_DRIFT_CELLS;
-            placed &= (place[0] - held).abs() <= 0.5;
+            // Farther than any window: silent, and nothing is lost.
+            let far = placed && (place[0] - held).abs() > 0.5;
+            placed &= !far;
             let sounds =
                 self.fill_amplitude(nodes, through, pair, n, placed, &residual, block_amplitude(block));
             if !placed || !sounds {
-                block.fill.unplaced += usize::from(sounds);
+                block.fill.unplaced += usize::from(sounds && anywhere && !far);
                 let courses = &mut block.courses[pair];
                 courses.phase.iter_mut().for_each(|p| p[n] = T::Turns::default());
                 courses.phase_cubic[n] = T::default();
@@ -385,6 +391,11 @@ impl<T: Scalar> Synth<T> {
     pub(super) fn has_moments(doppler: Doppler) -> bool {
         doppler == Doppler::Taylor
     }
+}
+
+/// Whether a contact has a delay, and a rate below the speed of light.
+fn is_course(delay_s: f64, rate: f64) -> bool {
+    delay_s.is_finite() && rate.abs() < 1.0
 }
 
 /// The amplitudes alone, while the rest is borrowed elsewhere.

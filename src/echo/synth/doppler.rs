@@ -15,18 +15,19 @@
 //!   `(t' - c) p0`, which is `(j/2 pi) d/df` of the centred spectrum (8-point central differences, step `1/(16 Tc)`, relative error 4e-9).
 //!   Any waveform, twice the cost; error `(2 pi nu' Tc)^2 / (2 sqrt 80)`.
 //!
-//! What these closed forms give, for `nu'` as it stands (in practice the mean is gone), `B = 60` MHz, `fs = 100` MHz, dB:
+//! [`error_power`] for `B = 60` MHz, `fs = 100` MHz, mean 3 kHz (which is gone), dB:
 //!
 //! | `B Tc` | `nu'` | Mean | Shift | Taylor |
 //! | --- | --- | --- | --- | --- |
-//! | 20 | 1 kHz | -64 | -78 | -132 |
-//! | 20 | 7.4 kHz | -47 | -60.5 | -97 |
-//! | 20 | 14.8 kHz | -41 | -54.5 | -85 |
-//! | 1e4 | 1 kHz | -10 | -51 | -24 |
-//! | 1e4 | 7.4 kHz | useless | -36 | useless |
-//! | 1e4 | 14.8 kHz | useless | -33 | useless |
+//! | 20 | 1 kHz | -64.5 | -78 | -132 |
+//! | 20 | 7.4 kHz | -47 | -60.5 | -98 |
+//! | 20 | 14.8 kHz | -41 | -54.5 | -86 |
+//! | 1e4 | 1 kHz | useless | -51 | useless |
+//! | 1e4 | 7.4 kHz | useless | -37.5 | useless |
+//! | 1e4 | 14.8 kHz | useless | -33.6 | useless |
 //!
-//! [`error_power`] evaluates `sum |H (P(f + nu) - approximation)|^2 / sum |H P|^2` itself, for any waveform. A scene whose spread of
+//! It evaluates `sum |H (P(f + nu) - approximation)|^2 / sum |H P|^2` itself, for any waveform. The strips of `|D| fs` above 1 (the last two rows)
+//! tend to `2 |nu'| / B`. A scene whose spread of
 //! Doppler is too wide for its pulse is split: contacts sorted into bands of Doppler, a block each, spectra added.
 //! A contact whose `nu'` changes within the block is followed: its delay and phase are set at every node.
 
