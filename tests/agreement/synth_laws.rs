@@ -178,7 +178,7 @@ fn blocks_that_make_no_sense_are_refused() {
 /// Any delay or rate, mostly near the window.
 fn anything(near: f64) -> impl Strategy<Value = f64> {
     prop_oneof![
-        6 => (-4.0 * near..4.0 * near),
+        6 => -4.0 * near..4.0 * near,
         1 => prop::num::f64::ANY,
         1 => Just(f64::NAN),
         1 => Just(f64::INFINITY),

@@ -9,7 +9,7 @@
 //! | amplitude of each channel, sqrt(W) | linear or cubic in `m` | floats |
 //!
 //! all of them through its values at the **nodes**: one to four pulses of the block at which it was evaluated in full. The part of its
-//! Doppler that is not the mean's is put into phase and place at the nodes ([`doppler`](super::doppler)), so it follows the rate as it changes.
+//! Doppler that is not the mean's is put into phase and place at the nodes ([`doppler`]), so it follows the rate as it changes.
 //! Everything is computed in f64 and rounded last.
 //!
 //! **Errors.** With 4 nodes over a block of half length `Th` the range remainder is at most `max |R''''| Th^4 / 24`; with 3 nodes
@@ -317,8 +317,8 @@ impl<T: Scalar> Synth<T> {
             let phase = through.coefficients(&turns);
             place[0] -= held;
             let courses = &mut block.courses[pair];
-            for k in 0..3 {
-                courses.phase[k][n] = T::turns(phase[k]);
+            for (to, value) in courses.phase.iter_mut().zip(phase) {
+                to[n] = T::turns(value);
             }
             courses.phase_cubic[n] = T::round_from(phase[3]);
             courses.base[n] = held as i32;

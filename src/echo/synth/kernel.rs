@@ -27,8 +27,8 @@
 //! ```
 //! use nereus::echo::synth::kernel::Kernel;
 //! let kernel = Kernel::new(5, 2.0)?;
-//! // Five cells, twice as fine as the samples: about -90 dB over a flat band of 0.9 fs.
-//! let flat: Vec<(f64, f64)> = (-45..=45).map(|k| (f64::from(k) / 200.0, 1.0)).collect();
+//! // Five cells, twice as fine as the samples: about -90 dB over a flat band of 0.6 fs.
+//! let flat: Vec<(f64, f64)> = (-30..=30).map(|k| (f64::from(k) / 200.0, 1.0)).collect();
 //! let db = 10.0 * kernel.gridding_error_power(&flat).log10();
 //! assert!((-93.0..-86.0).contains(&db), "{db}");
 //! # Ok::<(), nereus::echo::synth::SynthError>(())
