@@ -423,6 +423,10 @@ impl<T: Scalar> Synth<T> {
     }
 
     /// Parts of the predicted error of a pulse against the reference, for the contacts of a block.
+    ///
+    /// What the polynomials between the nodes miss is *not* among them, for the nodes do not tell: it belongs to whoever chooses the
+    /// block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4 nodes: -82.5 dB, measured on the scene of the bench with
+    /// [`Doppler::Taylor`].)
     pub fn predicted_error(&self, block: &BlockContacts<T>) -> PredictedError {
         let found = block.found();
         let worst = block
