@@ -1,3 +1,4 @@
 //! Contacts to samples.
 
 pub mod reference;
+pub mod synth;

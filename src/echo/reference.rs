@@ -236,7 +236,7 @@ pub fn raw_samples(
 }
 
 /// The least even number from `least` on that has no prime factor above 5.
-fn fast_len(least: usize) -> usize {
+pub(super) fn fast_len(least: usize) -> usize {
     let smooth = |mut n: usize| {
         for p in [2, 3, 5] {
             while n.is_multiple_of(p) {

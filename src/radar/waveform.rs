@@ -60,6 +60,11 @@ pub trait Waveform: Send + Sync {
     /// `p(t)`, dimensionless.
     fn sample(&self, t_s: f64) -> Complex64;
 
+    /// Rate of a linear sweep, Hz/s, negative when it falls; `None` for anything else.
+    fn sweep_rate_hz_per_s(&self) -> Option<f64> {
+        None
+    }
+
     /// Samples that the pulse spans at a rate: `ceil(Tc fs)`, not counting one that rounding alone would add.
     fn span_samples(&self, sample_rate_hz: f64) -> usize {
         ((self.duration_s() * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)

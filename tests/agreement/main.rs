@@ -5,3 +5,6 @@ mod matched_filter;
 mod radar_equation;
 mod same_bits;
 mod scenes;
+mod synth_error;
+mod synth_laws;
+mod synth_scenes;

@@ -103,6 +103,15 @@ impl Waveform for Lfm {
         self.bandwidth_hz
     }
 
+    fn sweep_rate_hz_per_s(&self) -> Option<f64> {
+        let rate = self.bandwidth_hz / self.duration_s;
+        // A plain pulse does not sweep.
+        (self.product >= SMALL_PRODUCT).then_some(match self.sweep {
+            Sweep::Up => rate,
+            Sweep::Down => -rate,
+        })
+    }
+
     fn spectrum(&self, f_hz: f64) -> Complex64 {
         let signed = f_hz * self.duration_s;
         let v = signed.abs();

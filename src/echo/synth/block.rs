@@ -1,0 +1,404 @@
+//! What a block of pulses holds of its contacts.
+//!
+//! Over the `M <= 64` pulses of a block, with `m` counted from the middle pulse `M/2` (pulses equally spaced), a contact has
+//!
+//! | quantity | form | held as |
+//! | --- | --- | --- |
+//! | carrier phase `-f0 tau`, turns | cubic in `m` | u32 fractions of a turn for `1, m, m^2`, float for `m^3` (`scalar`) |
+//! | place on the grid, cells | cubic in `m` | whole cells (i32) and float for `1, m, m^2, m^3` |
+//! | amplitude of each channel, sqrt(W) | linear or cubic in `m` | floats |
+//!
+//! all of them through its values at the **nodes**: one to four pulses of the block at which it was evaluated in full. The part of its
+//! Doppler that is not the mean's is put into phase and place at the nodes ([`doppler`]), so it follows the rate as it changes.
+//! Everything is computed in f64 and rounded last.
+//!
+//! **Errors.** With 4 nodes over a block of half length `Th` the range remainder is at most `max |R''''| Th^4 / 24`; with 3 nodes
+//! `0.064 max|R'''| Th^3` (ends and middle); see project notes 8.5 for sizes. The place in f32 is rounded to `2^-24` of the cells
+//! that it moves within half a block ([`Fill::drift_cells`]).
+
+use num_complex::Complex64;
+
+use super::doppler::{self, Doppler};
+use super::grid::Lined;
+use super::scalar::Scalar;
+use super::spread::Courses;
+use super::{Synth, SynthError};
+use crate::scattering::contact::Contacts;
+
+/// Most pulses of a block.
+pub const MAX_PULSES: usize = 64;
+/// Most nodes of a block.
+pub const MAX_NODES: usize = 4;
+/// Cells that a contact may move within half a block.
+pub const MAX_DRIFT_CELLS: f64 = 1e6;
+/// Whole cells are held within this, so that sums of two do not overflow; no window is as long.
+const FAR_CELLS: f64 = 5e8;
+
+/// Contacts of the block at one of its pulses.
+#[derive(Clone, Copy, Debug)]
+pub struct Node<'a> {
+    /// Pulse within the block.
+    pub pulse: usize,
+    /// Its contacts: the same ones, in the same order, at every node.
+    pub contacts: &'a Contacts,
+}
+
+/// What filling a block has found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fill {
+    /// Contacts and pairs left out though they sound: with a delay at one node and none at another, a rate of 1 or more (faster
+    /// than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
+    pub unplaced: usize,
+    /// Largest Doppler off its pair's mean at a node, Hz.
+    pub residual_hz: f64,
+    /// Largest change of place from the middle of the block to a node, cells; the window's own steps are whole cells and cost nothing.
+    pub drift_cells: f64,
+}
+
+/// Contacts of a block of pulses. Made by [`Synth::block`], filled by [`Synth::fill`].
+#[derive(Debug)]
+pub struct BlockContacts<T: Scalar> {
+    /// `[pair]`.
+    pub(super) courses: Vec<Courses<T>>,
+    /// `[layer][power]`, each `[contact][lane]`.
+    pub(super) amplitude: Vec<Vec<Lined<T>>>,
+    /// Per pulse: how far the window's start moves all places, whole cells and the rest.
+    pub(super) shifts: Vec<(i32, T)>,
+    /// First sample of each pulse's window.
+    pub(super) windows_s: Vec<f64>,
+    /// `[layer][bin]`: from grid to spectrum.
+    pub(super) replicas: Vec<Vec<Complex64>>,
+    /// `[pair]`: mean Doppler `f0 r`, Hz.
+    pub(super) mean_hz: Vec<f64>,
+    pub(super) fill: Fill,
+}
+
+impl<T: Scalar> BlockContacts<T> {
+    pub(super) fn new(pairs: usize, layers: usize) -> Self {
+        Self {
+            courses: (0..pairs).map(|_| Courses::default()).collect(),
+            amplitude: (0..layers).map(|_| Vec::new()).collect(),
+            shifts: Vec::with_capacity(MAX_PULSES),
+            windows_s: Vec::with_capacity(MAX_PULSES),
+            replicas: vec![Vec::new(); layers],
+            mean_hz: vec![0.0; pairs],
+            fill: Fill::default(),
+        }
+    }
+
+    /// Pulses of the block.
+    pub fn pulses(&self) -> usize {
+        self.shifts.len()
+    }
+
+    /// Contacts, silent ones included.
+    pub fn len(&self) -> usize {
+        self.courses.first().map_or(0, |c| c.base.len())
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// What the last filling has found.
+    pub fn found(&self) -> Fill {
+        self.fill
+    }
+
+    /// Pulse from which `m` counts.
+    pub(super) fn middle(&self) -> i32 {
+        (self.pulses() / 2) as i32
+    }
+
+    /// Bytes per contact that a pulse reads.
+    pub fn bytes_per_contact(&self) -> usize {
+        let course = 3 * size_of::<T::Turns>() + 5 * size_of::<T>() + size_of::<i32>();
+        let amplitude: usize =
+            self.amplitude.iter().flatten().map(|a| size_of_val(a.as_slice())).sum::<usize>()
+                / self.len().max(1);
+        self.courses.len() * course + amplitude
+    }
+}
+
+/// A polynomial in `m` through values at the nodes.
+struct Through {
+    nodes: usize,
+    /// `[power][node]`.
+    basis: [[f64; MAX_NODES]; MAX_NODES],
+}
+
+impl Through {
+    fn new(places: &[f64]) -> Self {
+        let mut basis = [[0.0; MAX_NODES]; MAX_NODES];
+        for (n, own) in places.iter().enumerate() {
+            // prod (x - x_j)/(x_n - x_j), expanded.
+            let mut c = [0.0; MAX_NODES];
+            c[0] = 1.0;
+            for (_, other) in places.iter().enumerate().filter(|(j, _)| *j != n) {
+                let scale = 1.0 / (own - other);
+                for k in (0..MAX_NODES).rev() {
+                    c[k] = scale * (if k > 0 { c[k - 1] } else { 0.0 } - other * c[k]);
+                }
+            }
+            for (power, value) in c.iter().enumerate() {
+                basis[power][n] = *value;
+            }
+        }
+        Self { nodes: places.len(), basis }
+    }
+
+    /// Coefficients of `1, m, m^2, m^3`. Differences from the first value, so that large ones lose nothing.
+    fn coefficients(&self, values: &[f64; MAX_NODES]) -> [f64; MAX_NODES] {
+        let mut c = [0.0; MAX_NODES];
+        for (c, basis) in c.iter_mut().zip(&self.basis) {
+            *c = basis.iter().zip(values).take(self.nodes).map(|(b, v)| b * (v - values[0])).sum();
+        }
+        c[0] += values[0];
+        c
+    }
+}
+
+impl<T: Scalar> Synth<T> {
+    /// An empty block.
+    pub fn block(&self) -> BlockContacts<T> {
+        BlockContacts::new(self.pairs, self.layers.len())
+    }
+
+    /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after its emission, s)
+    /// from its contacts at one to four nodes.
+    pub fn fill(
+        &self,
+        nodes: &[Node<'_>],
+        windows_s: &[f64],
+        block: &mut BlockContacts<T>,
+    ) -> Result<(), SynthError> {
+        self.check(nodes, windows_s)?;
+        let middle = (windows_s.len() / 2) as f64;
+        let reference_s = windows_s[windows_s.len() / 2];
+        block.windows_s.clear();
+        block.windows_s.extend_from_slice(windows_s);
+        block.shifts.clear();
+        block.shifts.extend(windows_s.iter().map(|start_s| {
+            let cells = ((reference_s - start_s) * self.cells_per_s).clamp(-FAR_CELLS, FAR_CELLS);
+            let whole = cells.round();
+            (whole as i32, T::round_from(cells - whole))
+        }));
+        let mut places = [0.0; MAX_NODES];
+        for (place, node) in places.iter_mut().zip(nodes) {
+            *place = node.pulse as f64 - middle;
+        }
+        let through = Through::new(&places[..nodes.len()]);
+        block.fill = Fill::default();
+        for pair in 0..self.pairs {
+            block.mean_hz[pair] = self.mean_hz(nodes, pair);
+            self.fill_pair(nodes, &through, reference_s, pair, block);
+        }
+        self.fill_replicas(block);
+        Ok(())
+    }
+
+    fn check(&self, nodes: &[Node<'_>], windows_s: &[f64]) -> Result<(), SynthError> {
+        let pulses = windows_s.len();
+        if !(1..=MAX_PULSES).contains(&pulses) {
+            return Err(SynthError::Pulses { pulses });
+        }
+        if let Some(start_s) = windows_s.iter().find(|s| !s.is_finite()) {
+            return Err(SynthError::Window { start_s: *start_s });
+        }
+        if !(1..=MAX_NODES).contains(&nodes.len()) {
+            return Err(SynthError::Nodes { nodes: nodes.len() });
+        }
+        for (i, node) in nodes.iter().enumerate() {
+            if node.pulse >= pulses || nodes[..i].iter().any(|other| other.pulse == node.pulse) {
+                return Err(SynthError::NodePulse { pulse: node.pulse, pulses });
+            }
+            let (contacts, first) = (node.contacts, nodes[0].contacts);
+            let courses =
+                contacts.delay_s.iter().take(self.pairs).chain(contacts.delay_rate.iter().take(self.pairs));
+            let same = contacts.len() == first.len()
+                && contacts.delay_s.len() >= self.pairs
+                && contacts.delay_rate.len() >= self.pairs
+                && contacts.amplitude.len() >= self.channels
+                && courses.map(Vec::len).all(|len| len == first.len())
+                && contacts.amplitude.iter().take(self.channels).all(|a| a.len() == first.len());
+            if !same {
+                return Err(SynthError::Contacts { pulse: node.pulse });
+            }
+        }
+        Ok(())
+    }
+
+    /// Mean of `f0 r` over contacts and nodes, weighted by power.
+    fn mean_hz(&self, nodes: &[Node<'_>], pair: usize) -> f64 {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for node in nodes {
+            for layer in self.layers.iter().filter(|l| l.pair == pair && !l.moment) {
+                for channel in &layer.channels {
+                    let amplitudes = &node.contacts.amplitude[*channel];
+                    let delays_s = &node.contacts.delay_s[pair];
+                    let rates = &node.contacts.delay_rate[pair];
+                    for (a, (delay_s, rate)) in amplitudes.iter().zip(delays_s.iter().zip(rates)) {
+                        let power = a.norm_sqr();
+                        if power > 0.0 && power.is_finite() && is_course(*delay_s, *rate) {
+                            sum += power * rate;
+                            weight += power;
+                        }
+                    }
+                }
+            }
+        }
+        if weight > 0.0 { self.carrier_hz * sum / weight } else { 0.0 }
+    }
+
+    fn fill_pair(
+        &self,
+        nodes: &[Node<'_>],
+        through: &Through,
+        reference_s: f64,
+        pair: usize,
+        block: &mut BlockContacts<T>,
+    ) {
+        let contacts = nodes[0].contacts.len();
+        let mean_hz = block.mean_hz[pair];
+        let courses = &mut block.courses[pair];
+        courses.phase.iter_mut().for_each(|p| p.resize(contacts, T::Turns::default()));
+        courses.phase_cubic.resize(contacts, T::default());
+        courses.base.resize(contacts, 0);
+        courses.place.iter_mut().for_each(|p| p.resize(contacts, T::default()));
+        let powers = if nodes.len() <= 2 { 2 } else { 4 };
+        for (layer, held) in self.layers.iter().zip(&mut block.amplitude) {
+            if layer.pair == pair {
+                held.resize_with(powers, Lined::default);
+                held.iter_mut().for_each(|a| a.reset(contacts * layer.lanes));
+            }
+        }
+        for n in 0..contacts {
+            let (mut turns, mut cells, mut residual) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+            let (mut placed, mut anywhere, mut drift) = (true, false, 0.0f64);
+            for (i, node) in nodes.iter().enumerate() {
+                let delay_s = node.contacts.delay_s[pair][n];
+                let rate = node.contacts.delay_rate[pair][n];
+                residual[i] = self.carrier_hz * rate - mean_hz;
+                let (extra_turns, extra_s) =
+                    doppler::correction(self.settings.doppler, self.waveform.as_ref(), mean_hz, residual[i]);
+                turns[i] = extra_turns - self.carrier_hz * delay_s;
+                let after_s = node.contacts.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
+                cells[i] = (after_s + self.lead_s) * self.cells_per_s + 0.5;
+                let seen = is_course(delay_s, rate) && cells[i].is_finite();
+                placed &= seen;
+                anywhere |= delay_s.is_finite();
+            }
+            let mut place = through.coefficients(&cells);
+            let held = place[0].clamp(-FAR_CELLS, FAR_CELLS).round();
+            for cells in &cells[..nodes.len()] {
+                drift = drift.max((cells - held).abs());
+            }
+            // The polynomial at either end of the block.
+            let end = MAX_PULSES as f64 / 2.0;
+            placed &= place[1..].iter().rev().fold(0.0, |s, c| (s + c.abs()) * end) < MAX_DRIFT_CELLS;
+            // Farther than any window: silent, and nothing is lost.
+            let far = placed && (place[0] - held).abs() > 0.5;
+            placed &= !far;
+            let sounds =
+                self.fill_amplitude(nodes, through, pair, n, placed, &residual, block_amplitude(block));
+            if !placed || !sounds {
+                block.fill.unplaced += usize::from(sounds && anywhere && !far);
+                let courses = &mut block.courses[pair];
+                courses.phase.iter_mut().for_each(|p| p[n] = T::Turns::default());
+                courses.phase_cubic[n] = T::default();
+                courses.base[n] = -1;
+                courses.place.iter_mut().for_each(|p| p[n] = T::default());
+                continue;
+            }
+            let largest = residual.iter().take(nodes.len()).fold(0.0f64, |a, r| a.max(r.abs()));
+            block.fill.residual_hz = block.fill.residual_hz.max(largest);
+            block.fill.drift_cells = block.fill.drift_cells.max(drift);
+            let phase = through.coefficients(&turns);
+            place[0] -= held;
+            let courses = &mut block.courses[pair];
+            for (to, value) in courses.phase.iter_mut().zip(phase) {
+                to[n] = T::turns(value);
+            }
+            courses.phase_cubic[n] = T::round_from(phase[3]);
+            courses.base[n] = held as i32;
+            for (to, value) in courses.place.iter_mut().zip(place) {
+                to[n] = T::round_from(value);
+            }
+        }
+    }
+
+    /// Amplitudes of contact `n` in the layers of a pair; returns whether it sounds at all.
+    fn fill_amplitude(
+        &self,
+        nodes: &[Node<'_>],
+        through: &Through,
+        pair: usize,
+        n: usize,
+        placed: bool,
+        residual_hz: &[f64; MAX_NODES],
+        amplitude: &mut [Vec<Lined<T>>],
+    ) -> bool {
+        let mut sounds = false;
+        for (layer, held) in self.layers.iter().zip(amplitude) {
+            if layer.pair != pair {
+                continue;
+            }
+            for (at, channel) in layer.channels.iter().enumerate() {
+                let (mut re, mut im) = ([0.0; MAX_NODES], [0.0; MAX_NODES]);
+                for (i, node) in nodes.iter().enumerate() {
+                    let mut a = node.contacts.amplitude[*channel][n];
+                    if layer.moment {
+                        a *= residual_hz[i] * self.waveform.duration_s();
+                    }
+                    (re[i], im[i]) = (a.re, a.im);
+                    sounds |= a != Complex64::ZERO;
+                }
+                if !placed {
+                    continue;
+                }
+                let (re, im) = (through.coefficients(&re), through.coefficients(&im));
+                for (power, held) in held.iter_mut().enumerate() {
+                    let lanes = &mut held.as_mut_slice()[n * layer.lanes..][..layer.lanes];
+                    lanes[2 * at] = T::round_from(re[power]);
+                    lanes[2 * at + 1] = T::round_from(im[power]);
+                }
+            }
+        }
+        sounds
+    }
+
+    /// `P H / phihat` of every layer about its pair's mean Doppler, with the place of the grid's first cell.
+    fn fill_replicas(&self, block: &mut BlockContacts<T>) {
+        for (layer, replica) in self.layers.iter().zip(&mut block.replicas) {
+            let mean_hz = block.mean_hz[layer.pair];
+            replica.clear();
+            replica.extend(self.bins.iter().map(|bin| {
+                let pulse = if layer.moment {
+                    let scale = -std::f64::consts::TAU / self.waveform.duration_s();
+                    Complex64::I
+                        * scale
+                        * doppler::moment_spectrum(self.waveform.as_ref(), bin.f_hz + mean_hz)
+                } else {
+                    self.waveform.spectrum(bin.f_hz + mean_hz)
+                };
+                pulse * bin.origin * bin.gain
+            }));
+        }
+    }
+
+    /// Whether Doppler off the mean needs a layer of its own.
+    pub(super) fn has_moments(doppler: Doppler) -> bool {
+        doppler == Doppler::Taylor
+    }
+}
+
+/// Whether a contact has a delay, and a rate below the speed of light.
+fn is_course(delay_s: f64, rate: f64) -> bool {
+    delay_s.is_finite() && rate.abs() < 1.0
+}
+
+/// The amplitudes alone, while the rest is borrowed elsewhere.
+fn block_amplitude<T: Scalar>(block: &mut BlockContacts<T>) -> &mut [Vec<Lined<T>>] {
+    &mut block.amplitude
+}

@@ -1,0 +1,316 @@
+//! The inner loop: contacts of a block onto the grids of its pulses.
+//!
+//! For `CHUNK` contacts at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
+//! of them, lane by lane; (2) amplitudes at this pulse; (3) each contact's `C` lanes, turned by its phasor, onto its `W` cells, two pulses by turns. The
+//! chunk stays in the nearest cache for all pulses. Everything is safe code over slices; what CPU it is compiled for is
+//! decided by its callers.
+
+use super::kernel::{MAX_TERMS, terms};
+use super::scalar::Scalar;
+
+/// Contacts that are kept close for all pulses of a share.
+pub(super) const CHUNK: usize = 128;
+/// Pulses that are spread by turns.
+const TOGETHER: usize = 2;
+
+/// Phases and places of the contacts of one pair over a block; polynomials in pulses from the middle.
+#[derive(Debug, Default)]
+pub(super) struct Courses<T: Scalar> {
+    /// Phase, turns: constant, first and second power.
+    pub phase: [Vec<T::Turns>; 3],
+    /// Phase, turns: third power.
+    pub phase_cubic: Vec<T>,
+    /// First cell in the middle of the block, whole cells; the rest is in `place`.
+    pub base: Vec<i32>,
+    /// First cell, before rounding up, less `base` and plus 1/2: powers 0 to 3, cells.
+    pub place: [Vec<T>; 4],
+}
+
+/// One layer of one share to be filled.
+pub(super) struct Job<'a, T: Scalar> {
+    pub courses: &'a Courses<T>,
+    /// `[power][contact][lane]`.
+    pub amplitude: &'a [&'a [T]],
+    /// Shift of all places per pulse of the share: whole cells and the rest.
+    pub shifts: &'a [(i32, T)],
+    /// Pulses from the middle of the block to the first of the share.
+    pub first: i32,
+    /// Kernel coefficients, `[tap][part][term]`.
+    pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
+    /// Last first cell that is in reach of the window.
+    pub last_cell: i32,
+    /// First cell of those that are not read.
+    pub outside: i32,
+    /// Numbers from one pulse to the next, and before this layer.
+    pub stride: usize,
+    pub offset: usize,
+}
+
+/// Steps between the passes.
+struct Passes<T, const W: usize, const C: usize> {
+    cell: [i32; CHUNK],
+    cos: [T; CHUNK],
+    sin: [T; CHUNK],
+    /// From the middle of the first tap back to its place, cells: the `z` of the kernel.
+    beyond: [T; CHUNK],
+    weight: [[T; CHUNK]; W],
+    level: [[T; C]; CHUNK],
+}
+
+impl<T: Scalar, const W: usize, const C: usize> Passes<T, W, C> {
+    fn new() -> Self {
+        let zero = T::default();
+        Self {
+            cell: [0; CHUNK],
+            cos: [zero; CHUNK],
+            sin: [zero; CHUNK],
+            beyond: [zero; CHUNK],
+            weight: [[zero; CHUNK]; W],
+            level: [[zero; C]; CHUNK],
+        }
+    }
+}
+
+/// Adds the job's contacts to `grids`.
+#[inline(always)]
+pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    job: &Job<'_, T>,
+    grids: &mut [T],
+) {
+    let mut passes = [Passes::<T, W, C>::new(), Passes::new()];
+    let contacts = job.courses.base.len();
+    let mut from = 0;
+    while from < contacts {
+        let count = CHUNK.min(contacts - from);
+        let mut m = job.first;
+        for (shifts, grids) in job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride)) {
+            for (shift, passes) in shifts.iter().zip(&mut passes) {
+                place::<T, FUSED, W, C>(job, from, count, m, *shift, passes);
+                levels::<T, FUSED, W, C>(job, from, count, m, passes);
+                m += 1;
+            }
+            let (near, far) = grids.split_at_mut(job.stride.min(grids.len()));
+            let near = near.get_mut(job.offset..).unwrap_or_default();
+            match far.get_mut(job.offset..) {
+                Some(far) if shifts.len() == TOGETHER => {
+                    scatter_two::<T, FUSED, W, C>(&passes, count, near, far);
+                }
+                _ => scatter::<T, FUSED, W, C>(&passes[0], count, near),
+            }
+        }
+        from += count;
+    }
+}
+
+/// Phasor, first cell and weights of a chunk.
+#[inline(always)]
+fn place<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    job: &Job<'_, T>,
+    from: usize,
+    count: usize,
+    m: i32,
+    shift: (i32, T),
+    passes: &mut Passes<T, W, C>,
+) {
+    let part = from..from + count;
+    let courses = job.courses;
+    phasors::<T, FUSED>(
+        m,
+        &courses.phase[0][part.clone()],
+        &courses.phase[1][part.clone()],
+        &courses.phase[2][part.clone()],
+        &courses.phase_cubic[part.clone()],
+        &mut passes.cos[..count],
+        &mut passes.sin[..count],
+    );
+    first_cells::<T, FUSED>(
+        m,
+        shift,
+        [job.last_cell, job.outside],
+        &courses.base[part.clone()],
+        &courses.place[0][part.clone()],
+        &courses.place[1][part.clone()],
+        &courses.place[2][part.clone()],
+        &courses.place[3][part],
+        &mut passes.cell[..count],
+        &mut passes.beyond[..count],
+    );
+    weights::<T, FUSED, W>(job.coefficients, &passes.beyond[..count], &mut passes.weight);
+}
+
+// The passes below take every slice as an argument of its own: only so does the compiler know that they do not overlap.
+
+/// Cosine and sine of the phase.
+#[inline(always)]
+fn phasors<T: Scalar, const FUSED: bool>(
+    m: i32,
+    p0: &[T::Turns],
+    p1: &[T::Turns],
+    p2: &[T::Turns],
+    p3: &[T],
+    cos: &mut [T],
+    sin: &mut [T],
+) {
+    let lanes = p0.iter().zip(p1).zip(p2).zip(p3).zip(cos.iter_mut().zip(sin));
+    for ((((p0, p1), p2), p3), (cos, sin)) in lanes {
+        (*cos, *sin) = T::phasor::<FUSED>(T::phase([*p0, *p1, *p2], *p3, m));
+    }
+}
+
+/// First cell, and how far its middle lies beyond the place of the first tap.
+#[inline(always)]
+fn first_cells<T: Scalar, const FUSED: bool>(
+    m: i32,
+    shift: (i32, T),
+    [last_cell, outside]: [i32; 2],
+    base: &[i32],
+    c0: &[T],
+    c1: &[T],
+    c2: &[T],
+    c3: &[T],
+    cell: &mut [i32],
+    beyond: &mut [T],
+) {
+    let s = T::from_int(m);
+    let lanes = base.iter().zip(c0).zip(c1).zip(c2).zip(c3).zip(cell.iter_mut().zip(beyond));
+    for (((((base, c0), c1), c2), c3), (cell, beyond)) in lanes {
+        let high = T::fma::<FUSED>(T::fma::<FUSED>(*c3, s, *c2), s, *c1);
+        let place = T::fma::<FUSED>(high, s, *c0) + shift.1;
+        let (whole, nearest) = T::nearest(place);
+        let first = base.wrapping_add(shift.0).wrapping_add(whole);
+        *cell = if (first as u32) <= (last_cell as u32) { first } else { outside };
+        *beyond = nearest - place;
+    }
+}
+
+/// Weights of all taps.
+#[inline(always)]
+fn weights<T: Scalar, const FUSED: bool, const W: usize>(
+    coefficients: &[[[T; MAX_TERMS]; 2]],
+    beyond: &[T],
+    weight: &mut [[T; CHUNK]; W],
+) {
+    for (tap, [even, odd]) in coefficients.iter().enumerate().take(W.div_ceil(2)) {
+        let mut mirrored = [T::default(); CHUNK];
+        weight_pair::<T, FUSED, W>(even, odd, beyond, &mut weight[tap], &mut mirrored);
+        if 2 * tap + 1 != W {
+            weight[W - 1 - tap] = mirrored;
+        }
+    }
+}
+
+/// Weights of a tap and of the one opposite.
+#[inline(always)]
+fn weight_pair<T: Scalar, const FUSED: bool, const W: usize>(
+    even: &[T; MAX_TERMS],
+    odd: &[T; MAX_TERMS],
+    beyond: &[T],
+    near: &mut [T; CHUNK],
+    far: &mut [T; CHUNK],
+) {
+    let n = terms(W);
+    for (z, (near, far)) in beyond.iter().zip(near.iter_mut().zip(far)) {
+        let zz = *z * *z;
+        let (mut e, mut o) = (even[n - 1], odd[n - 1]);
+        for k in (0..n - 1).rev() {
+            e = T::fma::<FUSED>(e, zz, even[k]);
+            o = T::fma::<FUSED>(o, zz, odd[k]);
+        }
+        *near = T::fma::<FUSED>(o, *z, e);
+        *far = T::fma::<FUSED>(-o, *z, e);
+    }
+}
+
+/// Amplitudes at this pulse.
+#[inline(always)]
+fn levels<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    job: &Job<'_, T>,
+    from: usize,
+    count: usize,
+    m: i32,
+    passes: &mut Passes<T, W, C>,
+) {
+    let part = from * C..(from + count) * C;
+    let s = T::from_int(m);
+    let level = &mut passes.level.as_flattened_mut()[..count * C];
+    match *job.amplitude {
+        [a0, a1] => linear::<T, FUSED>(s, &a0[part.clone()], &a1[part], level),
+        [a0, a1, a2, a3] => {
+            let powers = [a0, a1, a2, a3].map(|a| &a[part.clone()]);
+            cubic::<T, FUSED>(s, powers[0], powers[1], powers[2], powers[3], level);
+        }
+        // The block keeps two powers or four.
+        _ => {}
+    }
+}
+
+/// `a0 + a1 s`.
+#[inline(always)]
+fn linear<T: Scalar, const FUSED: bool>(s: T, a0: &[T], a1: &[T], level: &mut [T]) {
+    for (to, (a0, a1)) in level.iter_mut().zip(a0.iter().zip(a1)) {
+        *to = T::fma::<FUSED>(*a1, s, *a0);
+    }
+}
+
+/// `a0 + a1 s + a2 s^2 + a3 s^3`.
+#[inline(always)]
+fn cubic<T: Scalar, const FUSED: bool>(s: T, a0: &[T], a1: &[T], a2: &[T], a3: &[T], level: &mut [T]) {
+    for (to, (((a0, a1), a2), a3)) in level.iter_mut().zip(a0.iter().zip(a1).zip(a2).zip(a3)) {
+        let high = T::fma::<FUSED>(T::fma::<FUSED>(*a3, s, *a2), s, *a1);
+        *to = T::fma::<FUSED>(high, s, *a0);
+    }
+}
+
+/// One contact, turned by its phasor, onto its cells.
+#[inline(always)]
+fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    passes: &Passes<T, W, C>,
+    i: usize,
+    cells: &mut [[T; C]],
+) {
+    let at = passes.cell[i] as usize;
+    let Some(taps) = cells.get_mut(at..at + W) else { return };
+    let level = &passes.level[i];
+    let (cos, sin) = (passes.cos[i], passes.sin[i]);
+    let mut a = [T::default(); C];
+    for k in 0..C {
+        let across = if k % 2 == 0 { -sin } else { sin };
+        a[k] = T::fma::<FUSED>(level[k], cos, level[k ^ 1] * across);
+    }
+    // By index, so that all taps are unrolled: half as fast with iterators.
+    #[allow(clippy::needless_range_loop)]
+    for tap in 0..W {
+        let weight = passes.weight[tap][i];
+        for k in 0..C {
+            taps[tap][k] = T::fma::<FUSED>(weight, a[k], taps[tap][k]);
+        }
+    }
+}
+
+/// Contacts onto the cells of one pulse.
+#[inline(always)]
+fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    passes: &Passes<T, W, C>,
+    count: usize,
+    grid: &mut [T],
+) {
+    let cells = grid.as_chunks_mut::<C>().0;
+    for i in 0..count {
+        add::<T, FUSED, W, C>(passes, i, cells);
+    }
+}
+
+/// Contacts onto the cells of two pulses by turns: neighbours often share cells, and would wait for each other's sums.
+#[inline(always)]
+fn scatter_two<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    passes: &[Passes<T, W, C>; TOGETHER],
+    count: usize,
+    near: &mut [T],
+    far: &mut [T],
+) {
+    let (near, far) = (near.as_chunks_mut::<C>().0, far.as_chunks_mut::<C>().0);
+    for i in 0..count {
+        add::<T, FUSED, W, C>(&passes[0], i, near);
+        add::<T, FUSED, W, C>(&passes[1], i, far);
+    }
+}
