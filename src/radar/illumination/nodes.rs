@@ -1,0 +1,114 @@
+//! The contacts of a pulse as a node of a block: always the same ones, in the same order, so that what lies between two
+//! nodes can be interpolated.
+//!
+//! Every facet of a patch in the order of its places, then the targets, then the direct path; those that are dark, hidden or far
+//! from the window have zero amplitude or a delay that the echo leaves out, but they are there.
+
+use num_complex::Complex64;
+
+use super::facets::Lighting;
+use super::window::Window;
+use super::{Illumination, Workspace};
+use crate::pulse::Pulse;
+use crate::radar::fault::RadarError;
+use crate::scattering::contact::Contacts;
+use crate::scene::Patch;
+use crate::scene::radar::TxPolarisation;
+
+impl Illumination {
+    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals:
+    /// then their contacts can be interpolated.
+    pub fn hears_itself(
+        &self,
+        pulses: &[u64],
+        workspace: &mut Workspace,
+    ) -> Result<bool, RadarError> {
+        let even = self.radar.emissions.is_uniform();
+        if !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
+            return Ok(false);
+        }
+        for &index in pulses {
+            self.evaluate(index, &mut workspace.own)?;
+            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+            let audible = self.audible(index, &workspace.own, &window)?;
+            if audible.start < index || audible.end > index + 1 {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Start of the window of a pulse after its emission, s.
+    pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
+        self.window_start_s(index, self.radar.emissions.emission(self.start, index))
+    }
+
+    /// The patch at a pulse; `None` for a scene without sea.
+    pub fn patch_of(&self, index: u64) -> Result<Option<Patch>, RadarError> {
+        let Some(sea) = &self.sea else { return Ok(None) };
+        let t = self.radar.emissions.emission(self.start, index);
+        let patch = sea.patch_at(&self.surroundings(), t);
+        Ok(Some(patch.map_err(|failure| self.track_error(index, failure))?))
+    }
+
+    /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its contacts;
+    /// see [`Self::pulse`].
+    pub fn record(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        record: &mut Pulse,
+    ) -> Result<(), RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, .. } = workspace;
+        self.evaluate(index, own)?;
+        self.fill_record(index, own, record)?;
+        let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
+        record.flags |= self.cut_flag(&self.lighting(index, index, own, window));
+        Ok(())
+    }
+
+    /// Everything that the emission of a pulse lights, over a given patch.
+    pub fn node(
+        &self,
+        index: u64,
+        patch: Option<&Patch>,
+        workspace: &mut Workspace,
+        contacts: &mut Contacts,
+    ) -> Result<(), RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, amplitude, sea: work, .. } = workspace;
+        contacts.clear();
+        self.evaluate(index, own)?;
+        let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
+        if let (Some(sea), Some(work), Some(patch)) = (&self.sea, work, patch) {
+            contacts.resize(patch.len());
+            sea.visit_all(&lighting, patch, work, |chunk| {
+                for (place, &facet) in chunk.index.iter().enumerate() {
+                    for (pair, columns) in chunk.pairs.iter().enumerate() {
+                        contacts.delay_s[pair][facet] = columns.delay_s[place];
+                        contacts.delay_rate[pair][facet] = columns.delay_rate[place];
+                    }
+                    for (column, amplitude) in contacts.amplitude.iter_mut().zip(&chunk.amplitude) {
+                        column[facet] = amplitude[place];
+                    }
+                }
+            })
+            .map_err(|failure| self.sea_error(index, failure))?;
+        }
+        self.append_every(&lighting, amplitude, contacts);
+        Ok(())
+    }
+
+    /// Appends targets and direct paths whether they sound or not.
+    fn append_every(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) {
+        for (contact, paths) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            self.weigh(lighting, contact, paths, amplitude);
+            contacts.push(lighting.offset_s, paths.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
+        }
+    }
+}
