@@ -191,6 +191,11 @@ impl PulseTimes {
         self.emission(zero, b).since(self.emission(zero, a))
     }
 
+    /// Whether all intervals are equal.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self.0, Rhythm::Uniform { .. })
+    }
+
     /// The mean PRF, Hz.
     pub fn mean_prf_hz(&self) -> f64 {
         match &self.0 {

@@ -208,6 +208,7 @@ tables! {
         SLICK "slick", Sections(&slick::TABLE), Means("none"), "Films on the water, with [sea].";
         TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";
         TARGET_GRID "target_grid", Sections(&target_grid::TABLE), Means("none"), "Fields of equal point targets.";
+        FIDELITY "fidelity", Section(&fidelity::TABLE), Means("all defaults"), "Speed against accuracy.";
         STREAM "stream", Section(&stream::TABLE), Means("all defaults"), "How pulses are released.";
         SINK "sink", Sections(&sink::TABLE), Means("pulses are counted and forgotten"), "Where pulses go.";
     }
@@ -445,6 +446,12 @@ tables! {
         VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
         RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("rcs_dbsm is given"), "Radar cross section of each.";
         RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("rcs_m2 is given"), "The same in dB over 1 m^2.";
+    }
+    fidelity "[fidelity]" "Speed against accuracy." {
+        ECHO "echo", Choice(&["reference", "fast"]), Means("fast with a sea, reference without"), "reference: every pulse from its own contacts, in f64. fast: blocks of pulses, contacts at nodes, all between interpolated, in f32.";
+        NODE_PULSES "node_pulses", count(1, 16), Count(4), "fast: pulses from node to node. Antennas that sweep over the water ask for close nodes: 4 at X band and 222 m/s.";
+        KERNEL_WIDTH "kernel_width", count(4, 8), Count(5), "fast: cells over which a contact is spread; about 20 dB a cell.";
+        DOPPLER "doppler", Choice(&["mean", "shift", "taylor"]), Means("shift for a sweep, taylor for samples"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
     }
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";

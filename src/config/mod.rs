@@ -62,6 +62,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::echo::Fidelity;
 use crate::nav::PlatformNav;
 use crate::scene::Scene;
 use crate::{sinks, transport};
@@ -79,6 +80,8 @@ pub struct Run {
     pub scene: Scene,
     /// Where platforms go; `nav[i]` belongs to `scene.platforms[i]`.
     pub nav: Vec<PlatformNav>,
+    /// How echoes are made.
+    pub fidelity: Fidelity,
     /// How pulses are released.
     pub stream: transport::Settings,
     /// Where pulses go.
@@ -155,6 +158,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
     let run = run.map(|parts| Run {
         scene: parts.scene,
         nav: parts.nav,
+        fidelity: parts.fidelity,
         stream: parts.stream,
         sinks: parts.sinks,
         text,

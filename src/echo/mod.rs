@@ -1,4 +1,22 @@
 //! Contacts to samples.
+//!
+//! [`reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`] says which one a run
+//! takes.
 
 pub mod reference;
 pub mod synth;
+
+/// How echoes are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Fidelity {
+    /// Every pulse from its own contacts, in f64, by [`reference`]: slow, and without error of its own.
+    #[default]
+    Reference,
+    /// Blocks of pulses: contacts at nodes, the rest interpolated, all of it in f32 by [`mod@synth`].
+    Fast {
+        /// Pulses from node to node.
+        node_pulses: u64,
+        /// The knobs of the echo.
+        settings: synth::Settings,
+    },
+}

@@ -20,7 +20,9 @@ use thiserror::Error;
 use thread_priority::ThreadPriority;
 
 use crate::config::Run;
+use crate::echo::Fidelity;
 use crate::echo::reference::ReferenceEcho;
+use crate::echo::synth::{Synth, SynthError};
 use crate::frames::SceneFrame;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
@@ -41,7 +43,8 @@ use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
-use super::stages::{PulseFactory, Workspace};
+use super::block::BlockEcho;
+use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
 const PULSES_PER_WORKER: usize = 4;
@@ -81,6 +84,9 @@ pub enum BuildError {
     /// The instrument or its way through the scene.
     #[error(transparent)]
     Radar(#[from] RadarError),
+    /// The fast echo.
+    #[error(transparent)]
+    Echo(#[from] SynthError),
     /// A sink's output.
     #[error(transparent)]
     Sink(#[from] SinkError),
@@ -106,6 +112,15 @@ pub enum BuildError {
 #[derive(Debug, Error)]
 #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct BuildErrors(pub Vec<BuildError>);
+
+impl From<PulseError> for BuildError {
+    fn from(error: PulseError) -> Self {
+        match error {
+            PulseError::Radar(error) => error.into(),
+            PulseError::Echo(error) => error.into(),
+        }
+    }
+}
 
 impl<E: Into<BuildError>> From<E> for BuildErrors {
     fn from(error: E) -> Self {
@@ -165,18 +180,38 @@ pub fn tracks(
 ///
 /// This is the way in for a scene built in Rust; see `examples/scene_in_rust.rs`.
 pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
+    factory_of(scene, tracks, &Fidelity::Reference)
+}
+
+/// The same with a choice of how echoes are made.
+pub fn factory_of(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    fidelity: &Fidelity,
+) -> Result<PulseFactory, BuildErrors> {
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
-    let echo = ReferenceEcho::new(
-        Arc::clone(&waveform),
-        scene.radar.carrier_hz,
-        scene.radar.sample_rate_hz,
-        scene.radar.window.samples,
-        illumination.channel_pairs().to_vec(),
-    );
+    let radar = &scene.radar;
+    let (carrier_hz, sample_rate_hz, samples) =
+        (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+    let of_channels = illumination.channel_pairs();
+    let echo = match *fidelity {
+        Fidelity::Reference => Echo::Reference(ReferenceEcho::new(
+            Arc::clone(&waveform),
+            carrier_hz,
+            sample_rate_hz,
+            samples,
+            of_channels.to_vec(),
+        )),
+        Fidelity::Fast { node_pulses, settings } => {
+            let waveform = Arc::clone(&waveform);
+            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
+            Echo::Fast(BlockEcho::new(synth, node_pulses, scene.pulses))
+        }
+    };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let layout = scene.radar.layout(scene.platforms.len(), scene.targets.len());
-    Ok(PulseFactory { illumination, echo, receiver, waveform, layout })
+    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout })
 }
 
 /// A run that is ready to start.
@@ -191,10 +226,10 @@ pub struct PulseStream {
 }
 
 /// How a run ended.
-pub type RunOutcome = Outcome<Option<SinkReport>, RadarError, SinkError>;
+pub type RunOutcome = Outcome<Option<SinkReport>, PulseError, SinkError>;
 
 /// Why a run failed after it had started.
-pub type RunFailure = RunError<RadarError, SinkError>;
+pub type RunFailure = RunError<PulseError, SinkError>;
 
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
@@ -206,7 +241,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         faults.push(BuildError::Range { from: range.start, to: range.end, pulses: scene.pulses });
     }
     let built = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)
-        .and_then(|(tracks, notes)| Ok((factory(scene, tracks)?, notes)));
+        .and_then(|(tracks, notes)| Ok((factory_of(scene, tracks, &run.fidelity)?, notes)));
     let (factory, notes) = match built {
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
@@ -427,8 +462,11 @@ fn generate(
     factory: &PulseFactory,
     range: Range<u64>,
     work: &mut [Workspace],
-) -> Result<(), RadarError> {
-    let mut batch = (PULSES_PER_WORKER * work.len()).min(source.slots().div_ceil(2));
+) -> Result<(), PulseError> {
+    // Whole blocks for every worker, unless the ring is too short for them.
+    let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
+    let each = PULSES_PER_WORKER.max(block);
+    let mut batch = (each * work.len()).min(source.slots().div_ceil(2));
     let mut next = range.start;
     loop {
         let worth = source.next_worth();
@@ -440,10 +478,13 @@ fn generate(
         if next >= range.end {
             return Ok(());
         }
+        // A first batch that begins within a block ends with one, so that the next begin with one.
+        let within = usize::try_from(next % factory.block_pulses()).unwrap_or(0);
+        let batch = if within < batch { batch - within } else { batch };
         let wanted = usize::try_from(range.end - next).map_or(batch, |left| left.min(batch));
         let Some(slots) = source.reserve(wanted) else { return Ok(()) };
         let count = slots.len();
-        let share = count.div_ceil(work.len());
+        let share = count.div_ceil(work.len()).next_multiple_of(if count > block { block } else { 1 });
         slots.par_chunks_mut(share).zip(work.par_iter_mut()).enumerate().try_for_each(
             |(part, (slots, work))| {
                 let first = next + (part * share) as u64;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::build::PulseStream;
-use crate::radar::fault::RadarError;
+use super::stages::PulseError;
 
 /// How long the trial lasts.
 pub const TRIAL: Duration = Duration::from_millis(300);
@@ -43,7 +43,7 @@ pub struct Forecast {
 
 impl PulseStream {
     /// Makes pulses for a moment and tells what the run will take.
-    pub fn forecast(&self) -> Result<Forecast, RadarError> {
+    pub fn forecast(&self) -> Result<Forecast, PulseError> {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();
@@ -64,7 +64,7 @@ impl PulseStream {
                     }
                     Ok(made)
                 })
-                .sum::<Result<u64, RadarError>>()
+                .sum::<Result<u64, PulseError>>()
         })?;
         let pulses_per_s = made as f64 / begun.elapsed().as_secs_f64();
         let (mut slot, mut work) = (factory.slot(), factory.workspace());

@@ -1,16 +1,21 @@
 //! Physics dressed as a stage: from a pulse number to a finished pulse.
 //!
 //! ```text
-//! tracks -> illumination -> contacts -> reference echo -> spectrum -> receiver -> samples
+//! tracks -> illumination -> contacts -> echo -> spectrum -> receiver -> samples
 //! ```
+//!
+//! The echo is the reference, pulse by pulse, or the fast one, block by block ([`Fidelity`](crate::echo::Fidelity)).
 //!
 //! A pulse depends on its number alone, so any thread may make any pulse and the bits are the same.
 
 use std::sync::Arc;
 
 use num_complex::{Complex32, Complex64};
+use thiserror::Error;
 
+use super::block::{BlockEcho, BlockWork};
 use crate::echo::reference::ReferenceEcho;
+use crate::echo::synth::SynthError;
 use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
@@ -23,16 +28,44 @@ use crate::scattering::contact::Contacts;
 /// Makes pulses. Immutable, shared by all threads.
 pub struct PulseFactory {
     pub(super) illumination: Illumination,
-    pub(super) echo: ReferenceEcho,
+    pub(super) echo: Echo,
+    pub(super) sample_rate_hz: f64,
     pub(super) receiver: Receiver,
     pub(super) waveform: Arc<dyn Waveform>,
     pub(super) layout: Layout,
+}
+
+/// Why a pulse cannot be made.
+#[derive(Debug, Error)]
+pub enum PulseError {
+    /// Its contacts.
+    #[error(transparent)]
+    Radar(#[from] RadarError),
+    /// Its echo.
+    #[error(transparent)]
+    Echo(#[from] SynthError),
+}
+
+/// From contacts to spectra.
+pub(super) enum Echo {
+    Reference(ReferenceEcho),
+    Fast(BlockEcho),
+}
+
+impl Echo {
+    pub fn fft_len(&self) -> usize {
+        match self {
+            Self::Reference(echo) => echo.fft_len(),
+            Self::Fast(echo) => echo.fft_len(),
+        }
+    }
 }
 
 /// What one thread needs to make pulses without allocating.
 pub struct Workspace {
     illumination: illumination::Workspace,
     contacts: Contacts,
+    block: Option<BlockWork>,
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
 }
@@ -60,7 +93,7 @@ impl PulseFactory {
             return 0;
         }
         let opens_s = pulse.window_start_s;
-        let closes_s = opens_s + self.layout.samples as f64 / self.echo.sample_rate_hz();
+        let closes_s = opens_s + self.layout.samples as f64 / self.sample_rate_hz;
         let whole = |delay_s: &&f64| (opens_s..=closes_s - self.waveform.duration_s()).contains(*delay_s);
         let pairs = pulse.target_delay_s.chunks_exact(targets);
         pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
@@ -85,9 +118,15 @@ impl PulseFactory {
     pub fn workspace(&self) -> Workspace {
         // Every target and the direct path, of this pulse and of two neighbours, and every facet.
         let contacts = 3 * (self.layout.targets + 1) + self.illumination.facets();
+        let (pairs, channels) = (self.layout.pairs, self.layout.channels);
+        let (block, contacts) = match &self.echo {
+            Echo::Reference(_) => (None, contacts),
+            Echo::Fast(echo) => (Some(echo.work(pairs, channels, contacts)), 0),
+        };
         Workspace {
             illumination: self.illumination.workspace(),
-            contacts: Contacts::new(self.layout.pairs, self.layout.channels, contacts),
+            contacts: Contacts::new(pairs, channels, contacts),
+            block,
             spectrum: vec![Complex64::ZERO; self.layout.channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
         }
@@ -96,10 +135,28 @@ impl PulseFactory {
     /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has
     /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
     /// a pulse that the run does not have.
-    pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), RadarError> {
-        self.illumination.pulse(index, &mut work.illumination, &mut work.contacts, pulse)?;
-        self.echo.spectrum(&work.contacts, pulse.window_start_s, &mut work.spectrum);
-        self.receiver.receive(&mut work.spectrum, pulse, &mut work.receiver);
+    pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
+        let Workspace { illumination, contacts, block, spectrum, receiver } = work;
+        match (&self.echo, block) {
+            (Echo::Reference(echo), _) => {
+                self.illumination.pulse(index, illumination, contacts, pulse)?;
+                echo.spectrum(contacts, pulse.window_start_s, spectrum);
+            }
+            (Echo::Fast(echo), Some(block)) => {
+                echo.make(&self.illumination, index, pulse, illumination, block, spectrum)?;
+            }
+            // A workspace of another factory.
+            (Echo::Fast(_), None) => spectrum.fill(Complex64::ZERO),
+        }
+        self.receiver.receive(spectrum, pulse, receiver);
         Ok(())
+    }
+
+    /// Pulses that are made together: 1, or those of a block.
+    pub fn block_pulses(&self) -> u64 {
+        match &self.echo {
+            Echo::Reference(_) => 1,
+            Echo::Fast(echo) => echo.block_pulses(),
+        }
     }
 }

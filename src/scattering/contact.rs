@@ -35,6 +35,30 @@ impl Contacts {
         }
     }
 
+    /// Appends a contact: delay (s) and rate for each pair, amplitudes for each channel.
+    pub fn push(
+        &mut self,
+        emission_offset_s: f64,
+        courses: impl IntoIterator<Item = (f64, f64)>,
+        amplitude: &[Complex64],
+    ) {
+        self.emission_offset_s.push(emission_offset_s);
+        for ((delays_s, rates), (delay_s, rate)) in
+            self.delay_s.iter_mut().zip(&mut self.delay_rate).zip(courses)
+        {
+            delays_s.push(delay_s);
+            rates.push(rate);
+        }
+        self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
+    }
+
+    /// Makes the list `len` contacts long; new ones are silent, without offset.
+    pub fn resize(&mut self, len: usize) {
+        self.emission_offset_s.resize(len, 0.0);
+        self.delay_s.iter_mut().chain(&mut self.delay_rate).for_each(|column| column.resize(len, 0.0));
+        self.amplitude.iter_mut().for_each(|column| column.resize(len, Complex64::ZERO));
+    }
+
     /// Contacts in the list.
     pub fn len(&self) -> usize {
         self.emission_offset_s.len()

@@ -16,6 +16,7 @@ mod target;
 use super::error::Problem;
 use super::keys::{self, Key};
 use super::section::Section;
+use crate::echo::Fidelity;
 use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::nav::{PlatformNav, TrackSource};
 use crate::scene::Scene;
@@ -26,6 +27,7 @@ use crate::{sinks, transport};
 pub(super) struct Parts {
     pub(super) scene: Scene,
     pub(super) nav: Vec<PlatformNav>,
+    pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
     pub(super) sinks: Vec<sinks::Settings>,
 }
@@ -122,6 +124,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+    let fidelity = stream::fidelity(&root, radar.as_ref(), root.has(&keys::root::SEA));
     let sinks =
         stream::sinks(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
     root.finish();
@@ -138,7 +141,13 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         ships: Vec::new(),
         targets: targets?,
     };
-    Some(Parts { scene, nav: nav.into_iter().collect::<Option<_>>()?, stream: stream?, sinks: sinks? })
+    Some(Parts {
+        scene,
+        nav: nav.into_iter().collect::<Option<_>>()?,
+        fidelity: fidelity?,
+        stream: stream?,
+        sinks: sinks?,
+    })
 }
 
 struct SceneTime {

@@ -5,7 +5,11 @@ use std::path::PathBuf;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
+use crate::echo::Fidelity;
+use crate::echo::synth::Settings;
+use crate::echo::synth::doppler::Doppler;
 use crate::scene::Radar;
+use crate::scene::radar::Waveform;
 use crate::sinks;
 use crate::transport::{self, Pace, Policy};
 
@@ -54,6 +58,33 @@ pub(super) fn stream(
     }
     let threads = usize::try_from(threads?).ok()?;
     Some(transport::Settings { pace: pace?, policy: policy?, latency_s, ring_slots: slots, threads })
+}
+
+/// `[fidelity]`; `with_sea` decides the default.
+pub(super) fn fidelity(root: &Section<'_>, radar: Option<&Radar>, with_sea: bool) -> Option<Fidelity> {
+    use keys::fidelity::{DOPPLER, ECHO, KERNEL_WIDTH, NODE_PULSES};
+    let section = root.section_or_empty(&keys::root::FIDELITY)?;
+    let echo = section.choice(&ECHO);
+    let (node_pulses, width) = (section.count(&NODE_PULSES), section.count(&KERNEL_WIDTH));
+    let written = section.choice(&DOPPLER);
+    let fast = echo.map_or(with_sea && !section.has(&ECHO), |word| word == "fast");
+    if !fast {
+        section.idle(&[&NODE_PULSES, &KERNEL_WIDTH, &DOPPLER], "echo is \"reference\"");
+    }
+    section.finish();
+    if !fast {
+        return Some(Fidelity::Reference);
+    }
+    let sweeps = matches!(radar?.waveform, Waveform::Lfm { .. });
+    let doppler = match written {
+        Some("mean") => Doppler::Mean,
+        Some("shift") => Doppler::Shift,
+        Some(_) => Doppler::Taylor,
+        None if sweeps => Doppler::Shift,
+        None => Doppler::Taylor,
+    };
+    let settings = Settings { width: usize::try_from(width?).ok()?, doppler, ..Settings::default() };
+    Some(Fidelity::Fast { node_pulses: node_pulses?, settings })
 }
 
 /// `[[sink]]`.

@@ -144,15 +144,17 @@ impl Chunk {
         self.pairs.iter_mut().for_each(PairColumns::clear);
     }
 
-    /// Takes in the paths of a facet over every pair; of one that no pair hears nothing is kept.
+    /// Takes in the paths of a facet over every pair; of one that no pair hears nothing is kept unless `every` facet is
+    /// wanted. Says whether it was kept.
     pub fn see(
         &mut self,
         lighting: &Lighting,
         transmitters: usize,
         scatterer: &PhaseCentre,
+        every: bool,
         visible: impl Fn(usize) -> f64,
     ) -> bool {
-        let mut heard = false;
+        let mut kept = every;
         for (plan, columns) in lighting.plans.iter().zip(&mut self.pairs) {
             let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
             let centres = &lighting.emission.centres;
@@ -173,7 +175,7 @@ impl Chunk {
                         * (link * seen);
                 }
             }
-            heard |= scale != Complex64::ZERO;
+            kept |= scale != Complex64::ZERO;
             columns.delay_s.push(path.delay_s);
             columns.delay_rate.push(path.delay_rate);
             for (column, d) in columns.incident.iter_mut().zip(path.incident.to_array()) {
@@ -185,7 +187,7 @@ impl Chunk {
             columns.scale.push(scale);
             columns.rx_axes.push(rx_axes);
         }
-        if !heard {
+        if !kept {
             for columns in &mut self.pairs {
                 columns.delay_s.pop();
                 columns.delay_rate.pop();
@@ -196,7 +198,7 @@ impl Chunk {
                 columns.rx_axes.pop();
             }
         }
-        heard
+        kept
     }
 
     /// Takes in the rest of a facet whose paths are in: its place in the patch, its tilt, the share its kind covers, its

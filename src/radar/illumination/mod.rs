@@ -91,6 +91,7 @@
 //! ```
 
 mod facets;
+mod nodes;
 mod sea;
 pub mod snapshot;
 mod visibility;
@@ -522,38 +523,43 @@ impl Illumination {
 
     /// Appends the contacts of one emission; says whether an echo lies partly or wholly outside.
     fn append(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) -> bool {
+        let mut outside = false;
+        for (contact, paths) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            outside |= self.weigh(lighting, contact, paths, amplitude);
+            if amplitude.iter().any(|a| *a != Complex64::ZERO) {
+                let courses = paths.iter().map(|path| (path.delay_s, path.delay_rate));
+                contacts.push(lighting.offset_s, courses, amplitude);
+            }
+        }
+        outside
+    }
+
+    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; says whether an echo
+    /// lies partly or wholly outside the window.
+    fn weigh(
+        &self,
+        lighting: &Lighting,
+        contact: usize,
+        paths: &[Path],
+        amplitude: &mut [Complex64],
+    ) -> bool {
         let Lighting { emission, offset_s, tx_pol, window, .. } = *lighting;
         let mut outside = false;
-        for (contact, paths) in emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            let target = self.targets.get(contact);
-            amplitude.fill(Complex64::ZERO);
-            for (plan, path) in self.plans.iter().zip(paths) {
-                let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
-                let scale = match target {
-                    Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
-                    None => plan.link.direct(range(path.delay_s)),
-                };
-                if scale == 0.0 || !plan.hears(tx_pol) {
-                    continue;
-                }
-                let begin_s = offset_s + path.delay_s;
-                outside |= !window.holds(begin_s);
-                if window.touches(begin_s) {
-                    self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
-                }
-            }
-            if amplitude.iter().all(|a| *a == Complex64::ZERO) {
+        let target = self.targets.get(contact);
+        amplitude.fill(Complex64::ZERO);
+        for (plan, path) in self.plans.iter().zip(paths) {
+            let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
+            let scale = match target {
+                Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
+                None => plan.link.direct(range(path.delay_s)),
+            };
+            if scale == 0.0 || !plan.hears(tx_pol) {
                 continue;
             }
-            contacts.emission_offset_s.push(offset_s);
-            for ((delays, rates), path) in
-                contacts.delay_s.iter_mut().zip(&mut contacts.delay_rate).zip(paths)
-            {
-                delays.push(path.delay_s);
-                rates.push(path.delay_rate);
-            }
-            for (column, &a) in contacts.amplitude.iter_mut().zip(amplitude.iter()) {
-                column.push(a);
+            let begin_s = offset_s + path.delay_s;
+            outside |= !window.holds(begin_s);
+            if window.touches(begin_s) {
+                self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
             }
         }
         outside

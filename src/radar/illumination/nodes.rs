@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use super::facets::Lighting;
 use super::window::Window;
 use super::{Illumination, Workspace};
-use crate::pulse::Pulse;
+use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
 use crate::scattering::contact::Contacts;
 use crate::scene::Patch;
@@ -18,11 +18,7 @@ use crate::scene::radar::TxPolarisation;
 impl Illumination {
     /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals:
     /// then their contacts can be interpolated.
-    pub fn hears_itself(
-        &self,
-        pulses: &[u64],
-        workspace: &mut Workspace,
-    ) -> Result<bool, RadarError> {
+    pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
         let even = self.radar.emissions.is_uniform();
         if !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
             return Ok(false);
@@ -62,11 +58,16 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, .. } = workspace;
+        let Workspace { own, amplitude, .. } = workspace;
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        record.flags |= self.cut_flag(&self.lighting(index, index, own, window));
+        let lighting = self.lighting(index, index, own, window);
+        for (contact, paths) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            if self.weigh(&lighting, contact, paths, amplitude) {
+                record.flags |= flags::OUTSIDE_WINDOW;
+            }
+        }
         Ok(())
     }
 

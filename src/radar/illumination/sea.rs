@@ -303,13 +303,35 @@ impl SeaPlan {
         &self,
         lighting: &Lighting,
         work: &mut SeaWork,
+        each: impl FnMut(&Chunk),
+    ) -> Result<(), SeaFailure> {
+        let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
+        self.light(lighting, &patch, false, work, each)
+    }
+
+    /// Visits every facet of a patch, also those that nobody hears.
+    pub fn visit_all(
+        &self,
+        lighting: &Lighting,
+        patch: &Patch,
+        work: &mut SeaWork,
+        each: impl FnMut(&Chunk),
+    ) -> Result<(), SeaFailure> {
+        self.light(lighting, patch, true, work, each)
+    }
+
+    fn light(
+        &self,
+        lighting: &Lighting,
+        patch: &Patch,
+        every: bool,
+        work: &mut SeaWork,
         mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
-        let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
-        sheet.evaluate(lighting.elapsed_s, &patch, fields)?;
+        sheet.evaluate(lighting.elapsed_s, patch, fields)?;
         self.scattering.poses(lighting.elapsed_s, poses);
-        phasors.prepare(&self.scattering, &patch, lighting.elapsed_s);
+        phasors.prepare(&self.scattering, patch, lighting.elapsed_s);
         let earth = lighting.surroundings.frame.earth();
         let mix = match (&self.visibility, updates) {
             (Some(visibility), Some(updates)) => Some(visibility.at(
@@ -341,12 +363,12 @@ impl SeaPlan {
                     };
                     let scatterer = motion(fields, index, place_m, earth.drop_m(place_m[0], place_m[1]));
                     let visible = |antenna: usize| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, key));
-                    if !chunk.see(lighting, transmitters, &scatterer, visible) {
+                    if !chunk.see(lighting, transmitters, &scatterer, every, visible) {
                         continue;
                     }
                     let fall = earth.drop_slope(place_m[0], place_m[1]);
                     let slope = [fields.slope[0][index] - fall[0], fields.slope[1][index] - fall[1]];
-                    chunk.take(index, slope, cover, phasors.of(&patch, key));
+                    chunk.take(index, slope, cover, phasors.of(patch, key));
                 }
                 if !chunk.index.is_empty() {
                     chunk.scatter(lighting, &self.scattering, kind, footprint_m2);
