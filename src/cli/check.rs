@@ -12,6 +12,7 @@ use super::error::CliError;
 use super::run::overrides;
 use super::say;
 use crate::config::{self, Run};
+use crate::echo::Fidelity;
 use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
 use crate::pipeline::build::{self, BuildErrors};
@@ -376,6 +377,16 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
     let radar = &run.scene.radar;
     let (mut with, mut without) = (Vec::new(), Vec::new());
     with.push(described("propagation", "exact light time of every pulse; Doppler within the pulse"));
+    with.push(described(
+        "echo",
+        match run.fidelity {
+            Fidelity::Reference => "the reference: every pulse from its own contacts, f64".to_owned(),
+            Fidelity::Fast { node_pulses, settings } => format!(
+                "blocks with nodes {node_pulses} pulses apart, interpolated; kernel of {} cells, f32",
+                settings.width
+            ),
+        },
+    ));
     if run.scene.targets.is_empty() {
         without.push(described("point targets", "no [[target]]"));
     } else {

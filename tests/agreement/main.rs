@@ -1,6 +1,7 @@
 //! Whole pulses against what they must agree with.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+mod blocks;
 mod matched_filter;
 mod radar_equation;
 mod same_bits;

@@ -12,6 +12,7 @@ mod sea_check;
 #[cfg(unix)]
 mod setup_script;
 mod sigma0_page;
+mod snapshot;
 mod ship_tables;
 mod table_golden;
 mod tables;
