@@ -115,6 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             },
             reported: None,
         }],
+        fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
             pace: Pace::Realtime,
             policy: Policy::Stop,
