@@ -2,8 +2,9 @@
 //!
 //! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s` the node spacing), so
 //! that delay, phase and amplitudes are cubics through four nodes ([`crate::echo::synth::block`]). A block that the run cuts short
-//! moves its nodes together. Where pulses hear more than their own emission, where polarisations alternate or intervals differ,
-//! every pulse is a block of its own, and nothing is interpolated.
+//! moves its nodes together. Where pulses hear more than their own emission, where polarisations alternate or intervals differ, where facets
+//! forget their phases, and where an update of shadows that do fall lies within a block, every pulse is a block of
+//! its own, and nothing is interpolated.
 //!
 //! The patch of a block is that at its first pulse. A block depends on its number and the run alone, so any thread may make
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes
@@ -12,14 +13,19 @@
 use num_complex::Complex64;
 
 use super::stages::PulseError;
-use crate::echo::synth::block::{BlockContacts, Node};
-use crate::echo::synth::{Grids, Synth, SynthScratch};
+use crate::echo::synth::block::{BlockContacts, MAX_PULSES, Node};
+use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::pulse::Pulse;
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
 /// Nodes of a block.
 const NODES: usize = 4;
+
+/// Pulses of a block whose nodes are so many pulses apart.
+pub(super) fn block_pulses(spacing: u64) -> u64 {
+    (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
+}
 
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
@@ -41,13 +47,20 @@ pub(super) struct BlockWork {
 
 impl BlockEcho {
     /// For a run of so many pulses, with nodes `spacing` pulses apart.
-    pub fn new(synth: Synth<f32>, spacing: u64, pulses: u64) -> Self {
-        Self { synth, spacing: spacing.max(1), pulses }
+    ///
+    /// # Errors
+    /// Blocks longer than the fast echo can hold.
+    pub fn new(synth: Synth<f32>, spacing: u64, pulses: u64) -> Result<Self, SynthError> {
+        let block = usize::try_from(block_pulses(spacing)).unwrap_or(usize::MAX);
+        if block > MAX_PULSES {
+            return Err(SynthError::Pulses { pulses: block });
+        }
+        Ok(Self { synth, spacing: spacing.max(1), pulses })
     }
 
     /// Pulses of a block.
     pub fn block_pulses(&self) -> u64 {
-        (NODES as u64 - 1) * self.spacing + 1
+        block_pulses(self.spacing)
     }
 
     pub fn fft_len(&self) -> usize {
@@ -148,6 +161,10 @@ impl BlockEcho {
             *node = Node { pulse, contacts };
         }
         self.synth.fill(&given[..places.len()], windows_s, block)?;
+        let unplaced = block.found().unplaced;
+        if unplaced > 0 {
+            return Err(PulseError::Unplaced { unplaced });
+        }
         self.synth.spread(block, grids);
         Ok(())
     }

@@ -28,7 +28,7 @@ use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
 use crate::pulse::Pulse;
-use crate::radar::fault::RadarError;
+use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
@@ -43,7 +43,7 @@ use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
-use super::block::BlockEcho;
+use super::block::{BlockEcho, block_pulses};
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
@@ -87,6 +87,9 @@ pub enum BuildError {
     /// The fast echo.
     #[error(transparent)]
     Echo(#[from] SynthError),
+    /// A pulse of the trial.
+    #[error(transparent)]
+    Pulse(PulseError),
     /// A sink's output.
     #[error(transparent)]
     Sink(#[from] SinkError),
@@ -118,6 +121,7 @@ impl From<PulseError> for BuildError {
         match error {
             PulseError::Radar(error) => error.into(),
             PulseError::Echo(error) => error.into(),
+            PulseError::Unplaced { .. } => Self::Pulse(error),
         }
     }
 }
@@ -190,7 +194,11 @@ pub fn factory_of(
     fidelity: &Fidelity,
 ) -> Result<PulseFactory, BuildErrors> {
     let waveform = waveform::from_description(&scene.radar.waveform)?;
-    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
+    let block = match fidelity {
+        Fidelity::Reference => 1,
+        Fidelity::Fast { node_pulses, .. } => block_pulses(*node_pulses),
+    };
+    let illumination = Illumination::in_blocks(scene, waveform.duration_s(), tracks, block)?;
     let radar = &scene.radar;
     let (carrier_hz, sample_rate_hz, samples) =
         (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
@@ -206,7 +214,7 @@ pub fn factory_of(
         Fidelity::Fast { node_pulses, settings } => {
             let waveform = Arc::clone(&waveform);
             let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
-            Echo::Fast(BlockEcho::new(synth, node_pulses, scene.pulses))
+            Echo::Fast(BlockEcho::new(synth, node_pulses, scene.pulses)?)
         }
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
@@ -246,8 +254,11 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
         Err(errors) => {
-            // Where tracks or waveform stopped the radar from being made, its sea has not been looked at.
-            let met = errors.0.iter().any(|error| matches!(error, BuildError::Radar(_)));
+            // Where something else stopped the radar from being made, its sea has not been looked at.
+            let of_sea = |fault: &RadarFault| matches!(fault, RadarFault::Sea(_));
+            let met = errors.0.iter().any(|error| {
+                matches!(error, BuildError::Radar(RadarError::Faults(faults)) if faults.iter().any(of_sea))
+            });
             if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
                 faults.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
             }
@@ -478,10 +489,11 @@ fn generate(
         if next >= range.end {
             return Ok(());
         }
-        // A first batch that begins within a block ends with one, so that the next begin with one.
-        let within = usize::try_from(next % factory.block_pulses()).unwrap_or(0);
-        let batch = if within < batch { batch - within } else { batch };
-        let wanted = usize::try_from(range.end - next).map_or(batch, |left| left.min(batch));
+        // Batches end with blocks where they are long enough to, so that no block is made twice.
+        let reach = next.saturating_add(batch as u64);
+        let whole = reach - reach % factory.block_pulses();
+        let end = if whole > next { whole } else { reach }.min(range.end);
+        let wanted = usize::try_from(end - next).unwrap_or(batch);
         let Some(slots) = source.reserve(wanted) else { return Ok(()) };
         let count = slots.len();
         let share = count.div_ceil(work.len()).next_multiple_of(if count > block { block } else { 1 });

@@ -44,6 +44,15 @@ pub enum PulseError {
     /// Its echo.
     #[error(transparent)]
     Echo(#[from] SynthError),
+    /// Contacts that cannot be followed from node to node.
+    #[error(
+        "{unplaced} contacts cannot be followed through a block of pulses (no delay at a node, or one that changes by a \
+         million cells); allowed: fidelity.echo = \"reference\""
+    )]
+    Unplaced {
+        /// How many.
+        unplaced: usize,
+    },
 }
 
 /// From contacts to spectra.

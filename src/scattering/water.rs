@@ -140,7 +140,7 @@ pub struct WaterScattering {
 /// Longest wave of which a strip knows the damping, rad/m.
 const LONGEST_STIRRED_RADPM: f64 = 0.5;
 
-/// Water in which only a part of the wind raises the short waves. A measured spectrum does not tell what less wind would
+/// Water in which only a part of the wind at 10 m raises the short waves. A measured spectrum does not tell what less wind would
 /// do; the ratio is then that of Elfouhaily's.
 fn stirred(
     water: &Water,
@@ -148,14 +148,7 @@ fn stirred(
     wind_ratio: f64,
     shortest_radpm: f64,
 ) -> Result<TurbulentWake, WaterError> {
-    let strength = match water.wind.strength {
-        WindStrength::FrictionVelocity { ustar_mps } => {
-            WindStrength::FrictionVelocity { ustar_mps: ustar_mps * wind_ratio }
-        }
-        WindStrength::Speed { speed_mps, height_m } => {
-            WindStrength::Speed { speed_mps: speed_mps * wind_ratio, height_m }
-        }
-    };
+    let strength = WindStrength::Speed { speed_mps: wind.u10_mps * wind_ratio, height_m: 10.0 };
     let weaker = Wind::resolve(&WindGiven { strength, ..water.wind })?;
     let kind = match &water.spectrum {
         SpectrumKind::Measured { .. } => SpectrumKind::Elfouhaily { development: Development::default() },

@@ -53,7 +53,7 @@ pub struct TurbulentWake {
     pub spread_exponent: f64,
     /// Distance over which the damping falls by e, in lengths.
     pub decay_lengths: f64,
-    /// Wind that raises the short waves within, over the wind outside.
+    /// Wind at 10 m that raises the short waves within, over the wind outside.
     pub wind_ratio: f64,
 }
 

@@ -25,7 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::wake::kochin::{Kochin, KochinError, Transom};
+use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
 use super::wake::{Course, Reach, Settings, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError};
 use crate::scene::ship::HullGiven;
@@ -123,7 +123,8 @@ impl Fleet {
             let amplitude_m = |tan_theta| kochin.amplitude_m(tan_theta);
             self.wakes.push(Wake::new(course, hull.length_m(), &settings, amplitude_m)?);
         }
-        if let Some(turbulent) = &ship.turbulent {
+        // A ship at rest stirs nothing behind it.
+        if let Some(turbulent) = ship.turbulent.as_ref().filter(|_| ship.speed_mps >= LEAST_SPEED_MPS) {
             let decay_m = turbulent.decay_lengths * hull.length_m();
             let strip =
                 TurbulentStrip::with(hull.length_m(), hull.beam_m(), turbulent.spread_exponent, decay_m)?;

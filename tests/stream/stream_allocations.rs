@@ -98,7 +98,7 @@ fn counted_run() {
     }
 }
 
-/// The whole way, generation included: the quickstart scene on two workers, fast, then in real time.
+/// The whole way, generation included: the quickstart scene and a sea on two workers, fast, then in real time.
 #[test]
 fn making_pulses_allocates_nothing() {
     in_a_process_of_its_own("counted_pipeline");
@@ -107,8 +107,16 @@ fn making_pulses_allocates_nothing() {
 #[test]
 #[ignore = "run by making_pulses_allocates_nothing in a process of its own"]
 fn counted_pipeline() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/quickstart.toml");
-    let mut run = nereus::config::load(&path, &[]).unwrap();
+    counted_scenario("quickstart.toml", &[]);
+    // A moving sea in blocks, slick and shadows included, long enough for many blocks.
+    let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+    let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
+    counted_scenario("sea.toml", &small);
+}
+
+fn counted_scenario(name: &str, settings: &[(String, String)]) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
+    let mut run = nereus::config::load(&path, settings).unwrap();
     run.sinks.clear();
     run.stream.threads = 2;
     run.stream.policy = Policy::Drop;
@@ -128,7 +136,7 @@ fn counted_pipeline() {
             .unwrap();
         outcome.result.unwrap();
         let allocations = after.unwrap() - before.unwrap();
-        println!("{pace:?}: {allocations} allocations between pulses {from} and {to}");
+        println!("{name}, {pace:?}: {allocations} allocations between pulses {from} and {to}");
         assert_eq!(allocations, 0);
     }
 }

@@ -120,7 +120,13 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         }
         _ => (None, None),
     };
-    let sea = sea::sea(&root, patch, place, root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ));
+    let sea = sea::sea(
+        &root,
+        patch,
+        place,
+        root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ),
+        radar.as_ref().map(|radar| 1.0 / radar.emissions.mean_prf_hz()),
+    );
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));

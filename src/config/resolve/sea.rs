@@ -12,12 +12,16 @@ use crate::scene::water::{
 };
 use crate::scene::{Patch, Sea, Water};
 
+/// Time between updates of shadows that is aimed at where none is given, s.
+const UPDATE_S: f64 = 0.02;
+
 /// `[sea]`, `[[swell]]`, `[[slick]]`: `Some(None)` without a sea, `None` where something is faulty.
 pub(super) fn sea(
     root: &Section<'_>,
     patch: Option<Patch>,
     place: Option<PatchPlace>,
     carrier_hz: Option<f64>,
+    pri_s: Option<f64>,
 ) -> Option<Option<Sea>> {
     let has_sea = root.has(&keys::root::SEA);
     let section = root.section(&keys::root::SEA);
@@ -38,7 +42,7 @@ pub(super) fn sea(
     let scattering = section
         .section_or_empty(&keys::sea::SCATTERING)
         .and_then(|section| scattering(section, permittivity));
-    let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(shadow);
+    let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(|section| shadow(section, pri_s));
     section.finish();
     let water = Water {
         wind: wind?,
@@ -248,7 +252,7 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
 }
 
 /// `Some(None)` where nothing is hidden.
-fn shadow(section: Section<'_>) -> Option<Option<Shadowing>> {
+fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>> {
     use keys::shadow::{EDGE, ENABLED, RAYS_PER_FACET, UPDATE_MS, WIDTH_RAD};
     let enabled = section.flag(&ENABLED);
     let edge = section.choice(&EDGE);
@@ -258,11 +262,17 @@ fn shadow(section: Section<'_>) -> Option<Option<Shadowing>> {
         section.idle(&[&WIDTH_RAD], "edge = \"sharp\"");
     }
     let rays = section.count(&RAYS_PER_FACET);
-    let update_ms = section.number(&UPDATE_MS);
+    let update_s = match section.has(&UPDATE_MS) {
+        true => section.number(&UPDATE_MS).map(|ms| ms / 1e3),
+        // Ten pulses are a block of the fast echo: no update lies within one.
+        false => {
+            Some(pri_s.map_or(UPDATE_S, |pri_s| (UPDATE_S / (10.0 * pri_s)).round().max(1.0) * 10.0 * pri_s))
+        }
+    };
     section.finish();
     let width_rad = if edge? == "sharp" { Some(0.0) } else { width_rad };
     let rays_per_facet = usize::try_from(rays?).ok()?;
-    let shadowing = Shadowing { width_rad, rays_per_facet, update_s: update_ms? / 1e3 };
+    let shadowing = Shadowing { width_rad, rays_per_facet, update_s: update_s? };
     sound.then_some(enabled?.then_some(shadowing))
 }
 

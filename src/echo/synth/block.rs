@@ -62,6 +62,8 @@ pub struct BlockContacts<T: Scalar> {
     pub(super) courses: Vec<Courses<T>>,
     /// `[layer][power]`, each `[contact][lane]`.
     pub(super) amplitude: Vec<Vec<Lined<T>>>,
+    /// Powers of the amplitudes that are in use: 2 or 4.
+    pub(super) powers: usize,
     /// Per pulse: how far the window's start moves all places, whole cells and the rest.
     pub(super) shifts: Vec<(i32, T)>,
     /// First sample of each pulse's window.
@@ -78,6 +80,7 @@ impl<T: Scalar> BlockContacts<T> {
         Self {
             courses: (0..pairs).map(|_| Courses::default()).collect(),
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
+            powers: 2,
             shifts: Vec::with_capacity(MAX_PULSES),
             windows_s: Vec::with_capacity(MAX_PULSES),
             replicas: vec![Vec::new(); layers],
@@ -267,10 +270,14 @@ impl<T: Scalar> Synth<T> {
         courses.base.resize(contacts, 0);
         courses.place.iter_mut().for_each(|p| p.resize(contacts, T::default()));
         let powers = if nodes.len() <= 2 { 2 } else { 4 };
+        block.powers = powers;
         for (layer, held) in self.layers.iter().zip(&mut block.amplitude) {
             if layer.pair == pair {
-                held.resize_with(powers, Lined::default);
-                held.iter_mut().for_each(|a| a.reset(contacts * layer.lanes));
+                // What is not needed keeps its room for the next block.
+                held.resize_with(MAX_NODES, Lined::default);
+                held.iter_mut().enumerate().for_each(|(power, a)| {
+                    a.reset(if power < powers { contacts * layer.lanes } else { 0 });
+                });
             }
         }
         for n in 0..contacts {
@@ -358,7 +365,8 @@ impl<T: Scalar> Synth<T> {
                     continue;
                 }
                 let (re, im) = (through.coefficients(&re), through.coefficients(&im));
-                for (power, held) in held.iter_mut().enumerate() {
+                let powers = if nodes.len() <= 2 { 2 } else { MAX_NODES };
+                for (power, held) in held.iter_mut().take(powers).enumerate() {
                     let lanes = &mut held.as_mut_slice()[n * layer.lanes..][..layer.lanes];
                     lanes[2 * at] = T::round_from(re[power]);
                     lanes[2 * at + 1] = T::round_from(im[power]);

@@ -385,7 +385,7 @@ impl<T: Scalar> Synth<T> {
             });
             let job = Job {
                 courses: &block.courses[layer.pair],
-                amplitude: &powers[..block.amplitude[index].len()],
+                amplitude: &powers[..block.powers],
                 shifts,
                 first: share.first as i32 - block.middle(),
                 coefficients: &self.coefficients,

@@ -116,6 +116,7 @@ use crate::radar::fault::{RadarError, RadarFault, TrackUse, check_numbers, check
 use crate::radar::link::Link;
 use crate::scattering::contact::Contacts;
 use crate::scene::radar::{Aim, AntennaMount, Gate, Pair, Pointing, Polarisation};
+use crate::scene::sea::PatchPlace;
 use crate::scene::{Patch, Radar, Scene, Sea, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
@@ -181,6 +182,17 @@ impl Illumination {
     /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
     /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
     pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
+        Self::in_blocks(scene, pulse_length_s, tracks, 1)
+    }
+
+    /// The same for pulses that are made so many together ([`Self::node`]): where the sea's patch follows, shadows
+    /// reach as far as it goes in that time.
+    pub fn in_blocks(
+        scene: &Scene,
+        pulse_length_s: f64,
+        tracks: Vec<PlatformTracks>,
+        block_pulses: u64,
+    ) -> Result<Self, RadarError> {
         let radar = &scene.radar;
         let mut faults = Vec::new();
         check_numbers(radar, pulse_length_s, &mut faults);
@@ -237,9 +249,12 @@ impl Illumination {
             sea: None,
         };
         built.check_cover(0.0, &mut faults);
-        if let (Some(sea), true) = (&scene.sea, faults.is_empty()) {
-            let (fastest_mps, patches) = (built.fastest_platform_mps()?, built.patches(sea)?);
-            built.sea = SeaPlan::new(scene, sea, &patches, fastest_mps, &mut faults).map(Arc::new);
+        if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
+            let block_s =
+                built.radar.emissions.interval_s(0, block_pulses.saturating_sub(1).min(built.pulses));
+            let run =
+                sea::Run { patches: built.patches(sea)?, patch_mps: built.patch_speed_mps(sea)?, block_s };
+            built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
         }
         if faults.is_empty() {
             match built.longest_delay_s() {
@@ -643,15 +658,21 @@ impl Illumination {
             .map(move |sounding| (u128::from(last) * u128::from(sounding) / u128::from(count.max(1))) as u64)
     }
 
-    /// The greatest true speed of any platform at a few dozen instants spread over the run, m/s.
-    fn fastest_platform_mps(&self) -> Result<f64, RadarError> {
+    /// A bound on how fast the patch moves, m/s: 0 where it stays; of a point beside a platform, twice the greatest speed of that
+    /// platform at a few dozen instants spread over the run (in a turn the point is faster than the platform).
+    fn patch_speed_mps(&self, sea: &Sea) -> Result<f64, RadarError> {
+        let platform = match &sea.place {
+            PatchPlace::Fixed => return Ok(0.0),
+            PatchPlace::Follow { aim: Aim::Point { velocity, .. }, .. } => return Ok(velocity.norm()),
+            PatchPlace::Follow { aim: Aim::Beside { platform, .. }, .. } => *platform,
+        };
         let mut emission = Emission::default();
         let mut fastest_mps = 0f64;
         for index in self.soundings() {
             self.evaluate(index, &mut emission)?;
-            fastest_mps = emission.states.iter().map(|s| s.velocity.norm()).fold(fastest_mps, f64::max);
+            fastest_mps = fastest_mps.max(emission.states[platform].velocity.norm());
         }
-        Ok(fastest_mps)
+        Ok(2.0 * fastest_mps)
     }
 
     /// Whether all tracks reach from the first emission, less what servos look back, to the last plus

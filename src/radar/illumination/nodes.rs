@@ -16,11 +16,12 @@ use crate::scene::Patch;
 use crate::scene::radar::TxPolarisation;
 
 impl Illumination {
-    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals:
-    /// then their contacts can be interpolated.
+    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals,
+    /// from facets that keep their phases and that no update of the shadows bends: then their contacts can be interpolated.
     pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
         let even = self.radar.emissions.is_uniform();
-        if !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
+        let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
+        if forgets || !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
             return Ok(false);
         }
         for &index in pulses {
@@ -31,7 +32,13 @@ impl Illumination {
                 return Ok(false);
             }
         }
-        Ok(true)
+        let (Some(&first), Some(&last)) = (pulses.first(), pulses.last()) else { return Ok(true) };
+        let Workspace { own, sea: work, .. } = workspace;
+        let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(true) };
+        self.evaluate(first, own)?;
+        let lighting = self.lighting(first, first, own, Window::UNBOUNDED);
+        let to_s = self.radar.emissions.interval_s(0, last);
+        sea.weights_run_straight(&lighting, to_s, work).map_err(|failure| self.sea_error(first, failure))
     }
 
     /// Start of the window of a pulse after its emission, s.

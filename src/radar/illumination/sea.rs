@@ -28,6 +28,8 @@ use crate::sea::wake::{Wake, WakeError};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
+/// Faster than any water, m/s.
+const FASTEST_WATER_MPS: f64 = 100.0;
 /// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
 const CREST_RMS: f64 = 8.0;
 
@@ -54,6 +56,30 @@ impl fmt::Debug for SeaPlan {
             .field("patch", &self.patch)
             .field("place", &self.place)
             .finish_non_exhaustive()
+    }
+}
+
+/// How the patch moves in a run.
+pub(super) struct Run {
+    /// Where it lies at some times, s after pulse 0: the first and the last emission, and some between.
+    pub patches: Vec<(f64, Patch)>,
+    /// A bound on its speed, m/s.
+    pub patch_mps: f64,
+    /// Time from the first to the last pulse that share a patch, s.
+    pub block_s: f64,
+}
+
+impl Run {
+    /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet asked for
+    /// until the next: what the patch moves between the two, and while a block keeps that of its first pulse.
+    fn margin(&self, sea: &Sea) -> usize {
+        match (&sea.place, &sea.shadow) {
+            (PatchPlace::Follow { .. }, Some(shadow)) => {
+                let way_m = self.patch_mps * (shadow.update_s + self.block_s);
+                (way_m / sea.patch.facet_m).ceil() as usize + 1
+            }
+            _ => 0,
+        }
     }
 }
 
@@ -137,24 +163,16 @@ impl SeaWork {
 }
 
 impl SeaPlan {
-    /// Draws the sea of a scene and prepares its scattering; `last_s` is the time of the last emission after pulse 0.
-    ///
-    /// `patches` are where the patch lies at some times, s after pulse 0, the last one not before the last emission.
-    pub fn new(
-        scene: &Scene,
-        sea: &Sea,
-        patches: &[(f64, Patch)],
-        fastest_platform_mps: f64,
-        faults: &mut Vec<RadarFault>,
-    ) -> Option<Self> {
+    /// Draws the sea of a scene and prepares its scattering.
+    pub fn new(scene: &Scene, sea: &Sea, run: &Run, faults: &mut Vec<RadarFault>) -> Option<Self> {
         let realised =
             realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
-        let fleet = Fleet::muster(&scene.ships, patches)
+        let margin = run.margin(sea);
+        let patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
+        let fleet = Fleet::muster(&scene.ships, &patches)
             .map_err(|source| faults.push(SeaFault::from(source).into()))
             .ok();
-        Self::build(scene, sea, realised?, fleet?, patches, fastest_platform_mps)
-            .map_err(|fault| faults.push(fault.into()))
-            .ok()
+        Self::build(scene, sea, realised?, fleet?, run).map_err(|fault| faults.push(fault.into())).ok()
     }
 
     fn build(
@@ -162,10 +180,9 @@ impl SeaPlan {
         sea: &Sea,
         realised: Realised,
         fleet: Fleet,
-        patches: &[(f64, Patch)],
-        fastest_platform_mps: f64,
+        run: &Run,
     ) -> Result<Self, SeaFault> {
-        let last_s = patches.last().map_or(0.0, |&(time_s, _)| time_s);
+        let last_s = run.patches.last().map_or(0.0, |&(time_s, _)| time_s);
         let antennas = scene.radar.transmitters.len() + scene.radar.receivers.len();
         if sea.shadow.is_some() && antennas > MOST_ENDS {
             return Err(SeaFault::Antennas { antennas, most: MOST_ENDS });
@@ -190,17 +207,13 @@ impl SeaPlan {
         if let Some(shadowing) = &sea.shadow {
             let width_rad = match shadowing.width_rad {
                 Some(width_rad) => width_rad,
-                None => plan.half_slope_change_rad()?,
+                None => {
+                    plan.half_slope_change_rad(run.patches.first().map_or(&sea.patch, |(_, patch)| patch))?
+                }
             };
             let settings =
                 shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
-            let margin = match sea.place {
-                PatchPlace::Fixed => 0,
-                // A point beside a turning platform moves faster than the platform does: twice as fast is allowed for.
-                PatchPlace::Follow { .. } => {
-                    (2.0 * fastest_platform_mps * shadowing.update_s / sea.patch.facet_m).ceil() as usize + 1
-                }
-            };
+            let margin = run.margin(sea);
             let visibility =
                 Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
             // Whether its maps are legal shows here and not at the first pulse.
@@ -213,11 +226,11 @@ impl SeaPlan {
     }
 
     /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
-    fn half_slope_change_rad(&self) -> Result<f64, SeaFault> {
-        let mut sheet = Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, &self.patch)?;
-        let mut fields = sheet.fields(&self.patch);
-        sheet.evaluate(0.0, &self.patch, &mut fields)?;
-        let map = Map::new(&fields.height_m, self.patch.facets, self.patch.facet_m, [0.0, 0.0])?;
+    fn half_slope_change_rad(&self, patch: &Patch) -> Result<f64, SeaFault> {
+        let mut sheet = Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
+        let mut fields = sheet.fields(patch);
+        sheet.evaluate(0.0, patch, &mut fields)?;
+        let map = Map::new(&fields.height_m, patch.facets, patch.facet_m, [0.0, 0.0])?;
         Ok(half_slope_change_rad(&map))
     }
 
@@ -249,6 +262,11 @@ impl SeaPlan {
             displacement: self.displacement,
             ..Selection::HEIGHT
         }
+    }
+
+    /// Whether facets forget their phases.
+    pub fn forgets(&self) -> bool {
+        self.scattering.decorrelates()
     }
 
     /// Whether the patch moves.
@@ -294,8 +312,45 @@ impl SeaPlan {
             let rx = centres[transmitters + plan.pair.receiver].position.to_array();
             let (least, most) = (nearest_m(tx) + nearest_m(rx), farthest_m(tx, rx));
             let (least, most) = (least / SPEED_OF_LIGHT_MPS, most / SPEED_OF_LIGHT_MPS);
+            // While the pulse is under way the receiver moves, and the water.
+            let receiver_mps = centres[transmitters + plan.pair.receiver].velocity.norm();
+            let change_s = (receiver_mps + FASTEST_WATER_MPS) / SPEED_OF_LIGHT_MPS * most;
+            let (least, most) = (least - change_s, most + change_s);
             Some(span.map_or((least, most), |(a, b)| (a.min(least), b.max(most))))
         })
+    }
+
+    /// Whether the weights of visibility run straight from the emission at hand to another time, s after pulse 0: then what they
+    /// weigh can be interpolated. They do where no shadow falls, and between two updates.
+    pub fn weights_run_straight(
+        &self,
+        lighting: &Lighting,
+        to_s: f64,
+        work: &mut SeaWork,
+    ) -> Result<bool, SeaFailure> {
+        let (Some(visibility), Some(updates)) = (&self.visibility, &mut work.updates) else {
+            return Ok(true);
+        };
+        if visibility.is_straight(lighting.elapsed_s, to_s) {
+            return Ok(true);
+        }
+        let earth = lighting.surroundings.frame.earth();
+        let mut at_s = lighting.elapsed_s;
+        loop {
+            let mix = visibility.at(
+                updates,
+                at_s,
+                |elapsed_s, places| self.scenery(lighting, elapsed_s, places),
+                |[x, y]| earth.drop_m(x, y),
+            )?;
+            if !mix.sees_all() {
+                return Ok(false);
+            }
+            if at_s >= to_s {
+                return Ok(true);
+            }
+            at_s = (at_s + visibility.update_s).min(to_s);
+        }
     }
 
     /// Visits the facets that one emission lights in a window, chunk by chunk.

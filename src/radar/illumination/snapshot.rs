@@ -8,8 +8,9 @@ use crate::radar::fault::RadarError;
 use crate::scene::Patch;
 use crate::time::TimeTag;
 
-/// The facets of the sea as one emission lights them, whatever the receive window hears of it. Arrays over facets are
-/// `[iy][ix]` over the patch.
+/// The facets of the sea as one emission lights them, whatever receive windows hear of it. Arrays over facets are
+/// `[iy][ix]` over the patch. A facet is lit when both antennas of any pair see it; whether it then scatters shows in its
+/// amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The pulse.
@@ -22,13 +23,14 @@ pub struct Snapshot {
     pub patch: Patch,
     /// `[facet]`: height above the mean surface, m.
     pub height_m: Vec<f64>,
-    /// `[pair][facet]`: delay, s; NaN where the facet is dark.
+    /// `[pair][facet]`: delay, s; NaN where the facet is not lit.
     pub delay_s: Vec<Vec<f64>>,
-    /// `[pair][facet]`: d tau / dt; NaN where the facet is dark.
+    /// `[pair][facet]`: d tau / dt; NaN where the facet is not lit.
     pub delay_rate: Vec<Vec<f64>>,
     /// `[channel][facet]`: amplitude without carrier phase, sqrt(W); zero where the facet is dark.
     pub amplitude: Vec<Vec<Complex64>>,
-    /// `[pair][facet]`: whether its echo reaches into the window.
+    /// `[pair][facet]`: whether its echo reaches into the window of this pulse, or of a later one (taken as long after
+    /// that pulse as this one's window).
     pub heard: Vec<Vec<bool>>,
 }
 
@@ -63,6 +65,14 @@ impl Snapshot {
 }
 
 impl Illumination {
+    /// Whether an echo of pulse `index` is heard in a window like `window` of that pulse or a later one.
+    fn heard_later(&self, index: u64, window: &Window, delay_s: f64) -> bool {
+        let from = self.first_emission(index, delay_s - window.close_s - window.guard_s).max(index);
+        let to = self.first_emission(index, delay_s + window.pulse_s - window.open_s + window.guard_s);
+        (from..=to.max(from))
+            .any(|later| window.touches(delay_s - self.radar.emissions.interval_s(index, later)))
+    }
+
     /// The facets as the emission of pulse `index` lights them; `None` for a scene without sea.
     pub fn snapshot(&self, index: u64, workspace: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
         if index >= self.pulses {
@@ -94,7 +104,7 @@ impl Illumination {
                     let delay_s = columns.delay_s[place];
                     snapshot.delay_s[pair][facet] = delay_s;
                     snapshot.delay_rate[pair][facet] = columns.delay_rate[place];
-                    snapshot.heard[pair][facet] = window.touches(delay_s);
+                    snapshot.heard[pair][facet] = self.heard_later(index, &window, delay_s);
                 }
                 for (column, amplitude) in snapshot.amplitude.iter_mut().zip(&chunk.amplitude) {
                     column[facet] = amplitude[place];

@@ -59,6 +59,8 @@ impl Visibility {
         patch: &Patch,
     ) -> Result<Updates, E> {
         let grown = patch.grown(self.margin);
+        // Refuses what is too large before any memory is taken.
+        let shadow = Shadow::new(grown.facets, self.settings)?;
         let sheet = Sheet::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = Update {
             number: None,
@@ -66,16 +68,17 @@ impl Visibility {
             lit: vec![false; self.ends],
             weights: vec![vec![0.0; grown.len()]; self.ends],
         };
-        Ok(Updates {
-            heights: sheet.fields(&grown),
-            sheet,
-            shadow: Shadow::new(grown.facets, self.settings)?,
-            held: [update.clone(), update],
-        })
+        Ok(Updates { heights: sheet.fields(&grown), sheet, shadow, held: [update.clone(), update] })
     }
 
     fn time_s(&self, number: u64) -> f64 {
         (number as f64 * self.update_s).min(self.last_s)
+    }
+
+    /// Whether weights run straight between two times, s after pulse 0: no update lies between them (but for rounding).
+    pub fn is_straight(&self, from_s: f64, to_s: f64) -> bool {
+        let slack_s = 1e-9 * self.update_s;
+        ((from_s + slack_s) / self.update_s).floor() == ((to_s - slack_s) / self.update_s).floor()
     }
 
     /// The weights `elapsed_s` after pulse 0. `scenery` tells the patch and the place of every antenna at a time, and
@@ -128,6 +131,11 @@ impl Visibility {
 pub(super) const MOST_ENDS: usize = 64;
 
 impl Mix<'_> {
+    /// Whether every antenna sees every facet whole.
+    pub fn sees_all(&self) -> bool {
+        self.before.lit.iter().chain(&self.after.lit).all(|lit| *lit)
+    }
+
     /// Weight of the facet with a global key from an antenna, 0 to 1.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
         let of = |update: &Update| {

@@ -12,7 +12,8 @@
 //! spectrum is [`kind::turbulent_wake`](crate::scattering::kind::turbulent_wake)'s affair; heights stay as they are.
 //!
 //! Limits: W as full width is a reading of the source; the strip follows a straight course (see
-//! [`course`](super::course)); q of several ships is joined as `1 - (1 - q1)(1 - q2)`.
+//! [`course`](super::course)); [`TurbulentStrip::join`] joins q of several ships as `1 - (1 - q1)(1 - q2)` (in the echo the
+//! strip that covers most of a facet decides).
 //!
 //! ```
 //! use nereus::sea::wake::TurbulentStrip;
