@@ -266,6 +266,12 @@ pub enum Problem {
     /// Corners of a polygon on one line.
     #[error("the corners enclose no area; allowed: corners of a polygon, in turn")]
     NoArea,
+    /// A hull from a formula without a length.
+    #[error("is missing; required with hull = \"wigley\": {allowed}")]
+    NeedsLength {
+        /// What is allowed.
+        allowed: String,
+    },
     /// Recorded tracks without a start time.
     #[error("is missing; required with a recorded track: a UTC time within the recording")]
     NeedsStart,

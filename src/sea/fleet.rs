@@ -64,6 +64,11 @@ pub struct FleetError {
     pub source: ShipError,
 }
 
+/// The faults of all ships.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct FleetErrors(pub Vec<FleetError>);
+
 /// What is wrong with a ship.
 #[derive(Debug, thiserror::Error)]
 pub enum ShipError {
@@ -73,6 +78,12 @@ pub enum ShipError {
     /// A hull without a length of its own.
     #[error("a Wigley hull needs a length")]
     NoLength,
+    /// A scatterer named like a target.
+    #[error("its scatterer would be named \"{name}\" like a target: allowed are unique names")]
+    NameTaken {
+        /// The name.
+        name: String,
+    },
     /// Its speed.
     #[error(transparent)]
     Kochin(#[from] KochinError),
@@ -99,13 +110,15 @@ pub fn course(ship: &Ship) -> Course {
 }
 
 impl Fleet {
-    /// Prepares ships for the patch as it lies at some times, s after pulse 0.
-    pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetError> {
+    /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are reported.
+    pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetErrors> {
         let mut fleet = Self::default();
+        let mut faults = Vec::new();
         for ship in ships {
-            fleet.enlist(ship, patches).map_err(|source| FleetError { ship: ship.name.clone(), source })?;
+            let enlisted = fleet.enlist(ship, patches);
+            faults.extend(enlisted.err().map(|source| FleetError { ship: ship.name.clone(), source }));
         }
-        Ok(fleet)
+        if faults.is_empty() { Ok(fleet) } else { Err(FleetErrors(faults)) }
     }
 
     fn enlist(&mut self, ship: &Ship, patches: &[(f64, Patch)]) -> Result<(), ShipError> {

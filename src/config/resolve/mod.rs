@@ -9,6 +9,7 @@ mod place;
 mod platform;
 mod radar;
 mod sea;
+mod ship;
 mod slick;
 mod stream;
 mod target;
@@ -119,6 +120,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         _ => (None, None),
     };
     let sea = sea::sea(&root, patch, place, root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ));
+    let ships = ship::ships(&root, &ground);
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
@@ -135,7 +137,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         platforms: platforms.names.into_iter().collect::<Option<_>>()?,
         radar,
         sea: sea?,
-        ships: Vec::new(),
+        ships: ships?,
         targets: targets?,
     };
     Some(Parts { scene, nav: nav.into_iter().collect::<Option<_>>()?, stream: stream?, sinks: sinks? })

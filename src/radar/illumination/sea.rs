@@ -148,7 +148,9 @@ impl SeaPlan {
         faults: &mut Vec<RadarFault>,
     ) -> Option<Self> {
         let realised = realise(sea, scene.seed).map_err(|source| faults.push(source.into())).ok();
-        let fleet = Fleet::muster(&scene.ships, patches).map_err(|source| faults.push(source.into())).ok();
+        let fleet = Fleet::muster(&scene.ships, patches)
+            .map_err(|errors| faults.extend(errors.0.into_iter().map(RadarFault::from)))
+            .ok();
         Self::build(scene, sea, realised?, fleet?, patches, fastest_platform_mps)
             .map_err(|fault| faults.push(fault))
             .ok()
