@@ -21,6 +21,24 @@ pub enum SeaError {
         /// The scenario.
         path: PathBuf,
     },
+    /// Wind waves alone.
+    #[error("{}: the scenario has no [[ship]]", path.display())]
+    NoShip {
+        /// The scenario.
+        path: PathBuf,
+    },
+    /// A value out of range.
+    #[error("{key} {value} is not allowed; allowed: {min} to {max}")]
+    Range {
+        /// The key.
+        key: &'static str,
+        /// What was given.
+        value: f64,
+        /// Least allowed value.
+        min: f64,
+        /// Greatest allowed value.
+        max: f64,
+    },
     /// A channel that the scenario does not have.
     #[error("no channel '{name}'; allowed: {known}")]
     NoChannel {
@@ -71,6 +89,8 @@ impl SeaError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::NoSea { .. }
+            | Self::NoShip { .. }
+            | Self::Range { .. }
             | Self::NoChannel { .. }
             | Self::NoPulse { .. }
             | Self::NoHdf5 { .. }

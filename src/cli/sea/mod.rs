@@ -5,7 +5,7 @@
 //! [`state`](crate::sea::surface::state).
 
 mod error;
-mod field;
+pub(super) mod field;
 pub mod snapshot;
 mod summary;
 
@@ -116,16 +116,22 @@ fn outputs(args: &SeaArgs) -> Result<[Option<Output>; 3], SeaError> {
     if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
         return Err(SeaError::NoHdf5 { out: out.clone() });
     }
-    let plan = |path: &Option<PathBuf>, kind| {
-        path.as_ref().map(|path| Output::plan(path, kind, args.force)).transpose()
-    };
     let outputs = [
-        plan(&args.out, FileKind::Hdf5)?,
-        plan(&args.png, FileKind::Png)?,
-        plan(&args.save_state, FileKind::SeaState)?,
+        plan(args.out.as_ref(), FileKind::Hdf5, args.force)?,
+        plan(args.png.as_ref(), FileKind::Png, args.force)?,
+        plan(args.save_state.as_ref(), FileKind::SeaState, args.force)?,
     ];
     apart(outputs.iter().flatten())?;
     Ok(outputs)
+}
+
+/// A file that was asked for, if it may be made.
+pub(super) fn plan(
+    path: Option<&PathBuf>,
+    kind: FileKind,
+    force: bool,
+) -> Result<Option<Output>, OutputError> {
+    path.map(|path| Output::plan(path, kind, force)).transpose()
 }
 
 /// Everything that is written; the summary wants height and slopes.
@@ -193,14 +199,14 @@ fn draw(
 }
 
 /// Axes of a picture of a patch; facets lie about their centres.
-fn axes(patch: &Patch) -> [Axis<'static>; 2] {
+pub(super) fn axes(patch: &Patch) -> [Axis<'static>; 2] {
     [("East, m", 0), ("North, m", 1)].map(|(label, axis)| {
         let from = (patch.first[axis] as f64 - 0.5) * patch.facet_m;
         Axis { label, from, to: from + patch.size_m()[axis] }
     })
 }
 
-fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError> {
+pub(super) fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError> {
     let canvas = picture.draw()?;
     output.write(|partial| {
         let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
