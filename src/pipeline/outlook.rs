@@ -186,6 +186,12 @@ pub enum SeaWarning {
         /// The limit, rad/m.
         limit_radpm: f64,
     },
+    /// Nothing that could echo.
+    #[error("ship \"{ship}\" has echo = true, but its hull has no [[scatterer]]: it returns nothing")]
+    NoScatterers {
+        /// The ship.
+        ship: String,
+    },
     /// A ship beside the patch.
     #[error(
         "ship \"{ship}\" lies outside the patch of sea at the start, middle and end of the run{}",

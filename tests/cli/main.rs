@@ -15,3 +15,5 @@ mod sigma0_page;
 mod ship_tables;
 mod table_golden;
 mod tables;
+mod wake;
+mod wake_check;

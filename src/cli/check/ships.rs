@@ -71,6 +71,10 @@ pub(super) fn rows(ships: &[ShipOutlook]) -> Vec<Described> {
     ships.iter().map(|ship| described(&ship.name, figures(ship))).collect()
 }
 
+fn force(newtons: f64) -> String {
+    if newtons < 1e3 { format!("{newtons:.3} N") } else { format!("{:.2} kN", newtons / 1e3) }
+}
+
 /// A ship in a line.
 pub(in crate::cli) fn figures(ship: &ShipOutlook) -> String {
     let mut text = format!(
@@ -84,7 +88,7 @@ pub(in crate::cli) fn figures(ship: &ShipOutlook) -> String {
         text += &format!(", transverse waves {transverse_m:.2} m long");
     }
     if let Some(resistance_n) = ship.resistance_n {
-        text += &format!(", wave resistance {:.2} kN", resistance_n / 1e3);
+        text += &format!(", wave resistance {}", force(resistance_n));
     }
     text += match ship.waves {
         "waves" => "; its wake is resolved",

@@ -8,6 +8,7 @@ use crate::imaging::canvas::PngError;
 use crate::imaging::map_file::MapError;
 use crate::imaging::output::OutputError;
 use crate::imaging::picture::PictureError;
+use crate::imaging::plot::PlotError;
 use crate::sea::realise::RealiseError;
 use crate::sea::surface::StateError;
 use crate::sea::wake::WakeError;
@@ -79,6 +80,9 @@ pub enum SeaError {
     /// The picture cannot be drawn.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// The plot cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// The picture cannot be written.
     #[error(transparent)]
     Png(#[from] PngError),
@@ -96,6 +100,7 @@ impl SeaError {
             | Self::NoHdf5 { .. }
             | Self::Realise(_)
             | Self::Surface(_)
+            | Self::Plot(_)
             | Self::Picture(_) => 2,
             Self::File(error) if error.is_wrong_input() => 2,
             Self::File(_) | Self::Map(_) | Self::State(_) | Self::Png(_) => 1,

@@ -24,6 +24,7 @@ use super::error::CliError;
 use super::run::overrides;
 use super::say;
 use crate::config;
+use crate::imaging::canvas::Canvas;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
 use crate::imaging::output::{FileKind, Output, OutputError, apart};
 use crate::imaging::picture::{Axis, Picture};
@@ -207,7 +208,11 @@ pub(super) fn axes(patch: &Patch) -> [Axis<'static>; 2] {
 }
 
 pub(super) fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError> {
-    let canvas = picture.draw()?;
+    save_canvas(output, &picture.draw()?)
+}
+
+/// Writes a picture that is drawn.
+pub(super) fn save_canvas(output: Output, canvas: &Canvas) -> Result<(), SeaError> {
     output.write(|partial| {
         let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
         let mut file = BufWriter::new(file);

@@ -43,6 +43,8 @@ pub struct ShipOutlook {
     pub resistance_n: Option<f64>,
     /// Whether its waves are on the map: `waves`, `slow`, `unresolved`, `band-limited`, or `off` where none were asked.
     pub waves: &'static str,
+    /// Scatterers that its file gives.
+    pub scatterers: usize,
     /// The particular that is furthest from what its file states, percent; `None` where nothing is stated.
     pub furthest_particular: Option<(&'static str, f64)>,
 }
@@ -90,6 +92,7 @@ impl ShipOutlook {
             transverse_wavelength_m: (!kochin.is_still()).then(|| TAU / kochin.transverse_radpm()),
             resistance_n: kochin.wave_resistance_n(DENSITY_KGPM3).ok(),
             waves,
+            scatterers: hull.scatterers().len(),
             furthest_particular: furthest_particular(&hull),
         })
     }
@@ -133,6 +136,9 @@ pub(super) fn ships(instants: &[View<'_>], outlook: &mut Outlook) -> Result<(), 
         match ShipOutlook::of(ship, facet_m) {
             Ok(found) => {
                 outlook.warnings.extend(found.warning(ship, facet_m));
+                if ship.echo && found.scatterers == 0 {
+                    outlook.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
+                }
                 outlook.warnings.extend(outside(ship, found.length_m, instants)?);
                 outlook.ships.push(found);
             }
