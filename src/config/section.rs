@@ -270,7 +270,12 @@ impl<'a> Section<'a> {
             self.ask(key);
             return Some(None);
         }
-        self.file(key).map(Some)
+        let path = self.reader.folder.join(self.output(key)?);
+        if !path.is_file() {
+            self.fault(key, Problem::NoFileOr { path, allowed: key.kind.allowed() });
+            return None;
+        }
+        Some(Some(path))
     }
 
     /// An instant; `None` when absent or faulty.

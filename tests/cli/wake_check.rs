@@ -98,25 +98,42 @@ fn scatterers_of_a_hull_sail_with_it_as_targets() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     fs::copy(package().join("hulls/wigley.csv"), path("wigley.csv")).unwrap();
-    let hull = "name = 'tug'\noffsets = 'wigley.csv'\n[[scatterer]]\nname = 'bridge top'\nforward_m = 5\nstarboard_m = 0\nup_m = 12\nrcs_m2 = 100\n";
+    let hull = "name = 'tug'\noffsets = 'wigley.csv'\n[[scatterer]]\nname = 'bridge top'\nforward_m = 5\n\
+                starboard_m = 3\nup_m = 12\nrcs_m2 = 100\n";
     fs::write(path("tug.toml"), hull).unwrap();
     let ship = format!("ship.0.hull={}", path("tug.toml").display());
-    let small = ["--set", "scene.patch_size_m=[32, 32]", "--set", "scene.duration_s=0.05", "--set", &ship];
     let scenario = package().join("configs/mars-1.toml");
-    let run = |echo: &str| {
-        let words = ["run", scenario.to_str().unwrap(), "--pace", "fast", "--pulses", "0..2", "--set", echo];
-        let sinks = format!("sink=[{{ kind = 'plain', path = '{echo}' }}]");
-        let ended = nereus(folder.path(), &[&words[..], &small[..], &["--set", &sinks][..]].concat());
+    // Northward: ahead is North, starboard East.
+    let run = |out: &str, setting: &str| {
+        let sinks = format!("sink=[{{ kind = 'plain', path = '{out}' }}]");
+        let settings = [
+            "scene.patch_size_m=[32, 32]",
+            "scene.duration_s=0.05",
+            "ship.0.heading_deg=0",
+            "ship.0.position_m=[-20, 30]",
+            &ship,
+            &sinks,
+            setting,
+        ];
+        let mut words = vec!["run", scenario.to_str().unwrap(), "--pace", "fast", "--pulses", "5..7"];
+        settings.iter().for_each(|setting| words.extend(["--set", setting]));
+        let ended = nereus(folder.path(), &words);
         assert_eq!(ended.code, 0, "{}", ended.stderr);
-        ended
+        let samples = fs::read(path(out).join("iq.bin")).unwrap();
+        let samples = samples.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        (samples.collect::<Vec<f32>>(), fs::read_to_string(path(out).join("meta.json")).unwrap())
     };
-    run("ship.0.echo=false");
-    run("ship.0.echo=true");
-    let header = |echo: &str| fs::read_to_string(path(echo).join("header.json")).unwrap_or_default();
-    println!(
-        "{:?}",
-        fs::read_dir(path("ship.0.echo=true")).unwrap().map(|e| e.unwrap().file_name()).collect::<Vec<_>>()
-    );
-    assert!(header("ship.0.echo=true").contains("dtmb5415.bridge-top"), "{}", header("ship.0.echo=true"));
-    assert!(!header("ship.0.echo=false").contains("bridge-top"));
+    let (silent, silent_meta) = run("silent", "ship.0.echo=false");
+    let (aboard, aboard_meta) = run("aboard", "ship.0.echo=true");
+    let target = "target=[{ position_m = [-17, 35, 12], velocity_mps = [0, 4.5, 0], rcs_m2 = 100 }]";
+    let (beside, _) = run("beside", target);
+    assert!(aboard_meta.contains("dtmb5415.bridge-top") && !silent_meta.contains("bridge-top"));
+    let largest = beside.iter().fold(0f32, |most, v| most.max(v.abs()));
+    let apart = |other: &[f32]| {
+        assert_eq!(other.len(), beside.len());
+        beside.iter().zip(other).fold(0f32, |most, (a, b)| most.max((a - b).abs())) / largest
+    };
+    // Sine and cosine of a right angle place it to 1e-14 m: a few last bits of an f32 may differ.
+    assert!(apart(&aboard) < 1e-6, "{}", apart(&aboard));
+    assert!(apart(&silent) > 0.5, "{}", apart(&silent));
 }

@@ -98,22 +98,51 @@ fn every_setting_arrives() {
 
 #[test]
 fn ships_that_are_none() {
-    insta::assert_snapshot!(faults("[{ }]"), @"");
-    insta::assert_snapshot!(faults(&format!("[{{ {WIGLEY}, length_m = 0, position_m = [0, 0, 0], heading_deg = 1, towards_deg = 2, speed_mps = -1 }}]").replacen("length_m = 100, ", "", 1)), @"");
-    insta::assert_snapshot!(faults("[{ hull = 'no.toml', beam_m = 1, position_m = [0, 0], lat_deg = 1, heading_deg = 500, speed_mps = 101, wake = false, band_limit_radpm = 1, turbulent = 3, echo = 'yes' }]"), @"");
-    insta::assert_snapshot!(faults("[{ name = 'a', hull = 'README.md', beam_m = 1, position_m = [0, 0], heading_deg = 0, speed_mps = 1, turbulent = { spread_exponent = 3, decay_lengths = 0, wind = 1 } }, { name = 'a', hull = 'wigley', beam_m = 0, draught_m = 1, position_m = [0, 0], heading = 0, towards_deg = 0, speed_mps = nan, band_limit_radpm = 0 }]"), @"");
-    insta::assert_snapshot!(faults("[{ hull = 'wigley', length_m = 1, beam_m = 0.1, draught_m = 0.1, lat_deg = 1, lon_deg = 2, heading_deg = 0, speed_mps = 1 }]"), @"");
+    insta::assert_snapshot!(faults("[{ }]"), @r#"
+ship.0.hull: is missing; required: "wigley", or a file that exists (relative to the scenario file)
+ship.0: one of position_m, (lat_deg, lon_deg) is required
+ship.0: one of heading_deg, towards_deg is required
+ship.0.speed_mps: is missing; required: a number from 0 to 100 m/s
+"#);
+    insta::assert_snapshot!(faults(&format!("[{{ {WIGLEY}, length_m = 0, position_m = [0, 0, 0], heading_deg = 1, towards_deg = 2, speed_mps = -1 }}]").replacen("length_m = 100, ", "", 1)), @r#"
+ship.0.length_m: 0 is out of range; allowed: a number from 0.05 to 1000 m
+ship.0.position_m: [0, 0, 0] is not allowed; allowed: a list of 2 numbers from -1e8 to 1e8 m
+ship.0.towards_deg: heading_deg, towards_deg exclude each other; allowed: one of them
+ship.0.speed_mps: -1 is out of range; allowed: a number from 0 to 100 m/s
+"#);
+    insta::assert_snapshot!(faults("[{ hull = 'no.toml', beam_m = 1, position_m = [0, 0], lat_deg = 1, heading_deg = 500, speed_mps = 101, wake = false, band_limit_radpm = 1, turbulent = 3, echo = 'yes' }]"), @r#"
+ship.0.hull: there is no file configs/no.toml; allowed: "wigley", or a file that exists (relative to the scenario file)
+ship.0.position_m: position_m and (lat_deg, lon_deg) exclude each other; allowed: one of them
+ship.0.heading_deg: 500 is out of range; allowed: a number from -360 to 360 deg
+ship.0.speed_mps: 101 is out of range; allowed: a number from 0 to 100 m/s
+ship.0.band_limit_radpm: has no meaning here (wake = false)
+ship.0.turbulent: 3 is not allowed; allowed: a table [ship.turbulent], true or false
+ship.0.echo: "yes" is not allowed; allowed: true or false
+"#);
+    insta::assert_snapshot!(faults("[{ name = 'a', hull = 'README.md', beam_m = 1, position_m = [0, 0], heading_deg = 0, speed_mps = 1, turbulent = { spread_exponent = 3, decay_lengths = 0, wind = 1 } }, { name = 'a', hull = 'wigley', beam_m = 0, draught_m = 1, position_m = [0, 0], heading = 0, towards_deg = 0, speed_mps = nan, band_limit_radpm = 0 }]"), @r#"
+ship.0.beam_m: has no meaning here (the hull is that of a file)
+ship.0.turbulent.spread_exponent: 3 is out of range; allowed: a number from 4 to 5
+ship.0.turbulent.decay_lengths: 0 is out of range; allowed: a number from 0.01 to 10000
+ship.0.turbulent.wind: unknown key; allowed: spread_exponent, decay_lengths, wind_ratio
+ship.1.name: "a" is already the name of another ship; allowed: unique names
+ship.1.length_m: is missing; required with hull = "wigley": a number from 0.05 to 1000 m
+ship.1.beam_m: 0 is out of range; allowed: a number above 0, up to 1000 m
+ship.1.speed_mps: nan is out of range; allowed: a number from 0 to 100 m/s
+ship.1.band_limit_radpm: 0 is out of range; allowed: a number above 0, up to 1e6 rad/m
+ship.1.heading: unknown key; did you mean heading_deg, in deg?
+"#);
+    insta::assert_snapshot!(faults("[{ hull = 'wigley', length_m = 1, beam_m = 0.1, draught_m = 0.1, lat_deg = 1, lon_deg = 2, heading_deg = 0, speed_mps = 1 }]"), @r#"ship.0.lat_deg: a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"#);
 }
 
 #[test]
 fn a_ship_needs_a_sea_and_its_patch() {
     let ship = "[{ hull = 'wigley', length_m = 1, beam_m = 0.1, draught_m = 0.1, position_m = [0, 0], heading_deg = 0, speed_mps = 1 }]";
-    insta::assert_snapshot!(faults_of(&[("ship", ship)]), @"");
+    insta::assert_snapshot!(faults_of(&[("ship", ship)]), @r#"ship: has no meaning here (there is no [sea])"#);
     let text = SEA.lines().filter(|line| !line.starts_with("facet_m")).collect::<Vec<_>>().join("\n");
     let error = parse(&text, &in_configs(), &settings(&[("ship", ship)])).unwrap_err();
     assert!(error.to_string().contains("scene.facet_m: is missing"), "{error}");
     let many = (0..1001).map(|_| &ship[1..ship.len() - 1]).collect::<Vec<_>>().join(", ");
-    insta::assert_snapshot!(faults(&format!("[{many}]")), @"");
+    insta::assert_snapshot!(faults(&format!("[{many}]")), @r#"ship: 1001 ships; allowed: at most 1000"#);
 }
 
 proptest! {
