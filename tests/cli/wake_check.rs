@@ -135,5 +135,5 @@ fn scatterers_of_a_hull_sail_with_it_as_targets() {
     };
     // Sine and cosine of a right angle place it to 1e-14 m: a few last bits of an f32 may differ.
     assert!(apart(&aboard) < 1e-6, "{}", apart(&aboard));
-    assert!(apart(&silent) > 0.5, "{}", apart(&silent));
+    assert!(apart(&silent) > 0.1, "{}", apart(&silent));
 }
