@@ -175,3 +175,60 @@ fn holds(patch: &Patch, position_m: [f64; 2]) -> bool {
         (low_m..low_m + patch.size_m()[axis]).contains(&position_m[axis])
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scene::ship::{HullGiven, KelvinWake, TurbulentWake};
+
+    fn wigley(length_m: f64, beam_m: f64, draught_m: f64, speed_mps: f64) -> Ship {
+        Ship {
+            name: "wigley".to_owned(),
+            hull: HullGiven::Wigley { beam_m, draught_m },
+            length_m: Some(length_m),
+            position_m: [0.0, 0.0],
+            heading_rad: 0.0,
+            speed_mps,
+            kelvin: Some(KelvinWake::default()),
+            turbulent: Some(TurbulentWake::default()),
+            echo: false,
+        }
+    }
+
+    #[test]
+    fn a_ship_at_the_edge_is_on_the_patch() {
+        let patch = Patch::new([8.0, 4.0], 1.0, [0.0, 0.0]).unwrap();
+        // Facets lie about their centres: from -4.5 to 3.5 m, and from -2.5 to 1.5 m.
+        assert!(holds(&patch, [-4.4, 1.4]) && holds(&patch, [3.4, -2.4]));
+        assert!(!holds(&patch, [3.6, 0.0]) && !holds(&patch, [0.0, 1.6]) && !holds(&patch, [-4.6, 0.0]));
+    }
+
+    #[test]
+    fn froude_and_wavelength_are_those_of_their_formulas() {
+        let ship = ShipOutlook::of(&wigley(100.0, 10.0, 6.25, 9.0), 1.0).unwrap();
+        // Products and a root: a few roundings.
+        assert!((ship.froude / (9.0 / 981f64.sqrt()) - 1.0).abs() < 1e-15);
+        assert!((ship.transverse_wavelength_m.unwrap() / (TAU * 81.0 / 9.81) - 1.0).abs() < 1e-15);
+        assert_eq!((ship.waves, ship.furthest_particular), ("waves", None));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+        #[test]
+        fn figures_are_numbers(
+            length in -1.3..3.0f64,
+            ratios in [-4.0..0.0f64, -4.0..0.0f64],
+            speed in -6.0..2.0f64,
+            facet in -2.0..3.0f64,
+        ) {
+            let length_m = 10f64.powf(length).max(0.05);
+            let [beam_m, draught_m] = ratios.map(|ratio| length_m * 10f64.powf(ratio).max(1.0001e-4));
+            let ship = wigley(length_m, beam_m, draught_m, 10f64.powf(speed));
+            let found = ShipOutlook::of(&ship, 10f64.powf(facet)).unwrap();
+            let numbers = [Some(found.froude), found.transverse_wavelength_m, found.resistance_n];
+            prop_assert!(numbers.iter().flatten().all(|value| value.is_finite() && *value >= 0.0), "{found:?}");
+        }
+    }
+}
