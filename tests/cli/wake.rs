@@ -57,6 +57,59 @@ fn transverse_waves_have_their_length() {
     }
 }
 
+/// Root mean square over cuts of the middle and of the highest place across, and the share of the variance in waves
+/// more than 35.26 degrees from the course, whose wave number across is above `k0 tan sec`.
+fn arms_and_divergent(folder: &Path, speed_mps: f64) -> [f64; 2] {
+    let speed = format!("ship.0.speed_mps={speed_mps}");
+    let astern: Vec<String> = (300..=450).step_by(4).map(|x| x.to_string()).collect();
+    let place = ["--set", "scene.patch_size_m=[1024, 512]", "--set", "ship.0.position_m=[450, 0]"];
+    let cuts = ["--set", &speed, "--cut-astern-m", &astern.join(",")];
+    let rows = cut(&wake(folder, &[&place[..], &cuts[..]].concat()));
+    let mean_square = |starboard_m: f64| {
+        let at = rows.iter().filter(|row| (row[1] - starboard_m).abs() < 0.5);
+        at.map(|row| row[2] * row[2]).sum::<f64>()
+    };
+    let arms = (-200..=200).map(|y| mean_square(f64::from(y))).fold(0.0, f64::max);
+    let limit = 9.81 / (speed_mps * speed_mps) * 0.5f64.sqrt() * 1.5f64.sqrt();
+    let (mut divergent, mut all) = (0.0, 0.0);
+    for x in &astern {
+        let x: f64 = x.parse().unwrap();
+        let line: Vec<f64> = rows.iter().filter(|row| (row[0] - x).abs() < 1e-6).map(|row| row[2]).collect();
+        for n in 0..=line.len() / 2 {
+            let step = TAU * n as f64 / line.len() as f64;
+            let turned = line.iter().enumerate().map(|(i, z)| ((step * i as f64).sin_cos(), *z));
+            let [im, re] = turned.fold([0.0; 2], |[im, re], ((s, c), z)| [im + z * s, re + z * c]);
+            let power = (re * re + im * im) * if n == 0 { 1.0 } else { 2.0 };
+            all += power;
+            // Facets of 1 m: the step is the wave number across.
+            divergent += if step > limit { power } else { 0.0 };
+        }
+    }
+    [(arms / mean_square(0.0)).sqrt(), divergent / all]
+}
+
+#[test]
+fn the_figures_of_the_readme_are_those_of_the_cuts() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = fs::read_to_string(package().join("README.md")).unwrap();
+    let [slow, fast] = [4.5, 9.0].map(|speed_mps| arms_and_divergent(folder.path(), speed_mps));
+    let figures = [
+        format!(
+            "the arms are {:.1} times as high as the axis at 4.5 m/s and {:.1} times at 9 m/s",
+            slow[0], fast[0]
+        ),
+        format!(
+            "have {:.0} % of the variance of the first wake and {:.0} % of the second",
+            100.0 * slow[1],
+            100.0 * fast[1]
+        ),
+    ];
+    let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    for figure in figures {
+        assert!(page.contains(&figure), "{figure}");
+    }
+}
+
 #[test]
 fn cuts_are_symmetric_and_sail_with_the_ship() {
     let folder = tempfile::tempdir().unwrap();
