@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::sea::SeaArgs;
 use super::sea::snapshot::SnapshotArgs;
 use super::table::TableArgs;
+use super::wake::WakeArgs;
 
 /// Hardware-in-the-loop bistatic marine radar emulator.
 #[derive(Debug, Parser)]
@@ -30,6 +31,8 @@ pub enum Command {
     New(NewArgs),
     /// Map the sea of a scenario at a time: heights, slopes, velocities, a picture, its state for reuse
     Sea(SeaArgs),
+    /// Map the waves of a scenario's ships alone: heights, slopes, velocities, a picture, wave cuts, wave resistance
+    Wake(WakeArgs),
     /// Map what every facet contributes to the echo of a pulse, in dBW
     Snapshot(SnapshotArgs),
     /// Print physics as CSV

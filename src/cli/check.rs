@@ -1,6 +1,7 @@
 //! `nereus check`: validate, explain, predict.
 
 mod sea;
+pub(super) mod ships;
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -127,6 +128,8 @@ fn text(report: &Report) -> String {
     section("modelled", &report.modelled);
     section("not modelled", &report.not_modelled);
     section("sea", &report.sea.as_ref().map(sea::rows).unwrap_or_default());
+    let ships = report.sea.as_ref().map_or(&[][..], |sea| &sea.ships);
+    section("ships", &ships::rows(ships));
     section("recorded tracks", &report.tracks);
     section("forecast", &report.forecast.as_ref().map(forecast_rows).unwrap_or_default());
     text
@@ -412,6 +415,6 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         without.push(described("navigation errors", "no [platform.reported]: platforms report the truth"));
     }
     sea::models(&run.scene, &mut with, &mut without);
-    without.push(described("ships and wakes", "this version knows none"));
+    ships::models(&run.scene, &mut with, &mut without);
     (with, without)
 }

@@ -12,6 +12,7 @@ mod progress;
 mod run;
 mod sea;
 mod table;
+mod wake;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -31,6 +32,7 @@ pub use table::{
     TableSigma0Args, TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWakeResistanceArgs,
     TableWindArgs, Transom,
 };
+pub use wake::WakeArgs;
 
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -66,6 +68,7 @@ fn execute(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         Command::Check(args) => check::check(args, out),
         Command::New(args) => new::new(args, out),
         Command::Sea(args) => sea::sea(args, out),
+        Command::Wake(args) => wake::wake(args, out),
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),

@@ -182,6 +182,14 @@ pub enum Problem {
         /// Where it was looked for.
         path: PathBuf,
     },
+    /// Neither a file nor the word that stands for one.
+    #[error("there is no file {}; allowed: {allowed}", path.display())]
+    NoFileOr {
+        /// Where it was looked for.
+        path: PathBuf,
+        /// What is allowed.
+        allowed: String,
+    },
     /// Latitude and longitude in a scene that lies nowhere.
     #[error(
         "a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"
@@ -266,6 +274,12 @@ pub enum Problem {
     /// Corners of a polygon on one line.
     #[error("the corners enclose no area; allowed: corners of a polygon, in turn")]
     NoArea,
+    /// A hull from a formula without a length.
+    #[error("is missing; required with hull = \"wigley\": {allowed}")]
+    NeedsLength {
+        /// What is allowed.
+        allowed: String,
+    },
     /// Recorded tracks without a start time.
     #[error("is missing; required with a recorded track: a UTC time within the recording")]
     NeedsStart,

@@ -95,8 +95,12 @@ pub enum Kind {
     File,
     /// A file or folder to be made, relative to the working directory.
     Output,
+    /// A file that exists, or one word.
+    FileOr(&'static str),
     /// A table of its own.
     Section(&'static Table),
+    /// A table of its own, or whether there is one.
+    Switched(&'static Table),
     /// An array of tables.
     Sections(&'static Table),
 }
@@ -121,7 +125,7 @@ pub enum Absent {
 }
 
 use Absent::{Count, Flag, Means, Required, Word, Zeros};
-use Kind::{Choice, File, Name, Output, PolarisationPair, Section, Sections, Time, Words};
+use Kind::{Choice, File, FileOr, Name, Output, PolarisationPair, Section, Sections, Switched, Time, Words};
 
 const fn number(unit: &'static str, min: f64, max: f64) -> Kind {
     Kind::Number { unit, min, max, above: false }
@@ -147,6 +151,8 @@ const FAST_MPS: f64 = 2e4;
 const MOST_PRI: usize = 65_536;
 /// Most targets of a scene.
 pub(super) const MOST_TARGETS: u64 = 100_000;
+/// Most ships of a scene.
+pub(super) const MOST_SHIPS: u64 = 1000;
 
 /// Most facets of a patch of sea.
 pub(super) const MOST_FACETS: u64 = 1 << 26;
@@ -206,6 +212,7 @@ tables! {
         SEA "sea", Section(&sea::TABLE), Means("no sea: targets alone"), "The sea, on the patch of [scene].";
         SWELL "swell", Sections(&swell::TABLE), Means("none"), "Swell trains, with [sea].";
         SLICK "slick", Sections(&slick::TABLE), Means("none"), "Films on the water, with [sea].";
+        SHIP "ship", Sections(&ship::TABLE), Means("none"), "Ships under way, with [sea].";
         TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";
         TARGET_GRID "target_grid", Sections(&target_grid::TABLE), Means("none"), "Fields of equal point targets.";
         FIDELITY "fidelity", Section(&fidelity::TABLE), Means("all defaults"), "Speed against accuracy.";
@@ -420,6 +427,28 @@ tables! {
         COVER "cover", number("", 0.0, 1.0), default(1.0), "Share of the water covered inside.";
         ELASTICITY_NPM "elasticity_npm", number("N/m", 0.0, 1.0), default(0.0255), "Dilational elasticity of the film; 0.0255 is oleyl alcohol.";
     }
+    ship "[[ship]]" "A ship on a straight course at constant speed through water at rest: its waves, the water that it stirs. Exactly one direction." {
+        NAME "name", Name, Means("ship-<number>, counted from 0"), "Its name, unique among ships.";
+        HULL "hull", FileOr("wigley"), Required, "A description (.toml) or an offset table (.csv), see hulls/README.md; or the parabolic hull of Wigley.";
+        LENGTH_M "length_m", number("m", 0.05, 1000.0), Means("that of the hull's file; required with \"wigley\""), "Length on the waterline to which the hull is scaled.";
+        BEAM_M "beam_m", above("m", 0.0, 1000.0), Required, "wigley: beam, from a ten-thousandth of the length to the length.";
+        DRAUGHT_M "draught_m", above("m", 0.0, 1000.0), Required, "wigley: draught, within the same bounds.";
+        POSITION_M "position_m", vector("m", 2, FAR_M), Means("lat_deg and lon_deg are given"), "Midship at pulse 0, East and North.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude of midship at pulse 0.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude.";
+        HEADING_DEG "heading_deg", number("deg", -360.0, 360.0), Means("towards_deg is given"), "Direction in which it sails, clockwise from the North of the scene, as a compass has it.";
+        TOWARDS_DEG "towards_deg", number("deg", -360.0, 360.0), Means("heading_deg is given"), "The same, counter-clockwise from East.";
+        SPEED_MPS "speed_mps", number("m/s", 0.0, 100.0), Required, "Speed through the water.";
+        WAKE "wake", Kind::Flag, Flag(true), "Whether it raises waves.";
+        BAND_LIMIT_RADPM "band_limit_radpm", above("rad/m", 0.0, 1e6), Means("0.7 pi / facet_m"), "With wake: wave number above which its waves are left out.";
+        TURBULENT "turbulent", Switched(&turbulent::TABLE), Flag(true), "Its turbulent wake, in which small waves are damped.";
+        ECHO "echo", Kind::Flag, Flag(false), "Whether the scatterers of its hull's file return an echo.";
+    }
+    turbulent "[ship.turbulent]" "The dark V behind a ship: width 4 B (x / 4 L)^(1/a) at a distance x from the stern, with length L and beam B." {
+        SPREAD_EXPONENT "spread_exponent", number("", 4.0, 5.0), default(5.0), "Exponent a of the width.";
+        DECAY_LENGTHS "decay_lengths", number("", 0.01, 1e4), default(20.0), "Distance over which the damping falls by a factor of e, in lengths of the ship.";
+        WIND_RATIO "wind_ratio", number("", 0.0, 1.0), default(0.4), "Wind that raises the small waves in the middle of the wake, over the wind outside.";
+    }
     target "[[target]]" "A point target on a straight course. Its strength is one of rcs_m2, rcs_dbsm, or a scattering matrix." {
         NAME "name", Name, Means("target-<number>, counted from 0"), "Its name, unique among targets.";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "East, North, height above the sea, at pulse 0.";
@@ -505,7 +534,11 @@ impl Kind {
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
             Self::Output => "a path (relative to the working directory)".to_owned(),
+            Self::FileOr(word) => {
+                format!("\"{word}\", or a file that exists (relative to the scenario file)")
+            }
             Self::Section(table) => format!("a table {}", table.heading),
+            Self::Switched(table) => format!("a table {}, true or false", table.heading),
             Self::Sections(table) => format!("an array of tables {}", table.heading),
         }
     }

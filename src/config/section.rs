@@ -262,6 +262,22 @@ impl<'a> Section<'a> {
         Some(path)
     }
 
+    /// The word of the key (`None` within), or a file that exists; `None` when absent or faulty.
+    pub(super) fn file_or(&self, key: &'static Key) -> Option<Option<PathBuf>> {
+        let Kind::FileOr(word) = key.kind else { return None };
+        if self.entry(key.name).is_some_and(|entry| matches!(&entry.node.value, Value::Text(t) if t == word))
+        {
+            self.ask(key);
+            return Some(None);
+        }
+        let path = self.reader.folder.join(self.output(key)?);
+        if !path.is_file() {
+            self.fault(key, Problem::NoFileOr { path, allowed: key.kind.allowed() });
+            return None;
+        }
+        Some(Some(path))
+    }
+
     /// An instant; `None` when absent or faulty.
     pub(super) fn time(&self, key: &'static Key) -> Option<TimeTag> {
         let node = self.ask(key)?;
@@ -384,6 +400,24 @@ impl<'a> Section<'a> {
         self.ask(key);
         let Kind::Section(table) = key.kind else { return None };
         Some(Section::new(self.reader, table, self.path_of(key.name), self.at, &[]))
+    }
+
+    /// A table that may be switched off (`None` within) or be left to its defaults; `None` when faulty.
+    pub(super) fn switched(&self, key: &'static Key) -> Option<Option<Section<'a>>> {
+        let Kind::Switched(table) = key.kind else { return None };
+        let on = |at, entries| Some(Section::new(self.reader, table, self.path_of(key.name), at, entries));
+        let entry_at = self.entry(key.name).map(|entry| entry.at);
+        match self.ask(key) {
+            None => Some(matches!(key.absent, Absent::Flag(true)).then(|| on(self.at, &[])).flatten()),
+            Some(Node { value: Value::Flag(flag), at }) => Some(if *flag { on(*at, &[]) } else { None }),
+            Some(node) => match node.table() {
+                Some(entries) => Some(on(entry_at.unwrap_or(node.at), entries)),
+                None => {
+                    self.wrong_type(key, node);
+                    None
+                }
+            },
+        }
     }
 
     /// The entries of an array of tables; empty when absent or faulty.

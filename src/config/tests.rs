@@ -12,6 +12,7 @@ use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
 mod sea;
+mod ship;
 
 const COASTAL: &str = include_str!("../../configs/coastal.toml");
 const QUICKSTART: &str = include_str!("../../configs/quickstart.toml");
@@ -62,7 +63,8 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
             ],
         ),
     ];
-    let seas = sea::variants();
+    let mut seas = sea::variants();
+    seas.extend(ship::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides)).asked);

@@ -33,6 +33,7 @@ use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
+use crate::sea::fleet::{self, FleetError, FleetErrors};
 use crate::sea::realise::{RealiseError, realise};
 use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain};
 use crate::sinks::{self, Kind};
@@ -43,6 +44,7 @@ use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
+use super::aboard;
 use super::block::{BlockEcho, block_pulses};
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
@@ -75,9 +77,22 @@ pub enum BuildError {
         /// Why.
         source: TrackError,
     },
+    /// A track that does not reach to a time that was asked for.
+    #[error("platform '{platform}', {time_s} s after pulse 0: {source}")]
+    Away {
+        /// The platform.
+        platform: String,
+        /// The time, s.
+        time_s: f64,
+        /// Why.
+        source: TrackError,
+    },
     /// The sea, told beside faults of other parts.
     #[error("sea: {0}")]
     Sea(#[from] RealiseError),
+    /// A ship, told beside faults of other parts.
+    #[error(transparent)]
+    Ship(#[from] FleetError),
     /// The waveform.
     #[error(transparent)]
     Waveform(#[from] WaveformError),
@@ -129,6 +144,12 @@ impl From<PulseError> for BuildError {
 impl<E: Into<BuildError>> From<E> for BuildErrors {
     fn from(error: E) -> Self {
         Self(vec![error.into()])
+    }
+}
+
+impl From<FleetErrors> for BuildErrors {
+    fn from(errors: FleetErrors) -> Self {
+        Self(errors.0.into_iter().map(BuildError::Ship).collect())
     }
 }
 
@@ -193,6 +214,7 @@ pub fn factory_of(
     tracks: Vec<PlatformTracks>,
     fidelity: &Fidelity,
 ) -> Result<PulseFactory, BuildErrors> {
+    let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let block = match fidelity {
         Fidelity::Reference => 1,
@@ -242,9 +264,9 @@ pub type RunFailure = RunError<PulseError, SinkError>;
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
 pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
-    let scene = &run.scene;
     let mut faults: Vec<BuildError> =
         sinks::preflight(&run.sinks).into_iter().map(BuildError::from).collect();
+    let scene = &run.scene;
     if range.is_empty() || range.end > scene.pulses {
         faults.push(BuildError::Range { from: range.start, to: range.end, pulses: scene.pulses });
     }
@@ -261,6 +283,17 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
             });
             if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
                 faults.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
+                let told = |name: &str| {
+                    errors
+                        .0
+                        .iter()
+                        .any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
+                };
+                let hulls = scene.ships.iter().filter(|ship| !told(&ship.name)).filter_map(|ship| {
+                    let source = fleet::hull(ship).err()?;
+                    Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
+                });
+                faults.extend(hulls);
             }
             faults.extend(errors.0);
             return Err(BuildErrors(faults));
@@ -277,13 +310,13 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         .build()?;
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
-    let header = header(run, &factory, &schedule);
+    let scene = aboard::with_scatterers(scene)?;
+    let header = header(run, &scene, &factory, &schedule);
     header.check()?;
     Ok(PulseStream { factory, settings: run.stream, schedule, header, sinks: run.sinks.clone(), pool, notes })
 }
 
-fn header(run: &Run, factory: &PulseFactory, schedule: &Schedule) -> Header {
-    let scene = &run.scene;
+fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule) -> Header {
     let radar = &scene.radar;
     let transmitter = |i: usize| radar.transmitters[i].name.clone();
     let receiver = |i: usize| radar.receivers[i].name.clone();

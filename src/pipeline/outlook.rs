@@ -9,6 +9,7 @@
 //!   makes the cell in azimuth is not known here: [`AZIMUTH_M`] is assumed, as fine as antennas of metres allow.
 //! * The window should hear the patch, and every antenna should see it: on a curved earth a facet is seen from above
 //!   its tangent plane.
+//! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the patch.
 //! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear sea.
 //!
 //! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points over the patch,
@@ -17,8 +18,12 @@
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
 
+mod ships;
+
 use serde::Serialize;
 use thiserror::Error;
+
+pub use ships::{DENSITY_KGPM3, ShipOutlook, presence_word};
 
 use super::build::{BuildError, BuildErrors, tracks};
 use super::stages::PulseFactory;
@@ -35,6 +40,7 @@ use crate::scene::{Patch, Scene};
 use crate::sea::realise::RealiseError;
 use crate::sea::spectrum::moments::Moments;
 use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, of_water, sampling};
+use crate::sea::wake::{free_waves, kochin};
 use crate::sea::wind::{EXTRAPOLATED_ABOVE_MPS, Wind};
 use crate::time::TimeTag;
 use crate::transport::schedule::Schedule;
@@ -78,6 +84,8 @@ pub struct Outlook {
     pub share_in_window: f64,
     /// Of a following patch, [`edge_db`] once it has been looked at.
     pub edge_db: Option<f64>,
+    /// Ships, in their order.
+    pub ships: Vec<ShipOutlook>,
     /// What is legal but worth knowing.
     #[serde(skip)]
     pub warnings: Vec<SeaWarning>,
@@ -172,6 +180,75 @@ pub enum SeaWarning {
         /// The pulse.
         pulse: u64,
     },
+    /// A ship without waves.
+    #[error(
+        "ship \"{ship}\" raises no waves at {speed_mps} m/s: slower than {} m/s they are ripples",
+        kochin::LEAST_SPEED_MPS
+    )]
+    SlowShip {
+        /// The ship.
+        ship: String,
+        /// Its speed, m/s.
+        speed_mps: f64,
+    },
+    /// Waves too short for the facets.
+    #[error(
+        "no waves of ship \"{ship}\" on the map: the longest, {longest_m:.2} m, are shorter than {} facets of {facet_m} m",
+        free_waves::LEAST_FACETS_A_WAVE
+    )]
+    UnresolvedWake {
+        /// The ship.
+        ship: String,
+        /// Its longest waves, m.
+        longest_m: f64,
+        /// Side of a facet, m.
+        facet_m: f64,
+    },
+    /// Waves that the band limit takes away.
+    #[error(
+        "no waves of ship \"{ship}\" on the map: the longest, {longest_m:.2} m, are beyond its band limit of {limit_radpm} rad/m"
+    )]
+    BandLimitedWake {
+        /// The ship.
+        ship: String,
+        /// Its longest waves, m.
+        longest_m: f64,
+        /// The limit, rad/m.
+        limit_radpm: f64,
+    },
+    /// Nothing that could echo.
+    #[error("ship \"{ship}\" has echo = true, but its hull has no [[scatterer]]: it returns nothing")]
+    NoScatterers {
+        /// The ship.
+        ship: String,
+    },
+    /// A ship beside the patch.
+    #[error(
+        "ship \"{ship}\" lies outside the patch of sea at the start, middle and end of the run{}",
+        if *reached { ": its wake reaches it" } else { ", and so does its wake" }
+    )]
+    ShipOutside {
+        /// The ship.
+        ship: String,
+        /// Whether its wake is on the patch.
+        reached: bool,
+    },
+}
+
+/// The patch of a run at a time, s after pulse 0.
+pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
+    let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
+    let scene = &run.scene;
+    let (tracks, _) = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
+    let surroundings = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
+    let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
+    let aimed = surroundings.aim_point(aim, *aim_from, scene.start.plus(time_s));
+    let (point, _) = aimed.map_err(|source| {
+        let platform = scene.platforms[platform].clone();
+        BuildErrors::from(BuildError::Away { platform, time_s, source })
+    })?;
+    let [x_m, y_m, _] = point.to_array();
+    Ok(sea.patch.centred_at([x_m, y_m]))
 }
 
 /// The outlook of a run's sea; `None` without one.
@@ -198,6 +275,7 @@ pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
         facets_per_cell: None,
         share_in_window: 1.0,
         edge_db: None,
+        ships: Vec::new(),
         warnings: Vec::new(),
     };
     let size_m = sea.patch.size_m();
@@ -211,10 +289,12 @@ pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
     let last = scene.pulses.saturating_sub(1);
     let mut pulses = vec![0, last / 2, last];
     pulses.dedup();
-    for pulse in pulses {
-        let view = View { scene, sea, tracks: &tracks, pulse };
+    let views: Vec<View<'_>> =
+        pulses.into_iter().map(|pulse| View { scene, sea, tracks: &tracks, pulse }).collect();
+    for view in &views {
         view.look(waveform.bandwidth_hz(), waveform.duration_s(), &mut outlook)?;
     }
+    ships::ships(&views, &mut outlook)?;
     if let Some(ground_range_m) = outlook.ground_range_m {
         let facet_m = sea.patch.facet_m;
         let facets = sampling::facets_per_cell(facet_m, [ground_range_m, AZIMUTH_M]);

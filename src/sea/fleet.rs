@@ -8,6 +8,7 @@
 //! use nereus::scene::ship::{HullGiven, KelvinWake, Ship, TurbulentWake};
 //! use nereus::scene::Patch;
 //! use nereus::sea::fleet::Fleet;
+//! use nereus::sea::surface::Selection;
 //! let ship = Ship {
 //!     name: "tanker".into(),
 //!     hull: HullGiven::Wigley { beam_m: 13.0, draught_m: 4.3 },
@@ -22,17 +23,24 @@
 //! let patch = Patch::new([256.0, 128.0], 2.0, [0.0, 0.0])?;
 //! let fleet = Fleet::muster(&[ship], &[(0.0, patch), (2.0, patch)])?;
 //! assert!(!fleet.wakes[0].nodes().is_empty() && fleet.strips.len() == 1);
+//! let waves = fleet.waves(&patch, Selection::HEIGHT, 2.0)?;
+//! let summed = fleet.wakes[0].at(patch.centre_m(patch.key(40)), 2.0)?;
+//! assert!((waves.height_m[40] - summed.height_m).abs() < 1e-6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use super::surface::{Fields, Grid, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
-use super::wake::{Course, Reach, Settings, TurbulentStrip, Wake, WakeError};
+use super::wake::{Course, Map, Reach, Settings, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError};
 use crate::scene::ship::HullGiven;
 use crate::scene::{Patch, Ship};
 
 /// By how much the reach of a wake exceeds what the patches at hand ask for: a patch that moves is known at some instants only.
 const MARGIN: f64 = 1.2;
+
+/// Error of [`Fleet::waves`] over the root sum square of the waves, dB: below half a unit of an f32.
+const MAP_ERROR_DB: f64 = -150.0;
 
 /// A turbulent wake under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +72,11 @@ pub struct FleetError {
     pub source: ShipError,
 }
 
+/// The faults of all ships.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct FleetErrors(pub Vec<FleetError>);
+
 /// What is wrong with a ship.
 #[derive(Debug, thiserror::Error)]
 pub enum ShipError {
@@ -73,6 +86,12 @@ pub enum ShipError {
     /// A hull without a length of its own.
     #[error("a Wigley hull needs a length")]
     NoLength,
+    /// A scatterer named like a target.
+    #[error("its scatterer would be named \"{name}\" like a target: allowed are unique names")]
+    NameTaken {
+        /// The name.
+        name: String,
+    },
     /// Its speed.
     #[error(transparent)]
     Kochin(#[from] KochinError),
@@ -99,13 +118,30 @@ pub fn course(ship: &Ship) -> Course {
 }
 
 impl Fleet {
-    /// Prepares ships for the patch as it lies at some times, s after pulse 0.
-    pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetError> {
+    /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are reported.
+    pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetErrors> {
         let mut fleet = Self::default();
+        let mut faults = Vec::new();
         for ship in ships {
-            fleet.enlist(ship, patches).map_err(|source| FleetError { ship: ship.name.clone(), source })?;
+            let enlisted = fleet.enlist(ship, patches);
+            faults.extend(enlisted.err().map(|source| FleetError { ship: ship.name.clone(), source }));
         }
-        Ok(fleet)
+        if faults.is_empty() { Ok(fleet) } else { Err(FleetErrors(faults)) }
+    }
+
+    /// The waves of all ships alone over a patch at a time, s, in the order of the patch.
+    pub fn waves(&self, patch: &Patch, selection: Selection, time_s: f64) -> Result<Fields<f64>, WakeError> {
+        let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
+        let mut stored = Fields::new(&grid, selection);
+        let mut map = Map::<f64>::new(self.wakes.clone(), patch, MAP_ERROR_DB)?;
+        map.add(patch.first, time_s, &mut stored)?;
+        let mut fields = Fields::sized(patch.len(), selection);
+        for (from, to) in stored.columns().into_iter().zip(fields.columns_mut()) {
+            for (facet, to) in to.iter_mut().enumerate() {
+                *to = from[grid.index(patch.key(facet))];
+            }
+        }
+        Ok(fields)
     }
 
     fn enlist(&mut self, ship: &Ship, patches: &[(f64, Patch)]) -> Result<(), ShipError> {

@@ -1,6 +1,7 @@
 //! The built program: exit codes, what goes to which stream, texts.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+mod ais_tool;
 mod inspection;
 #[cfg(feature = "hdf5")]
 mod oracle;
@@ -16,3 +17,5 @@ mod snapshot;
 mod ship_tables;
 mod table_golden;
 mod tables;
+mod wake;
+mod wake_check;

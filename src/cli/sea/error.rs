@@ -8,6 +8,7 @@ use crate::imaging::canvas::PngError;
 use crate::imaging::map_file::MapError;
 use crate::imaging::output::OutputError;
 use crate::imaging::picture::PictureError;
+use crate::imaging::plot::PlotError;
 use crate::sea::realise::RealiseError;
 use crate::sea::surface::StateError;
 use crate::sea::wake::WakeError;
@@ -20,6 +21,24 @@ pub enum SeaError {
     NoSea {
         /// The scenario.
         path: PathBuf,
+    },
+    /// Wind waves alone.
+    #[error("{}: the scenario has no [[ship]]", path.display())]
+    NoShip {
+        /// The scenario.
+        path: PathBuf,
+    },
+    /// A value out of range.
+    #[error("{key} {value} is not allowed; allowed: {min} to {max}")]
+    Range {
+        /// The key.
+        key: &'static str,
+        /// What was given.
+        value: f64,
+        /// Least allowed value.
+        min: f64,
+        /// Greatest allowed value.
+        max: f64,
     },
     /// A channel that the scenario does not have.
     #[error("no channel '{name}'; allowed: {known}")]
@@ -61,6 +80,9 @@ pub enum SeaError {
     /// The picture cannot be drawn.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// The plot cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// The picture cannot be written.
     #[error(transparent)]
     Png(#[from] PngError),
@@ -71,11 +93,14 @@ impl SeaError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::NoSea { .. }
+            | Self::NoShip { .. }
+            | Self::Range { .. }
             | Self::NoChannel { .. }
             | Self::NoPulse { .. }
             | Self::NoHdf5 { .. }
             | Self::Realise(_)
             | Self::Surface(_)
+            | Self::Plot(_)
             | Self::Picture(_) => 2,
             Self::File(error) if error.is_wrong_input() => 2,
             Self::File(_) | Self::Map(_) | Self::State(_) | Self::Png(_) => 1,

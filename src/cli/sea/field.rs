@@ -11,7 +11,7 @@ use crate::sea::surface::{Fields, Selection};
 type LayerOf = (&'static str, &'static str, &'static str, fn(&Fields<f64>) -> &[f64]);
 
 /// The layers of a map.
-pub(super) const LAYERS: [LayerOf; 11] = [
+pub(in crate::cli) const LAYERS: [LayerOf; 11] = [
     ("height_m", "m", "height above the mean surface", |f| &f.height_m),
     ("slope_x", "1", "slope dz/dx, x to the East", |f| &f.slope[0]),
     ("slope_y", "1", "slope dz/dy, y to the North", |f| &f.slope[1]),
@@ -50,7 +50,7 @@ pub enum Field {
 
 impl Field {
     /// What must be evaluated for it.
-    pub(super) fn selection(self) -> Selection {
+    pub(in crate::cli) fn selection(self) -> Selection {
         Selection {
             slopes: matches!(self, Self::Slope | Self::SlopeX | Self::SlopeY),
             velocity: matches!(self, Self::VelocityX | Self::VelocityY | Self::VelocityUp),
@@ -60,7 +60,7 @@ impl Field {
     }
 
     /// Its values, `[iy][ix]`.
-    pub(super) fn values(self, fields: &Fields<f64>) -> Cow<'_, [f64]> {
+    pub(in crate::cli) fn values(self, fields: &Fields<f64>) -> Cow<'_, [f64]> {
         let [slope_x, slope_y] = &fields.slope;
         Cow::Borrowed(match self {
             Self::Height => &fields.height_m,
@@ -75,7 +75,7 @@ impl Field {
         })
     }
 
-    pub(super) fn title(self) -> &'static str {
+    pub(in crate::cli) fn title(self) -> &'static str {
         match self {
             Self::Height => "Height of the sea",
             Self::Slope => "Slope of the sea",
@@ -90,7 +90,7 @@ impl Field {
     }
 
     /// Along the colour bar.
-    pub(super) fn quantity(self) -> &'static str {
+    pub(in crate::cli) fn quantity(self) -> &'static str {
         match self {
             Self::Height => "height, m",
             Self::Slope | Self::SlopeX | Self::SlopeY => "slope",
@@ -99,7 +99,7 @@ impl Field {
         }
     }
 
-    pub(super) fn colours(self) -> ColourMap {
+    pub(in crate::cli) fn colours(self) -> ColourMap {
         if self == Self::Slope { ColourMap::Deep } else { ColourMap::Swell }
     }
 }

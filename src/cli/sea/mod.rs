@@ -1,11 +1,12 @@
 //! `nereus sea`: the sea of a scenario at a time, as a map and a picture, and its state for reuse.
 //!
-//! The map is that of the patch at pulse 0; a patch that follows moves over the same water. Files:
+//! The map is that of the patch at pulse 0; a patch that follows moves over the same water. With ships, whose waves are
+//! part of the map, it lies where it does at the time asked. Files:
 //! [`map_file`](crate::imaging::map_file) with format `nereus-sea`, [`picture`](crate::imaging::picture),
 //! [`state`](crate::sea::surface::state).
 
 mod error;
-mod field;
+pub(super) mod field;
 pub mod snapshot;
 mod summary;
 
@@ -24,10 +25,14 @@ use super::error::CliError;
 use super::run::overrides;
 use super::say;
 use crate::config;
+use crate::imaging::canvas::Canvas;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
 use crate::imaging::output::{FileKind, Output, OutputError, apart};
 use crate::imaging::picture::{Axis, Picture};
+use crate::pipeline::build::BuildErrors;
+use crate::pipeline::outlook::patch_at;
 use crate::scene::Patch;
+use crate::sea::fleet::Fleet;
 use crate::sea::realise::{Realised, realise};
 use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection};
@@ -83,10 +88,15 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
     let [map, picture, state] = outputs(args)?;
     let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
-    let mut sheet = Sheet::new(&realised.surface, selection(args));
-    let mut fields = sheet.fields(&sea.patch);
-    sheet.evaluate(args.time_s, &sea.patch, &mut fields).map_err(SeaError::from)?;
-    let summary = Summary::new(&realised, &sea.patch, &fields, args.time_s);
+    let ships = &run.scene.ships;
+    // Ships do not repeat with the waves of the wind: it matters where the patch lies.
+    let patch = if ships.is_empty() { sea.patch } else { patch_at(&run, sea, args.time_s)? };
+    let fleet = Fleet::muster(ships, &[(args.time_s, patch)]).map_err(BuildErrors::from)?;
+    let sheet = Sheet::new(&realised.surface, selection(args));
+    let mut sheet = sheet.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
+    let mut fields = sheet.fields(&patch);
+    sheet.evaluate(args.time_s, &patch, &mut fields).map_err(SeaError::from)?;
+    let summary = Summary::new(&realised, &patch, &fields, args.time_s);
     for line in summary.lines() {
         say(line);
     }
@@ -94,10 +104,10 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
         save(output, &realised)?;
     }
     if let Some(output) = map {
-        write_map(output, &run.text, &sea.patch, &fields, &summary)?;
+        write_map(output, &run.text, &patch, &fields, &summary)?;
     }
     if let Some(output) = picture {
-        draw(output, args.field, &sea.patch, &fields, args.time_s)?;
+        draw(output, args.field, &patch, &fields, args.time_s)?;
     }
     if args.out.is_none() && args.png.is_none() && args.save_state.is_none() {
         say("no file was asked for: --out, --png, --save-state");
@@ -116,16 +126,22 @@ fn outputs(args: &SeaArgs) -> Result<[Option<Output>; 3], SeaError> {
     if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
         return Err(SeaError::NoHdf5 { out: out.clone() });
     }
-    let plan = |path: &Option<PathBuf>, kind| {
-        path.as_ref().map(|path| Output::plan(path, kind, args.force)).transpose()
-    };
     let outputs = [
-        plan(&args.out, FileKind::Hdf5)?,
-        plan(&args.png, FileKind::Png)?,
-        plan(&args.save_state, FileKind::SeaState)?,
+        plan(args.out.as_ref(), FileKind::Hdf5, args.force)?,
+        plan(args.png.as_ref(), FileKind::Png, args.force)?,
+        plan(args.save_state.as_ref(), FileKind::SeaState, args.force)?,
     ];
     apart(outputs.iter().flatten())?;
     Ok(outputs)
+}
+
+/// A file that was asked for, if it may be made.
+pub(super) fn plan(
+    path: Option<&PathBuf>,
+    kind: FileKind,
+    force: bool,
+) -> Result<Option<Output>, OutputError> {
+    path.map(|path| Output::plan(path, kind, force)).transpose()
 }
 
 /// Everything that is written; the summary wants height and slopes.
@@ -193,15 +209,19 @@ fn draw(
 }
 
 /// Axes of a picture of a patch; facets lie about their centres.
-fn axes(patch: &Patch) -> [Axis<'static>; 2] {
+pub(super) fn axes(patch: &Patch) -> [Axis<'static>; 2] {
     [("East, m", 0), ("North, m", 1)].map(|(label, axis)| {
         let from = (patch.first[axis] as f64 - 0.5) * patch.facet_m;
         Axis { label, from, to: from + patch.size_m()[axis] }
     })
 }
 
-fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError> {
-    let canvas = picture.draw()?;
+pub(super) fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError> {
+    save_canvas(output, &picture.draw()?)
+}
+
+/// Writes a picture that is drawn.
+pub(super) fn save_canvas(output: Output, canvas: &Canvas) -> Result<(), SeaError> {
     output.write(|partial| {
         let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
         let mut file = BufWriter::new(file);

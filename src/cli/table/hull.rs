@@ -5,10 +5,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::body_plan;
 use super::csv::{self, Cell};
 use super::error::{TableError, check};
 use super::sweep::{SpeedSweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::sea::{SeaError, plan, save_canvas};
+use crate::imaging::output::FileKind;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::sea::wake::kochin::{self, Kochin, resistance_coefficient};
 
@@ -24,12 +27,22 @@ pub struct TableHullArgs {
     /// Lengths that it is scaled to, m [its own]
     #[arg(long, value_name = "X,...", value_delimiter = ',')]
     length_m: Vec<f64>,
+    /// Body plan to make, at the first length
+    #[arg(long, value_name = "PATH.png")]
+    png: Option<PathBuf>,
+    /// Overwrite a picture that exists
+    #[arg(long)]
+    force: bool,
 }
 
 /// Prints the table.
 pub(super) fn hull(args: &TableHullArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let hulls = scaled(Hull::load(&args.file).map_err(TableError::from)?, &args.length_m)?;
     csv::bound(&[hulls.len(), QUANTITIES.len()])?;
+    let picture = plan(args.png.as_ref(), FileKind::Png, args.force).map_err(SeaError::from)?;
+    if let (Some(output), Some(hull)) = (picture, hulls.first()) {
+        save_canvas(output, &body_plan::draw(hull).map_err(SeaError::from)?)?;
+    }
     csv::header(out, &["scaled_to_m", "quantity", "computed", "stated", "difference_percent"])?;
     for hull in &hulls {
         let (found, stated) = (Particulars::of(hull), hull.stated());

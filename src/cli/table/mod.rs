@@ -5,6 +5,7 @@
 //! instead ([`sweep`]). Columns bear their units too; decibels of nothing are `-inf`.
 
 mod antenna;
+mod body_plan;
 mod clutter;
 mod csv;
 mod error;
@@ -107,6 +108,7 @@ pub enum Quantity {
     /// Particulars of a hull, those stated in its file beside those of its offsets
     ///
     /// A difference is in percent of what is stated; that of the centre of buoyancy in percent of the length.
+    /// --png draws the body plan.
     Hull(TableHullArgs),
     /// Wave resistance of a thin ship against speed
     ///

@@ -9,6 +9,7 @@ mod place;
 mod platform;
 mod radar;
 mod sea;
+mod ship;
 mod slick;
 mod stream;
 mod target;
@@ -127,6 +128,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ),
         radar.as_ref().map(|radar| 1.0 / radar.emissions.mean_prf_hz()),
     );
+    let ships = ship::ships(&root, &ground);
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
@@ -144,7 +146,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         platforms: platforms.names.into_iter().collect::<Option<_>>()?,
         radar,
         sea: sea?,
-        ships: Vec::new(),
+        ships: ships?,
         targets: targets?,
     };
     Some(Parts {

@@ -34,6 +34,20 @@ pub(super) fn above_sea(section: &Section<'_>, keys: &SurfaceKeys, ground: &Grou
     }
 }
 
+/// A point of the sea given as East and North, or by latitude and longitude.
+pub(super) fn on_sea(
+    section: &Section<'_>,
+    [position_m, lat_deg, lon_deg]: [&'static Key; 3],
+    ground: &Ground,
+) -> Option<[f64; 2]> {
+    if section.has(position_m) && !section.has(lat_deg) && !section.has(lon_deg) {
+        return section.vector(position_m);
+    }
+    let keys = SurfaceKeys { position_m, lat_deg, lon_deg, height_m: None };
+    let [x_m, y_m, _] = above_sea(section, &keys, ground)?.to_array();
+    Some([x_m, y_m])
+}
+
 /// Place of a platform that is fixed or starts a straight line.
 pub(super) fn platform(section: &Section<'_>, ground: &Ground) -> Option<Place> {
     use keys::track::{DATUM, H_M, LAT_DEG, LON_DEG, POSITION_M};

@@ -7,6 +7,7 @@ use crate::scene::sea::{
     Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Shadowing, SlickShape,
     Splitting,
 };
+use crate::scene::ship::HullGiven;
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindProfile, WindStrength,
 };
@@ -500,6 +501,15 @@ fn presets_are_the_configurations_of_the_paper() {
         assert_eq!(sea.water.wind.direction_rad, figure("environment", "wind_dir_deg").to_radians());
         let development = Development::InverseWaveAge(0.84);
         assert_eq!(sea.water.spectrum, SpectrumKind::ElfouhailyFungLee { development });
+        // Middle of the patch and heading along the flight are inferred there too.
+        let [ship] = &scene.ships[..] else { panic!("one ship") };
+        let stated = &golden["environment"]["ship"];
+        assert_eq!(
+            (ship.length_m, ship.position_m, ship.heading_rad),
+            (stated["L_m"].as_f64(), [0.0; 2], 0.0)
+        );
+        assert_eq!(Some(ship.speed_mps), stated["V_m_s"].as_f64());
+        assert!(matches!(&ship.hull, HullGiven::File(path) if path.ends_with("dtmb5415.toml")));
     }
 }
 

@@ -170,7 +170,7 @@ impl SeaPlan {
         let margin = run.margin(sea);
         let patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
         let fleet = Fleet::muster(&scene.ships, &patches)
-            .map_err(|source| faults.push(SeaFault::from(source).into()))
+            .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
             .ok();
         Self::build(scene, sea, realised?, fleet?, run).map_err(|fault| faults.push(fault.into())).ok()
     }

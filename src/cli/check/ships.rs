@@ -1,0 +1,104 @@
+//! What `nereus check` says about ships.
+
+use super::{Described, described, neat};
+use crate::pipeline::outlook::ShipOutlook;
+use crate::scene::Scene;
+use crate::scene::ship::{HullGiven, Ship};
+
+/// Below this Froude number real ships make smaller waves than thin ones.
+const SLOW_FROUDE: f64 = 0.2;
+
+/// What is modelled of ships, and what is not and why.
+pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    if scene.ships.is_empty() {
+        without.push(described("ships and wakes", "no [[ship]]"));
+        return;
+    }
+    for ship in &scene.ships {
+        with.push(described("ship", ship_text(ship)));
+    }
+    let idle = |what: &str, lacks: fn(&Ship) -> bool, why: &str, without: &mut Vec<Described>| {
+        let names: Vec<&str> =
+            scene.ships.iter().filter(|ship| lacks(ship)).map(|ship| ship.name.as_str()).collect();
+        if !names.is_empty() {
+            without.push(described(what, format!("{}: {why}", names.join(", "))));
+        }
+    };
+    idle("waves of ships", |ship| ship.kelvin.is_none(), "wake = false", without);
+    idle("turbulent wakes", |ship| ship.turbulent.is_none(), "turbulent = false", without);
+    idle("echo of ships", |ship| !ship.echo, "echo = false", without);
+    without.push(described(
+        "ships otherwise",
+        "straight courses; no hull among the waves: it hides nothing, breaks no wave, and does not roll or pitch",
+    ));
+}
+
+fn ship_text(ship: &Ship) -> String {
+    let hull = match &ship.hull {
+        HullGiven::File(path) => path.display().to_string(),
+        HullGiven::Wigley { beam_m, draught_m } => {
+            format!("Wigley's hull of {beam_m} m beam and {draught_m} m draught")
+        }
+    };
+    let scaled = ship.length_m.map_or(String::new(), |length_m| format!(", {length_m} m long"));
+    let [e, n] = ship.position_m.map(neat);
+    let towards_deg = ship.heading_rad.to_degrees().rem_euclid(360.0);
+    let heading_deg = neat((90.0 - towards_deg).rem_euclid(360.0));
+    let mut text = format!(
+        "{}: {hull}{scaled}; from {e} m East, {n} m North, heading {heading_deg} deg from North at {} m/s",
+        ship.name, ship.speed_mps
+    );
+    if let Some(kelvin) = &ship.kelvin {
+        text += "; Kelvin wake";
+        if let Some(limit_radpm) = kelvin.band_limit_radpm {
+            text += &format!(" up to {limit_radpm} rad/m");
+        }
+    }
+    if let Some(turbulent) = &ship.turbulent {
+        text += &format!(
+            "; turbulent wake (exponent {}, {} lengths, {} of the wind)",
+            turbulent.spread_exponent, turbulent.decay_lengths, turbulent.wind_ratio
+        );
+    }
+    if ship.echo {
+        text += "; echo of its scatterers";
+    }
+    text
+}
+
+/// The figures that follow from hull and speed.
+pub(super) fn rows(ships: &[ShipOutlook]) -> Vec<Described> {
+    ships.iter().map(|ship| described(&ship.name, figures(ship))).collect()
+}
+
+fn force(newtons: f64) -> String {
+    if newtons < 1e3 { format!("{newtons:.3} N") } else { format!("{:.2} kN", newtons / 1e3) }
+}
+
+/// A ship in a line.
+pub(in crate::cli) fn figures(ship: &ShipOutlook) -> String {
+    let mut text = format!(
+        "{} of {:.1} m, beam {:.2} m, draught {:.2} m, at {} m/s: Froude number {:.3}",
+        ship.hull, ship.length_m, ship.beam_m, ship.draught_m, ship.speed_mps, ship.froude
+    );
+    if let Some(transverse_m) = ship.transverse_wavelength_m {
+        if ship.froude < SLOW_FROUDE {
+            text += &format!(" (below {SLOW_FROUDE} real ships make smaller waves)");
+        }
+        text += &format!(", transverse waves {transverse_m:.2} m long");
+    }
+    if let Some(resistance_n) = ship.resistance_n {
+        text += &format!(", wave resistance {}", force(resistance_n));
+    }
+    text += match ship.waves {
+        "waves" => "; its wake is resolved",
+        "off" => "; no waves asked for",
+        "slow" => "; too slow for waves",
+        "unresolved" => "; its wake is too fine for the facets",
+        _ => "; its wake is beyond the band limit",
+    };
+    if let Some((quantity, percent)) = ship.furthest_particular {
+        text += &format!("; particulars as stated, furthest {quantity} by {percent:.2} %");
+    }
+    text
+}

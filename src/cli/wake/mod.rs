@@ -1,0 +1,223 @@
+//! `nereus wake`: the waves of the ships of a scenario alone, as a map and a picture, as cuts, and what they cost.
+//!
+//! The map is that of the patch where it lies at the time asked. Files: [`map_file`](crate::imaging::map_file) with
+//! format `nereus-wake` and the fields of `nereus sea`, [`picture`](crate::imaging::picture). Cuts ([`cut`]) are those of
+//! one ship each, printed as CSV.
+
+mod cut;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::args::Setting;
+use super::check::ships::figures;
+use super::error::CliError;
+use super::run::overrides;
+use super::say;
+use super::sea::{Field, SeaError, axes, field, plan, save_png};
+use crate::config;
+use crate::imaging::map_file::{Attribute, Layer, MapFile};
+use crate::imaging::output::{FileKind, Output, apart};
+use crate::imaging::picture::Picture;
+use crate::pipeline::build::BuildErrors;
+use crate::pipeline::outlook::{ShipOutlook, patch_at};
+use crate::scene::Patch;
+use crate::sea::fleet::Fleet;
+use crate::sea::surface::{Fields, Selection};
+use cut::{Cut, Line, Way};
+
+/// `nereus wake`
+#[derive(Debug, Args)]
+pub struct WakeArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Time after pulse 0
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub time_s: f64,
+    /// Map to make: every field of the patch (HDF5)
+    #[arg(long, value_name = "PATH.h5")]
+    pub out: Option<PathBuf>,
+    /// Picture to make
+    #[arg(long, value_name = "PATH.png")]
+    pub png: Option<PathBuf>,
+    /// What the picture shows
+    #[arg(long, value_enum, default_value_t = Field::Height)]
+    pub field: Field,
+    /// Cuts along the track, so far to starboard of every ship, m: CSV
+    #[arg(long, value_name = "Y,...", value_delimiter = ',', allow_negative_numbers = true)]
+    pub cut_starboard_m: Vec<f64>,
+    /// Cuts across the track, so far astern of midship of every ship, m: CSV
+    #[arg(long, value_name = "X,...", value_delimiter = ',', allow_negative_numbers = true)]
+    pub cut_astern_m: Vec<f64>,
+    /// Step along a cut, m [default: a facet]
+    #[arg(long, value_name = "M")]
+    pub cut_step_m: Option<f64>,
+    /// Set a key of the scenario, e.g. ship.0.speed_mps=9
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object, cuts included, instead of CSV
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    time_s: f64,
+    facets: [usize; 2],
+    facet_m: f64,
+    /// Lowest and highest water of the map, m.
+    height_range_m: [f64; 2],
+    ships: &'a [ShipOutlook],
+    cuts: &'a [Cut],
+    out: Option<&'a PathBuf>,
+    png: Option<&'a PathBuf>,
+}
+
+/// Makes the files that the arguments ask for, prints cuts, and tells what ships they are.
+pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let run = config::load(&args.config, &overrides(&args.settings))?;
+    for warning in &run.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
+    let ships = &run.scene.ships;
+    if ships.is_empty() {
+        return Err(SeaError::NoShip { path: args.config.clone() }.into());
+    }
+    let lines = lines(args, sea.patch.facet_m)?;
+    let [map, picture] = outputs(args)?;
+    let patch = patch_at(&run, sea, args.time_s)?;
+    let fleet = Fleet::muster(ships, &[(args.time_s, patch)]).map_err(BuildErrors::from)?;
+    let outlooks = ships
+        .iter()
+        .map(|ship| ShipOutlook::of(ship, patch.facet_m).map_err(BuildErrors::from))
+        .collect::<Result<Vec<_>, _>>()?;
+    for ship in &outlooks {
+        say(format_args!("{}: {}", ship.name, figures(ship)));
+    }
+    let fields = fleet.waves(&patch, selection(args), args.time_s).map_err(SeaError::from)?;
+    let height_range_m = fields
+        .height_m
+        .iter()
+        .fold([0.0_f64; 2], |[low, high], height_m| [low.min(*height_m), high.max(*height_m)]);
+    let [low_m, high_m] = height_range_m;
+    say(format_args!("on the map the wakes are {low_m:.3} to {high_m:.3} m high"));
+    // Ships whose waves are off have none in the fleet.
+    let sailing = ships.iter().filter(|ship| ship.kelvin.is_some()).zip(&fleet.wakes);
+    let mut cuts = Vec::new();
+    for (ship, wake) in sailing {
+        for line in &lines {
+            cuts.push(Cut::of(&ship.name, wake, line, &patch, args.time_s).map_err(SeaError::from)?);
+        }
+    }
+    if let Some(output) = map {
+        write_map(output, &run.text, &patch, &fields, args.time_s)?;
+    }
+    if let Some(output) = picture {
+        draw(output, args, &patch, &fields, &outlooks)?;
+    }
+    if args.out.is_none() && args.png.is_none() && lines.is_empty() {
+        say("nothing was asked for: --out, --png, --cut-starboard-m, --cut-astern-m");
+    }
+    if args.json {
+        let report = Report {
+            time_s: args.time_s,
+            facets: patch.facets,
+            facet_m: patch.facet_m,
+            height_range_m,
+            ships: &outlooks,
+            cuts: &cuts,
+            out: args.out.as_ref(),
+            png: args.png.as_ref(),
+        };
+        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
+        writeln!(out, "{text}").map_err(CliError::Output)
+    } else if lines.is_empty() {
+        Ok(())
+    } else {
+        cut::print(&cuts, out).map_err(CliError::Output)
+    }
+}
+
+/// The lines along which cuts are made.
+fn lines(args: &WakeArgs, facet_m: f64) -> Result<Vec<Line>, SeaError> {
+    let step_m = args.cut_step_m.unwrap_or(facet_m);
+    let starboard = args.cut_starboard_m.iter().map(|at_m| (Way::Along, *at_m));
+    let astern = args.cut_astern_m.iter().map(|at_m| (Way::Across, *at_m));
+    starboard.chain(astern).map(|(way, at_m)| Line::new(way, at_m, step_m)).collect()
+}
+
+fn outputs(args: &WakeArgs) -> Result<[Option<Output>; 2], SeaError> {
+    if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
+        return Err(SeaError::NoHdf5 { out: out.clone() });
+    }
+    let outputs = [
+        plan(args.out.as_ref(), FileKind::Hdf5, args.force)?,
+        plan(args.png.as_ref(), FileKind::Png, args.force)?,
+    ];
+    apart(outputs.iter().flatten())?;
+    Ok(outputs)
+}
+
+/// What must be evaluated.
+fn selection(args: &WakeArgs) -> Selection {
+    match (&args.out, &args.png) {
+        (Some(_), _) => Selection::ALL,
+        (None, Some(_)) => args.field.selection(),
+        (None, None) => Selection::HEIGHT,
+    }
+}
+
+fn write_map(
+    output: Output,
+    config: &str,
+    patch: &Patch,
+    fields: &Fields<f64>,
+    time_s: f64,
+) -> Result<(), SeaError> {
+    let layers = field::LAYERS.map(|(name, unit, meaning, values)| {
+        let values: &[f64] = values(fields);
+        Layer { name, unit, meaning, values }
+    });
+    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
+    let attributes = [
+        ("software", Attribute::Text(&software)),
+        ("config", Attribute::Text(config)),
+        ("time_s", Attribute::Real(time_s)),
+        ("facet_m", Attribute::Real(patch.facet_m)),
+    ];
+    let file = MapFile { format: "nereus-wake", attributes: &attributes, patch, layers: &layers };
+    output.write(|partial| Ok(file.write(partial)?))
+}
+
+fn draw(
+    output: Output,
+    args: &WakeArgs,
+    patch: &Patch,
+    fields: &Fields<f64>,
+    ships: &[ShipOutlook],
+) -> Result<(), SeaError> {
+    let [x, y] = axes(patch);
+    let title = match ships {
+        [ship] => format!("Wake of {} of {:.0} m at {} m/s", ship.hull, ship.length_m, ship.speed_mps),
+        _ => format!("Wakes of {} ships, {} s", ships.len(), args.time_s),
+    };
+    let values = args.field.values(fields);
+    let picture = Picture {
+        title: &title,
+        x,
+        y,
+        quantity: args.field.quantity(),
+        colours: args.field.colours(),
+        scale_bar: Some("m"),
+        ..Picture::new(&values, patch.facets)?
+    };
+    save_png(output, &picture)
+}

@@ -1,0 +1,106 @@
+//! Ships under way.
+
+use super::place;
+use super::target::name;
+use super::{Ground, Names};
+use crate::config::error::Problem;
+use crate::config::keys::{self, MOST_SHIPS};
+use crate::config::section::Section;
+use crate::scene::Ship;
+use crate::scene::ship::{HullGiven, KelvinWake, TurbulentWake};
+
+/// `[[ship]]`.
+pub(super) fn ships(root: &Section<'_>, ground: &Ground) -> Option<Vec<Ship>> {
+    let mut names = Names::new("ship");
+    let mut ships = Vec::new();
+    for (index, section) in root.sections(&keys::root::SHIP).into_iter().enumerate() {
+        name(&section, &keys::ship::NAME, &format!("ship-{index}"), &mut names);
+        ships.push(ship(section, names.names.last().cloned().flatten(), ground));
+    }
+    if !root.has(&keys::root::SEA) {
+        root.idle(&[&keys::root::SHIP], "there is no [sea]");
+    }
+    let count = ships.len() as u64;
+    if count > MOST_SHIPS {
+        let problem = Problem::TooMany { count, what: "ships", allowed: MOST_SHIPS };
+        root.fault(&keys::root::SHIP, problem);
+        return None;
+    }
+    ships.into_iter().collect()
+}
+
+fn ship(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<Ship> {
+    use keys::ship as k;
+    let hull = hull(&section);
+    let length_m = section.number(&k::LENGTH_M);
+    let sound_length = length_m.is_some() || !section.has(&k::LENGTH_M);
+    let position_m = place::on_sea(&section, [&k::POSITION_M, &k::LAT_DEG, &k::LON_DEG], ground);
+    let written = section.exactly_one(&[&k::HEADING_DEG, &k::TOWARDS_DEG]);
+    let (heading_deg, towards_deg) = (section.number(&k::HEADING_DEG), section.number(&k::TOWARDS_DEG));
+    let speed_mps = section.number(&k::SPEED_MPS);
+    let wake = section.flag(&k::WAKE);
+    if wake == Some(false) {
+        section.idle(&[&k::BAND_LIMIT_RADPM], "wake = false");
+    }
+    let band_limit_radpm = section.number(&k::BAND_LIMIT_RADPM);
+    let sound_limit = band_limit_radpm.is_some() || !section.has(&k::BAND_LIMIT_RADPM);
+    let turbulent = section.switched(&k::TURBULENT).map(|section| section.map(turbulent));
+    let echo = section.flag(&k::ECHO);
+    section.finish();
+    written?;
+    if !(sound_length && sound_limit) {
+        return None;
+    }
+    Some(Ship {
+        name: name?,
+        hull: hull?,
+        length_m,
+        position_m: position_m?,
+        heading_rad: towards_deg.or(heading_deg.map(|heading_deg| 90.0 - heading_deg))?.to_radians(),
+        speed_mps: speed_mps?,
+        kelvin: wake?.then_some(KelvinWake { band_limit_radpm }),
+        turbulent: match turbulent? {
+            Some(turbulent) => Some(turbulent?),
+            None => None,
+        },
+        echo: echo?,
+    })
+}
+
+fn hull(section: &Section<'_>) -> Option<HullGiven> {
+    use keys::ship::{BEAM_M, DRAUGHT_M, HULL, LENGTH_M};
+    match section.file_or(&HULL) {
+        Some(Some(path)) => {
+            section.idle(&[&BEAM_M, &DRAUGHT_M], "the hull is that of a file");
+            Some(HullGiven::File(path))
+        }
+        Some(None) => {
+            if !section.has(&LENGTH_M) {
+                let allowed = LENGTH_M.kind.allowed();
+                section.fault(&LENGTH_M, Problem::NeedsLength { allowed });
+            }
+            let (beam_m, draught_m) = (section.number(&BEAM_M), section.number(&DRAUGHT_M));
+            Some(HullGiven::Wigley { beam_m: beam_m?, draught_m: draught_m? })
+        }
+        None => {
+            // It is not known whether these belong here: they are read where they are written.
+            for key in [&BEAM_M, &DRAUGHT_M].into_iter().filter(|key| section.has(key)) {
+                section.number(key);
+            }
+            None
+        }
+    }
+}
+
+fn turbulent(section: Section<'_>) -> Option<TurbulentWake> {
+    use keys::turbulent::{DECAY_LENGTHS, SPREAD_EXPONENT, WIND_RATIO};
+    let spread_exponent = section.number(&SPREAD_EXPONENT);
+    let decay_lengths = section.number(&DECAY_LENGTHS);
+    let wind_ratio = section.number(&WIND_RATIO);
+    section.finish();
+    Some(TurbulentWake {
+        spread_exponent: spread_exponent?,
+        decay_lengths: decay_lengths?,
+        wind_ratio: wind_ratio?,
+    })
+}

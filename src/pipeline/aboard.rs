@@ -1,0 +1,82 @@
+//! What ships carry: the scatterers of their hulls become point targets.
+//!
+//! A scatterer stays where its hull's file has it (forward, starboard, down of midship at the waterline) and sails with
+//! the ship: height above the mean sea `-down`, velocity that of the ship. Its name is `<ship>.<scatterer>`, its echo that
+//! of a sphere of the radar cross section in the file, whatever the length to which the hull is scaled. Limits: the ship
+//! does not heave, roll or pitch, nothing hides its scatterers, and like every target they sail straight on, off the sea
+//! of a curved earth (by 0.8 m after 3.2 km).
+//!
+//! ```
+//! use nereus::pipeline::aboard::{place, Scatters};
+//! use nereus::frames::{Body, Earth, Point, SceneFrame};
+//! let ship = Scatters { position_m: [100.0, 50.0], heading_rad: 0.0, speed_mps: 5.0 };
+//! // Ahead is East, starboard South, down below the sea.
+//! let mast = place(&SceneFrame::plain(Earth::Flat), &ship, Point::<Body>::new(10.0, 2.0, -30.0));
+//! assert_eq!(mast.to_array(), [110.0, 48.0, 30.0]);
+//! ```
+
+use std::borrow::Cow;
+
+use crate::frames::{Body, Enu, Point, SceneFrame, Vector};
+use crate::scene::{Scene, Ship, Target};
+use crate::sea::fleet::{self, FleetError, FleetErrors, ShipError};
+
+/// Where a ship is at pulse 0, and how it sails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatters {
+    /// Midship, East and North, m.
+    pub position_m: [f64; 2],
+    /// Heading, from East counter-clockwise, radians.
+    pub heading_rad: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+}
+
+/// Where a point of a ship is in the scene.
+pub fn place(frame: &SceneFrame, ship: &Scatters, point: Point<Body>) -> Point<Enu> {
+    let [forward_m, starboard_m, down_m] = point.to_array();
+    let (sin, cos) = ship.heading_rad.sin_cos();
+    let x_m = ship.position_m[0] + forward_m * cos + starboard_m * sin;
+    let y_m = ship.position_m[1] + forward_m * sin - starboard_m * cos;
+    frame.above_sea(x_m, y_m, -down_m)
+}
+
+/// The scene with the scatterers of its ships among its targets, and no ship that echoes by itself any more.
+pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
+    if !scene.ships.iter().any(|ship| ship.echo) {
+        return Ok(Cow::Borrowed(scene));
+    }
+    let mut extended = scene.clone();
+    let mut faults = Vec::new();
+    for ship in scene.ships.iter().filter(|ship| ship.echo) {
+        match targets(ship, &scene.frame, &extended.targets) {
+            Ok(found) => extended.targets.extend(found),
+            Err(source) => faults.push(FleetError { ship: ship.name.clone(), source }),
+        }
+    }
+    extended.ships.iter_mut().for_each(|ship| ship.echo = false);
+    if faults.is_empty() { Ok(Cow::Owned(extended)) } else { Err(FleetErrors(faults)) }
+}
+
+fn targets(ship: &Ship, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Target>, ShipError> {
+    let hull = fleet::hull(ship)?;
+    let Ship { position_m, heading_rad, speed_mps, .. } = *ship;
+    let at = Scatters { position_m, heading_rad, speed_mps };
+    let (sin, cos) = heading_rad.sin_cos();
+    let mut found: Vec<Target> = Vec::new();
+    for scatterer in hull.scatterers() {
+        // Names of targets become groups of recordings; that of a scatterer is any text.
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '-' };
+        let name = format!("{}.{}", ship.name, scatterer.name.chars().map(plain).collect::<String>());
+        if known.iter().chain(&found).any(|target| target.name == name) {
+            return Err(ShipError::NameTaken { name });
+        }
+        found.push(Target {
+            name,
+            position: place(frame, &at, scatterer.position),
+            velocity: Vector::new(speed_mps * cos, speed_mps * sin, 0.0),
+            scattering: Target::sphere(scatterer.rcs_m2),
+        });
+    }
+    Ok(found)
+}
