@@ -101,6 +101,14 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         say(format_args!("warning: {missed}"));
         report.warnings.push(missed.to_owned());
     }
+    if forecast.real_time_factor < 1.0 && run.stream.pace == Pace::Realtime {
+        let slow = format!(
+            "{} times real time on this machine: a run in real time falls behind; --pace fast, or stream.pace = \"fast\"",
+            digits(forecast.real_time_factor)
+        );
+        say(format_args!("warning: {slow}"));
+        report.warnings.push(slow);
+    }
     report.forecast = Some(forecast);
     let text = if args.json { json(&report)? } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
@@ -135,17 +143,36 @@ fn text(report: &Report) -> String {
     text
 }
 
+/// Two digits, or all before the point.
+fn digits(value: f64) -> String {
+    if !(value > 0.0 && value.is_finite()) {
+        return format!("{value}");
+    }
+    let decimals = (1 - value.log10().floor() as i64).clamp(0, 12) as usize;
+    format!("{value:.decimals$}")
+}
+
 fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
     vec![
         described(
             "speed",
             format!(
-                "{:.0} pulses/s with {} threads ({} pulses made for this forecast): {:.2} times real time",
-                forecast.pulses_per_s, forecast.threads, forecast.trial_pulses, forecast.real_time_factor
+                "{} pulses/s with {} threads ({} pulses made for this forecast): {} times real time",
+                digits(forecast.pulses_per_s),
+                forecast.threads,
+                forecast.trial_pulses,
+                digits(forecast.real_time_factor)
             ),
         ),
+        described(
+            "memory of the sea",
+            format!("about {} MiB with {} threads", forecast.sea_bytes >> 20, forecast.threads),
+        ),
         described("in the window", format!("up to {} targets", forecast.targets_in_window)),
-        described("at pace fast", format!("about {:.1} s", forecast.pulses as f64 / forecast.pulses_per_s)),
+        described(
+            "at pace fast",
+            format!("about {} s", digits(forecast.pulses as f64 / forecast.pulses_per_s)),
+        ),
         described(
             "recording",
             format!(

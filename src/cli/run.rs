@@ -14,6 +14,7 @@ use super::progress;
 use super::say;
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
+use crate::pipeline::outlook::outlook;
 use crate::sinks::Kind;
 use crate::sinks::sink::SinkReport;
 use crate::transport;
@@ -37,6 +38,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         say(format_args!("warning: {warning}"));
     }
     let stream = build::stream(&run, pulses)?;
+    for warning in outlook(&run)?.iter().flat_map(|sea| &sea.warnings) {
+        say(format_args!("warning: {warning}"));
+    }
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }

@@ -118,6 +118,21 @@ pub enum BuildError {
         /// Pulses of the run.
         pulses: u64,
     },
+    /// More than the machine has.
+    #[error(
+        "a sea of {facets} facets takes about {needed_mib} MiB with {threads} threads, {available_mib} MiB are available; \
+         allowed: fewer facets (scene.patch_size_m, scene.facet_m) or fewer stream.threads"
+    )]
+    Memory {
+        /// Facets of the patch.
+        facets: usize,
+        /// Workers, each with a sea of its own.
+        threads: usize,
+        /// What they need.
+        needed_mib: u64,
+        /// What is free.
+        available_mib: u64,
+    },
     /// The worker threads.
     #[error("worker threads: {0}")]
     Pool(#[from] ThreadPoolBuildError),
@@ -253,6 +268,7 @@ pub struct PulseStream {
     sinks: Vec<sinks::Settings>,
     pool: ThreadPool,
     notes: Vec<TrackNote>,
+    sea_bytes: u64,
 }
 
 /// How a run ended.
@@ -269,6 +285,21 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let scene = &run.scene;
     if range.is_empty() || range.end > scene.pulses {
         faults.push(BuildError::Range { from: range.start, to: range.end, pulses: scene.pulses });
+    }
+    let threads = match run.stream.threads {
+        0 => thread::available_parallelism().map_or(1, usize::from),
+        n => n,
+    };
+    let needed = sea_bytes(scene, &run.fidelity, threads);
+    if let Some(available) = available_bytes().filter(|available| needed > *available) {
+        let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len());
+        faults.push(BuildError::Memory {
+            facets,
+            threads,
+            needed_mib: needed >> 20,
+            available_mib: available >> 20,
+        });
+        return Err(BuildErrors(faults));
     }
     let built = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)
         .and_then(|(tracks, notes)| Ok((factory_of(scene, tracks, &run.fidelity)?, notes)));
@@ -299,10 +330,6 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
             return Err(BuildErrors(faults));
         }
     };
-    let threads = match run.stream.threads {
-        0 => thread::available_parallelism().map_or(1, usize::from),
-        n => n,
-    };
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("generation {i}"))
@@ -313,7 +340,37 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let scene = aboard::with_scatterers(scene)?;
     let header = header(run, &scene, &factory, &schedule);
     header.check()?;
-    Ok(PulseStream { factory, settings: run.stream, schedule, header, sinks: run.sinks.clone(), pool, notes })
+    Ok(PulseStream {
+        factory,
+        settings: run.stream,
+        schedule,
+        header,
+        sinks: run.sinks.clone(),
+        pool,
+        notes,
+        sea_bytes: needed,
+    })
+}
+
+/// Memory that one worker takes for a facet: fields of the surface and of the patch, phases, visibility, and contacts, of
+/// which a block has four lists and their polynomials. Found from the resident memory of the paper's first scene.
+const FACET_BYTES: [u64; 2] = [700, 1250];
+
+/// About what the sea of a scene takes, bytes.
+pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
+    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
+    let each = match fidelity {
+        Fidelity::Reference => FACET_BYTES[0],
+        Fidelity::Fast { .. } => FACET_BYTES[1],
+    };
+    facets.saturating_mul(each).saturating_mul(threads as u64)
+}
+
+/// Memory that the system says it can give, bytes; `None` where it does not say.
+fn available_bytes() -> Option<u64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }
 
 fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule) -> Header {
@@ -422,6 +479,11 @@ impl PulseStream {
         &self.pool
     }
 
+    /// About what the sea takes in all workers, bytes.
+    pub(super) fn sea_bytes(&self) -> u64 {
+        self.sea_bytes
+    }
+
     /// Slots of the ring and of all queues.
     pub(super) fn waiting_pulses(&self) -> usize {
         self.settings.ring_slots + self.sinks.iter().map(|sink| sink.queue_pulses).sum::<usize>()
@@ -452,7 +514,7 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<RunOutcome, BuildErrors> {
-        let Self { factory, settings, schedule, header, sinks, pool, notes: _ } = self;
+        let Self { factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _ } = self;
         let range = schedule.first..schedule.end();
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
         if let Some(status) = status {

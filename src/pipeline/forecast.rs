@@ -27,6 +27,8 @@ pub struct Forecast {
     pub pulse_bytes: usize,
     /// Memory of the ring and of the sinks' queues, bytes.
     pub memory_bytes: u64,
+    /// The sea in all workers, bytes, about.
+    pub sea_bytes: u64,
     /// What every recording sink will hold, bytes.
     pub recording_bytes: u64,
     /// Data rate at the pulse repetition frequency, bytes per second.
@@ -48,19 +50,35 @@ impl PulseStream {
         let schedule = self.schedule();
         let threads = self.threads();
         let mut hands: Vec<_> = (0..threads).map(|_| (factory.slot(), factory.workspace())).collect();
-        // Each worker walks over the whole run in strides that visit every part of it.
-        let stride = (schedule.count / 64).max(1);
+        // Whole blocks, and each worker walks over the whole run in strides that visit every part of it.
+        let block = factory.block_pulses();
+        let blocks = schedule.count.div_ceil(block).max(1);
+        let stride = (blocks / 64).max(1);
+        let pulses_of = |step: u64| {
+            let first = schedule.first + step % blocks * block;
+            first - first % block..(first - first % block + block).min(schedule.end())
+        };
+        if block > 1 {
+            // The first block of a worker also takes its memory into use.
+            self.pool().install(|| {
+                hands.par_iter_mut().enumerate().try_for_each(|(hand, (slot, work))| {
+                    factory.make(pulses_of(hand as u64).start, slot, work)
+                })
+            })?;
+        }
         let begun = Instant::now();
         let made = self.pool().install(|| {
             hands
                 .par_iter_mut()
                 .enumerate()
                 .map(|(hand, (slot, work))| {
-                    let mut made = 0;
+                    let (mut made, mut step) = (0, 1 + hand as u64);
                     while made == 0 || begun.elapsed() < TRIAL {
-                        let step = (made * threads as u64 + hand as u64).wrapping_mul(stride);
-                        factory.make(schedule.first + step % schedule.count, slot, work)?;
-                        made += 1;
+                        for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
+                            factory.make(index, slot, work)?;
+                            made += 1;
+                        }
+                        step += threads as u64;
                     }
                     Ok(made)
                 })
@@ -86,6 +104,7 @@ impl PulseStream {
             threads,
             pulse_bytes,
             memory_bytes: (self.waiting_pulses() * pulse_bytes) as u64,
+            sea_bytes: self.sea_bytes(),
             recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
             bytes_per_s: prf_hz * pulse_bytes as f64,
             targets_in_window,

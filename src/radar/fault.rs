@@ -68,6 +68,11 @@ pub enum RadarError {
     },
 }
 
+/// Three digits are enough.
+fn figure(value: f64) -> String {
+    if value >= 100.0 { format!("{value:.0}") } else { format!("{value:.3}") }
+}
+
 fn listed(faults: &[RadarFault]) -> String {
     faults.iter().map(|fault| format!("\n  {fault}")).collect()
 }
@@ -153,6 +158,20 @@ pub enum SeaFault {
     /// It cannot cast shadows.
     #[error(transparent)]
     Shadow(#[from] ShadowError),
+    /// A patch that moves too far between updates.
+    #[error(
+        "the patch that follows moves by {rows} facets between two updates of its shadows (and within a block of pulses): \
+         at most {most}, its own length, are allowed; sea.shadow.update_ms below {} ms, or a larger patch",
+        figure(*update_ms)
+    )]
+    SlowUpdates {
+        /// Facets that it moves.
+        rows: usize,
+        /// Facets along its longer side.
+        most: usize,
+        /// Time between updates that would do, ms.
+        update_ms: f64,
+    },
     /// More antennas than its shadows are followed for.
     #[error("shadows are followed for at most {most} antennas, the scene has {antennas}")]
     Antennas {

@@ -28,6 +28,8 @@ use crate::sea::wake::{Wake, WakeError};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
+/// Rows that a patch may always move between updates of its shadows, however small it is.
+const LEAST_MARGIN: usize = 64;
 /// Faster than any water, m/s.
 const FASTEST_WATER_MPS: f64 = 100.0;
 /// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
@@ -72,14 +74,16 @@ pub(super) struct Run {
 impl Run {
     /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet asked for
     /// until the next: what the patch moves between the two, and while a block keeps that of its first pulse.
-    fn margin(&self, sea: &Sea) -> usize {
-        match (&sea.place, &sea.shadow) {
-            (PatchPlace::Follow { .. }, Some(shadow)) => {
-                let way_m = self.patch_mps * (shadow.update_s + self.block_s);
-                (way_m / sea.patch.facet_m).ceil() as usize + 1
-            }
-            _ => 0,
+    fn margin(&self, sea: &Sea) -> Result<usize, SeaFault> {
+        let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, &sea.shadow) else { return Ok(0) };
+        let facet_m = sea.patch.facet_m;
+        let rows = (self.patch_mps * (shadow.update_s + self.block_s) / facet_m).ceil() as usize + 1;
+        let most = sea.patch.facets[0].max(sea.patch.facets[1]).max(LEAST_MARGIN);
+        if rows > most {
+            let update_ms = 1e3 * ((most - 1) as f64 * facet_m / self.patch_mps - self.block_s).max(0.0);
+            return Err(SeaFault::SlowUpdates { rows, most, update_ms });
         }
+        Ok(rows)
     }
 }
 
@@ -167,7 +171,7 @@ impl SeaPlan {
     pub fn new(scene: &Scene, sea: &Sea, run: &Run, faults: &mut Vec<RadarFault>) -> Option<Self> {
         let realised =
             realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
-        let margin = run.margin(sea);
+        let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
         let fleet = Fleet::muster(&scene.ships, &patches)
             .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
@@ -213,7 +217,7 @@ impl SeaPlan {
             };
             let settings =
                 shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
-            let margin = run.margin(sea);
+            let margin = run.margin(sea)?;
             let visibility =
                 Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
             // Whether its maps are legal shows here and not at the first pulse.

@@ -243,7 +243,8 @@ impl Measured {
             faults.push(1 + before.iter().filter(|byte| **byte == b'\n').count(), What::Encoding);
             faults.clone()
         })?;
-        let rows = rows(text, &mut faults);
+        // Spreadsheets put a mark before the text.
+        let rows = rows(text.strip_prefix('\u{feff}').unwrap_or(text), &mut faults);
         if rows.is_empty() && faults.count > 0 {
             return Err(faults);
         }

@@ -39,7 +39,10 @@ const MAX_AMPLITUDE_M: f64 = 1e6;
 pub enum StateError {
     /// Reading or writing failed.
     #[error("sea state: {0}")]
-    Io(#[from] io::Error),
+    Io(#[source] io::Error),
+    /// Less than the header says.
+    #[error("sea state: the file ends too early")]
+    Truncated,
     /// Another kind of file.
     #[error("sea state: the file does not begin with NEREUSEA")]
     Magic,
@@ -72,6 +75,12 @@ pub enum StateError {
     /// More bytes than the header says.
     #[error("sea state: bytes follow after the end")]
     Trailing,
+}
+
+impl From<io::Error> for StateError {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::UnexpectedEof { Self::Truncated } else { Self::Io(error) }
+    }
 }
 
 /// FNV-1a, 64 bit.
