@@ -57,17 +57,18 @@ fn the_map_has_every_channel_and_what_the_window_hears() {
     let folder = tempfile::tempdir().unwrap();
     // A window that ends within the patch.
     let ended =
-        snapshot(folder.path(), &["--pulse", "250", "--out", "f.h5", "--set", "radar.window.samples=170"]);
+        snapshot(folder.path(), &["--pulse", "250", "--out", "f.h5", "--set", "radar.window.samples=118"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let file = hdf5::File::open(folder.path().join("f.h5")).unwrap();
     let read = |name: &str| file.dataset(name).unwrap().read_raw::<f32>().unwrap();
     for name in ["contribution_dbw_HH", "contribution_dbw_HV", "contribution_dbw_VH", "contribution_dbw_VV"] {
-        assert!(read(name).iter().all(|dbw| (-300.0..-100.0).contains(dbw)), "{name}");
+        // In the nulls of the antennas there is next to nothing, but no facet is dark.
+        assert!(read(name).iter().all(|dbw| dbw.is_finite() && *dbw < -100.0), "{name}");
     }
     let (delay_us, heard) = (read("delay_us"), read("heard"));
-    // The window opens at 26.8 us and listens 32 samples beyond its 170.
+    // The window opens at 26.8 us and listens 32 samples beyond its 118.
     for (delay_us, heard) in delay_us.iter().zip(&heard) {
-        assert_eq!(*heard == 1.0, *delay_us < 26.8 + 2.02 + 1e-4, "{delay_us} us");
+        assert_eq!(*heard == 1.0, *delay_us < 26.8 + 1.50, "{delay_us} us");
     }
     assert!(heard.contains(&0.0) && heard.contains(&1.0));
 }

@@ -262,17 +262,16 @@ fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>>
         section.idle(&[&WIDTH_RAD], "edge = \"sharp\"");
     }
     let rays = section.count(&RAYS_PER_FACET);
-    let update_s = match section.has(&UPDATE_MS) {
-        true => section.number(&UPDATE_MS).map(|ms| ms / 1e3),
-        // Ten pulses are a block of the fast echo: no update lies within one.
-        false => {
-            Some(pri_s.map_or(UPDATE_S, |pri_s| (UPDATE_S / (10.0 * pri_s)).round().max(1.0) * 10.0 * pri_s))
-        }
+    // Ten pulses are a block of the fast echo: no update lies within one.
+    let steps = |pri_s: f64| (UPDATE_S / (10.0 * pri_s)).round().max(1.0) * 10.0 * pri_s;
+    let update_s = match section.number(&UPDATE_MS) {
+        Some(update_ms) => update_ms / 1e3,
+        None => pri_s.map_or(UPDATE_S, steps),
     };
     section.finish();
     let width_rad = if edge? == "sharp" { Some(0.0) } else { width_rad };
     let rays_per_facet = usize::try_from(rays?).ok()?;
-    let shadowing = Shadowing { width_rad, rays_per_facet, update_s: update_s? };
+    let shadowing = Shadowing { width_rad, rays_per_facet, update_s };
     sound.then_some(enabled?.then_some(shadowing))
 }
 

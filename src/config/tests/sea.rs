@@ -126,7 +126,9 @@ fn every_corner_of_the_ranges_of_a_swell_is_a_swell() {
 fn defaults_are_those_of_the_descriptions() {
     let sea = with_sea("{ wind_mps = 7, wind_towards_deg = 90 }");
     assert_eq!(sea.scattering, FacetScattering::default());
-    assert_eq!(sea.shadow, Some(Shadowing::default()));
+    // Ten pulses of a radar at 222 Hz; fewer would be nearer to the 20 ms of the description.
+    let update_s = 10.0 * (1.0 / 222.0);
+    assert_eq!(sea.shadow, Some(Shadowing { update_s, ..Shadowing::default() }));
     assert_eq!(sea.water.spectrum, SpectrumKind::Elfouhaily { development: Development::default() });
     assert_eq!(sea.water.dispersion, Dispersion::default());
     assert_eq!(sea.realisation, Realisation::Drawn { averaging: Averaging::default() });
