@@ -1,6 +1,6 @@
 //! Contacts to samples.
 //!
-//! [`reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`] says which one a run
+//! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`] says which one a run
 //! takes.
 
 pub mod reference;
@@ -9,7 +9,7 @@ pub mod synth;
 /// How echoes are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Fidelity {
-    /// Every pulse from its own contacts, in f64, by [`reference`]: slow, and without error of its own.
+    /// Every pulse from its own contacts, in f64, by [`mod@reference`]: slow, and without error of its own.
     #[default]
     Reference,
     /// Blocks of pulses: contacts at nodes, the rest interpolated, all of it in f32 by [`mod@synth`].
