@@ -1,7 +1,8 @@
 //! The ships of a scene: their hulls found, their wakes prepared for the patch that will be looked at.
 //!
 //! A hull is read (or is Wigley's), scaled to the length asked, and its Kochin function gives the amplitudes of the
-//! free waves; they are prepared as far from the ship as any facet of the given patches lies. Ships that raise no
+//! free waves; they are prepared as far from the ship as any facet of the given patches lies, and fade between 30 and 40
+//! lengths astern. Ships that raise no
 //! waves on these facets (too slow, waves too short) have a wake without waves, and say why ([`Wake::presence`]).
 //!
 //! ```
@@ -31,13 +32,15 @@
 
 use super::surface::{Fields, Grid, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
+use super::wake::map;
 use super::wake::{Course, Map, Reach, Settings, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError};
 use crate::scene::ship::HullGiven;
 use crate::scene::{Patch, Ship};
 
-/// By how much the reach of a wake exceeds what the patches at hand ask for: a patch that moves is known at some instants only.
-const MARGIN: f64 = 1.2;
+/// Distances astern of midship, in lengths of the ship, over which its waves fade: real ones are lost among others and in
+/// turbulence. It bounds what a patch far from its ships costs.
+const FADE_LENGTHS: [f64; 2] = [30.0, 40.0];
 
 /// Error of [`Fleet::waves`] over the root sum square of the waves, dB: below half a unit of an f32.
 const MAP_ERROR_DB: f64 = -150.0;
@@ -149,13 +152,27 @@ impl Fleet {
         let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
         if let (Some(kelvin), Some(&(_, Patch { facet_m, .. }))) = (&ship.kelvin, patches.first()) {
             let mut reach = Reach { along_m: 0.0, across_m: 0.0 };
+            let fade_m = FADE_LENGTHS.map(|lengths| lengths * hull.length_m());
             for &(time_s, ref patch) in patches {
+                // A patch that moves may be anywhere between two of these places, but waves are only asked for within the
+                // wake's end and the patch that touches it.
+                let [x_m, y_m] = patch.size_m();
+                let (end_m, patch_m) = (fade_m[1] + 0.5 * hull.length_m(), x_m.hypot(y_m));
                 let Reach { along_m, across_m } = Reach::of(patch, &course, [time_s, time_s])?;
-                reach.along_m = reach.along_m.max(MARGIN * along_m);
-                reach.across_m = reach.across_m.max(MARGIN * across_m);
+                let moves = patches.iter().any(|(_, other)| other.first != patch.first);
+                let most = Reach {
+                    along_m: end_m + patch_m,
+                    across_m: map::SIDE * fade_m[1] + end_m - fade_m[1] + patch_m,
+                };
+                let wanted = if moves { most } else { Reach { along_m, across_m } };
+                reach.along_m = reach.along_m.max(wanted.along_m.min(most.along_m));
+                reach.across_m = reach.across_m.max(wanted.across_m.min(most.across_m));
             }
-            let settings =
-                Settings { cutoff_rad_m: kelvin.band_limit_radpm, ..Settings::new(facet_m, reach) };
+            let settings = Settings {
+                cutoff_rad_m: kelvin.band_limit_radpm,
+                fade_m: Some(fade_m),
+                ..Settings::new(facet_m, reach)
+            };
             let amplitude_m = |tan_theta| kochin.amplitude_m(tan_theta);
             self.wakes.push(Wake::new(course, hull.length_m(), &settings, amplitude_m)?);
         }

@@ -8,6 +8,7 @@ use nereus::scattering::contact::Contacts;
 use nereus::scattering::kind::{Kind, slick::Slick};
 use nereus::scene::radar::{Aim, AimFrom, Gate, Pattern, Polarisation};
 use nereus::scene::sea::*;
+use nereus::scene::ship::{HullGiven, KelvinWake, Ship, TurbulentWake};
 use nereus::scene::water::*;
 use nereus::scene::{Patch, Scene, Sea};
 use nereus::time::PulseTimes;
@@ -134,6 +135,69 @@ fn doppler_centroid_tells_approaching_from_receding_waves() {
     let (approaching, receding) = (centroid_hz(-TAU / 4.0), centroid_hz(TAU / 4.0));
     println!("VV centroid {approaching:.1} Hz approaching, {receding:.1} Hz receding");
     assert!(approaching > 2.0 && receding < -2.0);
+}
+
+/// A Wigley hull of 20 m at 4 m/s along +x, midship at a place at pulse 0.
+fn launch(position_m: [f64; 2]) -> Ship {
+    Ship {
+        name: "launch".into(),
+        hull: HullGiven::Wigley { beam_m: 3.0, draught_m: 1.2 },
+        length_m: Some(20.0),
+        position_m,
+        heading_rad: 0.0,
+        speed_mps: 4.0,
+        kelvin: Some(KelvinWake::default()),
+        turbulent: Some(TurbulentWake::default()),
+        echo: false,
+    }
+}
+
+#[test]
+fn a_wake_moves_facets_along_one_path_too() {
+    // Waves of the ship on calm water: under its bow, astern of it, and where its wake ends (30 to 40 lengths astern).
+    for ahead_m in [0.0, 40.0, 700.0] {
+        let mut water = sea(16, 1.0, 0.0);
+        water.water.wind.strength = WindStrength::Speed { speed_mps: 3.0, height_m: 10.0 };
+        let mut scene = sea_scene(water);
+        scene.radar.emissions = PulseTimes::uniform(20e3).unwrap();
+        scene.radar.window =
+            nereus::scene::radar::Window { samples: 1000, gate: Gate::Fixed { start_s: 25e-6 } };
+        let calm =
+            evaluate(&scene, &Illumination::new(&scene, PULSE_S, side_looking(&scene)).unwrap(), 100).0;
+        scene.ships = vec![launch([ahead_m, 0.0])];
+        let illumination = Illumination::new(&scene, PULSE_S, side_looking(&scene)).unwrap();
+        let [before, now, after] = [99, 100, 101].map(|k| evaluate(&scene, &illumination, k).0);
+        let (mut worst, mut lifted) = (0f64, 0f64);
+        assert_eq!((now.len(), calm.len()), (256, 256));
+        for i in 0..256 {
+            let slope = (after.delay_s[0][i] - before.delay_s[0][i]) * 20e3 / 2.0;
+            worst = worst.max((slope - now.delay_rate[0][i]).abs() / (2.0 / 299_792_458.0));
+        }
+        // The facets may stand in another order, for the strip is a kind of its own.
+        let mean = |list: &Contacts| list.delay_rate[0].iter().map(|r| r.powi(2)).sum::<f64>();
+        lifted = lifted.max((mean(&now) / mean(&calm) - 1.0).abs());
+        println!(
+            "ship {ahead_m} m ahead: finite difference against rate {worst:.1e} of 1 m/s, motion changed by {lifted:.2e}"
+        );
+        assert!(worst <= 1e-6 && lifted > 1e-6);
+    }
+}
+
+#[test]
+fn a_patch_may_leave_a_ship_behind() {
+    let mut water = sea(32, 2.0, 0.3);
+    let aim = Aim::Point { position: point([0.0; 3]), velocity: vector([2000.0, 500.0, 0.0]) };
+    water.place = PatchPlace::Follow { aim, aim_from: AimFrom::True };
+    water.shadow = Some(Shadowing::default());
+    let mut scene = sea_scene(water);
+    // 4.5 km in 2.2 s: past the end of the wake of one ship, past another.
+    scene.ships = vec![launch([30.0, 0.0]), launch([2500.0, 700.0])];
+    let tracks = at_rest(&scene, [0.0, -3000.0, 3000.0], [0.0, -3000.0, 3000.0]);
+    let illumination = Illumination::new(&scene, PULSE_S, tracks).unwrap();
+    for k in (0..500).step_by(7) {
+        let list = evaluate(&scene, &illumination, k).0;
+        assert!(list.delay_s[0].iter().all(|d| d.is_finite()), "pulse {k}");
+    }
 }
 
 #[test]

@@ -187,12 +187,14 @@ pub struct Settings {
     pub reach: Reach,
     /// What stands ahead of the ship.
     pub upstream: Upstream,
+    /// Where waves begin to fade and where none are left, m astern of midship; `None` for a wake without end.
+    pub fade_m: Option<[f64; 2]>,
 }
 
 impl Settings {
     /// Those of facets of a side, m, with the default band limit, and still water ahead.
     pub fn new(facet_m: f64, reach: Reach) -> Self {
-        Self { facet_m, cutoff_rad_m: None, reach, upstream: Upstream::default() }
+        Self { facet_m, cutoff_rad_m: None, reach, upstream: Upstream::default(), fade_m: None }
     }
 
     fn band(&self) -> Result<Band, WakeError> {
@@ -254,7 +256,7 @@ impl Wake {
         }
         let none = |presence| Self {
             course,
-            window: settings.upstream.window(length_m),
+            window: settings.upstream.window(length_m).fading(settings.fade_m),
             reach,
             facet_m: settings.facet_m,
             presence,

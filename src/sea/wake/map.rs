@@ -45,6 +45,9 @@ pub struct Map<T: Real> {
     planes: [Vec<Complex<T>>; 4],
 }
 
+/// Tangent of the angle astern beyond which a wake with an end has no waves: the cusps lie at 0.354.
+pub(in crate::sea) const SIDE: f64 = 0.8;
+
 /// A pair of fields that is summed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Pair {
@@ -234,13 +237,25 @@ fn astern_range_m(pose: &Pose, patch: &Patch) -> [f64; 2] {
 
 /// Whether some facet may have waves.
 fn touches(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
-    let half_m = wake.window().half_m();
-    !wake.nodes().is_empty() && (half_m < 0.0 || astern_range_m(pose, patch)[1] > -half_m)
+    let window = wake.window();
+    let half_m = window.half_m();
+    let [nearest_m, furthest_m] = astern_range_m(pose, patch);
+    let before_the_end = window.fade_m().is_none_or(|[_, end_m]| {
+        // Beyond twice the Kelvin angle to the side there is nothing either.
+        let side_m = corners_m(patch).map(|corner_m| pose.astern_starboard_m(corner_m)[1]);
+        let aside_m = SIDE * end_m + half_m.max(0.0);
+        nearest_m < end_m
+            && side_m.iter().any(|side| *side > -aside_m)
+            && side_m.iter().any(|side| *side < aside_m)
+    });
+    !wake.nodes().is_empty() && (half_m < 0.0 || furthest_m > -half_m) && before_the_end
 }
 
 /// Whether some facet may be under the edge of the window, or ahead of it.
 fn edge_crosses(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
-    astern_range_m(pose, patch)[0] < wake.window().half_m()
+    let [nearest_m, furthest_m] = astern_range_m(pose, patch);
+    let window = wake.window();
+    nearest_m < window.half_m() || window.fade_m().is_some_and(|[from_m, _]| furthest_m > from_m)
 }
 
 /// Which of the caller's fields are there.

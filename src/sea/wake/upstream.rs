@@ -6,7 +6,8 @@
 //!
 //! `w = 0` for `x <= -L/2`, `(1 + sin(pi x/L))/2` between, `1` for `x >= L/2`,
 //!
-//! which moves with the ship. All else follows from `w z` and `w D` by the product rule, the rate of the
+//! which moves with the ship. A wake may also have an end ([`Window::fading`]): there the window falls from 1 to 0 as a
+//! raised cosine, far astern, where real waves are lost among others. All else follows from `w z` and `w D` by the product rule, the rate of the
 //! window included (`dx/dt = V` at a fixed place, `grad x = -f`):
 //!
 //! | field | value |
@@ -46,8 +47,8 @@ impl Upstream {
     /// The window of a ship of a length, m.
     pub fn window(self, length_m: f64) -> Window {
         match self {
-            Self::RaisedCosine => Window { half_m: 0.5 * length_m },
-            Self::Symmetric => Window { half_m: f64::NEG_INFINITY },
+            Self::RaisedCosine => Window { half_m: 0.5 * length_m, fade_m: None },
+            Self::Symmetric => Window { half_m: f64::NEG_INFINITY, fade_m: None },
         }
     }
 }
@@ -57,6 +58,8 @@ impl Upstream {
 pub struct Window {
     /// Half length of the ship, m; minus infinity for no window.
     half_m: f64,
+    /// Where waves begin to fade and where none are left, m astern of midship.
+    fade_m: Option<[f64; 2]>,
 }
 
 /// A window and its derivatives.
@@ -76,9 +79,31 @@ impl Window {
         self.half_m
     }
 
+    /// The same with an end: waves fade from one distance astern of midship to another, m, both astern of the stern.
+    pub fn fading(self, fade_m: Option<[f64; 2]>) -> Self {
+        Self { fade_m, ..self }
+    }
+
+    /// Where waves begin to fade and where none are left, m astern of midship.
+    pub fn fade_m(&self) -> Option<[f64; 2]> {
+        self.fade_m
+    }
+
     /// At a distance astern of midship, m.
     #[inline]
     pub fn at(&self, astern_m: f64) -> Edge {
+        if let Some([from_m, to_m]) = self.fade_m.filter(|[from_m, _]| astern_m > *from_m) {
+            let scale = PI / (to_m - from_m);
+            if astern_m >= to_m {
+                return Edge { value: 0.0, rate_per_m: 0.0, bend_per_m2: 0.0 };
+            }
+            let (sin, cos) = (scale * (astern_m - from_m)).sin_cos();
+            return Edge {
+                value: 0.5 + 0.5 * cos,
+                rate_per_m: -0.5 * scale * sin,
+                bend_per_m2: -0.5 * scale * scale * cos,
+            };
+        }
         let constant = |value| Edge { value, rate_per_m: 0.0, bend_per_m2: 0.0 };
         if self.half_m < 0.0 || astern_m >= self.half_m {
             return constant(1.0);
