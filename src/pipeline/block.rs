@@ -27,6 +27,12 @@ pub(super) fn block_pulses(spacing: u64) -> u64 {
     (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
 }
 
+/// Pulses of the nodes within a block of so many pulses; in fewer than four the last one is repeated.
+fn places(pulses: usize) -> [usize; NODES] {
+    let last = pulses.saturating_sub(1);
+    std::array::from_fn(|n| if last >= NODES - 1 { n * last / (NODES - 1) } else { n.min(last) })
+}
+
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
     synth: Synth<f32>,
@@ -38,6 +44,9 @@ pub(super) struct BlockEcho {
 pub(super) struct BlockWork {
     /// First pulse and the pulse after the last one.
     held: Option<(u64, u64)>,
+    /// First pulse of the last block that cannot be interpolated: to find out lights updates of the shadows that its pulses do
+    /// not need, so it is asked once.
+    divided: Option<u64>,
     nodes: [Contacts; NODES],
     windows_s: Vec<f64>,
     block: BlockContacts<f32>,
@@ -70,6 +79,7 @@ impl BlockEcho {
     pub fn work(&self, pairs: usize, channels: usize, contacts: usize) -> BlockWork {
         BlockWork {
             held: None,
+            divided: None,
             nodes: std::array::from_fn(|_| Contacts::new(pairs, channels, contacts)),
             windows_s: Vec::with_capacity(self.block_pulses() as usize),
             block: self.synth.block(),
@@ -111,11 +121,14 @@ impl BlockEcho {
         let len = self.block_pulses();
         let first = index / len * len;
         let end = (first + len).min(self.pulses);
-        let places = self.places((end - first) as usize);
+        let places = places((end - first) as usize);
         let mut instants = [first; NODES];
         instants.iter_mut().zip(places).for_each(|(instant, place)| *instant = first + place as u64);
         work.windows_s.clear();
-        if !illumination.hears_itself(&instants, light)? {
+        if work.divided != Some(first) && !illumination.hears_itself(&instants, light)? {
+            work.divided = Some(first);
+        }
+        if work.divided == Some(first) {
             // A pulse by itself: exact contacts, one node.
             illumination.pulse(index, light, &mut work.nodes[0], pulse)?;
             work.windows_s.push(pulse.window_start_s);
@@ -136,22 +149,6 @@ impl BlockEcho {
         }
         self.spread(&places[..count], work)?;
         Ok((first, end))
-    }
-
-    /// Pulses of the nodes within a block of so many pulses; fewer than four repeat the last one.
-    fn places(&self, pulses: usize) -> [usize; NODES] {
-        let last = pulses.saturating_sub(1);
-        let mut places = [last; NODES];
-        if last >= NODES - 1 {
-            for (n, place) in places.iter_mut().enumerate() {
-                *place = n * last / (NODES - 1);
-            }
-        } else {
-            for (n, place) in places.iter_mut().enumerate() {
-                *place = n.min(last);
-            }
-        }
-        places
     }
 
     fn spread(&self, places: &[usize], work: &mut BlockWork) -> Result<(), PulseError> {

@@ -176,7 +176,9 @@ impl SeaPlan {
         let fleet = Fleet::muster(&scene.ships, &patches)
             .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
             .ok();
-        Self::build(scene, sea, realised?, fleet?, run).map_err(|fault| faults.push(fault.into())).ok()
+        Self::build(scene, sea, realised?, fleet?, run, margin)
+            .map_err(|fault| faults.push(fault.into()))
+            .ok()
     }
 
     fn build(
@@ -185,6 +187,7 @@ impl SeaPlan {
         realised: Realised,
         fleet: Fleet,
         run: &Run,
+        margin: usize,
     ) -> Result<Self, SeaFault> {
         let last_s = run.patches.last().map_or(0.0, |&(time_s, _)| time_s);
         let antennas = scene.radar.transmitters.len() + scene.radar.receivers.len();
@@ -217,7 +220,6 @@ impl SeaPlan {
             };
             let settings =
                 shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
-            let margin = run.margin(sea)?;
             let visibility =
                 Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
             // Whether its maps are legal shows here and not at the first pulse.
@@ -406,20 +408,20 @@ impl SeaPlan {
         let mut first = 0;
         while first < patch.len() {
             let end = (first + CHUNK).min(patch.len());
+            let mut kinds = [(0, 0.0); CHUNK];
+            if self.scattering.kinds() > 1 {
+                for (place, index) in (first..end).enumerate() {
+                    kinds[place] = self.scattering.kind_at(patch.centre_m(patch.key(index)), poses);
+                }
+            }
             for kind in 0..self.scattering.kinds() {
                 chunk.clear();
-                for index in first..end {
+                for (index, &(its_kind, cover)) in (first..end).zip(&kinds) {
+                    if its_kind != kind {
+                        continue;
+                    }
                     let key = patch.key(index);
                     let place_m = patch.centre_m(key);
-                    let cover = if self.scattering.kinds() > 1 {
-                        let (its_kind, cover) = self.scattering.kind_at(place_m, poses);
-                        if its_kind != kind {
-                            continue;
-                        }
-                        cover
-                    } else {
-                        0.0
-                    };
                     let scatterer = motion(fields, index, place_m, earth.drop_m(place_m[0], place_m[1]));
                     let visible = |antenna: usize| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, key));
                     if !chunk.see(lighting, transmitters, &scatterer, every, visible) {
