@@ -30,10 +30,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::surface::{Fields, Grid, Selection};
+use super::sheet::Wakes;
+use super::surface::{Fields, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
 use super::wake::map;
-use super::wake::{Course, Map, Reach, Settings, TurbulentStrip, Wake, WakeError};
+use super::wake::{Course, Reach, Settings, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError};
 use crate::scene::ship::HullGiven;
 use crate::scene::{Patch, Ship};
@@ -134,16 +135,8 @@ impl Fleet {
 
     /// The waves of all ships alone over a patch at a time, s, in the order of the patch.
     pub fn waves(&self, patch: &Patch, selection: Selection, time_s: f64) -> Result<Fields<f64>, WakeError> {
-        let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
-        let mut stored = Fields::new(&grid, selection);
-        let mut map = Map::<f64>::new(self.wakes.clone(), patch, MAP_ERROR_DB)?;
-        map.add(patch.first, time_s, &mut stored)?;
         let mut fields = Fields::sized(patch.len(), selection);
-        for (from, to) in stored.columns().into_iter().zip(fields.columns_mut()) {
-            for (facet, to) in to.iter_mut().enumerate() {
-                *to = from[grid.index(patch.key(facet))];
-            }
-        }
+        Wakes::new(&self.wakes, patch, selection, MAP_ERROR_DB)?.add(time_s, patch, &mut fields)?;
         Ok(fields)
     }
 

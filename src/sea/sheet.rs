@@ -45,7 +45,7 @@ pub struct Sheet {
 
 /// Waves of ships over patches of one size.
 #[derive(Clone)]
-struct Wakes {
+pub(super) struct Wakes {
     map: Map<f64>,
     /// The patch as a grid, in whose order the waves are summed.
     grid: Grid,
@@ -64,9 +64,7 @@ impl Sheet {
     pub fn with_wakes(mut self, wakes: &[Wake], patch: &Patch) -> Result<Self, WakeError> {
         self.wakes = None;
         if wakes.iter().any(|wake| !wake.nodes().is_empty()) {
-            let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
-            let map = Map::new(wakes.to_vec(), patch, WAKE_ERROR_DB)?;
-            self.wakes = Some(Wakes { map, grid, fields: Fields::new(&grid, self.selection) });
+            self.wakes = Some(Wakes::new(wakes, patch, self.selection, WAKE_ERROR_DB)?);
         }
         Ok(self)
     }
@@ -102,7 +100,20 @@ impl Sheet {
 }
 
 impl Wakes {
-    fn add(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<f64>) -> Result<(), WakeError> {
+    /// For patches of the size of the given one, with an error in dB over the root sum square of the waves.
+    pub(super) fn new(
+        wakes: &[Wake],
+        patch: &Patch,
+        selection: Selection,
+        error_db: f64,
+    ) -> Result<Self, WakeError> {
+        let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
+        let map = Map::new(wakes.to_vec(), patch, error_db)?;
+        Ok(Self { map, grid, fields: Fields::new(&grid, selection) })
+    }
+
+    /// Adds all waves at a time, s, to fields in the order of a patch.
+    pub(super) fn add(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<f64>) -> Result<(), WakeError> {
         let Self { map, grid, fields } = self;
         if patch.len() != grid.len() {
             return Err(SurfaceError::FieldSize { found: patch.len(), needed: grid.len() }.into());

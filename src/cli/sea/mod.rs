@@ -86,7 +86,10 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
         say(format_args!("warning: {warning}"));
     }
     let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
-    let [map, picture, state] = outputs(args)?;
+    let [map, picture, state] = outputs(
+        [(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png), (&args.save_state, FileKind::SeaState)],
+        args.force,
+    )?;
     let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
     let ships = &run.scene.ships;
     // Ships do not repeat with the waves of the wind: it matters where the patch lies.
@@ -121,16 +124,21 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Map, picture and state, each of which may be made where it is asked for.
-fn outputs(args: &SeaArgs) -> Result<[Option<Output>; 3], SeaError> {
-    if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
-        return Err(SeaError::NoHdf5 { out: out.clone() });
+/// The files that were asked for, each of which may be made, and no two of which are the same.
+pub(super) fn outputs<const N: usize>(
+    asked: [(&Option<PathBuf>, FileKind); N],
+    force: bool,
+) -> Result<[Option<Output>; N], SeaError> {
+    if cfg!(not(feature = "hdf5")) {
+        let hdf5 = asked.iter().filter(|(_, kind)| matches!(kind, FileKind::Hdf5));
+        if let Some(out) = hdf5.filter_map(|(path, _)| path.as_ref()).next() {
+            return Err(SeaError::NoHdf5 { out: out.clone() });
+        }
     }
-    let outputs = [
-        plan(args.out.as_ref(), FileKind::Hdf5, args.force)?,
-        plan(args.png.as_ref(), FileKind::Png, args.force)?,
-        plan(args.save_state.as_ref(), FileKind::SeaState, args.force)?,
-    ];
+    let mut outputs = [const { None }; N];
+    for (output, (path, kind)) in outputs.iter_mut().zip(asked) {
+        *output = plan(path.as_ref(), kind, force)?;
+    }
     apart(outputs.iter().flatten())?;
     Ok(outputs)
 }

@@ -15,11 +15,11 @@ use super::super::args::Setting;
 use super::super::error::CliError;
 use super::super::run::overrides;
 use super::super::say;
-use super::{SeaError, axes, save_png};
+use super::{SeaError, axes, outputs, save_png};
 use crate::config::{self, Run};
 use crate::imaging::colours::ColourMap;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
-use crate::imaging::output::{FileKind, Output, apart};
+use crate::imaging::output::{FileKind, Output};
 use crate::imaging::picture::{Limits, Picture, Reduction};
 use crate::pipeline::build;
 use crate::radar::illumination::snapshot::Snapshot;
@@ -91,7 +91,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     if args.pulse >= scene.pulses {
         return Err(SeaError::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
     }
-    let (map, picture) = outputs(args)?;
+    let [map, picture] = outputs([(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png)], args.force)?;
     let (tracks, _) = build::tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
     let factory = build::factory(scene, tracks)?;
     let made = factory.snapshot(args.pulse, &mut factory.workspace());
@@ -116,18 +116,6 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
         writeln!(out, "{text}").map_err(CliError::Output)?;
     }
     Ok(())
-}
-
-fn outputs(args: &SnapshotArgs) -> Result<(Option<Output>, Option<Output>), SeaError> {
-    if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
-        return Err(SeaError::NoHdf5 { out: out.clone() });
-    }
-    let plan = |path: &Option<PathBuf>, kind| {
-        path.as_ref().map(|path| Output::plan(path, kind, args.force)).transpose()
-    };
-    let (map, picture) = (plan(&args.out, FileKind::Hdf5)?, plan(&args.png, FileKind::Png)?);
-    apart(map.iter().chain(&picture))?;
-    Ok((map, picture))
 }
 
 fn report(args: &SnapshotArgs, names: &[&str], snapshot: &Snapshot) -> Report {

@@ -17,10 +17,10 @@ use super::check::ships::figures;
 use super::error::CliError;
 use super::run::overrides;
 use super::say;
-use super::sea::{Field, SeaError, axes, field, plan, save_png};
+use super::sea::{Field, SeaError, axes, field, outputs, save_png};
 use crate::config;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
-use crate::imaging::output::{FileKind, Output, apart};
+use crate::imaging::output::{FileKind, Output};
 use crate::imaging::picture::Picture;
 use crate::pipeline::build::BuildErrors;
 use crate::pipeline::outlook::{ShipOutlook, patch_at};
@@ -92,7 +92,7 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
         return Err(SeaError::NoShip { path: args.config.clone() }.into());
     }
     let lines = lines(args, sea.patch.facet_m)?;
-    let [map, picture] = outputs(args)?;
+    let [map, picture] = outputs([(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png)], args.force)?;
     let patch = patch_at(&run, sea, args.time_s)?;
     let fleet = Fleet::muster(ships, &[(args.time_s, patch)]).map_err(BuildErrors::from)?;
     let outlooks = ships
@@ -152,18 +152,6 @@ fn lines(args: &WakeArgs, facet_m: f64) -> Result<Vec<Line>, SeaError> {
     let starboard = args.cut_starboard_m.iter().map(|at_m| (Way::Along, *at_m));
     let astern = args.cut_astern_m.iter().map(|at_m| (Way::Across, *at_m));
     starboard.chain(astern).map(|(way, at_m)| Line::new(way, at_m, step_m)).collect()
-}
-
-fn outputs(args: &WakeArgs) -> Result<[Option<Output>; 2], SeaError> {
-    if let (false, Some(out)) = (cfg!(feature = "hdf5"), &args.out) {
-        return Err(SeaError::NoHdf5 { out: out.clone() });
-    }
-    let outputs = [
-        plan(args.out.as_ref(), FileKind::Hdf5, args.force)?,
-        plan(args.png.as_ref(), FileKind::Png, args.force)?,
-    ];
-    apart(outputs.iter().flatten())?;
-    Ok(outputs)
 }
 
 /// What must be evaluated.
