@@ -4,6 +4,7 @@
 //!
 //! | room | what it holds |
 //! | --- | --- |
+//! | [`cpu`] | which instructions inner loops are compiled for |
 //! | [`units`] | physical constants, decibels |
 //! | [`frames`] | points and rotations tagged ECEF, ENU, body, antenna |
 //! | [`time`] | exact emission times |
@@ -28,6 +29,7 @@
 //! Degrees appear at the scenario file and the command line only.
 
 // The order is the order of the rooms (tests/layout.rs reads it), not the alphabet's.
+pub mod cpu;
 pub mod units;
 pub mod frames;
 pub mod time;

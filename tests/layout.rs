@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in the order in which one may use another.
-const ROOMS: [&str; 19] = [
+const ROOMS: [&str; 20] = [
+    "cpu",
     "units",
     "frames",
     "time",

@@ -1,5 +1,6 @@
 //! Delay, Doppler, angles, shadow.
 
+pub mod lanes;
 pub mod light_time;
 pub mod bistatic;
 pub mod shadow;

@@ -7,6 +7,7 @@ pub mod facets;
 pub mod fresnel;
 pub mod kind;
 pub mod kirchhoff;
+pub mod lanes;
 pub mod permittivity;
 pub mod slope_pdf;
 pub mod speckle;

@@ -50,6 +50,8 @@ use num_complex::Complex64;
 use super::kind::Kind;
 use super::kind::clean::Clean;
 use super::kirchhoff::Bend;
+use super::lanes::LaneKind;
+use super::lanes::table::BraggTable;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope, SlopePdf};
 use super::spm;
 use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
@@ -209,6 +211,33 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
             downwind: (cos, sin),
             clean_pdf,
         }
+    }
+
+    /// The spectrum that scatters from clean water, as a table.
+    pub(super) fn bragg_table(&self) -> BraggTable {
+        let pass = |k: f64| self.cut_radpm.map_or(1.0, |cut| high_pass(k, cut));
+        BraggTable::new(&self.psi, pass, self.wavenumber_radpm)
+    }
+
+    /// The kind for facets side by side.
+    pub(super) fn lane_kind(&self, table: &BraggTable) -> LaneKind {
+        let damped = (0..=8).any(|i| self.kind.spectrum_factor(self.wavenumber_radpm * f64::from(i) / 4.0) != 1.0);
+        LaneKind {
+            slopes: [self.clean.slopes, self.covered.slopes],
+            roughness_m2: [self.clean.roughness_m2, self.covered.roughness_m2],
+            skew: self.skew,
+            downwind: [self.downwind.0, self.downwind.1],
+            damping: damped.then(|| table.damping(|k| self.kind.spectrum_factor(k))),
+        }
+    }
+
+    /// Sub-facet tilts in standard deviations along and across the wind, with their weights.
+    pub(super) fn lane_tilts(&self) -> Vec<[f32; 3]> {
+        if !self.averages_tilts() {
+            return vec![[0.0, 0.0, 1.0]];
+        }
+        let nodes = NODES.iter().flat_map(|u| NODES.iter().map(move |c| (u, c)));
+        nodes.map(|(u, c)| [u.0 as f32, c.0 as f32, (u.1 * c.1) as f32]).collect()
     }
 
     /// `K_cut`, rad/m, if there is a cut.

@@ -46,13 +46,15 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use num_complex::Complex64;
+use num_complex::{Complex32, Complex64};
 
 use super::facets::{Facets, LengthError, Phases};
 use super::kind::Kind;
 use super::kind::clean::Clean;
 use super::kind::slick::Slick;
 use super::kind::turbulent_wake::{RatioError, TurbulentWake};
+use super::lanes::table::BraggTable;
+use super::lanes::{LaneKind, LaneWater};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
 use super::spectrum_table::SpectrumTable;
@@ -107,6 +109,9 @@ pub enum SpectrumPath {
 trait Batch: Send + Sync {
     fn scatter(&self, facets: &Facets, phases: Phases, out: [&mut [Complex64]; 4])
     -> Result<(), LengthError>;
+    fn bragg_table(&self) -> BraggTable;
+    fn lane_kind(&self, table: &BraggTable) -> LaneKind;
+    fn lane_tilts(&self) -> Vec<[f32; 3]>;
 }
 
 impl<K: Kind + Send + Sync, F: Fn(f64, f64) -> f64 + Send + Sync> Batch for TwoScale<K, F> {
@@ -117,6 +122,18 @@ impl<K: Kind + Send + Sync, F: Fn(f64, f64) -> f64 + Send + Sync> Batch for TwoS
         out: [&mut [Complex64]; 4],
     ) -> Result<(), LengthError> {
         facets.scatter(self, phases, out)
+    }
+
+    fn bragg_table(&self) -> BraggTable {
+        TwoScale::bragg_table(self)
+    }
+
+    fn lane_kind(&self, table: &BraggTable) -> LaneKind {
+        TwoScale::lane_kind(self, table)
+    }
+
+    fn lane_tilts(&self) -> Vec<[f32; 3]> {
+        TwoScale::lane_tilts(self)
     }
 }
 
@@ -132,6 +149,8 @@ pub struct WaterScattering {
     seed: u64,
     mechanisms: usize,
     permittivity: Complex64,
+    wavenumber_radpm: f64,
+    axis: [f64; 2],
     cut_radpm: Option<f64>,
     moments: Moments,
     spectrum_error: f64,
@@ -259,10 +278,27 @@ impl WaterScattering {
             seed: sight.seed,
             mechanisms,
             permittivity,
+            wavenumber_radpm: medium.wavenumber_radpm(),
+            axis: [cos, sin],
             cut_radpm,
             moments,
             spectrum_error,
         })
+    }
+
+    /// The same water for facets side by side.
+    pub fn lanes(&self) -> LaneWater {
+        let table = self.kinds[0].bragg_table();
+        let contrast = self.permittivity - 1.0;
+        LaneWater {
+            wavenumber_radpm: self.wavenumber_radpm as f32,
+            contrast: Complex32::new(contrast.re as f32, contrast.im as f32),
+            axis: self.axis.map(|c| c as f32),
+            phases: self.phases,
+            tilts: self.kinds[0].lane_tilts(),
+            kinds: self.kinds.iter().map(|kind| kind.lane_kind(&table)).collect(),
+            table: Arc::new(table),
+        }
     }
 
     /// Kinds of surface, the clean one included.

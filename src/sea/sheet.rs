@@ -2,7 +2,7 @@
 //!
 //! A [`Surface`] repeats with its grid; a patch is a window on it, placed anywhere by the global keys of its
 //! facets. Fields of a sheet stand in arrays `[iy][ix]` over the patch. Ships add their waves to those of the wind
-//! ([`Sheet::with_wakes`]); unlike these, they do not repeat.
+//! ([`Sheet::with_wakes`]); unlike these, they do not repeat. In f64 or f32.
 //!
 //! ```
 //! use nereus::scene::Patch;
@@ -15,7 +15,7 @@
 //! let grid = Grid::new(16, 16, 4.0)?;
 //! let surface = Surface::synthesise(grid, &spectrum, Dispersion::default(), 1, Averaging::Automatic)?;
 //! let patch = Patch::new([64.0, 64.0], 4.0, [1000.0, -36.0])?;
-//! let mut sheet = Sheet::new(&surface, Selection::HEIGHT);
+//! let mut sheet = Sheet::<f64>::new(&surface, Selection::HEIGHT);
 //! let mut fields = sheet.fields(&patch);
 //! sheet.evaluate(2.5, &patch, &mut fields)?;
 //! let [x, y] = patch.centre_m(patch.key(37));
@@ -23,36 +23,38 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use super::surface::fields::Real;
 use super::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceError};
 use super::wake::{Map, Wake, WakeError};
 use crate::scene::Patch;
 
-/// Error of the wakes of a sheet over the root sum square of their waves, dB: below the rounding of what follows.
-const WAKE_ERROR_DB: f64 = -140.0;
+/// Error of the wakes of a sheet over the root sum square of their waves, dB: below the rounding of what follows, in f64
+/// and in f32.
+const WAKE_ERROR_DB: [f64; 2] = [-140.0, -95.0];
 
 /// Evaluates a surface over patches; one per thread.
 #[derive(Clone)]
-pub struct Sheet {
+pub struct Sheet<T: Real = f64> {
     grid: Grid,
     selection: Selection,
-    evaluator: Evaluator<f64>,
+    evaluator: Evaluator<T>,
     /// `[iy][ix]` over the grid.
-    whole: Fields<f64>,
+    whole: Fields<T>,
     /// Time at which `whole` stands.
     time_s: Option<f64>,
-    wakes: Option<Wakes>,
+    wakes: Option<Wakes<T>>,
 }
 
 /// Waves of ships over patches of one size.
 #[derive(Clone)]
-pub(super) struct Wakes {
-    map: Map<f64>,
+pub(super) struct Wakes<T: Real = f64> {
+    map: Map<T>,
     /// The patch as a grid, in whose order the waves are summed.
     grid: Grid,
-    fields: Fields<f64>,
+    fields: Fields<T>,
 }
 
-impl Sheet {
+impl<T: Real> Sheet<T> {
     /// For a surface, of which the selected fields are wanted.
     pub fn new(surface: &Surface, selection: Selection) -> Self {
         let grid = *surface.grid();
@@ -64,19 +66,19 @@ impl Sheet {
     pub fn with_wakes(mut self, wakes: &[Wake], patch: &Patch) -> Result<Self, WakeError> {
         self.wakes = None;
         if wakes.iter().any(|wake| !wake.nodes().is_empty()) {
-            self.wakes = Some(Wakes::new(wakes, patch, self.selection, WAKE_ERROR_DB)?);
+            self.wakes = Some(Wakes::new(wakes, patch, self.selection, WAKE_ERROR_DB[usize::from(size_of::<T>() == 4)])?);
         }
         Ok(self)
     }
 
     /// Room for the fields over a patch.
-    pub fn fields(&self, patch: &Patch) -> Fields<f64> {
+    pub fn fields(&self, patch: &Patch) -> Fields<T> {
         Fields::sized(patch.len(), self.selection)
     }
 
     /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have been made
     /// for as many facets, which with ships are those of the patch that they were given.
-    pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<f64>) -> Result<(), WakeError> {
+    pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
         if self.time_s != Some(time_s) {
             self.time_s = None;
             self.evaluator.evaluate(time_s, &mut self.whole)?;
@@ -99,7 +101,7 @@ impl Sheet {
     }
 }
 
-impl Wakes {
+impl<T: Real> Wakes<T> {
     /// For patches of the size of the given one, with an error in dB over the root sum square of the waves.
     pub(super) fn new(
         wakes: &[Wake],
@@ -113,18 +115,18 @@ impl Wakes {
     }
 
     /// Adds all waves at a time, s, to fields in the order of a patch.
-    pub(super) fn add(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<f64>) -> Result<(), WakeError> {
+    pub(super) fn add(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
         let Self { map, grid, fields } = self;
         if patch.len() != grid.len() {
             return Err(SurfaceError::FieldSize { found: patch.len(), needed: grid.len() }.into());
         }
-        fields.columns_mut().into_iter().for_each(|column| column.fill(0.0));
+        fields.columns_mut().into_iter().for_each(|column| column.fill(T::default()));
         map.add(patch.first, time_s, fields)?;
         for (from, to) in fields.columns().into_iter().zip(out.columns_mut()) {
             for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {
                 let key = [patch.first[0], patch.first[1] + iy as i64];
                 go_round(grid, from, key, row, |to, from| {
-                    to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to = *to + *from);
                 });
             }
         }
@@ -133,7 +135,7 @@ impl Wakes {
 }
 
 /// Hands over a row that begins at a global key piece by piece, going round the grid as often as it is long.
-fn go_round(grid: &Grid, from: &[f64], key: [i64; 2], row: &mut [f64], hand: impl Fn(&mut [f64], &[f64])) {
+fn go_round<T>(grid: &Grid, from: &[T], key: [i64; 2], row: &mut [T], hand: impl Fn(&mut [T], &[T])) {
     let begin = grid.index([0, key[1]]);
     let line = &from[begin..begin + grid.nx()];
     let mut at = grid.index([key[0], 0]);

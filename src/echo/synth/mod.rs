@@ -91,7 +91,7 @@ use crate::radar::waveform::Waveform;
 
 pub use self::grid::{Grids, Share};
 pub use self::scalar::Scalar;
-pub use self::variant::Variant;
+pub use crate::cpu::Variant;
 
 /// Channels of one layer.
 const CHANNELS_PER_LAYER: usize = 4;
@@ -266,7 +266,7 @@ impl<T: Scalar> Synth<T> {
         if settings.doppler == Doppler::Shift && waveform.sweep_rate_hz_per_s().is_none() {
             return Err(SynthError::Shift { waveform: waveform.name().to_owned() });
         }
-        let variant = Variant::choose(settings.variant)?;
+        let variant = variant::choose(settings.variant)?;
         // Checks width and oversampling, before they size a grid.
         Kernel::new(settings.width, settings.oversampling)?;
         let pulse_samples = waveform.span_samples(sample_rate_hz);

@@ -233,7 +233,7 @@ impl SeaPlan {
 
     /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
     fn half_slope_change_rad(&self, patch: &Patch) -> Result<f64, SeaFault> {
-        let mut sheet = Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
+        let mut sheet = Sheet::<f64>::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
         let mut fields = sheet.fields(patch);
         sheet.evaluate(0.0, patch, &mut fields)?;
         let map = Map::new(&fields.height_m, patch.facets, patch.facet_m, [0.0, 0.0])?;

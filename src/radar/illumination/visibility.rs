@@ -27,7 +27,7 @@ pub(super) struct Visibility {
 
 /// Weights at one update.
 #[derive(Clone)]
-struct Update {
+pub(super) struct Update {
     number: Option<u64>,
     patch: Patch,
     /// `[antenna]`: `None` where the geometry cannot shadow.
@@ -61,7 +61,7 @@ impl Visibility {
         let grown = patch.grown(self.margin);
         // Refuses what is too large before any memory is taken.
         let shadow = Shadow::new(grown.facets, self.settings)?;
-        let sheet = Sheet::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
+        let sheet = Sheet::<f64>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = Update {
             number: None,
             patch: grown,
@@ -81,8 +81,60 @@ impl Visibility {
         ((from_s + slack_s) / self.update_s).floor() == ((to_s - slack_s) / self.update_s).floor()
     }
 
-    /// The weights `elapsed_s` after pulse 0. `scenery` tells the patch and the place of every antenna at a time, and
+    /// The update before an instant (s after pulse 0), and how far the instant lies towards the next: 0 to 1.
+    pub fn share(&self, elapsed_s: f64) -> (u64, f64) {
+        let number = (elapsed_s.max(0.0) / self.update_s).floor() as u64;
+        let (from_s, to_s) = (self.time_s(number), self.time_s(number + 1));
+        let share =
+            if to_s > from_s { ((elapsed_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0) } else { 0.0 };
+        (number, share)
+    }
+
+    /// Makes an update, unless it is held. `scenery` tells the patch and the place of every antenna at a time, and
     /// `lower` the fall of the mean surface at a place, m.
+    pub fn update<'a, E: From<WakeError> + From<ShadowError>>(
+        &self,
+        updates: &'a mut Updates,
+        wanted: u64,
+        mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
+        lower: impl Fn([f64; 2]) -> f64,
+    ) -> Result<&'a Update, E> {
+        let Updates { sheet, heights, shadow, held } = updates;
+        // Even and odd updates have a place each, so the pair needed next always keeps the one at hand.
+        let update = &mut held[(wanted % 2) as usize];
+        if update.number == Some(wanted) {
+            return Ok(update);
+        }
+        update.number = None;
+        let time_s = self.time_s(wanted);
+        let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
+        let places = &mut places[..self.ends];
+        update.patch = scenery(time_s, places)?.grown(self.margin);
+        sheet.evaluate(time_s, &update.patch, heights)?;
+        let patch = &update.patch;
+        for (index, z) in heights.height_m.iter_mut().enumerate() {
+            *z -= lower(patch.centre_m(patch.key(index)));
+        }
+        let map = Map::new(&heights.height_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
+        let relief = Relief::of(&map);
+        for antenna in 0..places.len() {
+            // Antennas at one place see the same.
+            if let Some(twin) = places[..antenna].iter().position(|place| *place == places[antenna]) {
+                update.lit[antenna] = update.lit[twin];
+                let (before, from) = update.weights.split_at_mut(antenna);
+                from[0].copy_from_slice(&before[twin]);
+                continue;
+            }
+            update.lit[antenna] = relief.cannot_shadow(&map, places[antenna], self.settings);
+            if !update.lit[antenna] {
+                shadow.weights(&map, places[antenna], &mut update.weights[antenna])?;
+            }
+        }
+        update.number = Some(wanted);
+        Ok(update)
+    }
+
+    /// The weights `elapsed_s` after pulse 0; see [`Self::update`].
     pub fn at<'a, E: From<WakeError> + From<ShadowError>>(
         &self,
         updates: &'a mut Updates,
@@ -90,40 +142,25 @@ impl Visibility {
         mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
         lower: impl Fn([f64; 2]) -> f64,
     ) -> Result<Mix<'a>, E> {
-        let number = (elapsed_s.max(0.0) / self.update_s).floor() as u64;
+        let (number, share) = self.share(elapsed_s);
         for wanted in [number, number + 1] {
-            let Updates { sheet, heights, shadow, held } = &mut *updates;
-            // Even and odd updates have a place each, so the pair needed next always keeps the one at hand.
-            let update = &mut held[(wanted % 2) as usize];
-            if update.number == Some(wanted) {
-                continue;
-            }
-            update.number = None;
-            let time_s = self.time_s(wanted);
-            let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
-            let places = &mut places[..self.ends];
-            update.patch = scenery(time_s, places)?.grown(self.margin);
-            sheet.evaluate(time_s, &update.patch, heights)?;
-            let patch = &update.patch;
-            for (index, z) in heights.height_m.iter_mut().enumerate() {
-                *z -= lower(patch.centre_m(patch.key(index)));
-            }
-            let map = Map::new(&heights.height_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
-            let relief = Relief::of(&map);
-            for ((place, lit), weights) in places.iter().zip(&mut update.lit).zip(&mut update.weights) {
-                *lit = relief.cannot_shadow(&map, *place, self.settings);
-                if !*lit {
-                    shadow.weights(&map, *place, weights)?;
-                }
-            }
-            update.number = Some(wanted);
+            self.update(updates, wanted, &mut scenery, &lower)?;
         }
-        let (from_s, to_s) = (self.time_s(number), self.time_s(number + 1));
-        let share =
-            if to_s > from_s { ((elapsed_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0) } else { 0.0 };
         let [even, odd] = &updates.held;
         let (before, after) = if number.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         Ok(Mix { before, after, share })
+    }
+}
+
+impl Update {
+    /// Weight of the facet with a global key from an antenna, 0 to 1.
+    pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
+        if self.lit[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
+    }
+
+    /// Whether an antenna sees every facet whole.
+    pub fn sees_all(&self, antenna: usize) -> bool {
+        self.lit[antenna]
     }
 }
 
@@ -138,10 +175,7 @@ impl Mix<'_> {
 
     /// Weight of the facet with a global key from an antenna, 0 to 1.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
-        let of = |update: &Update| {
-            if update.lit[antenna] { 1.0 } else { update.weights[antenna][update.patch.nearest_index(key)] }
-        };
-        let before = of(self.before);
-        before + self.share * (of(self.after) - before)
+        let before = self.before.weight(antenna, key);
+        before + self.share * (self.after.weight(antenna, key) - before)
     }
 }

@@ -55,13 +55,15 @@ pub(super) fn round_complex<T: Real>(value: Complex<f64>) -> Complex<T> {
     Complex::new(T::round_from(value.re), T::round_from(value.im))
 }
 
-/// Which fields are wanted beside the height (and the vertical acceleration, which comes with it).
+/// Which fields are wanted beside the height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Selection {
     /// Slopes along x and y.
     pub slopes: bool,
     /// Orbital velocity.
     pub velocity: bool,
+    /// Vertical acceleration; costs nothing beside the height.
+    pub vertical_acceleration: bool,
     /// Horizontal orbital acceleration.
     pub horizontal_acceleration: bool,
     /// Horizontal displacement.
@@ -71,10 +73,11 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// The height alone.
+    /// The height, and the vertical acceleration that comes with it.
     pub const HEIGHT: Self = Self {
         slopes: false,
         velocity: false,
+        vertical_acceleration: true,
         horizontal_acceleration: false,
         displacement: false,
         slope_rate: false,
@@ -83,6 +86,7 @@ impl Selection {
     pub const ALL: Self = Self {
         slopes: true,
         velocity: true,
+        vertical_acceleration: true,
         horizontal_acceleration: true,
         displacement: true,
         slope_rate: true,
@@ -116,12 +120,23 @@ impl<T: Real> Fields<T> {
     pub fn sized(facets: usize, selection: Selection) -> Self {
         let make = |wanted: bool| vec![T::default(); if wanted { facets } else { 0 }];
         let pair = |wanted: bool| [make(wanted), make(wanted)];
-        let Selection { slopes, velocity, horizontal_acceleration, displacement, slope_rate } = selection;
+        let Selection {
+            slopes,
+            velocity,
+            vertical_acceleration,
+            horizontal_acceleration,
+            displacement,
+            slope_rate,
+        } = selection;
         Self {
             height_m: make(true),
             slope: pair(slopes),
             velocity_mps: [make(velocity), make(velocity), make(velocity)],
-            acceleration_mps2: [make(horizontal_acceleration), make(horizontal_acceleration), make(true)],
+            acceleration_mps2: [
+                make(horizontal_acceleration),
+                make(horizontal_acceleration),
+                make(vertical_acceleration),
+            ],
             displacement_m: pair(displacement),
             slope_rate_per_s: pair(slope_rate),
         }
