@@ -16,6 +16,8 @@ pub enum Fidelity {
     Fast {
         /// Pulses from node to node.
         node_pulses: u64,
+        /// Pulses from gain to gain.
+        gain_pulses: u64,
         /// The knobs of the echo.
         settings: synth::Settings,
     },

@@ -1,70 +1,92 @@
-//! Pulses in blocks: contacts at a few nodes, everything between them interpolated, all pulses spread at once.
+//! Pulses in blocks: everything found at a few instants, interpolated in between, all pulses spread at once.
 //!
-//! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s` the node spacing), so
-//! that delay, phase and amplitudes are cubics through four nodes ([`crate::echo::synth::block`]). A block that the run cuts short
-//! moves its nodes together. Where pulses hear more than their own emission, where polarisations alternate or intervals differ, where facets
-//! forget their phases, and where an update of shadows that do fall lies within a block, every pulse is a block of
+//! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s` the node spacing). The sea comes
+//! tile by tile ([`crate::radar::illumination::tiles`]) and is spread at once ([`crate::echo::synth::lanes`]); targets and the direct path are
+//! contacts at the gain instants, through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]).
+//! A block that the run cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
+//! alternate or intervals differ, and where facets forget their phases, every pulse is a block of
 //! its own, and nothing is interpolated.
 //!
 //! The patch of a block is that at its first pulse. A block depends on its number and the run alone, so any thread may make
-//! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes
-//! 8.5; antennas that sweep over the facets ask for the closest nodes (3 pulses: -66 dB in the paper's first scene).
+//! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
+
+use std::ops::Range;
 
 use num_complex::Complex64;
 
 use super::stages::PulseError;
-use crate::echo::synth::block::{BlockContacts, MAX_PULSES, Node};
+use crate::cpu::Variant;
+use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
+use crate::echo::synth::lanes::{Batch, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::pulse::Pulse;
+use crate::radar::illumination::tiles::{Instants, NODES, Sample, Tally, TileWork};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
-/// Nodes of a block.
-const NODES: usize = 4;
+/// Power of a facet over the mean below which it is left out: all of them together stay below -75 dB.
+const LEAST_POWER: f64 = 3e-8;
 
 /// Pulses of a block whose nodes are so many pulses apart.
 pub(super) fn block_pulses(spacing: u64) -> u64 {
     (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
 }
 
-/// Pulses of the nodes within a block of so many pulses; in fewer than four the last one is repeated.
-fn places(pulses: usize) -> [usize; NODES] {
+/// Pulses of the nodes within a block of so many pulses, rising, and how many there are.
+fn places(pulses: usize) -> ([usize; NODES], usize) {
     let last = pulses.saturating_sub(1);
-    std::array::from_fn(|n| if last >= NODES - 1 { n * last / (NODES - 1) } else { n.min(last) })
+    if last >= NODES - 1 {
+        (std::array::from_fn(|n| n * last / (NODES - 1)), NODES)
+    } else {
+        (std::array::from_fn(|n| n.min(last)), last + 1)
+    }
 }
 
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
     synth: Synth<f32>,
     spacing: u64,
+    gain_pulses: usize,
     pulses: u64,
+    interval_s: f64,
 }
 
 /// The block at hand, and what makes the next; one per thread.
 pub(super) struct BlockWork {
     /// First pulse and the pulse after the last one.
     held: Option<(u64, u64)>,
-    /// First pulse of the last block that cannot be interpolated: to find out lights updates of the shadows that its pulses do
-    /// not need, so it is asked once.
-    divided: Option<u64>,
+    instants: Instants,
     nodes: [Contacts; NODES],
     windows_s: Vec<f64>,
-    block: BlockContacts<f32>,
+    frame: Frame,
+    part: BlockContacts<f32>,
     grids: Grids<f32>,
     scratch: SynthScratch<f32>,
+    tiles: Option<Box<TileWork>>,
+    lanes: LaneWork,
+    samples: Vec<Sample>,
+    mean_hz: Vec<f64>,
+    tally: Tally,
 }
 
 impl BlockEcho {
-    /// For a run of so many pulses, with nodes `spacing` pulses apart.
+    /// For a run of so many pulses, with nodes `spacing` pulses apart and gains every `gain_pulses`.
     ///
     /// # Errors
     /// Blocks longer than the fast echo can hold.
-    pub fn new(synth: Synth<f32>, spacing: u64, pulses: u64) -> Result<Self, SynthError> {
+    pub fn new(
+        synth: Synth<f32>,
+        spacing: u64,
+        gain_pulses: u64,
+        pulses: u64,
+        interval_s: f64,
+    ) -> Result<Self, SynthError> {
         let block = usize::try_from(block_pulses(spacing)).unwrap_or(usize::MAX);
         if block > MAX_PULSES {
             return Err(SynthError::Pulses { pulses: block });
         }
-        Ok(Self { synth, spacing: spacing.max(1), pulses })
+        let gain_pulses = usize::try_from(gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
+        Ok(Self { synth, spacing: spacing.max(1), gain_pulses, pulses, interval_s })
     }
 
     /// Pulses of a block.
@@ -76,15 +98,22 @@ impl BlockEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(&self, pairs: usize, channels: usize, contacts: usize) -> BlockWork {
+    pub fn work(&self, illumination: &Illumination, pairs: usize, channels: usize, contacts: usize) -> BlockWork {
+        let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
         BlockWork {
             held: None,
-            divided: None,
+            instants: Instants { first: 0, pulses: 0, nodes: [0; NODES], node_count: 0, gain_pulses: self.gain_pulses },
             nodes: std::array::from_fn(|_| Contacts::new(pairs, channels, contacts)),
             windows_s: Vec::with_capacity(self.block_pulses() as usize),
-            block: self.synth.block(),
+            frame: Frame::default(),
+            part: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
+            tiles: illumination.tile_work(variant),
+            lanes: LaneWork::default(),
+            samples: Vec::with_capacity(pairs),
+            mean_hz: Vec::with_capacity(pairs),
+            tally: Tally::default(),
         }
     }
 
@@ -104,8 +133,8 @@ impl BlockEcho {
             work.held = Some(self.prepare(illumination, index, pulse, light, work)?);
         }
         let first = work.held.map_or(index, |(first, _)| first);
-        let BlockWork { block, grids, scratch, .. } = work;
-        self.synth.spectrum(block, grids, (index - first) as usize, scratch, spectrum);
+        let BlockWork { frame, grids, scratch, .. } = work;
+        self.synth.spectrum_in(frame, grids, (index - first) as usize, scratch, spectrum);
         Ok(())
     }
 
@@ -121,48 +150,128 @@ impl BlockEcho {
         let len = self.block_pulses();
         let first = index / len * len;
         let end = (first + len).min(self.pulses);
-        let places = places((end - first) as usize);
-        let mut instants = [first; NODES];
-        instants.iter_mut().zip(places).for_each(|(instant, place)| *instant = first + place as u64);
+        let pulses = (end - first) as usize;
+        let (nodes, node_count) = places(pulses);
+        work.instants = Instants { first, pulses, nodes, node_count, gain_pulses: self.gain_pulses };
+        let heard = nodes.map(|place| first + place as u64);
         work.windows_s.clear();
-        if work.divided != Some(first) && !illumination.hears_itself(&instants, light)? {
-            work.divided = Some(first);
-        }
-        if work.divided == Some(first) {
+        if self.spacing == 1 || !illumination.hears_itself(&heard, light)? {
             // A pulse by itself: exact contacts, one node.
-            illumination.pulse(index, light, &mut work.nodes[0], pulse)?;
+            let contacts = &mut work.nodes[0];
+            illumination.pulse(index, light, contacts, pulse)?;
             work.windows_s.push(pulse.window_start_s);
-            self.spread(&[0], work)?;
+            let node = Node { pulse: 0, contacts };
+            self.synth.fill(&[node], &work.windows_s, &mut work.part)?;
+            check(&work.part)?;
+            self.synth.spread(&work.part, &mut work.grids);
+            work.frame.clone_from(work.part.frame());
             return Ok((index, index + 1));
         }
-        let patch = illumination.patch_of(first)?;
         for at in first..end {
             work.windows_s.push(illumination.window_start_of(at)?);
         }
-        let mut count = 0;
-        for (n, (&place, &instant)) in places.iter().zip(&instants).enumerate() {
-            if n > 0 && place == places[n - 1] {
-                break;
-            }
-            illumination.node(instant, patch.as_ref(), light, &mut work.nodes[n])?;
-            count += 1;
+        let patch = illumination.patch_of(first)?;
+        let BlockWork { instants, samples, tiles, mean_hz, nodes, .. } = &mut *work;
+        samples.clear();
+        if let (Some(patch), Some(tiles)) = (&patch, tiles) {
+            illumination.open_block(instants, patch, light, tiles, samples)?;
         }
-        self.spread(&places[..count], work)?;
+        self.mean_doppler(illumination, first + pulses as u64 / 2, light, samples, &mut nodes[0], mean_hz)?;
+        let BlockWork { instants, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
+        self.synth.frame(windows_s, mean_hz, frame);
+        self.synth.clear_for(pulses, grids);
+        if let (Some(patch), Some(tiles)) = (&patch, tiles) {
+            work.tally = illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, |tile| {
+                for (pair, of_pair) in tile.pairs.iter().enumerate() {
+                    let mut nodes = [None; NODES];
+                    for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
+                        *to = Some(BatchNode {
+                            delay_s: &node.paths.delay_s,
+                            delay_rate: &node.paths.delay_rate,
+                            amplitude: &node.amplitude,
+                        });
+                    }
+                    let batch = Batch {
+                        pair,
+                        count: tile.count,
+                        nodes,
+                        places: instants.nodes,
+                        factor: &of_pair.factor,
+                        interval_s: self.interval_s,
+                    };
+                    self.synth.spread_lanes(&batch, frame, lanes, grids);
+                }
+            });
+        }
+        if illumination.point_count() > 0 {
+            let step = (NODES - 1) * self.gain_pulses;
+            for from in (0..pulses).step_by(step) {
+                self.points(illumination, first, from..(from + step).min(pulses), light, work)?;
+            }
+        }
         Ok((first, end))
     }
 
-    fn spread(&self, places: &[usize], work: &mut BlockWork) -> Result<(), PulseError> {
-        let BlockWork { nodes, windows_s, block, grids, .. } = work;
+    /// Mean Doppler of every pair, weighted by power: of the sea's sample and of targets at a pulse.
+    fn mean_doppler(
+        &self,
+        illumination: &Illumination,
+        index: u64,
+        light: &mut Workspace,
+        samples: &[Sample],
+        contacts: &mut Contacts,
+        mean_hz: &mut Vec<f64>,
+    ) -> Result<(), PulseError> {
+        mean_hz.clear();
+        illumination.points(index, light, contacts)?;
+        let facets = illumination.facets() as f64;
+        for pair in 0..illumination.pairs().len() {
+            let sample = samples.get(pair).copied().unwrap_or_default();
+            let mut power = sample.mean_power_w * facets;
+            let mut sum = power * sample.mean_rate;
+            for (channel, _) in illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
+                let amplitudes = contacts.amplitude[channel].iter();
+                for (a, rate) in amplitudes.zip(&contacts.delay_rate[pair]) {
+                    let own = a.norm_sqr();
+                    if own.is_finite() && rate.abs() < 1.0 {
+                        power += own;
+                        sum += own * rate;
+                    }
+                }
+            }
+            mean_hz.push(if power > 0.0 { self.synth.carrier_hz() * sum / power } else { 0.0 });
+        }
+        Ok(())
+    }
+
+    /// Targets and direct paths of some pulses of the block.
+    fn points(
+        &self,
+        illumination: &Illumination,
+        first: u64,
+        pulses: Range<usize>,
+        light: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<(), PulseError> {
+        let BlockWork { nodes, frame, part, grids, .. } = work;
+        let (at, count) = places(pulses.len());
+        for (node, place) in nodes.iter_mut().zip(&at[..count]) {
+            illumination.points(first + (pulses.start + place) as u64, light, node)?;
+        }
         let mut given = [Node { pulse: 0, contacts: &nodes[0] }; NODES];
-        for ((node, &pulse), contacts) in given.iter_mut().zip(places).zip(nodes.iter()) {
+        for ((node, &pulse), contacts) in given.iter_mut().zip(&at).zip(nodes.iter()) {
             *node = Node { pulse, contacts };
         }
-        self.synth.fill(&given[..places.len()], windows_s, block)?;
-        let unplaced = block.found().unplaced;
-        if unplaced > 0 {
-            return Err(PulseError::Unplaced { unplaced });
-        }
-        self.synth.spread(block, grids);
+        self.synth.fill_part(&given[..count], frame, pulses, part)?;
+        check(part)?;
+        self.synth.spread_part(part, grids);
         Ok(())
+    }
+}
+
+fn check(block: &BlockContacts<f32>) -> Result<(), PulseError> {
+    match block.found().unplaced {
+        0 => Ok(()),
+        unplaced => Err(PulseError::Unplaced { unplaced }),
     }
 }

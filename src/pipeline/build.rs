@@ -248,10 +248,11 @@ pub fn factory_of(
             samples,
             of_channels.to_vec(),
         )),
-        Fidelity::Fast { node_pulses, settings } => {
+        Fidelity::Fast { node_pulses, gain_pulses, settings } => {
             let waveform = Arc::clone(&waveform);
             let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
-            Echo::Fast(BlockEcho::new(synth, node_pulses, scene.pulses)?)
+            let interval_s = radar.emissions.interval_s(0, 1);
+            Echo::Fast(BlockEcho::new(synth, node_pulses, gain_pulses, scene.pulses, interval_s)?)
         }
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());

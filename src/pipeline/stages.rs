@@ -130,7 +130,7 @@ impl PulseFactory {
         let (pairs, channels) = (self.layout.pairs, self.layout.channels);
         let (block, contacts) = match &self.echo {
             Echo::Reference(_) => (None, contacts),
-            Echo::Fast(echo) => (Some(echo.work(pairs, channels, contacts)), 0),
+            Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, contacts)), 0),
         };
         Workspace {
             illumination: self.illumination.workspace(),

@@ -130,6 +130,18 @@ fn jinc(x: f64) -> f64 {
 /// Axes of an antenna frame in ENU (columns x, y, z), as the polarisation routines want them.
 pub type Axes = DMat3;
 
+/// The field of a port: shares of the antenna's axes y and z, before what lies along the ray is taken out and the rest made unit.
+pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [Complex64; 2] {
+    let leak = cross_pol_isolation_db.map_or(0.0, |db| Decibels(-db).amplitude_ratio());
+    let circular = |y: f64, z: f64| [Complex64::new(y * FRAC_1_SQRT_2, 0.0), Complex64::new(0.0, z * FRAC_1_SQRT_2)];
+    match port {
+        Polarisation::H => [1.0.into(), leak.into()],
+        Polarisation::V => [leak.into(), 1.0.into()],
+        Polarisation::R => circular(1.0 + leak, leak - 1.0),
+        Polarisation::L => circular(1.0 + leak, 1.0 - leak),
+    }
+}
+
 /// Components `(v, h)` along the propagation direction `k` of the field of a port, unit length; zero
 /// along the port's electric axis. For a receiver, `k` is the direction of the wave that arrives: the
 /// field it would radiate along `-k` lies in the same plane.
@@ -140,17 +152,10 @@ pub fn field(
     k: DVec3,
     basis: &Basis,
 ) -> [Complex64; 2] {
-    let leak = cross_pol_isolation_db.map_or(0.0, |db| Decibels(-db).amplitude_ratio());
+    let [y, z] = port_shares(port, cross_pol_isolation_db);
     // e_a + eps e_x as a real and an imaginary vector.
-    let (y, z) = (axes.y_axis, axes.z_axis);
-    let (re, im) = match port {
-        Polarisation::H => (y + z * leak, DVec3::ZERO),
-        Polarisation::V => (z + y * leak, DVec3::ZERO),
-        Polarisation::R => (y * (1.0 + leak), z * (leak - 1.0)),
-        Polarisation::L => (y * (1.0 + leak), z * (1.0 - leak)),
-    };
-    let scale = if matches!(port, Polarisation::R | Polarisation::L) { FRAC_1_SQRT_2 } else { 1.0 };
-    let (re, im) = ((re - k * re.dot(k)) * scale, (im - k * im.dot(k)) * scale);
+    let (re, im) = (axes.y_axis * y.re + axes.z_axis * z.re, axes.y_axis * y.im + axes.z_axis * z.im);
+    let (re, im) = (re - k * re.dot(k), im - k * im.dot(k));
     let norm = (re.length_squared() + im.length_squared()).sqrt();
     // Rounding leaves a few 1e-16 along the axis, which is no field.
     if norm < 1e-12 {

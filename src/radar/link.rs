@@ -27,6 +27,7 @@
 
 use std::f64::consts::PI;
 
+use crate::scattering::lanes::exponential;
 use crate::units::Decibels;
 
 /// The constants of one transmitter's link budget.
@@ -66,8 +67,36 @@ impl Link {
         self.direct_scale / range_m * self.air(range_m)
     }
 
+    /// The same in f32, for facets side by side.
+    pub fn in_air(&self) -> LaneLink {
+        LaneLink {
+            scale: self.scattered_scale as f32,
+            neper_per_m: self.neper_per_m as f32,
+            shortest_m: self.shortest_m as f32,
+        }
+    }
+
     fn air(&self, way_m: f64) -> f64 {
         if self.neper_per_m == 0.0 { 1.0 } else { (-self.neper_per_m * way_m).exp() }
+    }
+}
+
+/// [`Link::scattered`] in f32, without branches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaneLink {
+    scale: f32,
+    neper_per_m: f32,
+    shortest_m: f32,
+}
+
+impl LaneLink {
+    /// Amplitude over a scatterer of 1 m^2 between isotropic, matched antennas, sqrt(W).
+    #[inline(always)]
+    pub fn scattered(&self, tx_leg_m: f32, rx_leg_m: f32) -> f32 {
+        let near = tx_leg_m < self.shortest_m || rx_leg_m < self.shortest_m;
+        let spread = self.scale / (tx_leg_m.max(self.shortest_m) * rx_leg_m.max(self.shortest_m));
+        let air = exponential(-self.neper_per_m * (tx_leg_m + rx_leg_m));
+        if near { 0.0 } else { spread * air }
     }
 }
 

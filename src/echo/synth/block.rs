@@ -32,7 +32,7 @@ pub const MAX_NODES: usize = 4;
 /// Cells that a contact may move within half a block.
 pub const MAX_DRIFT_CELLS: f64 = 1e6;
 /// Whole cells are held within this, so that sums of two do not overflow; no window is as long.
-const FAR_CELLS: f64 = 5e8;
+pub(super) const FAR_CELLS: f64 = 5e8;
 
 /// Contacts of the block at one of its pulses.
 #[derive(Clone, Copy, Debug)]
@@ -55,9 +55,30 @@ pub struct Fill {
     pub drift_cells: f64,
 }
 
+/// What the pulses of a block have in common, whatever its contacts.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// First sample of each pulse's window.
+    pub(super) windows_s: Vec<f64>,
+    /// `[layer][bin]`: from grid to spectrum.
+    pub(super) replicas: Vec<Vec<Complex64>>,
+    /// `[pair]`: mean Doppler `f0 r`, Hz.
+    pub(super) mean_hz: Vec<f64>,
+}
+
+impl Frame {
+    /// Pulses of the block.
+    pub fn pulses(&self) -> usize {
+        self.windows_s.len()
+    }
+}
+
 /// Contacts of a block of pulses. Made by [`Synth::block`], filled by [`Synth::fill`].
 #[derive(Debug)]
 pub struct BlockContacts<T: Scalar> {
+    /// Pulse of the grids at which the block begins.
+    pub(super) start: usize,
+    pub(super) frame: Frame,
     /// `[pair]`.
     pub(super) courses: Vec<Courses<T>>,
     /// `[layer][power]`, each `[contact][lane]`.
@@ -66,25 +87,22 @@ pub struct BlockContacts<T: Scalar> {
     pub(super) powers: usize,
     /// Per pulse: how far the window's start moves all places, whole cells and the rest.
     pub(super) shifts: Vec<(i32, T)>,
-    /// First sample of each pulse's window.
-    pub(super) windows_s: Vec<f64>,
-    /// `[layer][bin]`: from grid to spectrum.
-    pub(super) replicas: Vec<Vec<Complex64>>,
-    /// `[pair]`: mean Doppler `f0 r`, Hz.
-    pub(super) mean_hz: Vec<f64>,
     pub(super) fill: Fill,
 }
 
 impl<T: Scalar> BlockContacts<T> {
     pub(super) fn new(pairs: usize, layers: usize) -> Self {
         Self {
+            start: 0,
+            frame: Frame {
+                windows_s: Vec::with_capacity(MAX_PULSES),
+                replicas: vec![Vec::new(); layers],
+                mean_hz: vec![0.0; pairs],
+            },
             courses: (0..pairs).map(|_| Courses::default()).collect(),
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
             powers: 2,
             shifts: Vec::with_capacity(MAX_PULSES),
-            windows_s: Vec::with_capacity(MAX_PULSES),
-            replicas: vec![Vec::new(); layers],
-            mean_hz: vec![0.0; pairs],
             fill: Fill::default(),
         }
     }
@@ -102,6 +120,11 @@ impl<T: Scalar> BlockContacts<T> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Windows and mean Doppler.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
     }
 
     /// What the last filling has found.
@@ -125,14 +148,14 @@ impl<T: Scalar> BlockContacts<T> {
 }
 
 /// A polynomial in `m` through values at the nodes.
-struct Through {
+pub(super) struct Through {
     nodes: usize,
     /// `[power][node]`.
-    basis: [[f64; MAX_NODES]; MAX_NODES],
+    pub(super) basis: [[f64; MAX_NODES]; MAX_NODES],
 }
 
 impl Through {
-    fn new(places: &[f64]) -> Self {
+    pub(super) fn new(places: &[f64]) -> Self {
         let mut basis = [[0.0; MAX_NODES]; MAX_NODES];
         for (n, own) in places.iter().enumerate() {
             // prod (x - x_j)/(x_n - x_j), expanded.
@@ -177,16 +200,62 @@ impl<T: Scalar> Synth<T> {
         block: &mut BlockContacts<T>,
     ) -> Result<(), SynthError> {
         self.check(nodes, windows_s)?;
-        let middle = (windows_s.len() / 2) as f64;
+        let means: [f64; 0] = [];
+        self.frame(windows_s, &means, &mut block.frame);
+        for pair in 0..self.pairs {
+            block.frame.mean_hz[pair] = self.mean_hz(nodes, pair);
+        }
+        self.fill_replicas(&mut block.frame);
+        block.start = 0;
+        self.fill_contacts(nodes, windows_s, block);
+        Ok(())
+    }
+
+    /// The same for some pulses of a longer block, of which `frame` tells windows and mean Doppler; nodes count
+    /// from the first of these pulses.
+    pub fn fill_part(
+        &self,
+        nodes: &[Node<'_>],
+        frame: &Frame,
+        pulses: std::ops::Range<usize>,
+        block: &mut BlockContacts<T>,
+    ) -> Result<(), SynthError> {
+        let windows_s = frame.windows_s.get(pulses.clone()).unwrap_or_default();
+        self.check(nodes, windows_s)?;
+        block.frame.mean_hz.clone_from(&frame.mean_hz);
+        block.start = pulses.start;
+        self.fill_contacts(nodes, windows_s, block);
+        Ok(())
+    }
+
+    /// Windows and mean Doppler of a block (of each pair, Hz; 0 where it is not given), and what follows from them.
+    pub fn frame(&self, windows_s: &[f64], mean_hz: &[f64], frame: &mut Frame) {
+        frame.windows_s.clear();
+        frame.windows_s.extend_from_slice(windows_s);
+        frame.mean_hz.clear();
+        frame.mean_hz.extend_from_slice(mean_hz);
+        frame.mean_hz.resize(self.pairs, 0.0);
+        frame.replicas.resize_with(self.layers.len(), Vec::new);
+        if !mean_hz.is_empty() {
+            self.fill_replicas(frame);
+        }
+    }
+
+    /// How far each window is from that of the middle pulse, which is returned.
+    pub(super) fn fill_shifts(&self, windows_s: &[f64], shifts: &mut Vec<(i32, T)>) -> f64 {
         let reference_s = windows_s[windows_s.len() / 2];
-        block.windows_s.clear();
-        block.windows_s.extend_from_slice(windows_s);
-        block.shifts.clear();
-        block.shifts.extend(windows_s.iter().map(|start_s| {
+        shifts.clear();
+        shifts.extend(windows_s.iter().map(|start_s| {
             let cells = ((reference_s - start_s) * self.cells_per_s).clamp(-FAR_CELLS, FAR_CELLS);
             let whole = cells.round();
             (whole as i32, T::round_from(cells - whole))
         }));
+        reference_s
+    }
+
+    fn fill_contacts(&self, nodes: &[Node<'_>], windows_s: &[f64], block: &mut BlockContacts<T>) {
+        let middle = (windows_s.len() / 2) as f64;
+        let reference_s = self.fill_shifts(windows_s, &mut block.shifts);
         let mut places = [0.0; MAX_NODES];
         for (place, node) in places.iter_mut().zip(nodes) {
             *place = node.pulse as f64 - middle;
@@ -194,11 +263,8 @@ impl<T: Scalar> Synth<T> {
         let through = Through::new(&places[..nodes.len()]);
         block.fill = Fill::default();
         for pair in 0..self.pairs {
-            block.mean_hz[pair] = self.mean_hz(nodes, pair);
             self.fill_pair(nodes, &through, reference_s, pair, block);
         }
-        self.fill_replicas(block);
-        Ok(())
     }
 
     fn check(&self, nodes: &[Node<'_>], windows_s: &[f64]) -> Result<(), SynthError> {
@@ -263,7 +329,7 @@ impl<T: Scalar> Synth<T> {
         block: &mut BlockContacts<T>,
     ) {
         let contacts = nodes[0].contacts.len();
-        let mean_hz = block.mean_hz[pair];
+        let mean_hz = block.frame.mean_hz[pair];
         let courses = &mut block.courses[pair];
         courses.phase.iter_mut().for_each(|p| p.resize(contacts, T::Turns::default()));
         courses.phase_cubic.resize(contacts, T::default());
@@ -377,9 +443,9 @@ impl<T: Scalar> Synth<T> {
     }
 
     /// `P H / phihat` of every layer about its pair's mean Doppler, with the place of the grid's first cell.
-    fn fill_replicas(&self, block: &mut BlockContacts<T>) {
-        for (layer, replica) in self.layers.iter().zip(&mut block.replicas) {
-            let mean_hz = block.mean_hz[layer.pair];
+    fn fill_replicas(&self, frame: &mut Frame) {
+        for (layer, replica) in self.layers.iter().zip(&mut frame.replicas) {
+            let mean_hz = frame.mean_hz[layer.pair];
             replica.clear();
             replica.extend(self.bins.iter().map(|bin| {
                 let pulse = if layer.moment {

@@ -109,6 +109,15 @@ impl<T: Scalar> Grids<T> {
         chunks.enumerate().map(move |(i, cells)| Share { first: i * each, pulse_len, cells })
     }
 
+    /// The grids of some pulses.
+    pub(super) fn share(&mut self, first: usize, pulses: usize) -> Share<'_, T> {
+        let pulse_len = self.shape.pulse_len();
+        let cells = self.cells.as_mut_slice();
+        let from = (first * pulse_len).min(cells.len());
+        let to = (from + pulses * pulse_len).min(cells.len());
+        Share { first, pulse_len, cells: &mut cells[from..to] }
+    }
+
     /// The grid of one channel, the edges folded, `period` cells.
     pub(super) fn fold(&self, pulse: usize, layer: usize, channel: usize, out: &mut [Complex<T>]) {
         let shape = &self.shape;

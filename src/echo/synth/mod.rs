@@ -69,6 +69,7 @@ pub mod block;
 pub mod doppler;
 pub mod kernel;
 mod grid;
+pub mod lanes;
 mod scalar;
 mod spread;
 mod variant;
@@ -80,7 +81,7 @@ use num_complex::{Complex, Complex64};
 use rustfft::{Fft, FftPlanner};
 use thiserror::Error;
 
-use self::block::BlockContacts;
+use self::block::{BlockContacts, Frame};
 use self::doppler::Doppler;
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::Job;
@@ -342,6 +343,11 @@ impl<T: Scalar> Synth<T> {
         self.variant
     }
 
+    /// Carrier, Hz.
+    pub fn carrier_hz(&self) -> f64 {
+        self.carrier_hz
+    }
+
     /// What it was built with.
     pub fn settings(&self) -> Settings {
         self.settings
@@ -374,6 +380,18 @@ impl<T: Scalar> Synth<T> {
         grids.reset(block.pulses());
     }
 
+    /// Empties `grids` and makes room for so many pulses.
+    pub fn clear_for(&self, pulses: usize, grids: &mut Grids<T>) {
+        grids.reset(pulses);
+    }
+
+    /// Adds the contacts of a block that was filled as a part ([`Synth::fill_part`]) to the grids of its pulses.
+    pub fn spread_part(&self, block: &BlockContacts<T>, grids: &mut Grids<T>) {
+        let mut share = grids.share(block.start, block.pulses());
+        share.first = 0;
+        self.spread_share(block, &mut share);
+    }
+
     /// Adds all contacts of a block to the grids of some of its pulses.
     pub fn spread_share(&self, block: &BlockContacts<T>, share: &mut Share<'_, T>) {
         let pulses = share.cells.len() / share.pulse_len;
@@ -388,6 +406,8 @@ impl<T: Scalar> Synth<T> {
                 amplitude: &powers[..block.powers],
                 shifts,
                 first: share.first as i32 - block.middle(),
+                amplitude_first: share.first as i32 - block.middle(),
+                factors: &[],
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,
                 outside: self.shape.outside() as i32,
@@ -408,13 +428,25 @@ impl<T: Scalar> Synth<T> {
         scratch: &mut SynthScratch<T>,
         out: &mut [Complex64],
     ) {
+        self.spectrum_in(&block.frame, grids, pulse, scratch, out);
+    }
+
+    /// The same for grids that were filled part by part.
+    pub fn spectrum_in(
+        &self,
+        frame: &Frame,
+        grids: &Grids<T>,
+        pulse: usize,
+        scratch: &mut SynthScratch<T>,
+        out: &mut [Complex64],
+    ) {
         out.fill(Complex64::ZERO);
         for (index, layer) in self.layers.iter().enumerate() {
             for (at, channel) in layer.channels.iter().enumerate() {
                 grids.fold(pulse, index, at, &mut scratch.cells);
                 self.transform.process_with_scratch(&mut scratch.cells, &mut scratch.transform);
                 let bins = &mut out[channel * self.fft_len..][..self.fft_len];
-                for (bin, replica) in self.bins.iter().zip(&block.replicas[index]) {
+                for (bin, replica) in self.bins.iter().zip(&frame.replicas[index]) {
                     let value = scratch.cells[bin.grid_k];
                     bins[bin.k] += Complex64::new(value.re.into(), value.im.into()) * replica;
                 }
@@ -430,6 +462,7 @@ impl<T: Scalar> Synth<T> {
     pub fn predicted_error(&self, block: &BlockContacts<T>) -> PredictedError {
         let found = block.found();
         let worst = block
+            .frame
             .mean_hz
             .iter()
             .map(|mean| self.predicted_error_of(*mean, found.residual_hz, found.drift_cells));

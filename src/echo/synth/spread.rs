@@ -35,6 +35,10 @@ pub(super) struct Job<'a, T: Scalar> {
     pub shifts: &'a [(i32, T)],
     /// Pulses from the middle of the block to the first of the share.
     pub first: i32,
+    /// The same for the amplitudes, whose powers may count from another pulse.
+    pub amplitude_first: i32,
+    /// What multiplies the amplitudes, `[pulse of the share][contact]`; empty where nothing does.
+    pub factors: &'a [T],
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
     /// Last first cell that is in reach of the window.
@@ -82,12 +86,15 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
     let mut from = 0;
     while from < contacts {
         let count = CHUNK.min(contacts - from);
-        let mut m = job.first;
+        let mut pulse = 0;
         for (shifts, grids) in job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride)) {
             for (shift, passes) in shifts.iter().zip(&mut passes) {
-                place::<T, FUSED, W, C>(job, from, count, m, *shift, passes);
-                levels::<T, FUSED, W, C>(job, from, count, m, passes);
-                m += 1;
+                place::<T, FUSED, W, C>(job, from, count, job.first + pulse, *shift, passes);
+                if let Some(factors) = job.factors.get(pulse as usize * contacts + from..) {
+                    weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
+                }
+                levels::<T, FUSED, W, C>(job, from, count, job.amplitude_first + pulse, passes);
+                pulse += 1;
             }
             let (near, far) = grids.split_at_mut(job.stride.min(grids.len()));
             let near = near.get_mut(job.offset..).unwrap_or_default();
@@ -99,6 +106,14 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
             }
         }
         from += count;
+    }
+}
+
+/// Phasors times the factors of their contacts.
+#[inline(always)]
+fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
+    for ((factor, cos), sin) in factors.iter().zip(cos).zip(sin) {
+        (*cos, *sin) = (*cos * *factor, *sin * *factor);
     }
 }
 

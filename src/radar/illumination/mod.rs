@@ -94,6 +94,7 @@ mod facets;
 mod nodes;
 mod sea;
 pub mod snapshot;
+pub mod tiles;
 mod visibility;
 mod window;
 

@@ -1,8 +1,4 @@
-//! The contacts of a pulse as a node of a block: always the same ones, in the same order, so that what lies between two
-//! nodes can be interpolated.
-//!
-//! Every facet of a patch in the order of its places, then the targets, then the direct path; those that are dark, hidden or far
-//! from the window have zero amplitude or a delay that the echo leaves out, but they are there.
+//! Pulses of a block: whether they can be made together, their records, and their targets as contacts that can be interpolated.
 
 use num_complex::Complex64;
 
@@ -17,7 +13,7 @@ use crate::scene::radar::TxPolarisation;
 
 impl Illumination {
     /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals,
-    /// from facets that keep their phases and that no update of the shadows bends: then their contacts can be interpolated.
+    /// from facets that keep their phases: then their contacts can be interpolated.
     pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
         let even = self.radar.emissions.is_uniform();
         let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
@@ -32,13 +28,7 @@ impl Illumination {
                 return Ok(false);
             }
         }
-        let (Some(&first), Some(&last)) = (pulses.first(), pulses.last()) else { return Ok(true) };
-        let Workspace { own, sea: work, .. } = workspace;
-        let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(true) };
-        self.evaluate(first, own)?;
-        let lighting = self.lighting(first, first, own, Window::UNBOUNDED);
-        let to_s = self.radar.emissions.interval_s(0, last);
-        sea.weights_run_straight(&lighting, to_s, work).map_err(|failure| self.sea_error(first, failure))
+        Ok(true)
     }
 
     /// Start of the window of a pulse after its emission, s.
@@ -78,38 +68,27 @@ impl Illumination {
         Ok(())
     }
 
-    /// Everything that the emission of a pulse lights, over a given patch.
-    pub fn node(
+    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they sound or not.
+    pub fn points(
         &self,
         index: u64,
-        patch: Option<&Patch>,
         workspace: &mut Workspace,
         contacts: &mut Contacts,
     ) -> Result<(), RadarError> {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, sea: work, .. } = workspace;
+        let Workspace { own, amplitude, .. } = workspace;
         contacts.clear();
         self.evaluate(index, own)?;
         let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
-        if let (Some(sea), Some(work), Some(patch)) = (&self.sea, work, patch) {
-            contacts.resize(patch.len());
-            sea.visit_all(&lighting, patch, work, |chunk| {
-                for (place, &facet) in chunk.index.iter().enumerate() {
-                    for (pair, columns) in chunk.pairs.iter().enumerate() {
-                        contacts.delay_s[pair][facet] = columns.delay_s[place];
-                        contacts.delay_rate[pair][facet] = columns.delay_rate[place];
-                    }
-                    for (column, amplitude) in contacts.amplitude.iter_mut().zip(&chunk.amplitude) {
-                        column[facet] = amplitude[place];
-                    }
-                }
-            })
-            .map_err(|failure| self.sea_error(index, failure))?;
-        }
         self.append_every(&lighting, amplitude, contacts);
         Ok(())
+    }
+
+    /// How many of them there are.
+    pub fn point_count(&self) -> usize {
+        self.targets.len() + usize::from(self.radar.direct_path)
     }
 
     /// Appends targets and direct paths whether they sound or not.

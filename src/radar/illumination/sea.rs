@@ -15,6 +15,7 @@ use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::radar::emission::TrackFailure;
 use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
+use crate::scattering::lanes::LaneWater;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
 use crate::scene::sea::{PatchPlace, Sea};
@@ -39,15 +40,17 @@ const CREST_RMS: f64 = 8.0;
 pub(super) struct SeaPlan {
     pub patch: Patch,
     place: PatchPlace,
-    surface: Surface,
-    wakes: Vec<Wake>,
-    scattering: WaterScattering,
+    pub surface: Surface,
+    pub wakes: Vec<Wake>,
+    pub scattering: WaterScattering,
+    /// The same for facets side by side.
+    pub lanes: LaneWater,
     /// Buffers of the surface, made once and copied for every thread.
     sheet: Option<Sheet>,
-    visibility: Option<Visibility>,
+    pub visibility: Option<Visibility>,
     /// Buffers of the shadows, made once and copied for every thread.
     updates: Option<Updates>,
-    displacement: bool,
+    pub displacement: bool,
     /// How far waves may carry a facet from its grid position, m.
     reach_m: f64,
 }
@@ -102,7 +105,7 @@ pub(super) struct SeaWork {
     sheet: Sheet,
     fields: Fields<f64>,
     phasors: Phasors,
-    updates: Option<Updates>,
+    pub updates: Option<Updates>,
     poses: Vec<Pose>,
     chunk: Chunk,
 }
@@ -205,6 +208,7 @@ impl SeaPlan {
             reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes),
             surface,
             wakes,
+            lanes: scattering.lanes(),
             scattering,
             sheet: None,
             visibility: None,
@@ -326,39 +330,6 @@ impl SeaPlan {
         })
     }
 
-    /// Whether the weights of visibility run straight from the emission at hand to another time, s after pulse 0: then what they
-    /// weigh can be interpolated. They do where no shadow falls, and between two updates.
-    pub fn weights_run_straight(
-        &self,
-        lighting: &Lighting,
-        to_s: f64,
-        work: &mut SeaWork,
-    ) -> Result<bool, SeaFailure> {
-        let (Some(visibility), Some(updates)) = (&self.visibility, &mut work.updates) else {
-            return Ok(true);
-        };
-        if visibility.is_straight(lighting.elapsed_s, to_s) {
-            return Ok(true);
-        }
-        let earth = lighting.surroundings.frame.earth();
-        let mut at_s = lighting.elapsed_s;
-        loop {
-            let mix = visibility.at(
-                updates,
-                at_s,
-                |elapsed_s, places| self.scenery(lighting, elapsed_s, places),
-                |[x, y]| earth.drop_m(x, y),
-            )?;
-            if !mix.sees_all() {
-                return Ok(false);
-            }
-            if at_s >= to_s {
-                return Ok(true);
-            }
-            at_s = (at_s + visibility.update_s).min(to_s);
-        }
-    }
-
     /// Visits the facets that one emission lights in a window, chunk by chunk.
     pub fn visit(
         &self,
@@ -368,17 +339,6 @@ impl SeaPlan {
     ) -> Result<(), SeaFailure> {
         let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
         self.light(lighting, &patch, false, work, each)
-    }
-
-    /// Visits every facet of a patch, also those that nobody hears.
-    pub fn visit_all(
-        &self,
-        lighting: &Lighting,
-        patch: &Patch,
-        work: &mut SeaWork,
-        each: impl FnMut(&Chunk),
-    ) -> Result<(), SeaFailure> {
-        self.light(lighting, patch, true, work, each)
     }
 
     fn light(
@@ -442,7 +402,7 @@ impl SeaPlan {
     }
 
     /// Patch and antennas at a time after pulse 0.
-    fn scenery(
+    pub fn scenery(
         &self,
         lighting: &Lighting,
         elapsed_s: f64,

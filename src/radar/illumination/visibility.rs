@@ -75,12 +75,6 @@ impl Visibility {
         (number as f64 * self.update_s).min(self.last_s)
     }
 
-    /// Whether weights run straight between two times, s after pulse 0: no update lies between them (but for rounding).
-    pub fn is_straight(&self, from_s: f64, to_s: f64) -> bool {
-        let slack_s = 1e-9 * self.update_s;
-        ((from_s + slack_s) / self.update_s).floor() == ((to_s - slack_s) / self.update_s).floor()
-    }
-
     /// The update before an instant (s after pulse 0), and how far the instant lies towards the next: 0 to 1.
     pub fn share(&self, elapsed_s: f64) -> (u64, f64) {
         let number = (elapsed_s.max(0.0) / self.update_s).floor() as u64;
@@ -168,11 +162,6 @@ impl Update {
 pub(super) const MOST_ENDS: usize = 64;
 
 impl Mix<'_> {
-    /// Whether every antenna sees every facet whole.
-    pub fn sees_all(&self) -> bool {
-        self.before.lit.iter().chain(&self.after.lit).all(|lit| *lit)
-    }
-
     /// Weight of the facet with a global key from an antenna, 0 to 1.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
         let before = self.before.weight(antenna, key);

@@ -124,7 +124,7 @@ fn series(clean: &GramCharlier, covered: &GramCharlier, cover: f32, x: f32, e: f
 
 /// `e^x` for `x <= 0`, relative error 2e-7; 0 below -86.
 #[inline(always)]
-fn exponential(x: f32) -> f32 {
+pub fn exponential(x: f32) -> f32 {
     const TO_INTEGER: f32 = 12_582_912.0;
     let turns = x.max(-86.0) * std::f32::consts::LOG2_E;
     let shifted = turns + TO_INTEGER;

@@ -26,6 +26,7 @@ use super::facets::Phases;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope};
 use crate::cpu::{Task, Variant};
 pub use crate::geometry::lanes::{LANES, Row};
+pub use go::exponential;
 use table::{BraggTable, Damping};
 
 /// Cosine of the local angle down to which a response goes on behind the tangent plane.
@@ -118,6 +119,11 @@ pub struct LaneWater {
 }
 
 impl LaneWater {
+    /// How random phases are shared.
+    pub fn phases(&self) -> Phases {
+        self.phases
+    }
+
     /// Largest relative error of the tabulated spectrum.
     pub fn spectrum_error(&self) -> f64 {
         self.table.worst_relative_error()

@@ -1,0 +1,337 @@
+//! Contacts side by side, spread without being listed.
+//!
+//! A [`Batch`] has the contacts of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at the same nodes, and a
+//! factor for every pulse. Between two nodes phase and place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
+//!
+//! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`, `d = f' (t_1 - t_0)`,
+//!
+//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through all nodes. What Doppler off the mean
+//! adds to phase and place is linear between nodes. It is the same echo as that of [`Synth::fill`], but for these polynomials.
+//!
+//! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
+
+use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
+use super::doppler;
+use super::grid::{Grids, Lined};
+use super::spread::{Courses, Job};
+use super::Synth;
+use crate::cpu::Task;
+use crate::geometry::lanes::{LANES, Row, WideRow};
+
+/// Contacts at a node.
+#[derive(Clone, Copy)]
+pub struct BatchNode<'a> {
+    /// Delay, s.
+    pub delay_s: &'a WideRow,
+    /// Its derivative by the time of emission.
+    pub delay_rate: &'a WideRow,
+    /// Per channel of the pair: sqrt(W), real and imaginary.
+    pub amplitude: &'a [[Row; 2]],
+}
+
+/// Contacts of one pair side by side.
+#[derive(Clone, Copy)]
+pub struct Batch<'a> {
+    /// The pair.
+    pub pair: usize,
+    /// How many lanes are in use.
+    pub count: usize,
+    /// One to four, at the pulses given beside.
+    pub nodes: [Option<BatchNode<'a>>; MAX_NODES],
+    /// Pulses of the nodes within the block, rising.
+    pub places: [usize; MAX_NODES],
+    /// Per pulse of the block.
+    pub factor: &'a [Row],
+    /// Time from pulse to pulse, s.
+    pub interval_s: f64,
+}
+
+/// Room to work; one per thread.
+#[derive(Debug, Default)]
+pub struct LaneWork {
+    courses: Courses<f32>,
+    /// `[layer][power]`.
+    amplitude: Vec<[Lined<f32>; MAX_NODES]>,
+    factors: Vec<f32>,
+    shifts: Vec<(i32, f32)>,
+}
+
+/// A quantity at both ends of an interval.
+#[derive(Clone, Copy)]
+struct Ends<'a> {
+    delay_s: [&'a WideRow; 2],
+    delay_rate: [&'a WideRow; 2],
+}
+
+impl Synth<f32> {
+    /// Spreads a batch on the grids of its block.
+    pub fn spread_lanes(&self, batch: &Batch<'_>, frame: &Frame, work: &mut LaneWork, grids: &mut Grids<f32>) {
+        let count = batch.count.min(LANES);
+        let nodes = batch.nodes.iter().flatten().count();
+        if nodes == 0 || count == 0 {
+            return;
+        }
+        let pulses = frame.pulses();
+        let middle = (pulses / 2) as i32;
+        self.lane_amplitudes(batch, nodes, middle, frame.mean_hz[batch.pair], work);
+        for interval in 0..nodes.saturating_sub(1).max(1) {
+            let last = interval + 2 >= nodes;
+            let from = batch.places[interval];
+            let to = if nodes == 1 { pulses } else { batch.places[interval + 1] + usize::from(last) };
+            let (from, to) = (if interval == 0 { 0 } else { from }, if last { pulses } else { to });
+            if from < to {
+                self.lane_interval(batch, interval, nodes, from..to, frame, work, grids);
+            }
+        }
+    }
+
+    /// Polynomials of the amplitudes over the whole block.
+    fn lane_amplitudes(&self, batch: &Batch<'_>, nodes: usize, middle: i32, mean_hz: f64, work: &mut LaneWork) {
+        let mut places = [0.0; MAX_NODES];
+        for (place, at) in places.iter_mut().zip(&batch.places) {
+            *place = *at as f64 - f64::from(middle);
+        }
+        let through = Through::new(&places[..nodes]);
+        let basis = through.basis.map(|row| row.map(|b| b as f32));
+        work.amplitude.resize_with(self.layers.len(), Default::default);
+        for (layer, held) in self.layers.iter().zip(&mut work.amplitude) {
+            if layer.pair != batch.pair {
+                continue;
+            }
+            for power in &mut *held {
+                power.reset(batch.count * layer.lanes);
+            }
+            // Channels of a pair stand in the order of its layers, four to a layer.
+            let first = self
+                .layers
+                .iter()
+                .filter(|other| other.pair == layer.pair && other.moment == layer.moment)
+                .take_while(|other| other.channels != layer.channels)
+                .map(|other| other.channels.len())
+                .sum::<usize>();
+            for at in 0..layer.channels.len() {
+                let mut rows = [[[0.0; LANES]; 2]; MAX_NODES];
+                for (row, node) in rows.iter_mut().zip(batch.nodes.iter().flatten()) {
+                    let Some(amplitude) = node.amplitude.get(first + at) else { continue };
+                    *row = *amplitude;
+                    if layer.moment {
+                        for (i, rate) in node.delay_rate.iter().enumerate() {
+                            let scale = (self.carrier_hz * rate - mean_hz) * self.waveform.duration_s();
+                            row[0][i] *= scale as f32;
+                            row[1][i] *= scale as f32;
+                        }
+                    }
+                }
+                let job = Powers { rows: &rows, basis: &basis, count: batch.count, lanes: layer.lanes, at, held };
+                self.variant.run(job);
+            }
+        }
+    }
+
+    fn lane_interval(
+        &self,
+        batch: &Batch<'_>,
+        interval: usize,
+        nodes: usize,
+        pulses: std::ops::Range<usize>,
+        frame: &Frame,
+        work: &mut LaneWork,
+        grids: &mut Grids<f32>,
+    ) {
+        let LaneWork { courses, amplitude, factors, shifts } = work;
+        let reference_s = self.fill_shifts(&frame.windows_s[pulses.clone()], shifts);
+        let [Some(first), other] = [batch.nodes[interval], batch.nodes[(interval + 1).min(nodes - 1)]] else {
+            return;
+        };
+        let second = other.unwrap_or(first);
+        let count = batch.count;
+        courses.phase.iter_mut().for_each(|p| p.resize(count, 0));
+        courses.phase_cubic.resize(count, 0.0);
+        courses.base.resize(count, 0);
+        courses.place.iter_mut().for_each(|p| p.resize(count, 0.0));
+        let middle = pulses.start + pulses.len() / 2;
+        let length =
+            if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
+        let mean_hz = frame.mean_hz[batch.pair];
+        let sweep = self.waveform.sweep_rate_hz_per_s();
+        let shifted = match (self.settings.doppler, sweep) {
+            (doppler::Doppler::Shift, Some(mu)) => 1.0 / mu,
+            _ => 0.0,
+        };
+        let task = Polynomials {
+            ends: Ends {
+                delay_s: [first.delay_s, second.delay_s],
+                delay_rate: [first.delay_rate, second.delay_rate],
+            },
+            carrier_hz: self.carrier_hz,
+            mean_hz,
+            half_pulse_s: 0.5 * self.waveform.duration_s(),
+            shifted,
+            before_s: self.lead_s - reference_s,
+            cells_per_s: self.cells_per_s,
+            interval_s: batch.interval_s,
+            length: length as f64,
+            middle: middle as f64 - batch.places[interval] as f64,
+            count,
+            courses: &mut *courses,
+        };
+        self.variant.run(task);
+        factors.clear();
+        for row in &batch.factor[pulses.clone()] {
+            factors.extend_from_slice(&row[..count]);
+        }
+        let share = grids.share(pulses.start, pulses.len());
+        let mut offset = 0;
+        for (index, layer) in self.layers.iter().enumerate() {
+            if layer.pair == batch.pair {
+                let powers = amplitude[index].each_ref().map(|power| power.as_slice());
+                let job = Job {
+                    courses,
+                    amplitude: &powers[..if nodes <= 2 { 2 } else { 4 }],
+                    shifts,
+                    first: pulses.start as i32 - middle as i32,
+                    amplitude_first: pulses.start as i32 - (frame.pulses() / 2) as i32,
+                    factors,
+                    coefficients: &self.coefficients,
+                    last_cell: self.last_cell,
+                    outside: self.shape.outside() as i32,
+                    stride: share.pulse_len,
+                    offset,
+                };
+                (self.bodies[index])(&job, share.cells);
+            }
+            offset += self.shape.layer_len(index);
+        }
+    }
+}
+
+/// Powers of the amplitudes of one channel, into the lanes of its layer.
+struct Powers<'a> {
+    rows: &'a [[Row; 2]; MAX_NODES],
+    basis: &'a [[f32; MAX_NODES]; MAX_NODES],
+    count: usize,
+    lanes: usize,
+    at: usize,
+    held: &'a mut [Lined<f32>; MAX_NODES],
+}
+
+impl Task for Powers<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { rows, basis, count, lanes, at, held } = self;
+        for (held, basis) in held.iter_mut().zip(basis) {
+            let mut sums = [[0.0f32; LANES]; 2];
+            for (row, weight) in rows.iter().zip(basis) {
+                for part in 0..2 {
+                    for i in 0..LANES {
+                        sums[part][i] += weight * row[part][i];
+                    }
+                }
+            }
+            let out = held.as_mut_slice();
+            for (i, lanes) in out.chunks_exact_mut(lanes).take(count).enumerate() {
+                lanes[2 * at] = sums[0][i];
+                lanes[2 * at + 1] = sums[1][i];
+            }
+        }
+    }
+}
+
+/// Phase and place between two nodes.
+struct Polynomials<'a> {
+    ends: Ends<'a>,
+    carrier_hz: f64,
+    mean_hz: f64,
+    half_pulse_s: f64,
+    /// Delay per Hz of Doppler off the mean, s.
+    shifted: f64,
+    /// From the window's start to cell 0, s.
+    before_s: f64,
+    cells_per_s: f64,
+    interval_s: f64,
+    /// Pulses between the nodes; 0 for a single one.
+    length: f64,
+    /// Pulses from the first node to that from which `m` counts.
+    middle: f64,
+    count: usize,
+    courses: &'a mut Courses<f32>,
+}
+
+/// Brings an f64 below `2^51` to the nearest integer, and its low bits are that integer.
+const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
+
+/// The fraction of a phase as `2^-32` turns.
+#[inline(always)]
+fn turns(value: f64) -> u32 {
+    let fraction = value - ((value + TO_INTEGER) - TO_INTEGER);
+    (fraction * 4_294_967_296.0 + TO_INTEGER).to_bits() as u32
+}
+
+impl Task for Polynomials<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { ends, carrier_hz, mean_hz, shifted, interval_s, length, middle, count, courses, .. } = self;
+        let [d0, d1] = ends.delay_s;
+        let [r0, r1] = ends.delay_rate;
+        let span_s = length * interval_s;
+        // From powers of s to powers of m: s = (m + middle) / length.
+        let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+        let (mut phase, mut cubic) = ([[0u32; LANES]; 3], [0.0f32; LANES]);
+        let (mut base, mut place) = ([0i32; LANES], [[0.0f32; LANES]; 4]);
+        for i in 0..LANES {
+            let residual = [carrier_hz * r0[i] - mean_hz, carrier_hz * r1[i] - mean_hz];
+            let delays = residual.map(|nu| nu * shifted);
+            let extra = [0, 1].map(|end| {
+                -residual[end] * self.half_pulse_s - delays[end] * (0.5 * residual[end] + mean_hz)
+            });
+            let difference = d1[i] - d0[i];
+            let (v0, v1) = if length > 0.0 {
+                (r0[i] * span_s, r1[i] * span_s)
+            } else {
+                // One node: the rate is all there is, per pulse.
+                (r0[i] * interval_s, r0[i] * interval_s)
+            };
+            let (a2, a3) = if length > 0.0 {
+                (3.0 * difference - 2.0 * v0 - v1, v0 + v1 - 2.0 * difference)
+            } else {
+                (0.0, 0.0)
+            };
+            let scale = if length > 0.0 { inverse } else { 1.0 };
+            // Delay in powers of m, less its value at the first node.
+            let (c1, c2, c3) = (v0 * scale, a2 * scale * scale, a3 * scale * scale * scale);
+            let b0 = middle * (c1 + middle * (c2 + middle * c3));
+            let b1 = c1 + middle * (2.0 * c2 + 3.0 * middle * c3);
+            let b2 = c2 + 3.0 * middle * c3;
+            let more_turns = (extra[1] - extra[0]) * inverse;
+            let more_s = (delays[1] - delays[0]) * inverse;
+            let constant = extra[0] + middle * more_turns - carrier_hz * b0;
+            phase[0][i] = turns(constant - carrier_hz * d0[i]);
+            phase[1][i] = turns(more_turns - carrier_hz * b1);
+            phase[2][i] = turns(-carrier_hz * b2);
+            cubic[i] = (-carrier_hz * c3) as f32;
+            let at_s = d0[i] + b0 + delays[0] + middle * more_s + self.before_s;
+            let cells = at_s * self.cells_per_s + 0.5;
+            let near = cells.abs() < FAR_CELLS;
+            let cells = if near { cells } else { 0.0 };
+            let shifted = cells + TO_INTEGER;
+            let held = shifted - TO_INTEGER;
+            base[i] = if near { shifted.to_bits() as i32 } else { -1_000_000_000 };
+            place[0][i] = (cells - held) as f32;
+            place[1][i] = ((b1 + more_s) * self.cells_per_s) as f32;
+            place[2][i] = (b2 * self.cells_per_s) as f32;
+            place[3][i] = (c3 * self.cells_per_s) as f32;
+        }
+        for (to, from) in courses.phase.iter_mut().zip(&phase) {
+            to.copy_from_slice(&from[..count]);
+        }
+        courses.phase_cubic.copy_from_slice(&cubic[..count]);
+        courses.base.copy_from_slice(&base[..count]);
+        for (to, from) in courses.place.iter_mut().zip(&place) {
+            to.copy_from_slice(&from[..count]);
+        }
+    }
+}

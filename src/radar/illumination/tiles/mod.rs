@@ -1,0 +1,424 @@
+//! The facets of a block of pulses, tile by tile, in f32.
+//!
+//! What changes slowly is found at few instants, the **nodes** of the block (first to last pulse, up to [`NODES`]): the surface, paths and
+//! directions, scattering. What changes faster has instants of its own:
+//!
+//! | quantity | at | in between |
+//! | --- | --- | --- |
+//! | delay and its rate | nodes | cubic Hermite |
+//! | amplitude without gains and shadows | nodes | cubic through all nodes |
+//! | product of both antennas' gains | every few pulses | six-point Lagrange, here |
+//! | visibility | updates of the shadows | linear, here, as everywhere |
+//! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
+//!
+//! So a [`Tile`] has, per pair, delays, rates and amplitudes at the nodes, and one **factor** per pulse. The equations are those of
+//! [`facets`](super::facets); a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
+//! surface are those at each node.
+//!
+//! **Errors** in f32, beside those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88 dB at `a/lambda` = 133);
+//! heights of the surface, of which FFT in f32 leaves some 3e-7 of the rms: a phase of `3e-7 x 2 k cos(theta) x rms`. Antennas of measured
+//! pattern have complex gains, which stay with the amplitude.
+
+mod gain;
+mod light;
+
+use std::ops::RangeInclusive;
+
+use super::sea::{SeaFailure, SeaPlan, SeaWork};
+use super::visibility::Visibility;
+use super::{Illumination, Workspace};
+use crate::cpu::Variant;
+use crate::geometry::lanes::{LANES, Row};
+use crate::radar::emission::Emission;
+use crate::radar::fault::RadarError;
+use crate::scattering::lanes::Batch;
+use crate::scene::Patch;
+use crate::sea::sheet::Sheet;
+use crate::sea::surface::{Fields, Selection};
+use crate::sea::wake::course::Pose;
+
+pub use light::{Node, Pair};
+
+/// Most nodes of a block.
+pub const NODES: usize = 4;
+/// Gain instants that a pulse's gain is found from.
+const GAIN_POINTS: usize = 6;
+/// Tiles that are looked at to learn what a block returns.
+const SAMPLED: usize = 48;
+
+/// The instants of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Instants {
+    /// First pulse of the block.
+    pub first: u64,
+    /// Pulses.
+    pub pulses: usize,
+    /// Pulses of the nodes within the block, rising, the first and the last among them.
+    pub nodes: [usize; NODES],
+    /// How many there are.
+    pub node_count: usize,
+    /// Pulses from gain to gain.
+    pub gain_pulses: usize,
+}
+
+/// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
+#[derive(Clone)]
+pub struct Tile {
+    /// Facets.
+    pub count: usize,
+    /// Per transmitter-receiver pair.
+    pub pairs: Vec<Pair>,
+}
+
+/// Facets met in a block, summed over its pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// In the patch.
+    pub facets: u64,
+    /// That return anything at all.
+    pub lit: u64,
+    /// Left out because all of them together stay below the budget.
+    pub culled: u64,
+}
+
+/// What a sample of the facets says of a block and pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Mean of the delay rate, weighted by power.
+    pub mean_rate: f64,
+    /// Mean power of a facet, all channels of the pair, W.
+    pub mean_power_w: f64,
+}
+
+/// Sea of the nodes at hand, and room for tiles; one per thread.
+#[derive(Clone)]
+pub struct TileWork {
+    variant: Variant,
+    sheet: Sheet<f32>,
+    nodes: Vec<NodeWork>,
+    gains: Vec<GainInstant>,
+    gain_places: Vec<usize>,
+    /// `[pulse][gain instant]`: first, and weights from there on.
+    lagrange: Vec<(usize, [f32; GAIN_POINTS])>,
+    /// Weights of the nodes for the cosines, `[pulse][node]`.
+    cosines: Vec<[f32; NODES]>,
+    shades: Vec<Shade>,
+    /// `[pulse]`: place of the update before in `shades`, and the share of the next.
+    shares: Vec<(usize, f32)>,
+    phasors: Phasors,
+    batch: Box<Batch>,
+    places_m: [[f64; LANES]; 2],
+    drop_m: [f64; LANES],
+    fall: [Row; 2],
+    kinds: Vec<(usize, f32)>,
+    gain_rows: Vec<Row>,
+    seen: [Row; 2],
+    tile: Tile,
+}
+
+#[derive(Clone)]
+struct NodeWork {
+    emission: Emission,
+    elapsed_s: f64,
+    fields: Fields<f32>,
+    poses: Vec<Pose>,
+}
+
+#[derive(Clone)]
+struct GainInstant {
+    emission: Emission,
+    /// Node that is nearest, and time from there, s.
+    node: usize,
+    dt_s: f64,
+}
+
+/// Weights of one update of the shadows over the patch.
+#[derive(Clone, Default)]
+struct Shade {
+    number: u64,
+    /// `[antenna]`; empty where all is lit.
+    weights: Vec<Vec<f32>>,
+}
+
+/// Random phasors of the facets at hand, at their key modulo the patch.
+#[derive(Clone)]
+struct Phasors {
+    keys: Vec<Option<[i64; 2]>>,
+    /// `[mechanism][place]`.
+    phasors: Vec<Vec<[f32; 2]>>,
+}
+
+impl Illumination {
+    /// Room for tiles; `None` for a scene without sea.
+    pub fn tile_work(&self, variant: Variant) -> Option<Box<TileWork>> {
+        let sea = self.sea.as_ref()?;
+        let channels: Vec<usize> = self.plans.iter().map(|plan| plan.channels.len()).collect();
+        sea.tile_work(variant, &channels).map(Box::new)
+    }
+
+    /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of its facets says, per pair.
+    pub fn open_block(
+        &self,
+        instants: &Instants,
+        patch: &Patch,
+        workspace: &mut Workspace,
+        work: &mut TileWork,
+        samples: &mut Vec<Sample>,
+    ) -> Result<(), RadarError> {
+        samples.clear();
+        samples.resize(self.pairs.len(), Sample::default());
+        let (Some(sea), Some(shadows)) = (&self.sea, &mut workspace.sea) else { return Ok(()) };
+        work.time(self, instants)?;
+        let first = instants.first;
+        sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
+        work.shade(self, sea, instants, patch, shadows).map_err(|failure| self.sea_error(first, failure))?;
+        let tiles = patch.len().div_ceil(LANES);
+        let step = (tiles / SAMPLED).max(1);
+        // An odd step: rows of a patch are often a power of two of tiles.
+        let step = if step > 1 { step | 1 } else { step };
+        let mut facets = 0;
+        for tile in (0..tiles).step_by(step) {
+            self.light_tile(sea, patch, tile, work);
+            facets += work.tile.count;
+            for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
+                let (power, rate) = pair.power(work.tile.count);
+                sample.mean_power_w += power;
+                sample.mean_rate += rate;
+            }
+        }
+        for sample in samples {
+            if sample.mean_power_w > 0.0 {
+                sample.mean_rate /= sample.mean_power_w;
+            }
+            sample.mean_power_w /= facets.max(1) as f64;
+        }
+        Ok(())
+    }
+
+    /// Hands over the tiles of the block that was opened, facets that return nothing left out, and those whose power is
+    /// at every pulse less than `least` of the sample's mean.
+    pub fn visit_tiles(
+        &self,
+        patch: &Patch,
+        samples: &[Sample],
+        least: f64,
+        work: &mut TileWork,
+        mut each: impl FnMut(&Tile),
+    ) -> Tally {
+        let mut tally = Tally::default();
+        let Some(sea) = &self.sea else { return tally };
+        for tile in 0..patch.len().div_ceil(LANES) {
+            self.light_tile(sea, patch, tile, work);
+            tally.facets += work.tile.count as u64;
+            work.tile.thin_out(work.variant, samples, least, &mut tally);
+            if work.tile.count > 0 {
+                each(&work.tile);
+            }
+        }
+        tally
+    }
+}
+
+impl SeaPlan {
+    fn tile_work(&self, variant: Variant, channels: &[usize]) -> Option<TileWork> {
+        let selection = Selection {
+            slopes: true,
+            velocity: true,
+            displacement: self.displacement,
+            vertical_acceleration: false,
+            ..Selection::HEIGHT
+        };
+        // The wakes are legal: the plan was built with them.
+        let sheet = Sheet::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
+        let facets = self.patch.len();
+        let mechanisms = self.scattering.mechanisms();
+        let node = NodeWork {
+            emission: Emission::default(),
+            elapsed_s: 0.0,
+            fields: sheet.fields(&self.patch),
+            poses: Vec::with_capacity(self.scattering.kinds()),
+        };
+        Some(TileWork {
+            variant,
+            sheet,
+            nodes: vec![node; NODES],
+            gains: Vec::new(),
+            gain_places: Vec::new(),
+            lagrange: Vec::new(),
+            cosines: Vec::new(),
+            shades: Vec::new(),
+            shares: Vec::new(),
+            phasors: Phasors {
+                keys: vec![None; facets],
+                phasors: vec![vec![[0.0; 2]; facets]; mechanisms],
+            },
+            batch: Batch::boxed(mechanisms),
+            places_m: [[0.0; LANES]; 2],
+            drop_m: [0.0; LANES],
+            fall: [[0.0; LANES]; 2],
+            kinds: Vec::with_capacity(LANES),
+            gain_rows: Vec::new(),
+            seen: [[0.0; LANES]; 2],
+            tile: Tile { count: 0, pairs: channels.iter().map(|&channels| Pair::new(channels)).collect() },
+        })
+    }
+
+    /// The surface and the ships at every node, and phasors of the patch.
+    fn prepare(
+        &self,
+        illumination: &Illumination,
+        first: u64,
+        patch: &Patch,
+        work: &mut TileWork,
+    ) -> Result<(), SeaFailure> {
+        let TileWork { sheet, nodes, phasors, .. } = work;
+        for node in nodes {
+            sheet.evaluate(node.elapsed_s, patch, &mut node.fields)?;
+            self.scattering.poses(node.elapsed_s, &mut node.poses);
+        }
+        let elapsed_s = illumination.radar.emissions.interval_s(0, first);
+        phasors.prepare(self, patch, elapsed_s);
+        Ok(())
+    }
+}
+
+impl Phasors {
+    fn place(patch: &Patch, key: [i64; 2]) -> usize {
+        let [nx, ny] = patch.facets;
+        key[1].rem_euclid(ny as i64) as usize * nx + key[0].rem_euclid(nx as i64) as usize
+    }
+
+    fn prepare(&mut self, sea: &SeaPlan, patch: &Patch, t_s: f64) {
+        let mut found = vec![num_complex::Complex64::ZERO; self.phasors.len()];
+        for index in 0..patch.len() {
+            let key = patch.key(index);
+            let place = Self::place(patch, key);
+            if self.keys[place] != Some(key) {
+                self.keys[place] = Some(key);
+                sea.scattering.phasors(key, t_s, &mut found);
+                for (column, phasor) in self.phasors.iter_mut().zip(&found) {
+                    column[place] = [phasor.re as f32, phasor.im as f32];
+                }
+            }
+        }
+    }
+}
+
+impl TileWork {
+    /// Emissions of nodes and gain instants, and the weights of interpolation.
+    fn time(&mut self, of: &Illumination, instants: &Instants) -> Result<(), RadarError> {
+        let emissions = &of.radar.emissions;
+        let elapsed_s = |place: usize| emissions.interval_s(0, instants.first + place as u64);
+        let places = &instants.nodes[..instants.node_count];
+        self.nodes.truncate(places.len().max(1));
+        while self.nodes.len() < places.len() {
+            let last = self.nodes[0].clone();
+            self.nodes.push(last);
+        }
+        for (node, &place) in self.nodes.iter_mut().zip(places) {
+            of.evaluate(instants.first + place as u64, &mut node.emission)?;
+            node.elapsed_s = elapsed_s(place);
+        }
+        let last = instants.pulses.saturating_sub(1);
+        self.gain_places.clear();
+        self.gain_places.extend((0..last).step_by(instants.gain_pulses.max(1)));
+        self.gain_places.push(last);
+        for (n, &place) in self.gain_places.iter().enumerate() {
+            let distance = |node: &usize| places[*node].abs_diff(place);
+            let node = (0..places.len()).min_by_key(distance).unwrap_or(0);
+            let dt_s = elapsed_s(place) - self.nodes[node].elapsed_s;
+            if n == self.gains.len() {
+                self.gains.push(GainInstant { emission: Emission::default(), node, dt_s });
+            }
+            let gain = &mut self.gains[n];
+            (gain.node, gain.dt_s) = (node, dt_s);
+            of.evaluate(instants.first + place as u64, &mut gain.emission)?;
+        }
+        self.gain_rows.resize(self.gain_places.len(), [0.0; LANES]);
+        self.lagrange.clear();
+        self.cosines.clear();
+        for pulse in 0..instants.pulses {
+            self.lagrange.push(lagrange(&self.gain_places, pulse));
+            let (_, weights) = through(places, 0, pulse);
+            self.cosines.push(weights);
+        }
+        for pair in &mut self.tile.pairs {
+            pair.resize(self.nodes.len(), instants.pulses);
+        }
+        Ok(())
+    }
+
+    /// Weights of the shadows at every update about the block.
+    fn shade(
+        &mut self,
+        of: &Illumination,
+        sea: &SeaPlan,
+        instants: &Instants,
+        patch: &Patch,
+        shadows: &mut SeaWork,
+    ) -> Result<(), SeaFailure> {
+        self.shares.clear();
+        let (Some(visibility), Some(updates)) = (&sea.visibility, &mut shadows.updates) else {
+            self.shades.clear();
+            self.shares.resize(instants.pulses, (0, 0.0));
+            return Ok(());
+        };
+        let emissions = &of.radar.emissions;
+        let at = |pulse: usize| visibility.share(emissions.interval_s(0, instants.first + pulse as u64));
+        let span = span_of(visibility, at(0), at(instants.pulses - 1));
+        let lowest = *span.start();
+        let count = (span.end() - lowest + 1) as usize;
+        self.shades.resize_with(count, Shade::default);
+        let earth = of.frame.earth();
+        let lighting = of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
+        for (shade, number) in self.shades.iter_mut().zip(span) {
+            let update = visibility.update(
+                updates,
+                number,
+                |elapsed_s, places| sea.scenery(&lighting, elapsed_s, places),
+                |[x, y]| earth.drop_m(x, y),
+            )?;
+            shade.number = number;
+            shade.weights.resize_with(visibility.ends, Vec::new);
+            for (antenna, weights) in shade.weights.iter_mut().enumerate() {
+                weights.clear();
+                if !update.sees_all(antenna) {
+                    let keys = (0..patch.len()).map(|index| patch.key(index));
+                    weights.extend(keys.map(|key| update.weight(antenna, key) as f32));
+                }
+            }
+        }
+        for pulse in 0..instants.pulses {
+            let (number, share) = at(pulse);
+            self.shares.push(((number - lowest) as usize, share as f32));
+        }
+        Ok(())
+    }
+}
+
+fn span_of(_: &Visibility, (first, _): (u64, f64), (last, share): (u64, f64)) -> RangeInclusive<u64> {
+    first..=if share > 0.0 { last + 1 } else { last }
+}
+
+/// Lagrange weights of the gain instants about a pulse: the first of them, and as many weights as count.
+fn lagrange(places: &[usize], pulse: usize) -> (usize, [f32; GAIN_POINTS]) {
+    let points = GAIN_POINTS.min(places.len());
+    // As many before as after, but within the block.
+    let after = places.partition_point(|place| *place <= pulse);
+    let first = after.saturating_sub(points / 2).min(places.len() - points);
+    let (_, weights) = through(&places[first..first + points], 0, pulse);
+    (first, weights)
+}
+
+/// Weights of the polynomial through values at `places`, at `pulse`.
+fn through<const N: usize>(places: &[usize], first: usize, pulse: usize) -> (usize, [f32; N]) {
+    let mut weights = [0.0; N];
+    for (n, (weight, own)) in weights.iter_mut().zip(places).enumerate() {
+        let others = places.iter().enumerate().filter(|(m, _)| *m != n);
+        let product = others.fold(1.0, |product, (_, other)| {
+            product * (pulse as f64 - *other as f64) / (*own as f64 - *other as f64)
+        });
+        *weight = product as f32;
+    }
+    (first, weights)
+}
