@@ -75,10 +75,7 @@ impl Batch {
             let (ki, ks) = (at(&self.incident), at(&self.scattered));
             let q = [0, 1, 2].map(|c| ks[c] - ki[c]);
             let (q_norm, q_n) = (dot(q, q).sqrt(), dot(q, n));
-            let there = q_norm >= least_bend
-                && q_n >= least_bend * q_norm
-                && self.cosine[0][i] > 0.0
-                && self.cosine[1][i] > 0.0;
+            let there = q_norm >= least_bend && q_n >= least_bend * q_norm;
             let inverse_n = 1.0 / q_n.max(1e-20);
             let sx = -dot(q, at(&self.axes[0])) * inverse_n;
             let sy = -dot(q, at(&self.axes[1])) * inverse_n;
