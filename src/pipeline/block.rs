@@ -16,6 +16,7 @@ use super::stages::PulseError;
 use crate::echo::synth::block::{BlockContacts, MAX_PULSES, Node};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
@@ -106,6 +107,8 @@ impl BlockEcho {
         let first = work.held.map_or(index, |(first, _)| first);
         let BlockWork { block, grids, scratch, .. } = work;
         self.synth.spectrum(block, grids, (index - first) as usize, scratch, spectrum);
+        light.costs.lap(Stage::Transform);
+        light.costs.accumulated(block.found().sounding);
         Ok(())
     }
 
@@ -132,9 +135,10 @@ impl BlockEcho {
             // A pulse by itself: exact contacts, one node.
             illumination.pulse(index, light, &mut work.nodes[0], pulse)?;
             work.windows_s.push(pulse.window_start_s);
-            self.spread(&[0], work)?;
+            self.spread(&[0], light, work)?;
             return Ok((index, index + 1));
         }
+        light.costs.lap(Stage::Record);
         let patch = illumination.patch_of(first)?;
         for at in first..end {
             work.windows_s.push(illumination.window_start_of(at)?);
@@ -147,22 +151,29 @@ impl BlockEcho {
             illumination.node(instant, patch.as_ref(), light, &mut work.nodes[n])?;
             count += 1;
         }
-        self.spread(&places[..count], work)?;
+        self.spread(&places[..count], light, work)?;
         Ok((first, end))
     }
 
-    fn spread(&self, places: &[usize], work: &mut BlockWork) -> Result<(), PulseError> {
+    fn spread(
+        &self,
+        places: &[usize],
+        light: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<(), PulseError> {
         let BlockWork { nodes, windows_s, block, grids, .. } = work;
         let mut given = [Node { pulse: 0, contacts: &nodes[0] }; NODES];
         for ((node, &pulse), contacts) in given.iter_mut().zip(places).zip(nodes.iter()) {
             *node = Node { pulse, contacts };
         }
         self.synth.fill(&given[..places.len()], windows_s, block)?;
+        light.costs.lap(Stage::Fill);
         let unplaced = block.found().unplaced;
         if unplaced > 0 {
             return Err(PulseError::Unplaced { unplaced });
         }
         self.synth.spread(block, grids);
+        light.costs.lap(Stage::Spread);
         Ok(())
     }
 }

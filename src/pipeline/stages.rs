@@ -16,6 +16,7 @@ use thiserror::Error;
 use super::block::{BlockEcho, BlockWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::SynthError;
+use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
@@ -77,6 +78,13 @@ pub struct Workspace {
     block: Option<BlockWork>,
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
+}
+
+impl Workspace {
+    /// What its pulses have cost.
+    pub fn costs(&self) -> &Costs {
+        &self.illumination.costs
+    }
 }
 
 impl PulseFactory {
@@ -146,10 +154,13 @@ impl PulseFactory {
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
         let Workspace { illumination, contacts, block, spectrum, receiver } = work;
+        illumination.costs.begin();
         match (&self.echo, block) {
             (Echo::Reference(echo), _) => {
                 self.illumination.pulse(index, illumination, contacts, pulse)?;
                 echo.spectrum(contacts, pulse.window_start_s, spectrum);
+                illumination.costs.lap(Stage::Spread);
+                illumination.costs.accumulated(contacts.len() * self.layout.pairs);
             }
             (Echo::Fast(echo), Some(block)) => {
                 echo.make(&self.illumination, index, pulse, illumination, block, spectrum)?;
@@ -158,6 +169,8 @@ impl PulseFactory {
             (Echo::Fast(_), None) => spectrum.fill(Complex64::ZERO),
         }
         self.receiver.receive(spectrum, pulse, receiver);
+        illumination.costs.lap(Stage::Receive);
+        illumination.costs.made();
         Ok(())
     }
 

@@ -9,6 +9,7 @@ use num_complex::Complex64;
 use super::facets::Lighting;
 use super::window::Window;
 use super::{Illumination, Workspace};
+use crate::pulse::costs::Stage;
 use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
 use crate::scattering::contact::Contacts;
@@ -33,12 +34,15 @@ impl Illumination {
             }
         }
         let (Some(&first), Some(&last)) = (pulses.first(), pulses.last()) else { return Ok(true) };
-        let Workspace { own, sea: work, .. } = workspace;
+        let Workspace { own, sea: work, costs, .. } = workspace;
         let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(true) };
         self.evaluate(first, own)?;
         let lighting = self.lighting(first, first, own, Window::UNBOUNDED);
         let to_s = self.radar.emissions.interval_s(0, last);
-        sea.weights_run_straight(&lighting, to_s, work).map_err(|failure| self.sea_error(first, failure))
+        costs.lap(Stage::Record);
+        let straight = sea.weights_run_straight(&lighting, to_s, work);
+        costs.lap(Stage::Shadow);
+        straight.map_err(|failure| self.sea_error(first, failure))
     }
 
     /// Start of the window of a pulse after its emission, s.
@@ -65,7 +69,7 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, .. } = workspace;
+        let Workspace { own, amplitude, costs, .. } = workspace;
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
@@ -75,6 +79,7 @@ impl Illumination {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
+        costs.lap(Stage::Record);
         Ok(())
     }
 
@@ -89,13 +94,14 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, sea: work, .. } = workspace;
+        let Workspace { own, amplitude, sea: work, costs, .. } = workspace;
         contacts.clear();
         self.evaluate(index, own)?;
         let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
         if let (Some(sea), Some(work), Some(patch)) = (&self.sea, work, patch) {
             contacts.resize(patch.len());
-            sea.visit_all(&lighting, patch, work, |chunk| {
+            let mut lit = 0;
+            sea.visit_all(&lighting, patch, work, costs, |chunk| {
                 for (place, &facet) in chunk.index.iter().enumerate() {
                     for (pair, columns) in chunk.pairs.iter().enumerate() {
                         contacts.delay_s[pair][facet] = columns.delay_s[place];
@@ -104,11 +110,14 @@ impl Illumination {
                     for (column, amplitude) in contacts.amplitude.iter_mut().zip(&chunk.amplitude) {
                         column[facet] = amplitude[place];
                     }
+                    lit += usize::from(chunk.amplitude.iter().any(|a| a[place] != Complex64::ZERO));
                 }
             })
             .map_err(|failure| self.sea_error(index, failure))?;
+            costs.looked_at(patch.len(), lit, 0);
         }
         self.append_every(&lighting, amplitude, contacts);
+        costs.lap(Stage::Contacts);
         Ok(())
     }
 

@@ -13,6 +13,7 @@ use super::visibility::{MOST_ENDS, Updates, Visibility};
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::TrackFailure;
 use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
@@ -364,10 +365,11 @@ impl SeaPlan {
         &self,
         lighting: &Lighting,
         work: &mut SeaWork,
+        costs: &mut Costs,
         each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
-        self.light(lighting, &patch, false, work, each)
+        self.light(lighting, &patch, false, work, costs, each)
     }
 
     /// Visits every facet of a patch, also those that nobody hears.
@@ -376,9 +378,10 @@ impl SeaPlan {
         lighting: &Lighting,
         patch: &Patch,
         work: &mut SeaWork,
+        costs: &mut Costs,
         each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
-        self.light(lighting, patch, true, work, each)
+        self.light(lighting, patch, true, work, costs, each)
     }
 
     fn light(
@@ -387,12 +390,16 @@ impl SeaPlan {
         patch: &Patch,
         every: bool,
         work: &mut SeaWork,
+        costs: &mut Costs,
         mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
+        costs.lap(Stage::Contacts);
         sheet.evaluate(lighting.elapsed_s, patch, fields)?;
+        costs.lap(Stage::Surface);
         self.scattering.poses(lighting.elapsed_s, poses);
         phasors.prepare(&self.scattering, patch, lighting.elapsed_s);
+        costs.lap(Stage::Contacts);
         let earth = lighting.surroundings.frame.earth();
         let mix = match (&self.visibility, updates) {
             (Some(visibility), Some(updates)) => Some(visibility.at(
@@ -403,6 +410,7 @@ impl SeaPlan {
             )?),
             _ => None,
         };
+        costs.lap(Stage::Shadow);
         let footprint_m2 = patch.facet_m * patch.facet_m;
         let transmitters = lighting.radar.transmitters.len();
         let mut first = 0;
@@ -438,6 +446,7 @@ impl SeaPlan {
             }
             first = end;
         }
+        costs.lap(Stage::Contacts);
         Ok(())
     }
 
