@@ -4,8 +4,11 @@
 //! ([`stages`]) and the transport that releases it ([`crate::transport`]).
 
 pub mod aboard;
+pub mod accuracy;
 mod block;
 pub mod build;
 pub mod forecast;
+pub mod knobs;
 pub mod outlook;
+pub mod speed;
 pub mod stages;

@@ -93,6 +93,16 @@ impl PulseFactory {
         &self.layout
     }
 
+    /// Facets of the patch of sea; 0 without one.
+    pub fn facets(&self) -> usize {
+        self.illumination.facets()
+    }
+
+    /// Facets, targets and, where it is received, the direct path: what a pulse may have contacts of.
+    pub fn contacts(&self) -> usize {
+        self.facets() + self.illumination.points()
+    }
+
     /// An empty slot for a pulse.
     pub fn slot(&self) -> Pulse {
         Pulse::new(&self.layout)

@@ -406,6 +406,11 @@ impl Illumination {
         self.sea.as_ref().is_some_and(|sea| sea.moves())
     }
 
+    /// Targets and, where it is received, the direct path.
+    pub fn points(&self) -> usize {
+        self.targets.len() + usize::from(self.radar.direct_path)
+    }
+
     /// Facets of the patch, if there is a sea.
     pub fn facets(&self) -> usize {
         self.sea.as_ref().map_or(0, |sea| sea.patch.len())
