@@ -187,7 +187,7 @@ fn text(report: &Report) -> String {
     row(
         "contacts",
         format!(
-            "{} of {} facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse",
+            "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse",
             report.contacts, report.facets, report.lit, report.culled, report.accumulated
         ),
     );

@@ -12,3 +12,4 @@ pub mod knobs;
 pub mod outlook;
 pub mod speed;
 pub mod stages;
+pub mod sweep;
