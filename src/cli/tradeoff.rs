@@ -45,7 +45,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let mut run = again(&Vec::new())?;
     // There is nothing to sweep in the reference: its scenario is tried with the fast echo.
     let fast = ("fidelity.echo".to_owned(), "fast".to_owned());
-    let with_fast = |change: &Overrides| again(&[&[fast.clone()], &change[..]].concat());
+    let with_fast = |change: &Overrides| again(&[std::slice::from_ref(&fast), &change[..]].concat());
     if run.fidelity == crate::echo::Fidelity::Reference {
         run = with_fast(&Vec::new())?;
     }

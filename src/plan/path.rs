@@ -44,7 +44,7 @@ pub fn fourth_derivative_mps4(range_m: f64, speed_mps: f64) -> f64 {
 /// the platform passes through has none (infinite).
 pub fn residue_m(range_m: f64, speed_mps: f64, nodes: &Nodes, t_s: f64) -> f64 {
     let half_s = 0.5 * nodes.span_s();
-    if !(range_m > speed_mps * half_s) {
+    if range_m.is_nan() || range_m <= speed_mps * half_s {
         return f64::INFINITY;
     }
     (-DIRECTIONS..=DIRECTIONS)
