@@ -29,7 +29,7 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure speed, start, memory, what the stages take, and the error against the reference echo
     Bench(BenchArgs),
-    /// Measure error and speed over the knobs of [fidelity]: table, CSV, picture
+    /// Measure error and speed over the knobs of the fast echo: table, CSV, picture
     Tradeoff(TradeoffArgs),
     /// Print a commented scenario to start from, or the list of keys
     New(NewArgs),
@@ -128,7 +128,7 @@ pub struct TradeoffArgs {
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
     #[arg(long, value_name = "T")]
     pub threads: Option<u64>,
-    /// Set a key of the scenario, e.g. scene.patch_size_m=[64,64]
+    /// Set a key of the scenario, e.g. scene.facet_m=2
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<Setting>,
     /// Overwrite files that exist

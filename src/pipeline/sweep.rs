@@ -5,7 +5,7 @@
 //! written; other blocks have them at other places.
 //!
 //! A choice of the model is no error: it is compared with the model as written, both with the echo as written, and told apart
-//! ([`effects`]). What is nearer than the error of that echo is not resolved.
+//! ([`effect`]). What is nearer than the error of that echo is not resolved.
 
 use std::time::Duration;
 
