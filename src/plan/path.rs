@@ -19,7 +19,7 @@
 //! ```
 //! use nereus::plan::path;
 //! // A block of 16 pulses at 222 Hz about its middle, by a quadratic: -67 dB rms at 4243 m, 222 m/s, 3 cm.
-//! let half_s = 8.0 / 222.0;
+//! let half_s: f64 = 8.0 / 222.0;
 //! let rms_m = path::third_derivative_mps3(4243.0, 222.0) * half_s.powi(3) / 6.0 / 7f64.sqrt();
 //! let db = 20.0 * (std::f64::consts::TAU * rms_m / 0.03).log10();
 //! assert!((db + 67.0).abs() < 1.0, "{db}");
