@@ -22,6 +22,7 @@
 //! | [`sinks`] | where pulses go |
 //! | [`imaging`] | pictures of maps and curves, files of maps |
 //! | [`config`] | a scenario as written, then as meant |
+//! | [`plan`] | an error that is wanted becomes settings; error and cost before a run |
 //! | [`pipeline`] | the only factory: a run becomes a running stream |
 //! | [`cli`] | the command line |
 //!
@@ -47,5 +48,6 @@ pub mod transport;
 pub mod sinks;
 pub mod imaging;
 pub mod config;
+pub mod plan;
 pub mod pipeline;
 pub mod cli;

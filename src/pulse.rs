@@ -1,6 +1,9 @@
 //! One pulse under way, from synthesis to sink.
 //!
-//! A [`Pulse`] is a slot: allocated once, with the sizes of a [`Layout`], and then only overwritten.
+//! A [`Pulse`] is a slot: allocated once, with the sizes of a [`Layout`], and then only overwritten. What making pulses costs
+//! is counted in [`costs`].
+
+pub mod costs;
 
 use num_complex::Complex32;
 

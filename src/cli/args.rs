@@ -27,6 +27,10 @@ pub enum Command {
     Run(RunArgs),
     /// Validate a scenario, explain it, predict what it takes
     Check(CheckArgs),
+    /// Measure speed, start, memory, what the stages take, and the error against the reference echo
+    Bench(BenchArgs),
+    /// Measure error and speed over the knobs of the fast echo: table, CSV, picture
+    Tradeoff(TradeoffArgs),
     /// Print a commented scenario to start from, or the list of keys
     New(NewArgs),
     /// Map the sea of a scenario at a time: heights, slopes, velocities, a picture, its state for reuse
@@ -77,6 +81,59 @@ pub struct CheckArgs {
     /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<Setting>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `nereus bench`
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Make the first so many pulses of the run [default: what fits in some 10 s, at least two blocks for every thread]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub pulses: Option<u64>,
+    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
+    #[arg(long, value_name = "T")]
+    pub threads: Option<u64>,
+    /// Pulses, spread over the run, at which the error is measured; 0: none
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    pub error_pulses: u64,
+    /// Set a key of the scenario, e.g. fidelity.node_pulses=2
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `nereus tradeoff`
+#[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Folder for tradeoff.csv and tradeoff.png
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Every combination of the knobs, instead of one knob at a time
+    #[arg(long)]
+    pub grid: bool,
+    /// Pulses, spread over the run, at which errors are measured
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..))]
+    pub error_pulses: u64,
+    /// Error that is wanted, dB
+    #[arg(long, value_name = "DB", default_value_t = -60.0, allow_negative_numbers = true)]
+    pub error_db: f64,
+    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
+    #[arg(long, value_name = "T")]
+    pub threads: Option<u64>,
+    /// Set a key of the scenario, e.g. scene.facet_m=2
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,

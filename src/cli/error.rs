@@ -9,6 +9,7 @@ use super::sea::SeaError;
 use super::table::TableError;
 use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
+use crate::pipeline::speed::SpeedError;
 use crate::radar::pattern::PatternError;
 #[cfg(feature = "hdf5")]
 use crate::sinks::merge::MergeError;
@@ -64,6 +65,9 @@ pub enum CliError {
     /// No map of the sea.
     #[error(transparent)]
     Sea(#[from] SeaError),
+    /// No figures.
+    #[error(transparent)]
+    Speed(#[from] SpeedError),
 }
 
 impl CliError {
@@ -77,6 +81,8 @@ impl CliError {
             | Self::NoHdf5 { .. }
             | Self::Table(_) => 2,
             Self::Sea(error) => error.exit_code(),
+            Self::Speed(SpeedError::Build(_)) => 2,
+            Self::Speed(SpeedError::Run(_)) => 1,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
             #[cfg(not(feature = "hdf5"))]
             Self::MergeNeedsHdf5 => 2,

@@ -4,6 +4,7 @@
 //! 2: the input is wrong (arguments, scenario, files it names). `--json` prints one object, last.
 
 mod args;
+mod bench;
 mod check;
 mod error;
 mod merge;
@@ -12,16 +13,19 @@ mod progress;
 mod run;
 mod sea;
 mod table;
+mod tradeoff;
 mod wake;
 
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::Parser;
 
 pub use args::{
-    Arguments, CheckArgs, Command, MergeArgs, NewArgs, Pace, PulseRange, RunArgs, Setting, Template,
+    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, Pace, PulseRange, RunArgs, Setting,
+    Template, TradeoffArgs,
 };
 pub use error::CliError;
 pub use sea::snapshot::SnapshotArgs;
@@ -36,6 +40,7 @@ pub use wake::WakeArgs;
 
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let begun = Instant::now();
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -45,7 +50,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let mut out = std::io::stdout().lock();
-    let done = execute(&arguments, &mut out).and_then(|()| out.flush().map_err(CliError::Output));
+    let done = execute(&arguments, begun, &mut out).and_then(|()| out.flush().map_err(CliError::Output));
     match done {
         Ok(()) => ExitCode::SUCCESS,
         // The reader of a pipe has seen enough.
@@ -62,10 +67,12 @@ fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-fn execute(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
     match &arguments.command {
         Command::Run(args) => run::run(args, out),
         Command::Check(args) => check::check(args, out),
+        Command::Bench(args) => bench::bench(args, begun, out),
+        Command::Tradeoff(args) => tradeoff::tradeoff(args, out),
         Command::New(args) => new::new(args, out),
         Command::Sea(args) => sea::sea(args, out),
         Command::Wake(args) => wake::wake(args, out),

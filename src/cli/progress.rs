@@ -16,10 +16,17 @@ const LINE_EVERY: Duration = Duration::from_secs(2);
 /// Something that shows progress until its sender is gone.
 pub(super) struct Watcher(Option<JoinHandle<()>>);
 
-/// A sender for progress, and what shows it.
+/// A sender for progress of pulses, and what shows it.
 pub(super) fn watch(total: u64) -> (Sender<Status>, Watcher) {
+    watch_of(total, "pulses")
+}
+
+/// The same for other things than pulses.
+pub(super) fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watcher) {
     let (sender, receiver) = bounded(8);
-    let show = move || if std::io::stderr().is_terminal() { bar(&receiver, total) } else { lines(&receiver) };
+    let show = move || {
+        if std::io::stderr().is_terminal() { bar(&receiver, total, what) } else { lines(&receiver, what) }
+    };
     // A machine that cannot start a thread shows no progress; the run itself will say what is wrong.
     (sender, Watcher(thread::Builder::new().name("progress".to_owned()).spawn(show).ok()))
 }
@@ -40,26 +47,27 @@ fn trouble(status: &Status) -> String {
     }
 }
 
-fn bar(receiver: &Receiver<Status>, total: u64) {
+fn bar(receiver: &Receiver<Status>, total: u64, what: &str) {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:40} {pos}/{len} pulses, {per_sec}, {eta} left {msg:.red}")
-    {
+    if let Ok(style) = ProgressStyle::with_template(&format!(
+        "{{bar:40}} {{pos}}/{{len}} {what}, {{per_sec}}, {{eta}} left {{msg:.red}}"
+    )) {
         bar.set_style(style);
     }
     for status in receiver {
+        bar.set_length(status.total);
         bar.set_position(status.passed);
         bar.set_message(trouble(&status));
     }
     bar.finish_and_clear();
 }
 
-fn lines(receiver: &Receiver<Status>) {
+fn lines(receiver: &Receiver<Status>, what: &str) {
     let mut last = Instant::now();
     for status in receiver {
         if last.elapsed() >= LINE_EVERY {
             last = Instant::now();
-            say(format_args!("{} of {} pulses {}", status.passed, status.total, trouble(&status)));
+            say(format_args!("{} of {} {what} {}", status.passed, status.total, trouble(&status)));
         }
     }
 }

@@ -31,6 +31,8 @@ pub enum FileKind {
     Hdf5,
     /// Saved state of a sea.
     SeaState,
+    /// Table of settings and what they reach, CSV.
+    Settings,
 }
 
 impl FileKind {
@@ -39,11 +41,13 @@ impl FileKind {
             Self::Png => *b"\x89PNG\r\n\x1a\n",
             Self::Hdf5 => *b"\x89HDF\r\n\x1a\n",
             Self::SeaState => *b"NEREUSEA",
+            Self::Settings => *b"setting,",
         }
     }
 
     fn name(self) -> &'static str {
         match self {
+            Self::Settings => "table of settings",
             Self::Png => "PNG picture",
             Self::Hdf5 => "HDF5 file",
             Self::SeaState => "saved sea",

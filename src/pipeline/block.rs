@@ -20,7 +20,8 @@ use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::pulse::Pulse;
-use crate::radar::illumination::tiles::{Instants, NODES, Sample, Tally, TileWork};
+use crate::pulse::costs::Stage;
+use crate::radar::illumination::tiles::{Instants, NODES, Sample, TileWork};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
@@ -66,7 +67,8 @@ pub(super) struct BlockWork {
     lanes: LaneWork,
     samples: Vec<Sample>,
     mean_hz: Vec<f64>,
-    tally: Tally,
+    /// Contacts of the block at hand that are spread, over all pairs.
+    spread: usize,
 }
 
 impl BlockEcho {
@@ -113,7 +115,7 @@ impl BlockEcho {
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
-            tally: Tally::default(),
+            spread: 0,
         }
     }
 
@@ -133,8 +135,10 @@ impl BlockEcho {
             work.held = Some(self.prepare(illumination, index, pulse, light, work)?);
         }
         let first = work.held.map_or(index, |(first, _)| first);
-        let BlockWork { frame, grids, scratch, .. } = work;
+        let BlockWork { frame, grids, scratch, .. } = &mut *work;
         self.synth.spectrum_in(frame, grids, (index - first) as usize, scratch, spectrum);
+        light.costs.lap(Stage::Transform);
+        light.costs.accumulated(work.spread);
         Ok(())
     }
 
@@ -155,6 +159,7 @@ impl BlockEcho {
         work.instants = Instants { first, pulses, nodes, node_count, gain_pulses: self.gain_pulses };
         let heard = nodes.map(|place| first + place as u64);
         work.windows_s.clear();
+        work.spread = 0;
         if self.spacing == 1 || !illumination.hears_itself(&heard, light)? {
             // A pulse by itself: exact contacts, one node.
             let contacts = &mut work.nodes[0];
@@ -163,7 +168,10 @@ impl BlockEcho {
             let node = Node { pulse: 0, contacts };
             self.synth.fill(&[node], &work.windows_s, &mut work.part)?;
             check(&work.part)?;
+            light.costs.lap(Stage::Fill);
             self.synth.spread(&work.part, &mut work.grids);
+            light.costs.lap(Stage::Spread);
+            work.spread = work.part.found().sounding;
             work.frame.clone_from(work.part.frame());
             return Ok((index, index + 1));
         }
@@ -178,10 +186,11 @@ impl BlockEcho {
         }
         self.mean_doppler(illumination, first + pulses as u64 / 2, light, samples, &mut nodes[0], mean_hz)?;
         let BlockWork { instants, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
+        light.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            work.tally = illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, |tile| {
+            let tally = illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
                 for (pair, of_pair) in tile.pairs.iter().enumerate() {
                     let mut nodes = [None; NODES];
                     for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
@@ -202,12 +211,16 @@ impl BlockEcho {
                     self.synth.spread_lanes(&batch, frame, lanes, grids);
                 }
             });
+            let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
+            light.costs.looked_at(facets, lit, culled);
+            work.spread = (lit - culled) * illumination.pairs().len();
         }
         if illumination.point_count() > 0 {
             let step = (NODES - 1) * self.gain_pulses;
             for from in (0..pulses).step_by(step) {
                 self.points(illumination, first, from..(from + step).min(pulses), light, work)?;
             }
+            work.spread += work.part.found().sounding;
         }
         Ok((first, end))
     }
@@ -264,7 +277,9 @@ impl BlockEcho {
         }
         self.synth.fill_part(&given[..count], frame, pulses, part)?;
         check(part)?;
+        light.costs.lap(Stage::Fill);
         self.synth.spread_part(part, grids);
+        light.costs.lap(Stage::Spread);
         Ok(())
     }
 }

@@ -28,6 +28,7 @@ use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
 use crate::pulse::Pulse;
+use crate::pulse::costs::Costs;
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
@@ -368,7 +369,7 @@ pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
 }
 
 /// Memory that the system says it can give, bytes; `None` where it does not say.
-fn available_bytes() -> Option<u64> {
+pub(super) fn available_bytes() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
@@ -496,7 +497,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, status, None::<fn(&Pulse)>)
+        self.start(stop, status, None::<fn(&Pulse)>).map(|(outcome, _)| outcome)
     }
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
@@ -506,7 +507,17 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         see: impl FnMut(&Pulse) + Send,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, None, Some(see))
+        self.start(stop, None, Some(see)).map(|(outcome, _)| outcome)
+    }
+
+    /// The same, with progress, and tells what the workers have spent.
+    pub fn measure(
+        self,
+        stop: &Arc<AtomicBool>,
+        status: Option<Sender<Status>>,
+        see: impl FnMut(&Pulse) + Send,
+    ) -> Result<(RunOutcome, Costs), BuildErrors> {
+        self.start(stop, status, Some(see))
     }
 
     fn start(
@@ -514,7 +525,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
-    ) -> Result<RunOutcome, BuildErrors> {
+    ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self { factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _ } = self;
         let range = schedule.first..schedule.end();
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
@@ -544,10 +555,13 @@ impl PulseStream {
         }
         let mut workspaces: Vec<Workspace> =
             (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
-        Ok(stream.run(|source| {
+        let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
             pool.install(|| generate(source, &factory, range, &mut workspaces))
-        }))
+        });
+        let mut costs = Costs::default();
+        workspaces.iter().for_each(|work| costs.add(work.costs()));
+        Ok((outcome, costs))
     }
 }
 

@@ -46,6 +46,11 @@ pub struct Forecast {
 impl PulseStream {
     /// Makes pulses for a moment and tells what the run will take.
     pub fn forecast(&self) -> Result<Forecast, PulseError> {
+        self.forecast_over(TRIAL)
+    }
+
+    /// The same over a longer or shorter trial; every worker makes a block at least.
+    pub fn forecast_over(&self, trial: Duration) -> Result<Forecast, PulseError> {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();
@@ -73,7 +78,7 @@ impl PulseStream {
                 .enumerate()
                 .map(|(hand, (slot, work))| {
                     let (mut made, mut step) = (0, 1 + hand as u64);
-                    while made == 0 || begun.elapsed() < TRIAL {
+                    while made == 0 || begun.elapsed() < trial {
                         for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
                             factory.make(index, slot, work)?;
                             made += 1;

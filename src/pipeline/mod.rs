@@ -4,8 +4,12 @@
 //! ([`stages`]) and the transport that releases it ([`crate::transport`]).
 
 pub mod aboard;
+pub mod accuracy;
 mod block;
 pub mod build;
 pub mod forecast;
+pub mod knobs;
 pub mod outlook;
+pub mod speed;
 pub mod stages;
+pub mod sweep;

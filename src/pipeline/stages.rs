@@ -16,6 +16,7 @@ use thiserror::Error;
 use super::block::{BlockEcho, BlockWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::SynthError;
+use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
@@ -79,10 +80,27 @@ pub struct Workspace {
     receiver: ReceiverScratch,
 }
 
+impl Workspace {
+    /// What its pulses have cost.
+    pub fn costs(&self) -> &Costs {
+        &self.illumination.costs
+    }
+}
+
 impl PulseFactory {
     /// Sizes of the pulses made.
     pub fn layout(&self) -> &Layout {
         &self.layout
+    }
+
+    /// Facets of the patch of sea; 0 without one.
+    pub fn facets(&self) -> usize {
+        self.illumination.facets()
+    }
+
+    /// Facets, targets and, where it is received, the direct path: what a pulse may have contacts of.
+    pub fn contacts(&self) -> usize {
+        self.facets() + self.illumination.point_count()
     }
 
     /// An empty slot for a pulse.
@@ -146,10 +164,13 @@ impl PulseFactory {
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
         let Workspace { illumination, contacts, block, spectrum, receiver } = work;
+        illumination.costs.begin();
         match (&self.echo, block) {
             (Echo::Reference(echo), _) => {
                 self.illumination.pulse(index, illumination, contacts, pulse)?;
                 echo.spectrum(contacts, pulse.window_start_s, spectrum);
+                illumination.costs.lap(Stage::Spread);
+                illumination.costs.accumulated(contacts.len() * self.layout.pairs);
             }
             (Echo::Fast(echo), Some(block)) => {
                 echo.make(&self.illumination, index, pulse, illumination, block, spectrum)?;
@@ -158,6 +179,8 @@ impl PulseFactory {
             (Echo::Fast(_), None) => spectrum.fill(Complex64::ZERO),
         }
         self.receiver.receive(spectrum, pulse, receiver);
+        illumination.costs.lap(Stage::Receive);
+        illumination.costs.made();
         Ok(())
     }
 

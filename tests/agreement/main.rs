@@ -3,6 +3,7 @@
 
 mod blocks;
 mod matched_filter;
+mod measured;
 mod radar_equation;
 mod same_bits;
 mod scenes;

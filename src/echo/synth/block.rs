@@ -46,6 +46,8 @@ pub struct Node<'a> {
 /// What filling a block has found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fill {
+    /// Contacts that are spread, counted once for each pair.
+    pub sounding: usize,
     /// Contacts and pairs left out though they sound: with a delay at one node and none at another, a rate of 1 or more (faster
     /// than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
     pub unplaced: usize,
@@ -384,6 +386,7 @@ impl<T: Scalar> Synth<T> {
                 courses.place.iter_mut().for_each(|p| p[n] = T::default());
                 continue;
             }
+            block.fill.sounding += 1;
             let largest = residual.iter().take(nodes.len()).fold(0.0f64, |a, r| a.max(r.abs()));
             block.fill.residual_hz = block.fill.residual_hz.max(largest);
             block.fill.drift_cells = block.fill.drift_cells.max(drift);

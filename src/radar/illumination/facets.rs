@@ -144,17 +144,15 @@ impl Chunk {
         self.pairs.iter_mut().for_each(PairColumns::clear);
     }
 
-    /// Takes in the paths of a facet over every pair; of one that no pair hears nothing is kept unless `every` facet is
-    /// wanted. Says whether it was kept.
+    /// Takes in the paths of a facet over every pair; of one that no pair hears nothing is kept. Says whether it was kept.
     pub fn see(
         &mut self,
         lighting: &Lighting,
         transmitters: usize,
         scatterer: &PhaseCentre,
-        every: bool,
         visible: impl Fn(usize) -> f64,
     ) -> bool {
-        let mut kept = every;
+        let mut kept = false;
         for (plan, columns) in lighting.plans.iter().zip(&mut self.pairs) {
             let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
             let centres = &lighting.emission.centres;

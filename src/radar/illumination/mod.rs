@@ -110,6 +110,7 @@ use crate::geometry::light_time::{LightTime, Path, bistatic};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::State;
+use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{PlatformRecord, Pulse, flags};
 use crate::radar::antenna::{Antenna, field};
 use crate::radar::emission::{Circumstances, Emission, TrackFailure};
@@ -176,6 +177,8 @@ pub struct Workspace {
     other: Emission,
     amplitude: Vec<Complex64>,
     sea: Option<SeaWork>,
+    /// What this thread has spent.
+    pub costs: Costs,
 }
 
 impl Illumination {
@@ -290,7 +293,8 @@ impl Illumination {
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
         let sea = self.sea.as_ref().and_then(|sea| sea.work(self.pairs.len(), self.radar.channels.len()));
-        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea }
+        let costs = Costs::default();
+        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea, costs }
     }
 
     /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
@@ -307,31 +311,33 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, other, amplitude, sea } = workspace;
+        let Workspace { own, other, amplitude, sea, costs } = workspace;
         contacts.clear();
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
         let audible = self.audible(index, own, &window)?;
+        costs.lap(Stage::Record);
         for heard in audible.start..audible.end.min(index) {
             self.evaluate(heard, other)?;
             let lighting = self.lighting(index, heard, other, window);
             self.append(&lighting, amplitude, contacts);
-            self.append_sea(heard, &lighting, sea, contacts)?;
+            self.append_sea(heard, &lighting, sea, costs, contacts)?;
         }
         let lighting = self.lighting(index, index, own, window);
         if self.append(&lighting, amplitude, contacts) {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
         if audible.contains(&index) {
-            self.append_sea(index, &lighting, sea, contacts)?;
+            self.append_sea(index, &lighting, sea, costs, contacts)?;
         }
         for heard in audible.start.max(index + 1)..audible.end {
             self.evaluate(heard, other)?;
             let lighting = self.lighting(index, heard, other, window);
             self.append(&lighting, amplitude, contacts);
-            self.append_sea(heard, &lighting, sea, contacts)?;
+            self.append_sea(heard, &lighting, sea, costs, contacts)?;
         }
+        costs.lap(Stage::Contacts);
         Ok(())
     }
 
@@ -364,10 +370,12 @@ impl Illumination {
         heard: u64,
         lighting: &Lighting,
         work: &mut Option<SeaWork>,
+        costs: &mut Costs,
         contacts: &mut Contacts,
     ) -> Result<(), RadarError> {
         let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(()) };
-        let visited = sea.visit(lighting, work, |chunk| {
+        let before = contacts.len();
+        let visited = sea.visit(lighting, work, costs, |chunk| {
             for place in 0..chunk.index.len() {
                 if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
                     continue;
@@ -382,6 +390,7 @@ impl Illumination {
                 }
             }
         });
+        costs.looked_at(sea.patch.len(), contacts.len() - before, 0);
         visited.map_err(|failure| self.sea_error(heard, failure))
     }
 

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::facets::Lighting;
 use super::window::Window;
 use super::{Illumination, Workspace};
+use crate::pulse::costs::Stage;
 use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
 use crate::scattering::contact::Contacts;
@@ -55,7 +56,7 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, .. } = workspace;
+        let Workspace { own, amplitude, costs, .. } = workspace;
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
@@ -65,6 +66,7 @@ impl Illumination {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
+        costs.lap(Stage::Record);
         Ok(())
     }
 

@@ -13,6 +13,7 @@ use super::visibility::{MOST_ENDS, Updates, Visibility};
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::TrackFailure;
 use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
 use crate::scattering::lanes::LaneWater;
@@ -335,24 +336,28 @@ impl SeaPlan {
         &self,
         lighting: &Lighting,
         work: &mut SeaWork,
+        costs: &mut Costs,
         each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
-        self.light(lighting, &patch, false, work, each)
+        self.light(lighting, &patch, work, costs, each)
     }
 
     fn light(
         &self,
         lighting: &Lighting,
         patch: &Patch,
-        every: bool,
         work: &mut SeaWork,
+        costs: &mut Costs,
         mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
+        costs.lap(Stage::Contacts);
         sheet.evaluate(lighting.elapsed_s, patch, fields)?;
+        costs.lap(Stage::Surface);
         self.scattering.poses(lighting.elapsed_s, poses);
         phasors.prepare(&self.scattering, patch, lighting.elapsed_s);
+        costs.lap(Stage::Contacts);
         let earth = lighting.surroundings.frame.earth();
         let mix = match (&self.visibility, updates) {
             (Some(visibility), Some(updates)) => Some(visibility.at(
@@ -363,6 +368,7 @@ impl SeaPlan {
             )?),
             _ => None,
         };
+        costs.lap(Stage::Shadow);
         let footprint_m2 = patch.facet_m * patch.facet_m;
         let transmitters = lighting.radar.transmitters.len();
         let mut first = 0;
@@ -384,7 +390,7 @@ impl SeaPlan {
                     let place_m = patch.centre_m(key);
                     let scatterer = motion(fields, index, place_m, earth.drop_m(place_m[0], place_m[1]));
                     let visible = |antenna: usize| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, key));
-                    if !chunk.see(lighting, transmitters, &scatterer, every, visible) {
+                    if !chunk.see(lighting, transmitters, &scatterer, visible) {
                         continue;
                     }
                     let fall = earth.drop_slope(place_m[0], place_m[1]);
@@ -398,6 +404,7 @@ impl SeaPlan {
             }
             first = end;
         }
+        costs.lap(Stage::Contacts);
         Ok(())
     }
 

@@ -78,7 +78,7 @@ impl Illumination {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, sea: work, .. } = workspace;
+        let Workspace { own, sea: work, costs, .. } = workspace;
         let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(None) };
         self.evaluate(index, own)?;
         let window_start_s = self.window_start_s(index, self.radar.emissions.emission(self.start, index))?;
@@ -98,7 +98,7 @@ impl Illumination {
             amplitude: vec![vec![Complex64::ZERO; facets]; self.radar.channels.len()],
             heard: vec![vec![false; facets]; self.pairs.len()],
         };
-        sea.visit(&lighting, work, |chunk| {
+        sea.visit(&lighting, work, costs, |chunk| {
             for (place, &facet) in chunk.index.iter().enumerate() {
                 for (pair, columns) in chunk.pairs.iter().enumerate() {
                     let delay_s = columns.delay_s[place];

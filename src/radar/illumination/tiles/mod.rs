@@ -29,6 +29,7 @@ use super::visibility::Visibility;
 use super::{Illumination, Workspace};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
+use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::Emission;
 use crate::radar::fault::RadarError;
 use crate::scattering::lanes::Batch;
@@ -170,8 +171,12 @@ impl Illumination {
         let (Some(sea), Some(shadows)) = (&self.sea, &mut workspace.sea) else { return Ok(()) };
         work.time(self, instants)?;
         let first = instants.first;
+        let costs = &mut workspace.costs;
+        costs.lap(Stage::Record);
         sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
+        costs.lap(Stage::Surface);
         work.shade(self, sea, instants, patch, shadows).map_err(|failure| self.sea_error(first, failure))?;
+        costs.lap(Stage::Shadow);
         let tiles = patch.len().div_ceil(LANES);
         let step = (tiles / SAMPLED).max(1);
         // An odd step: rows of a patch are often a power of two of tiles.
@@ -192,6 +197,7 @@ impl Illumination {
             }
             sample.mean_power_w /= facets.max(1) as f64;
         }
+        costs.lap(Stage::Contacts);
         Ok(())
     }
 
@@ -203,6 +209,7 @@ impl Illumination {
         samples: &[Sample],
         least: f64,
         work: &mut TileWork,
+        costs: &mut Costs,
         mut each: impl FnMut(&Tile),
     ) -> Tally {
         let mut tally = Tally::default();
@@ -211,8 +218,10 @@ impl Illumination {
             self.light_tile(sea, patch, tile, work);
             tally.facets += work.tile.count as u64;
             work.tile.thin_out(work.variant, samples, least, &mut tally);
+            costs.lap(Stage::Contacts);
             if work.tile.count > 0 {
                 each(&work.tile);
+                costs.lap(Stage::Spread);
             }
         }
         tally

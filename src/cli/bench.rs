@@ -1,0 +1,232 @@
+//! `nereus bench`: what a scenario reaches on this machine, and the error of its echo.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::time::Instant;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::args::{BenchArgs, Setting};
+use super::error::CliError;
+use super::progress;
+use super::run::overrides;
+use super::say;
+use crate::config::{self, Run};
+use crate::pipeline::accuracy::{self, Accuracy, Judge};
+use crate::pipeline::build;
+use crate::pipeline::knobs;
+use crate::pipeline::speed::{self, Speed, TRIAL};
+use crate::pulse::costs::Stage;
+use crate::transport::Pace;
+use crate::transport::pacer::Status;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct Report {
+    scenario: String,
+    facets: usize,
+    contacts: usize,
+    /// Mean share of the facets that is lit, times the facets.
+    lit: f64,
+    /// Those of them that were left out as too weak.
+    culled: f64,
+    /// Contacts accumulated in a pulse, over all pairs.
+    accumulated: f64,
+    channels: usize,
+    pulses: u64,
+    block_pulses: u64,
+    threads: usize,
+    pulses_per_s: f64,
+    facet_pulses_per_s: f64,
+    real_time_factor: f64,
+    /// None where it was not measured.
+    rel_rms_db: Option<f64>,
+    rel_rms_db_mean: Option<f64>,
+    error: Option<ErrorReport>,
+    /// Of the streaming part alone: the reference comes after.
+    peak_rss_mib: Option<f64>,
+    startup_s: Option<f64>,
+    /// Seconds of one worker for a pulse, by stage.
+    stages: Map<String, Value>,
+    settings: Map<String, Value>,
+}
+
+/// Where and how the error was found.
+#[derive(Debug, Serialize)]
+struct ErrorReport {
+    pulses: Vec<u64>,
+    worst_pulse: u64,
+    worst_channel: String,
+    /// Worst of each channel, dB.
+    channel_db: Map<String, Value>,
+    reference_pulses_per_s: f64,
+}
+
+/// A scenario as it is measured: without sinks, as fast as it can.
+pub(super) fn load(
+    config: &std::path::Path,
+    settings: &[Setting],
+    more: &[(String, String)],
+    threads: Option<u64>,
+) -> Result<Run, config::ConfigError> {
+    let mut overrides = overrides(settings);
+    overrides.extend(threads.map(|threads| ("stream.threads".to_owned(), threads.to_string())));
+    overrides.extend_from_slice(more);
+    let mut run = config::load(config, &overrides)?;
+    run.sinks.clear();
+    run.stream.pace = Pace::Fast;
+    Ok(run)
+}
+
+/// Measures and prints.
+pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
+    let run = load(&args.config, &args.settings, &[], args.threads)?;
+    for warning in &run.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    let pulses = args.pulses.unwrap_or(run.scene.pulses);
+    let stream = build::stream(&run, 0..pulses)?;
+    let (status, watcher) = progress::watch(pulses);
+    let lasts = args.pulses.is_none().then_some(TRIAL);
+    let measured = speed::speed(stream, lasts, Some(status));
+    watcher.finish();
+    let measured = measured?;
+    let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
+    let report = report(&run, &measured, begun, judged.as_ref());
+    let text = if args.json {
+        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
+    } else {
+        text(&report)
+    };
+    out.write_all(text.as_bytes()).map_err(CliError::Output)
+}
+
+fn judge(run: &Run, measured: &Speed, pulses: u64) -> Result<(Judge, Accuracy), CliError> {
+    let scene = &run.scene;
+    let sampled = accuracy::sample(scene.seed, scene.pulses, measured.block_pulses, pulses);
+    let judge = reference(run, sampled, measured.threads)?;
+    let accuracy = judge.judge(run)?;
+    Ok((judge, accuracy))
+}
+
+/// The reference of some pulses, with progress.
+pub(super) fn reference(run: &Run, pulses: Vec<u64>, threads: usize) -> Result<Judge, CliError> {
+    let total = pulses.len() as u64;
+    say(format_args!("reference of {total} pulses ..."));
+    let (status, watcher) = progress::watch(total);
+    let judge = Judge::new(run, pulses, threads, |passed| {
+        // Progress that nobody has time to show is not worth waiting for.
+        let _ = status.try_send(Status { passed: passed as u64, total, late: 0, dropped: 0 });
+    });
+    drop(status);
+    watcher.finish();
+    Ok(judge?)
+}
+
+fn report(run: &Run, speed: &Speed, begun: Instant, judged: Option<&(Judge, Accuracy)>) -> Report {
+    let name = |channel: usize| {
+        run.scene.radar.channels.get(channel).map_or_else(String::new, |channel| channel.name.clone())
+    };
+    let facets = speed.facets as f64;
+    Report {
+        scenario: run.path.display().to_string(),
+        facets: speed.facets,
+        contacts: speed.contacts,
+        lit: facets * speed.costs.lit_share(),
+        culled: facets * speed.costs.culled_share(),
+        accumulated: speed.costs.accumulated_per_pulse(),
+        channels: speed.channels,
+        pulses: speed.pulses,
+        block_pulses: speed.block_pulses,
+        threads: speed.threads,
+        pulses_per_s: speed.pulses_per_s,
+        facet_pulses_per_s: speed.facet_pulses_per_s(),
+        real_time_factor: speed.real_time_factor,
+        rel_rms_db: judged.map(|(_, accuracy)| accuracy.rel_rms_db),
+        rel_rms_db_mean: judged.map(|(_, accuracy)| accuracy.rel_rms_db_mean),
+        error: judged.map(|(judge, accuracy)| ErrorReport {
+            pulses: judge.pulses().to_vec(),
+            worst_pulse: accuracy.worst_pulse,
+            worst_channel: name(accuracy.worst_channel),
+            channel_db: accuracy
+                .channel_db
+                .iter()
+                .enumerate()
+                .map(|(channel, db)| (name(channel), Value::from(*db)))
+                .collect(),
+            reference_pulses_per_s: judge.pulses_per_s(),
+        }),
+        peak_rss_mib: speed.peak_rss_bytes.map(|bytes| bytes as f64 / f64::from(1 << 20)),
+        startup_s: speed.first_release.map(|release| release.saturating_duration_since(begun).as_secs_f64()),
+        stages: Stage::ALL
+            .iter()
+            .map(|stage| (stage.name().to_owned(), Value::from(speed.costs.seconds_per_pulse(*stage))))
+            .collect(),
+        settings: knobs::settings(&run.fidelity),
+    }
+}
+
+/// `name = value` of every setting.
+pub(super) fn settings_text(settings: &Map<String, Value>) -> String {
+    let one = |(name, value): (&String, &Value)| match value {
+        Value::String(word) => format!("{name} {word}"),
+        value => format!("{name} {value}"),
+    };
+    settings.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn text(report: &Report) -> String {
+    let mut text = String::new();
+    let mut row = |what: &str, how: String| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "  {what:22}{how}");
+    };
+    let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    row("settings", settings_text(&report.settings));
+    row(
+        "contacts",
+        format!(
+            "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse",
+            report.contacts, report.facets, report.lit, report.culled, report.accumulated
+        ),
+    );
+    row("channels", report.channels.to_string());
+    row(
+        "speed",
+        format!(
+            "{:.1} pulses/s, {:.3} times real time, {:.2} M facet-pulses/s ({} pulses, {})",
+            report.pulses_per_s,
+            report.real_time_factor,
+            report.facet_pulses_per_s / 1e6,
+            report.pulses,
+            plural(report.threads, "thread")
+        ),
+    );
+    let measured =
+        |value: Option<f64>, unit: &str| value.map_or("-".to_owned(), |value| format!("{value:.2} {unit}"));
+    row("start to first pulse", measured(report.startup_s, "s"));
+    row("peak memory", measured(report.peak_rss_mib, "MiB resident"));
+    let seconds = |stage: &Stage| report.stages.get(stage.name()).and_then(Value::as_f64).unwrap_or(0.0);
+    let total: f64 = Stage::ALL.iter().map(seconds).sum();
+    for stage in &Stage::ALL {
+        let share = if total > 0.0 { 100.0 * seconds(stage) / total } else { 0.0 };
+        row(
+            &format!("stage {}", stage.name()),
+            format!("{:10.3} ms a pulse {share:5.1} %", 1e3 * seconds(stage)),
+        );
+    }
+    match (report.rel_rms_db, report.rel_rms_db_mean, &report.error) {
+        (Some(worst), Some(mean), Some(error)) => row(
+            "error",
+            format!(
+                "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {} against the reference",
+                error.worst_pulse,
+                error.worst_channel,
+                plural(error.pulses.len(), "pulse")
+            ),
+        ),
+        _ => row("error", "not measured".to_owned()),
+    }
+    format!("{}\n{text}", report.scenario)
+}

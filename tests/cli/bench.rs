@@ -1,0 +1,174 @@
+//! `nereus bench` and `nereus tradeoff`, as a user starts them, on a sea of 16 x 16 facets.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::{Ended, nereus, package};
+
+fn sea() -> String {
+    package().join("configs/sea.toml").display().to_string()
+}
+
+/// A command on the small sea.
+fn small(folder: &Path, command: &str, arguments: &[&str]) -> Ended {
+    let scene = ["--set", "scene.patch_size_m=[16, 16]", "--threads", "2"];
+    nereus(folder, &[&[command, &sea()], &scene[..], arguments].concat())
+}
+
+fn json(ended: &Ended) -> serde_json::Value {
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(ended.stdout.lines().count(), 1, "{}", ended.stdout);
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+fn number(report: &serde_json::Value, key: &str) -> f64 {
+    report[key].as_f64().unwrap_or_else(|| panic!("{key}: {report}"))
+}
+
+#[test]
+fn bench_tells_speed_memory_stages_and_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = json(&small(folder.path(), "bench", &["--pulses", "60", "--json"]));
+    // A buoy beside the facets.
+    let whole = [("facets", 256), ("contacts", 257), ("channels", 4), ("pulses", 60), ("threads", 2)];
+    for (key, expected) in whole {
+        assert_eq!(report[key], expected, "{key}");
+    }
+    let pulses_per_s = number(&report, "pulses_per_s");
+    // The scenario's repetition frequency is 222 Hz.
+    assert!((number(&report, "real_time_factor") * 222.0 / pulses_per_s - 1.0).abs() < 1e-9);
+    assert!((number(&report, "facet_pulses_per_s") / (256.0 * pulses_per_s) - 1.0).abs() < 1e-9);
+    let (worst, mean) = (number(&report, "rel_rms_db"), number(&report, "rel_rms_db_mean"));
+    assert!(mean <= worst && worst < -60.0 && mean > -150.0, "{worst} {mean}");
+    assert_eq!(report["error"]["pulses"].as_array().unwrap().len(), 16);
+    let lit = number(&report, "lit");
+    assert!(lit > 0.0 && lit <= 256.0 && number(&report, "culled") <= lit, "{report}");
+    assert!(number(&report, "accumulated") <= 257.0);
+    if cfg!(target_os = "linux") {
+        assert!(number(&report, "peak_rss_mib") > 1.0);
+    }
+    let startup_s = number(&report, "startup_s");
+    assert!(startup_s > 0.0, "{startup_s}");
+    // What the workers spent is what they had: two of them for as long as generation took, less what they waited.
+    let stages = report["stages"].as_object().unwrap();
+    for stage in ["record", "surface", "shadow", "contacts", "fill", "spread", "transform", "receive"] {
+        assert!(stages[stage].as_f64().unwrap() >= 0.0, "{stage}");
+    }
+    let spent_s: f64 = stages.values().map(|seconds| seconds.as_f64().unwrap()).sum();
+    assert!(spent_s > 0.0 && spent_s * pulses_per_s <= 2.0 * (1.0 + 1e-6), "{report}");
+    assert_eq!(report["settings"]["echo"], "fast");
+    assert_eq!(report["settings"]["node_pulses"], 3);
+    assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing is recorded");
+}
+
+#[test]
+fn the_reference_has_no_error_and_coarse_nodes_have_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = |more: &[&str]| {
+        let arguments = [&["--pulses", "4", "--error-pulses", "16", "--json"], more].concat();
+        number(&json(&small(folder.path(), "bench", &arguments)), "rel_rms_db")
+    };
+    assert!(error(&["--set", "fidelity.echo=reference"]) <= -200.0);
+    let (close, wide) =
+        (error(&["--set", "fidelity.node_pulses=1"]), error(&["--set", "fidelity.node_pulses=8"]));
+    assert!(close < -70.0 && wide > close + 20.0, "{close} {wide}");
+}
+
+#[test]
+fn bench_as_text_and_without_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = small(folder.path(), "bench", &["--pulses", "20", "--error-pulses", "0"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    for part in ["times real time", "MiB", "stage spread", "not measured", "node_pulses 3"] {
+        assert!(ended.stdout.contains(part), "{part}: {}", ended.stdout);
+    }
+    let report = json(&small(folder.path(), "bench", &["--pulses", "20", "--error-pulses", "0", "--json"]));
+    assert!(report["rel_rms_db"].is_null());
+}
+
+#[test]
+fn bench_of_targets_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let quickstart = package().join("configs/quickstart.toml").display().to_string();
+    let ended = nereus(folder.path(), &["bench", &quickstart, "--pulses", "50", "--json"]);
+    let report = json(&ended);
+    assert_eq!((&report["facets"], &report["settings"]["echo"]), (&0.into(), &"reference".into()));
+    assert!(number(&report, "contacts") >= 1.0 && number(&report, "rel_rms_db") <= -200.0);
+}
+
+#[test]
+fn figures_that_cannot_be_measured_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |command: &str, arguments: &[&str], part: &str| {
+        let ended = small(folder.path(), command, arguments);
+        assert_eq!(ended.code, 2, "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(part) && ended.stdout.is_empty(), "{arguments:?}: {}", ended.stderr);
+    };
+    refused("bench", &["--pulses", "0"], "--pulses");
+    refused("bench", &["--pulses", "112"], "0..111");
+    refused("bench", &["--error-pulses", "few"], "error-pulses");
+    refused("bench", &["--set", "fidelity.node_pulse=3"], "node_pulse");
+    let crowded = nereus(folder.path(), &["bench", &sea(), "--threads", "5000"]);
+    assert_eq!(crowded.code, 2, "{}", crowded.stderr);
+    assert!(
+        crowded.stderr.contains("stream.threads") && crowded.stderr.contains("1024"),
+        "{}",
+        crowded.stderr
+    );
+    refused("tradeoff", &["--error-pulses", "0"], "--error-pulses");
+    refused("tradeoff", &["--set", "fidelity.kernel_width=3"], "kernel_width");
+    let taken = folder.path().join("taken");
+    fs::create_dir(&taken).unwrap();
+    fs::write(taken.join("tradeoff.csv"), "mine").unwrap();
+    let out = taken.display().to_string();
+    refused("tradeoff", &["--out", &out], "tradeoff.csv");
+    // Not even by force: it is none of ours.
+    refused("tradeoff", &["--out", &out, "--force"], "tradeoff.csv");
+    assert_eq!(fs::read_to_string(taken.join("tradeoff.csv")).unwrap(), "mine");
+}
+
+#[test]
+fn tradeoff_sweeps_the_knobs_and_writes_table_and_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["--error-pulses", "4", "--out", "swept", "--json"];
+    let ended = small(folder.path(), "tradeoff", &arguments);
+    let report = json(&ended);
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points[0]["change"], "as written");
+    let of = |change: &str| {
+        let found = points.iter().find(|point| point["change"] == change);
+        number(found.unwrap_or_else(|| panic!("{change}: {report}")), "rel_rms_db")
+    };
+    assert!(of("fidelity.node_pulses=6") > of("fidelity.node_pulses=1") + 10.0, "{report}");
+    // What is written already is not measured twice.
+    assert!(points.iter().all(|point| point["change"] != "fidelity.node_pulses=3"));
+    // The front falls: whoever is faster on it is worse.
+    let mut front: Vec<(f64, f64)> = points
+        .iter()
+        .filter(|point| point["on_front"] == true)
+        .map(|point| (number(point, "real_time_factor"), number(point, "rel_rms_db")))
+        .collect();
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(!front.is_empty() && front.is_sorted_by(|a, b| a.1 < b.1), "{front:?}");
+    let taken = &report["taken"];
+    assert!(number(taken, "rel_rms_db") <= -60.0);
+    let fastest = points
+        .iter()
+        .filter(|point| number(point, "rel_rms_db") <= -60.0)
+        .map(|point| number(point, "real_time_factor"))
+        .fold(0.0, f64::max);
+    assert_eq!(number(taken, "real_time_factor"), fastest);
+    // The model's choices stand apart.
+    let models = report["models"].as_array().unwrap();
+    assert!(models.iter().any(|effect| effect["change"] == "sea.scattering.splitting=mars2007"), "{report}");
+    let csv = fs::read_to_string(folder.path().join("swept/tradeoff.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + points.len());
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
+    assert_eq!(csv.lines().filter(|line| line.ends_with(",true")).count(), 1);
+    let png = fs::read(folder.path().join("swept/tradeoff.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG"));
+    let again = small(folder.path(), "tradeoff", &arguments);
+    assert_eq!(again.code, 2, "{}", again.stderr);
+    assert!(again.stderr.contains("--force"), "{}", again.stderr);
+}
