@@ -220,13 +220,14 @@ fn any_selection_gives_the_same_values() {
     let settings = Settings::new(1.0, Reach::of(&patch, &course, [0.0, 0.0]).unwrap());
     let wake = wake(SHIP, course, &settings);
     let (grid, full) = map_of::<f64>(vec![wake.clone()], &patch, -100.0, 0.0);
-    for bits in 0..32 {
+    for bits in 0..64 {
         let selection = Selection {
             slopes: bits & 1 > 0,
             velocity: bits & 2 > 0,
             horizontal_acceleration: bits & 4 > 0,
             displacement: bits & 8 > 0,
             slope_rate: bits & 16 > 0,
+            vertical_acceleration: bits & 32 > 0,
         };
         let mut fields = Fields::<f64>::new(&grid, selection);
         Map::new(vec![wake.clone()], &patch, -100.0).unwrap().add(patch.first, 0.0, &mut fields).unwrap();
