@@ -363,6 +363,24 @@ impl WaterScattering {
         most
     }
 
+    /// Whether any facet centred in a rectangle (least and largest x, and y) may be of another kind than clean water.
+    pub fn kinds_within(&self, bounds_m: [[f64; 2]; 2], poses: &[Pose]) -> bool {
+        let [[x0, x1], [y0, y1]] = bounds_m;
+        let of_slicks = self.regions.iter().any(|(_, [[u0, u1], [v0, v1]])| {
+            *u0 <= x1 && x0 <= *u1 && *v0 <= y1 && y0 <= *v1
+        });
+        let corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]];
+        of_slicks
+            || self.strips.iter().zip(poses).any(|(strip, pose)| {
+                let places = corners.map(|corner| pose.astern_starboard_m(corner));
+                let furthest_m = places.iter().fold(f64::NEG_INFINITY, |most, place| most.max(place[0]));
+                let least = places.iter().fold(f64::INFINITY, |least, place| least.min(place[1]));
+                let most = places.iter().fold(f64::NEG_INFINITY, |most, place| most.max(place[1]));
+                let aside_m = strip.strip.reach_aside_m(furthest_m);
+                aside_m > 0.0 && least < aside_m && most > -aside_m
+            })
+    }
+
     /// Phasors of the facet with a global key, `t_s` after pulse 0.
     pub fn phasors(&self, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
         self.speckle.phasors(self.seed, (key[0], key[1]), t_s, out);

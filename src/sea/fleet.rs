@@ -136,7 +136,7 @@ impl Fleet {
     /// The waves of all ships alone over a patch at a time, s, in the order of the patch.
     pub fn waves(&self, patch: &Patch, selection: Selection, time_s: f64) -> Result<Fields<f64>, WakeError> {
         let mut fields = Fields::sized(patch.len(), selection);
-        Wakes::new(&self.wakes, patch, selection, MAP_ERROR_DB)?.add(time_s, patch, &mut fields)?;
+        Wakes::new(&self.wakes, patch, MAP_ERROR_DB)?.add(time_s, patch, &mut fields)?;
         Ok(fields)
     }
 

@@ -49,9 +49,7 @@ pub struct Sheet<T: Real = f64> {
 #[derive(Clone)]
 pub(super) struct Wakes<T: Real = f64> {
     map: Map<T>,
-    /// The patch as a grid, in whose order the waves are summed.
-    grid: Grid,
-    fields: Fields<T>,
+    facets: usize,
 }
 
 impl<T: Real> Sheet<T> {
@@ -66,7 +64,7 @@ impl<T: Real> Sheet<T> {
     pub fn with_wakes(mut self, wakes: &[Wake], patch: &Patch) -> Result<Self, WakeError> {
         self.wakes = None;
         if wakes.iter().any(|wake| !wake.nodes().is_empty()) {
-            self.wakes = Some(Wakes::new(wakes, patch, self.selection, WAKE_ERROR_DB[usize::from(size_of::<T>() == 4)])?);
+            self.wakes = Some(Wakes::new(wakes, patch, WAKE_ERROR_DB[usize::from(size_of::<T>() == 4)])?);
         }
         Ok(self)
     }
@@ -103,34 +101,16 @@ impl<T: Real> Sheet<T> {
 
 impl<T: Real> Wakes<T> {
     /// For patches of the size of the given one, with an error in dB over the root sum square of the waves.
-    pub(super) fn new(
-        wakes: &[Wake],
-        patch: &Patch,
-        selection: Selection,
-        error_db: f64,
-    ) -> Result<Self, WakeError> {
-        let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
-        let map = Map::new(wakes.to_vec(), patch, error_db)?;
-        Ok(Self { map, grid, fields: Fields::new(&grid, selection) })
+    pub(super) fn new(wakes: &[Wake], patch: &Patch, error_db: f64) -> Result<Self, WakeError> {
+        Ok(Self { map: Map::new(wakes.to_vec(), patch, error_db)?, facets: patch.len() })
     }
 
     /// Adds all waves at a time, s, to fields in the order of a patch.
     pub(super) fn add(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
-        let Self { map, grid, fields } = self;
-        if patch.len() != grid.len() {
-            return Err(SurfaceError::FieldSize { found: patch.len(), needed: grid.len() }.into());
+        if patch.len() != self.facets {
+            return Err(SurfaceError::FieldSize { found: patch.len(), needed: self.facets }.into());
         }
-        fields.columns_mut().into_iter().for_each(|column| column.fill(T::default()));
-        map.add(patch.first, time_s, fields)?;
-        for (from, to) in fields.columns().into_iter().zip(out.columns_mut()) {
-            for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {
-                let key = [patch.first[0], patch.first[1] + iy as i64];
-                go_round(grid, from, key, row, |to, from| {
-                    to.iter_mut().zip(from).for_each(|(to, from)| *to = *to + *from);
-                });
-            }
-        }
-        Ok(())
+        self.map.add_in_order(patch.first, time_s, out)
     }
 }
 

@@ -16,11 +16,7 @@ use rustfft::FftNum;
 
 use super::Precision;
 use crate::radar::phasor::phasor;
-
-/// `sin(pi t) / t` in `t^2`.
-const SINE: [f32; 5] = [3.141_592_5, -5.167_703_7, 2.549_985, -0.597_798, 0.076_780_86];
-/// `cos(pi t)` in `t^2`.
-const COSINE: [f32; 5] = [0.999_999_94, -4.934_793, 4.058_412, -1.331_880_2, 0.219_696_8];
+use crate::units::{COSINE_OF_HALF_TURNS, SINE_OF_HALF_TURNS};
 
 /// Adding it rounds an f32 below `2^22` to the nearest integer, which its low bits then hold.
 const TO_INTEGER_F32: f32 = 12_582_912.0;
@@ -98,7 +94,7 @@ impl Scalar for f32 {
             let high = Self::fma::<FUSED>(Self::fma::<FUSED>(c[4], z, c[3]), z, c[2]);
             Self::fma::<FUSED>(Self::fma::<FUSED>(high, z, c[1]), z, c[0])
         };
-        let (s, c) = (t * series(&SINE), series(&COSINE));
+        let (s, c) = (t * series(&SINE_OF_HALF_TURNS), series(&COSINE_OF_HALF_TURNS));
         let twice = s + s;
         (1.0 - twice * s, twice * c)
     }

@@ -62,16 +62,12 @@ impl Visibility {
         // Refuses what is too large before any memory is taken.
         let shadow = Shadow::new(grown.facets, self.settings)?;
         let sheet = Sheet::<f64>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
-        let update = Update {
-            number: None,
-            patch: grown,
-            lit: vec![false; self.ends],
-            weights: vec![vec![0.0; grown.len()]; self.ends],
-        };
+        let update = self.empty(&grown);
         Ok(Updates { heights: sheet.fields(&grown), sheet, shadow, held: [update.clone(), update] })
     }
 
-    fn time_s(&self, number: u64) -> f64 {
+    /// Time of an update, s after pulse 0.
+    pub fn time_s(&self, number: u64) -> f64 {
         (number as f64 * self.update_s).min(self.last_s)
     }
 
@@ -105,11 +101,39 @@ impl Visibility {
         let places = &mut places[..self.ends];
         update.patch = scenery(time_s, places)?.grown(self.margin);
         sheet.evaluate(time_s, &update.patch, heights)?;
+        self.weigh(shadow, &mut heights.height_m, lower, places, update)?;
+        update.number = Some(wanted);
+        Ok(update)
+    }
+
+    /// The weights at an update from the heights of its patch, m, which are lowered; nothing is held.
+    pub fn weigh_heights<E: From<ShadowError>>(
+        &self,
+        updates: &mut Updates,
+        patch: &Patch,
+        heights_m: &mut [f64],
+        places: &[Point<Enu>],
+        lower: impl Fn([f64; 2]) -> f64,
+        update: &mut Update,
+    ) -> Result<(), E> {
+        update.patch = *patch;
+        self.weigh(&mut updates.shadow, heights_m, lower, places, update)?;
+        Ok(())
+    }
+
+    fn weigh(
+        &self,
+        shadow: &mut Shadow<f64>,
+        heights_m: &mut [f64],
+        lower: impl Fn([f64; 2]) -> f64,
+        places: &[Point<Enu>],
+        update: &mut Update,
+    ) -> Result<(), ShadowError> {
         let patch = &update.patch;
-        for (index, z) in heights.height_m.iter_mut().enumerate() {
+        for (index, z) in heights_m.iter_mut().enumerate() {
             *z -= lower(patch.centre_m(patch.key(index)));
         }
-        let map = Map::new(&heights.height_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
+        let map = Map::new(heights_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
         let relief = Relief::of(&map);
         for antenna in 0..places.len() {
             // Antennas at one place see the same.
@@ -124,8 +148,17 @@ impl Visibility {
                 shadow.weights(&map, places[antenna], &mut update.weights[antenna])?;
             }
         }
-        update.number = Some(wanted);
-        Ok(update)
+        Ok(())
+    }
+
+    /// An update of a patch, to be filled.
+    pub fn empty(&self, patch: &Patch) -> Update {
+        Update {
+            number: None,
+            patch: *patch,
+            lit: vec![false; self.ends],
+            weights: vec![vec![0.0; patch.len()]; self.ends],
+        }
     }
 
     /// The weights `elapsed_s` after pulse 0; see [`Self::update`].
@@ -150,6 +183,11 @@ impl Update {
     /// Weight of the facet with a global key from an antenna, 0 to 1.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
         if self.lit[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
+    }
+
+    /// Weights from an antenna, facet by facet of the update's patch.
+    pub fn weights(&self, antenna: usize) -> &[f64] {
+        &self.weights[antenna]
     }
 
     /// Whether an antenna sees every facet whole.

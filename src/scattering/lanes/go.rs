@@ -7,8 +7,8 @@ use super::{Batch, LANES, LaneKind, LaneWater, Vectors, cross, dot, unit};
 use crate::scattering::kirchhoff::LEAST_BEND;
 use crate::scattering::slope_pdf::GramCharlier;
 
-/// Root of `sigma0` below which specular points are left out: -240 dB, as in f64.
-const LEAST: f32 = 1e-12;
+/// Root of `sigma0` below which specular points are left out: -120 dB, far below any sea's Bragg scattering.
+const LEAST: f32 = 1e-6;
 const PI: f32 = std::f32::consts::PI;
 const TAU: f32 = std::f32::consts::TAU;
 

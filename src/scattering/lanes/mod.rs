@@ -12,7 +12,7 @@
 //! **Errors** against the f64 routines, relative to the rms response: rounding about -120 dB, the table's -100 dB (a test holds both).
 //! A facet within 1e-4 rad of grazing loses digits of its cosine, which is then small itself.
 //!
-//! Limits: specular points are left out below -240 dB, as there.
+//! Limits: specular points are left out below -120 dB (there: -240 dB).
 
 mod go;
 mod spm;

@@ -59,11 +59,15 @@ impl<T: Real> Evaluator<T> {
         let [slope_x, slope_y] = slope;
         let [dx, dy] = displacement_m;
         let [rate_x, rate_y] = slope_rate_per_s;
+        // The height goes with the acceleration, or, where that is not wanted, with the vertical velocity.
+        let (pair, beside, rest): (_, &mut [T], &mut [T]) =
+            if az.is_empty() { (Pair::Rise, uz, az) } else { (Pair::Height, az, uz) };
+        let pair = if beside.is_empty() { Pair::Height } else { pair };
         let pairs: [(Pair, &mut [T], &mut [T]); 7] = [
-            (Pair::Height, height_m, az),
+            (pair, height_m, beside),
             (Pair::Slope, slope_x, slope_y),
             (Pair::HorizontalVelocity, ux, uy),
-            (Pair::VerticalVelocity, uz, &mut []),
+            (Pair::VerticalVelocity, rest, &mut []),
             (Pair::HorizontalAcceleration, ax, ay),
             (Pair::Displacement, dx, dy),
             (Pair::SlopeRate, rate_x, rate_y),

@@ -30,23 +30,38 @@ pub trait Real: FftNum + Default + Debug + sealed::Sealed {
     fn round_from(value: f64) -> Self;
     /// Exact in f64.
     fn widen(self) -> f64;
+    /// Cosine and sine of a phase in turns.
+    fn cos_sin_of_turns(turns: f64) -> (Self, Self);
 }
 
 impl Real for f32 {
+    #[inline(always)]
     fn round_from(value: f64) -> Self {
         value as f32
     }
+    #[inline(always)]
     fn widen(self) -> f64 {
         f64::from(self)
+    }
+    #[inline(always)]
+    fn cos_sin_of_turns(turns: f64) -> (Self, Self) {
+        crate::units::cos_sin_of_turns(turns)
     }
 }
 
 impl Real for f64 {
+    #[inline(always)]
     fn round_from(value: f64) -> Self {
         value
     }
+    #[inline(always)]
     fn widen(self) -> f64 {
         self
+    }
+    #[inline(always)]
+    fn cos_sin_of_turns(turns: f64) -> (Self, Self) {
+        let (sin, cos) = (std::f64::consts::TAU * (turns - turns.round())).sin_cos();
+        (cos, sin)
     }
 }
 

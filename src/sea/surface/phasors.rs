@@ -8,6 +8,7 @@ use num_complex::Complex;
 
 use super::Surface;
 use super::fields::{Real, round_complex};
+use crate::cpu::{Task, Variant};
 
 /// Rotating amplitudes of a surface.
 #[derive(Clone, Debug)]
@@ -65,19 +66,22 @@ impl<T: Real> Phasors<T> {
 
     /// Turns them to a time, s.
     pub fn turn_to(&mut self, time_s: f64) {
+        Variant::fastest().run(Turn { phasors: self, time_s });
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, time_s: f64) {
         let ny = self.ny;
         let nx = self.h.len() / ny;
         for i in 0..=nx / 2 {
-            for j in 0..self.half_columns {
-                let turns_per_s = self.turns_per_s[i * self.half_columns + j];
-                let turns = turns_per_s * time_s;
-                let (sin, cos) = (std::f64::consts::TAU * (turns - turns.round())).sin_cos();
-                let (sin, cos) = (T::round_from(sin), T::round_from(cos));
-                // w depends on |ky| alone: both columns, which coincide at 0 and Nyquist.
-                for column in [j, (ny - j) % ny] {
-                    self.cos[column] = cos;
-                    self.sin[column] = sin;
-                }
+            let turns_per_s = &self.turns_per_s[i * self.half_columns..][..self.half_columns];
+            let columns = self.cos[..self.half_columns].iter_mut().zip(&mut self.sin[..self.half_columns]);
+            for (turns_per_s, (cos, sin)) in turns_per_s.iter().zip(columns) {
+                (*cos, *sin) = T::cos_sin_of_turns(turns_per_s * time_s);
+            }
+            // w depends on |ky| alone: both columns, which coincide at 0 and Nyquist.
+            for j in 1..self.half_columns {
+                (self.cos[ny - j], self.sin[ny - j]) = (self.cos[j], self.sin[j]);
             }
             let opposite = (nx - i) % nx;
             self.rotate_row(i);
@@ -87,6 +91,7 @@ impl<T: Real> Phasors<T> {
         }
     }
 
+    #[inline(always)]
     fn rotate_row(&mut self, i: usize) {
         let row = i * self.ny..(i + 1) * self.ny;
         let amplitudes = self.sum[row.clone()].iter().zip(&self.difference[row.clone()]);
@@ -95,5 +100,19 @@ impl<T: Real> Phasors<T> {
             *h = Complex::new(s.re * *cos + d.im * *sin, s.im * *cos - d.re * *sin);
             *g = Complex::new(d.re * *cos + s.im * *sin, d.im * *cos - s.re * *sin);
         }
+    }
+}
+
+struct Turn<'a, T> {
+    phasors: &'a mut Phasors<T>,
+    time_s: f64,
+}
+
+impl<T: Real> Task for Turn<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.phasors.turn(self.time_s);
     }
 }

@@ -28,6 +28,7 @@ use rustfft::{Fft, FftPlanner};
 
 use super::fields::Real;
 use super::{Phasors, Surface};
+use crate::cpu::{Task, Variant};
 
 /// Two fields that are transformed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +41,8 @@ pub enum Pair {
     HorizontalVelocity,
     /// Vertical velocity, alone.
     VerticalVelocity,
+    /// Height and vertical velocity.
+    Rise,
     /// Horizontal accelerations.
     HorizontalAcceleration,
     /// Horizontal displacements.
@@ -154,7 +157,8 @@ impl<T: Real> Transform<T> {
                     omega: &self.omega[half..half + ny],
                     excursion: &self.excursion[half..half + ny],
                 };
-                factors.fill(pair, &phasors.h[here.clone()], &phasors.g[here], out);
+                let (h, g) = (&phasors.h[here.clone()], &phasors.g[here]);
+                Variant::fastest().run(FillRow { factors, pair, h, g, out });
             }
             self.along_y.process_with_scratch(block, &mut self.scratch);
             for (iy, line) in self.plane.chunks_exact_mut(nx).enumerate() {
@@ -211,7 +215,25 @@ struct Row<'a, T> {
     excursion: &'a [T],
 }
 
+struct FillRow<'a, T> {
+    factors: Row<'a, T>,
+    pair: Pair,
+    h: &'a [Complex<T>],
+    g: &'a [Complex<T>],
+    out: &'a mut [Complex<T>],
+}
+
+impl<T: Real> Task for FillRow<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.factors.fill(self.pair, self.h, self.g, self.out);
+    }
+}
+
 impl<T: Real> Row<'_, T> {
+    #[inline(always)]
     fn fill(&self, pair: Pair, h: &[Complex<T>], g: &[Complex<T>], out: &mut [Complex<T>]) {
         let zero = T::default();
         match pair {
@@ -226,6 +248,14 @@ impl<T: Real> Row<'_, T> {
                 let speed = omega * excursion;
                 (self.kx * speed, ky * speed)
             }),
+            // H + j (-j w G), both levelled by nothing: they are of one size within a wave or two of 1 s.
+            Pair::Rise => {
+                let n = out.len();
+                let (h, g, omega) = (&h[..n], &g[..n], &self.omega[..n]);
+                for j in 0..n {
+                    out[j] = Complex::new(h[j].re + omega[j] * g[j].re, h[j].im + omega[j] * g[j].im);
+                }
+            }
             // -j w G
             Pair::VerticalVelocity => self.multiply(g, out, |_, omega, _| (zero, -omega)),
             // -j (Kx + j Ky) w^2 q/K H

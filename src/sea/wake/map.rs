@@ -27,6 +27,8 @@ use num_complex::{Complex, Complex64};
 use super::course::{Pose, corners_m};
 use super::free_waves::{Wake, WakeError};
 use super::nonuniform::NonUniform;
+use super::upstream::Edge;
+use crate::cpu::{Task, Variant};
 use crate::scene::Patch;
 use crate::sea::GRAVITY_MPS2;
 use crate::sea::surface::fields::Real;
@@ -94,6 +96,26 @@ impl<T: Real> Map<T> {
     /// # Errors
     /// Fields of another size, or a patch beyond the reach of a wake; nothing is added then.
     pub fn add(&mut self, first: [i64; 2], time_s: f64, fields: &mut Fields<T>) -> Result<(), WakeError> {
+        self.add_at(first, time_s, Order::Keys, fields)
+    }
+
+    /// The same where fields stand in the order of the patch, `[iy][ix]` from its first facet.
+    pub fn add_in_order(
+        &mut self,
+        first: [i64; 2],
+        time_s: f64,
+        fields: &mut Fields<T>,
+    ) -> Result<(), WakeError> {
+        self.add_at(first, time_s, Order::Patch, fields)
+    }
+
+    fn add_at(
+        &mut self,
+        first: [i64; 2],
+        time_s: f64,
+        order: Order,
+        fields: &mut Fields<T>,
+    ) -> Result<(), WakeError> {
         check_sizes(fields, self.grid.len())?;
         let patch = Patch { facets: [self.grid.nx(), self.grid.ny()], facet_m: self.grid.facet_m(), first };
         for wake in &self.wakes {
@@ -105,7 +127,7 @@ impl<T: Real> Map<T> {
             }
         }
         for place in 0..self.wakes.len() {
-            self.add_one(place, &patch, time_s, fields)?;
+            self.add_one(place, &patch, time_s, order, fields)?;
         }
         Ok(())
     }
@@ -115,6 +137,7 @@ impl<T: Real> Map<T> {
         place: usize,
         patch: &Patch,
         time_s: f64,
+        order: Order,
         fields: &mut Fields<T>,
     ) -> Result<(), WakeError> {
         let pose = self.wakes[place].pose(time_s)?;
@@ -130,7 +153,9 @@ impl<T: Real> Map<T> {
                 self.sum.run(&self.amplitudes, &mut self.planes[plane]);
             }
         }
-        self.collect(place, &pose, patch, wanted, edge, fields);
+        for iy in 0..patch.facets[1] {
+            self.collect_row(place, &pose, patch, iy, wanted, order, fields);
+        }
         Ok(())
     }
 
@@ -168,41 +193,118 @@ impl<T: Real> Map<T> {
         }
     }
 
-    /// From the planes to the fields.
-    fn collect(
+    /// A row of facets from the planes to the fields: in one go where the window is open, one by one under its edge.
+    fn collect_row(
         &self,
         place: usize,
         pose: &Pose,
         patch: &Patch,
+        iy: usize,
         wanted: Wanted,
-        edge: bool,
+        order: Order,
         fields: &mut Fields<T>,
     ) {
         let wake = &self.wakes[place];
         let (window, speed_mps, ahead) = (wake.window(), wake.course().speed_mps, pose.ahead);
-        let [nx, ny] = patch.facets;
-        let first_column = self.grid.index([patch.first[0], 0]);
-        for iy in 0..ny {
-            let key_y = patch.first[1] + iy as i64;
-            let row = self.grid.index([0, key_y]);
-            for ix in 0..nx {
-                let key = [patch.first[0] + ix as i64, key_y];
-                let from = iy * nx + ix;
-                let column = first_column + ix;
-                let to = row + if column < nx { column } else { column - nx };
+        let nx = patch.facets[0];
+        let key_y = patch.first[1] + iy as i64;
+        let at = |ix: usize| {
+            let place_m = patch.centre_m([patch.first[0] + ix as i64, key_y]);
+            window.at(pose.astern_starboard_m(place_m)[0])
+        };
+        let row = self.grid.index([0, key_y]);
+        let first_column = self.grid.index([patch.first[0], key_y]) - row;
+        let mut ix = 0;
+        while ix < nx {
+            let edge = at(ix);
+            let from = iy * nx + ix;
+            // Where it stands, and how many more until the row of the fields ends.
+            let (to, room) = match order {
+                Order::Patch => (from, nx - ix),
+                Order::Keys => {
+                    let column = (first_column + ix) % nx;
+                    (row + column, (nx - column).min(nx - ix))
+                }
+            };
+            if edge == Edge::OPEN {
+                let len = (1..room).find(|more| at(ix + more) != Edge::OPEN).unwrap_or(room);
+                let planes = &self.planes;
+                Variant::fastest().run(Piece { planes, from, to, len, speed_mps, ahead, fields });
+                ix += len;
+                continue;
+            }
+            if edge != Edge::CLOSED {
                 let pair = |plane: usize| {
                     let value = self.planes[plane][from];
                     [value.re.widen(), value.im.widen()]
                 };
                 // Planes that were not summed hold old values, which go nowhere.
-                let mut sample = waves(pair, speed_mps, ahead);
-                if edge {
-                    let [astern_m, _] = pose.astern_starboard_m(patch.centre_m(key));
-                    sample = window.at(astern_m).apply(&sample, speed_mps, ahead);
-                }
+                let sample = edge.apply(&waves(pair, speed_mps, ahead), speed_mps, ahead);
                 wanted.add(&sample, to, fields);
             }
+            ix += 1;
         }
+    }
+}
+
+/// Where the facets of a patch stand in fields.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Order {
+    /// At [`Grid::index`] of their keys.
+    Keys,
+    /// In the patch's own order.
+    Patch,
+}
+
+/// Facets side by side from the planes to the fields, away from the window's edge.
+struct Piece<'a, T: Real> {
+    planes: &'a [Vec<Complex<T>>; 4],
+    from: usize,
+    to: usize,
+    len: usize,
+    speed_mps: f64,
+    ahead: [f64; 2],
+    fields: &'a mut Fields<T>,
+}
+
+impl<T: Real> Task for Piece<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { planes, from, to, len, speed_mps, ahead, fields } = self;
+        let [u, s, q, d] = planes.each_ref().map(|plane| &plane[from..from + len]);
+        let real = T::round_from;
+        let along = ahead.map(|f| real(speed_mps * f));
+        let lift = ahead.map(|f| real(speed_mps * f / GRAVITY_MPS2));
+        let gravity = real(GRAVITY_MPS2);
+        sum(&mut fields.height_m, to, u, |u| lift[0] * u.re + lift[1] * u.im);
+        let [vx, vy, vz] = &mut fields.velocity_mps;
+        sum(vx, to, u, |u| u.re);
+        sum(vy, to, u, |u| u.im);
+        sum(vz, to, s, |s| -(along[0] * s.re + along[1] * s.im));
+        let [sx, sy] = &mut fields.slope;
+        sum(sx, to, s, |s| s.re);
+        sum(sy, to, s, |s| s.im);
+        let [ax, ay, az] = &mut fields.acceleration_mps2;
+        sum(ax, to, s, |s| -(gravity * s.re));
+        sum(ay, to, s, |s| -(gravity * s.im));
+        sum(az, to, q, |q| -(along[0] * q.re + along[1] * q.im));
+        let [dx, dy] = &mut fields.displacement_m;
+        sum(dx, to, d, |d| d.re);
+        sum(dy, to, d, |d| d.im);
+        let [rx, ry] = &mut fields.slope_rate_per_s;
+        sum(rx, to, q, |q| q.re);
+        sum(ry, to, q, |q| q.im);
+    }
+}
+
+/// Adds to a field, if it is wanted.
+#[inline(always)]
+fn sum<T: Real>(field: &mut [T], to: usize, plane: &[Complex<T>], of: impl Fn(&Complex<T>) -> T) {
+    let Some(field) = field.get_mut(to..to + plane.len()) else { return };
+    for (field, value) in field.iter_mut().zip(plane) {
+        *field = *field + of(value);
     }
 }
 

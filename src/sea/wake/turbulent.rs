@@ -86,6 +86,11 @@ impl TurbulentStrip {
         WIDTH_IN_BEAMS * self.beam_m * place.powf(self.exponent.recip())
     }
 
+    /// Distance from the course beyond which nothing is covered, m, at any distance astern of midship up to the given one, m.
+    pub fn reach_aside_m(&self, astern_m: f64) -> f64 {
+        0.5 * (1.0 + EDGE) * self.width_m(astern_m - 0.5 * self.length_m)
+    }
+
     /// Share of the water covered, 0 to 1, at distances astern and to starboard of midship, m.
     pub fn cover(&self, [astern_m, starboard_m]: [f64; 2]) -> f64 {
         let behind_m = astern_m - 0.5 * self.length_m;

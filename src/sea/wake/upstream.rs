@@ -95,7 +95,7 @@ impl Window {
         if let Some([from_m, to_m]) = self.fade_m.filter(|[from_m, _]| astern_m > *from_m) {
             let scale = PI / (to_m - from_m);
             if astern_m >= to_m {
-                return Edge { value: 0.0, rate_per_m: 0.0, bend_per_m2: 0.0 };
+                return Edge::CLOSED;
             }
             let (sin, cos) = (scale * (astern_m - from_m)).sin_cos();
             return Edge {
@@ -104,12 +104,11 @@ impl Window {
                 bend_per_m2: -0.5 * scale * scale * cos,
             };
         }
-        let constant = |value| Edge { value, rate_per_m: 0.0, bend_per_m2: 0.0 };
         if self.half_m < 0.0 || astern_m >= self.half_m {
-            return constant(1.0);
+            return Edge::OPEN;
         }
         if astern_m <= -self.half_m {
-            return constant(0.0);
+            return Edge::CLOSED;
         }
         let scale = 0.5 * PI / self.half_m;
         let (sin, cos) = (scale * astern_m).sin_cos();
@@ -122,6 +121,11 @@ impl Window {
 }
 
 impl Edge {
+    /// No window.
+    pub const OPEN: Self = Self { value: 1.0, rate_per_m: 0.0, bend_per_m2: 0.0 };
+    /// No waves.
+    pub const CLOSED: Self = Self { value: 0.0, rate_per_m: 0.0, bend_per_m2: 0.0 };
+
     /// Waves under the window, for a ship of speed V, m/s, with a unit vector ahead.
     pub fn apply(&self, waves: &Sample, speed_mps: f64, ahead: [f64; 2]) -> Sample {
         let w = self.value;

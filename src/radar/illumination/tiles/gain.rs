@@ -6,7 +6,7 @@ use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Row, WideRow};
 use crate::radar::antenna::{Antenna, Axes};
-use crate::units::SPEED_OF_LIGHT_MPS;
+use crate::units::{SINE_OF_HALF_TURNS, SPEED_OF_LIGHT_MPS};
 
 /// An antenna at an instant.
 #[derive(Clone, Copy)]
@@ -153,8 +153,8 @@ fn sinc(t: f32) -> f32 {
     let r = t - (shifted - TO_INTEGER);
     let odd = f32::from_bits((shifted.to_bits() & 1) << 31);
     let z = r * r;
-    // sin(pi r) / r, minimax for |r| <= 1/2.
-    let series = 3.141_592_5 + z * (-5.167_703_7 + z * (2.549_985 + z * (-0.597_798 + z * 0.076_780_86)));
+    let c = SINE_OF_HALF_TURNS;
+    let series = c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * c[4])));
     let sine = f32::from_bits((r * series).to_bits() ^ odd.to_bits());
     if t.abs() < 1e-6 { 1.0 } else { sine / (std::f32::consts::PI * t) }
 }

@@ -232,7 +232,11 @@ impl Illumination {
         copy(&mut batch.slope[0], &fields.slope[0], &fall[0]);
         copy(&mut batch.slope[1], &fields.slope[1], &fall[1]);
         kinds.clear();
-        if sea.scattering.kinds() > 1 {
+        let [x_m, y_m] = places_m.each_ref().map(|row| {
+            let places = row.iter();
+            places.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+        });
+        if sea.scattering.kinds() > 1 && sea.scattering.kinds_within([x_m, y_m], &node.poses) {
             kinds.extend((0..count).map(|i| {
                 let (kind, cover) = sea.scattering.kind_at([places_m[0][i], places_m[1][i]], &node.poses);
                 (kind, cover as f32)

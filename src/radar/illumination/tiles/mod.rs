@@ -25,9 +25,10 @@ mod light;
 use std::ops::RangeInclusive;
 
 use super::sea::{SeaFailure, SeaPlan, SeaWork};
-use super::visibility::Visibility;
+use super::visibility::{MOST_ENDS, Update, Visibility};
 use super::{Illumination, Workspace};
 use crate::cpu::Variant;
+use crate::frames::Point;
 use crate::geometry::lanes::{LANES, Row};
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::Emission;
@@ -104,6 +105,9 @@ pub struct TileWork {
     /// Weights of the nodes for the cosines, `[pulse][node]`.
     cosines: Vec<[f32; NODES]>,
     shades: Vec<Shade>,
+    /// An update of the shadows being made, and the heights it is made from.
+    update: Option<Update>,
+    heights_m: Vec<f64>,
     /// `[pulse]`: place of the update before in `shades`, and the share of the next.
     shares: Vec<(usize, f32)>,
     phasors: Phasors,
@@ -136,7 +140,6 @@ struct GainInstant {
 /// Weights of one update of the shadows over the patch.
 #[derive(Clone, Default)]
 struct Shade {
-    number: u64,
     /// `[antenna]`; empty where all is lit.
     weights: Vec<Vec<f32>>,
 }
@@ -256,6 +259,8 @@ impl SeaPlan {
             lagrange: Vec::new(),
             cosines: Vec::new(),
             shades: Vec::new(),
+            update: self.visibility.as_ref().map(|visibility| visibility.empty(&self.patch)),
+            heights_m: if self.visibility.is_some() { vec![0.0; facets] } else { Vec::new() },
             shares: Vec::new(),
             phasors: Phasors {
                 keys: vec![None; facets],
@@ -381,13 +386,36 @@ impl TileWork {
         let earth = of.frame.earth();
         let lighting = of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
         for (shade, number) in self.shades.iter_mut().zip(span) {
+            if let (Some(own), 0) = (&mut self.update, visibility.margin) {
+                // The patch stays: its heights are known from the nodes.
+                let time_s = visibility.time_s(number);
+                let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
+                let places = &mut places[..visibility.ends];
+                sea.scenery(&lighting, time_s, places)?;
+                rise(&self.nodes, time_s, &mut self.heights_m);
+                visibility.weigh_heights::<SeaFailure>(
+                    updates,
+                    patch,
+                    &mut self.heights_m,
+                    places,
+                    |[x, y]| earth.drop_m(x, y),
+                    own,
+                )?;
+                shade.weights.resize_with(visibility.ends, Vec::new);
+                for (antenna, weights) in shade.weights.iter_mut().enumerate() {
+                    weights.clear();
+                    if !own.sees_all(antenna) {
+                        weights.extend(own.weights(antenna).iter().map(|weight| *weight as f32));
+                    }
+                }
+                continue;
+            }
             let update = visibility.update(
                 updates,
                 number,
                 |elapsed_s, places| sea.scenery(&lighting, elapsed_s, places),
                 |[x, y]| earth.drop_m(x, y),
             )?;
-            shade.number = number;
             shade.weights.resize_with(visibility.ends, Vec::new);
             for (antenna, weights) in shade.weights.iter_mut().enumerate() {
                 weights.clear();
@@ -402,6 +430,29 @@ impl TileWork {
             self.shares.push(((number - lowest) as usize, share as f32));
         }
         Ok(())
+    }
+}
+
+/// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. Beyond the last node by one update: the waves of
+/// the shortest periods lose some 1e-6 m.
+fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
+    let after = nodes.iter().position(|node| node.elapsed_s >= time_s).unwrap_or(nodes.len() - 1);
+    let (first, second) = (&nodes[after.max(1) - 1], &nodes[after.max(1).min(nodes.len() - 1)]);
+    let span_s = second.elapsed_s - first.elapsed_s;
+    let from = time_s - first.elapsed_s;
+    let s = if span_s > 0.0 { from / span_s } else { 0.0 };
+    // Weights of both heights and both speeds; one node alone: a straight line.
+    let (w, v) = if span_s > 0.0 {
+        let (s2, s3) = (s * s, s * s * s);
+        ([1.0 - 3.0 * s2 + 2.0 * s3, 3.0 * s2 - 2.0 * s3], [(s - 2.0 * s2 + s3) * span_s, (s3 - s2) * span_s])
+    } else {
+        ([1.0, 0.0], [from, 0.0])
+    };
+    let first = first.fields.height_m.iter().zip(&first.fields.velocity_mps[2]);
+    let second = second.fields.height_m.iter().zip(&second.fields.velocity_mps[2]);
+    for (out, ((z0, v0), (z1, v1))) in out.iter_mut().zip(first.zip(second)) {
+        let [z0, v0, z1, v1] = [*z0, *v0, *z1, *v1].map(f64::from);
+        *out = w[0] * z0 + w[1] * z1 + v[0] * v0 + v[1] * v1;
     }
 }
 
