@@ -411,8 +411,8 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         "echo",
         match run.fidelity {
             Fidelity::Reference => "the reference: every pulse from its own contacts, f64".to_owned(),
-            Fidelity::Fast { node_pulses, gain_pulses, settings } => format!(
-                "blocks; surface and scattering every {node_pulses} pulses, gains every {gain_pulses}; kernel of {} cells, f32",
+            Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => format!(
+                "blocks; surface every {node_pulses} pulses, scattering every {scatter_pulses}, gains every {gain_pulses}; kernel of {} cells, f32",
                 settings.width
             ),
         },

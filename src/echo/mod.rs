@@ -18,6 +18,8 @@ pub enum Fidelity {
         node_pulses: u64,
         /// Pulses from gain to gain.
         gain_pulses: u64,
+        /// Pulses from scattering to scattering: as the nodes, or half or a third of it.
+        scatter_pulses: u64,
         /// The knobs of the echo.
         settings: synth::Settings,
     },

@@ -17,11 +17,11 @@ use num_complex::Complex64;
 use super::stages::PulseError;
 use crate::cpu::Variant;
 use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
-use crate::echo::synth::lanes::{Batch, BatchNode, LaneWork};
+use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::illumination::tiles::{Instants, NODES, Sample, TileWork};
+use crate::radar::illumination::tiles::{Instants, LOOKS, LOOKS_PER_NODE, NODES, Sample, TileWork, looks_about};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
@@ -43,11 +43,26 @@ fn places(pulses: usize) -> ([usize; NODES], usize) {
     }
 }
 
+/// Looks of a block with these nodes, `each` from one to the next where there are as many pulses, and how many there are.
+fn looks(nodes: &[usize], each: usize) -> ([usize; LOOKS], usize) {
+    let (mut looks, mut count) = ([0; LOOKS], 0);
+    for (n, &node) in nodes.iter().enumerate() {
+        let next = nodes.get(n + 1).copied().unwrap_or(node);
+        let steps = each.clamp(1, LOOKS_PER_NODE).min((next - node).max(1));
+        for step in 0..if n + 1 < nodes.len() { steps } else { 1 } {
+            looks[count] = node + (next - node) * step / steps;
+            count += 1;
+        }
+    }
+    (looks, count)
+}
+
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
     synth: Synth<f32>,
     spacing: u64,
     gain_pulses: usize,
+    looks_per_node: usize,
     pulses: u64,
     interval_s: f64,
 }
@@ -72,7 +87,8 @@ pub(super) struct BlockWork {
 }
 
 impl BlockEcho {
-    /// For a run of so many pulses, with nodes `spacing` pulses apart and gains every `gain_pulses`.
+    /// For a run of so many pulses, with nodes `spacing` pulses apart, gains every `gain_pulses` and scattering every `scatter_pulses`, which is
+    /// as often as nodes, or twice or three times.
     ///
     /// # Errors
     /// Blocks longer than the fast echo can hold.
@@ -80,6 +96,7 @@ impl BlockEcho {
         synth: Synth<f32>,
         spacing: u64,
         gain_pulses: u64,
+        scatter_pulses: u64,
         pulses: u64,
         interval_s: f64,
     ) -> Result<Self, SynthError> {
@@ -88,7 +105,8 @@ impl BlockEcho {
             return Err(SynthError::Pulses { pulses: block });
         }
         let gain_pulses = usize::try_from(gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
-        Ok(Self { synth, spacing: spacing.max(1), gain_pulses, pulses, interval_s })
+        let looks_per_node = spacing.div_ceil(scatter_pulses.max(1)).clamp(1, LOOKS_PER_NODE as u64) as usize;
+        Ok(Self { synth, spacing: spacing.max(1), gain_pulses, looks_per_node, pulses, interval_s })
     }
 
     /// Pulses of a block.
@@ -104,7 +122,7 @@ impl BlockEcho {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
         BlockWork {
             held: None,
-            instants: Instants { first: 0, pulses: 0, nodes: [0; NODES], node_count: 0, gain_pulses: self.gain_pulses },
+            instants: Instants::default(),
             nodes: std::array::from_fn(|_| Contacts::new(pairs, channels, contacts)),
             windows_s: Vec::with_capacity(self.block_pulses() as usize),
             frame: Frame::default(),
@@ -156,7 +174,9 @@ impl BlockEcho {
         let end = (first + len).min(self.pulses);
         let pulses = (end - first) as usize;
         let (nodes, node_count) = places(pulses);
-        work.instants = Instants { first, pulses, nodes, node_count, gain_pulses: self.gain_pulses };
+        let (looks, look_count) = looks(&nodes[..node_count], self.looks_per_node);
+        work.instants =
+            Instants { first, pulses, nodes, node_count, looks, look_count, gain_pulses: self.gain_pulses };
         let heard = nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
@@ -190,6 +210,10 @@ impl BlockEcho {
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
+            let from_look = std::array::from_fn(|n| {
+                let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
+                looks_about(&instants.looks[..instants.look_count], from..=to)
+            });
             let tally = illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
                 for (pair, of_pair) in tile.pairs.iter().enumerate() {
                     let mut nodes = [None; NODES];
@@ -197,14 +221,19 @@ impl BlockEcho {
                         *to = Some(BatchNode {
                             delay_s: &node.paths.delay_s,
                             delay_rate: &node.paths.delay_rate,
-                            amplitude: &node.amplitude,
                         });
+                    }
+                    let mut looks = [BatchLook { pulse: 0, amplitude: &[] }; LOOKS];
+                    for ((to, look), pulse) in looks.iter_mut().zip(&of_pair.looks).zip(instants.looks) {
+                        *to = BatchLook { pulse, amplitude: &look.amplitude };
                     }
                     let batch = Batch {
                         pair,
                         count: tile.count,
                         nodes,
                         places: instants.nodes,
+                        from_look,
+                        looks: &looks[..instants.look_count],
                         factor: &of_pair.factor,
                         interval_s: self.interval_s,
                     };

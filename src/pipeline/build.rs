@@ -249,11 +249,18 @@ pub fn factory_of(
             samples,
             of_channels.to_vec(),
         )),
-        Fidelity::Fast { node_pulses, gain_pulses, settings } => {
+        Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => {
             let waveform = Arc::clone(&waveform);
             let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
             let interval_s = radar.emissions.interval_s(0, 1);
-            Echo::Fast(BlockEcho::new(synth, node_pulses, gain_pulses, scene.pulses, interval_s)?)
+            Echo::Fast(BlockEcho::new(
+                synth,
+                node_pulses,
+                gain_pulses,
+                scatter_pulses,
+                scene.pulses,
+                interval_s,
+            )?)
         }
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());

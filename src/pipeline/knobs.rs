@@ -20,6 +20,7 @@ pub struct Knob {
 /// What trades accuracy for speed.
 pub const KNOBS: &[Knob] = &[
     Knob { key: "fidelity.node_pulses", values: &["1", "4", "8", "12", "16"] },
+    Knob { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Knob { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
     Knob { key: "fidelity.kernel_width", values: &["4", "5", "6", "7"] },
     Knob { key: "fidelity.doppler", values: &["mean", "shift", "taylor"] },
@@ -43,10 +44,11 @@ pub fn settings(fidelity: &Fidelity) -> Map<String, Value> {
         Fidelity::Reference => {
             set("echo", json!("reference"));
         }
-        Fidelity::Fast { node_pulses, gain_pulses, settings } => {
+        Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => {
             set("echo", json!("fast"));
             set("node_pulses", json!(node_pulses));
             set("gain_pulses", json!(gain_pulses));
+            set("scatter_pulses", json!(scatter_pulses));
             set("kernel_width", json!(settings.width));
             set("oversampling", json!(settings.oversampling));
             let doppler = match settings.doppler {

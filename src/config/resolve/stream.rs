@@ -62,11 +62,11 @@ pub(super) fn stream(
 
 /// `[fidelity]`; `with_sea` decides the default.
 pub(super) fn fidelity(root: &Section<'_>, radar: Option<&Radar>, with_sea: bool) -> Option<Fidelity> {
-    use keys::fidelity::{DOPPLER, ECHO, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES};
+    use keys::fidelity::{DOPPLER, ECHO, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES};
     let section = root.section_or_empty(&keys::root::FIDELITY)?;
     let echo = section.choice(&ECHO);
     let (node_pulses, width) = (section.count(&NODE_PULSES), section.count(&KERNEL_WIDTH));
-    let gain_pulses = section.count(&GAIN_PULSES);
+    let (gain_pulses, scatter_pulses) = (section.count(&GAIN_PULSES), section.count(&SCATTER_PULSES));
     let written = section.choice(&DOPPLER);
     let fast = echo.map_or(with_sea && !section.has(&ECHO), |word| word == "fast");
     // Knobs of the fast echo may stand beside "reference": so one key switches a scenario.
@@ -83,7 +83,12 @@ pub(super) fn fidelity(root: &Section<'_>, radar: Option<&Radar>, with_sea: bool
         None => Doppler::Taylor,
     };
     let settings = Settings { width: usize::try_from(width?).ok()?, doppler, ..Settings::default() };
-    Some(Fidelity::Fast { node_pulses: node_pulses?, gain_pulses: gain_pulses?, settings })
+    Some(Fidelity::Fast {
+        node_pulses: node_pulses?,
+        gain_pulses: gain_pulses?,
+        scatter_pulses: scatter_pulses?,
+        settings,
+    })
 }
 
 /// `[[sink]]`.

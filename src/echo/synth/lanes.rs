@@ -1,11 +1,11 @@
 //! Contacts side by side, spread without being listed.
 //!
-//! A [`Batch`] has the contacts of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at the same nodes, and a
+//! A [`Batch`] has the contacts of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at its looks, and a
 //! factor for every pulse. Between two nodes phase and place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
 //!
 //! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`, `d = f' (t_1 - t_0)`,
 //!
-//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through all nodes. What Doppler off the mean
+//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through four looks. What Doppler off the mean
 //! adds to phase and place is linear between nodes. It is the same echo as that of [`Synth::fill`], but for these polynomials.
 //!
 //! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
@@ -25,6 +25,13 @@ pub struct BatchNode<'a> {
     pub delay_s: &'a WideRow,
     /// Its derivative by the time of emission.
     pub delay_rate: &'a WideRow,
+}
+
+/// Amplitudes at some pulse of a block.
+#[derive(Clone, Copy)]
+pub struct BatchLook<'a> {
+    /// Pulse within the block.
+    pub pulse: usize,
     /// Per channel of the pair: sqrt(W), real and imaginary.
     pub amplitude: &'a [[Row; 2]],
 }
@@ -40,6 +47,10 @@ pub struct Batch<'a> {
     pub nodes: [Option<BatchNode<'a>>; MAX_NODES],
     /// Pulses of the nodes within the block, rising.
     pub places: [usize; MAX_NODES],
+    /// Between two nodes amplitudes go through the looks from the given one on, up to four: `[interval]`.
+    pub from_look: [usize; MAX_NODES],
+    /// At least one, rising.
+    pub looks: &'a [BatchLook<'a>],
     /// Per pulse of the block.
     pub factor: &'a [Row],
     /// Time from pulse to pulse, s.
@@ -54,6 +65,9 @@ pub struct LaneWork {
     amplitude: Vec<[Lined<f32>; MAX_NODES]>,
     factors: Vec<f32>,
     shifts: Vec<(i32, f32)>,
+    /// Powers of the amplitudes at hand, 2 or 4, and the pair's mean Doppler.
+    powers: usize,
+    mean_hz: f64,
 }
 
 /// A quantity at both ends of an interval.
@@ -73,25 +87,34 @@ impl Synth<f32> {
         }
         let pulses = frame.pulses();
         let middle = (pulses / 2) as i32;
-        self.lane_amplitudes(batch, nodes, middle, frame.mean_hz[batch.pair], work);
+        work.mean_hz = frame.mean_hz[batch.pair];
+        let mut at = None;
         for interval in 0..nodes.saturating_sub(1).max(1) {
             let last = interval + 2 >= nodes;
             let from = batch.places[interval];
             let to = if nodes == 1 { pulses } else { batch.places[interval + 1] + usize::from(last) };
             let (from, to) = (if interval == 0 { 0 } else { from }, if last { pulses } else { to });
             if from < to {
+                let first = batch.from_look[interval].min(batch.looks.len().saturating_sub(1));
+                if at != Some(first) {
+                    let looks = &batch.looks[first..];
+                    self.lane_amplitudes(batch, &looks[..looks.len().min(MAX_NODES)], middle, work);
+                    at = Some(first);
+                }
                 self.lane_interval(batch, interval, nodes, from..to, frame, work, grids);
             }
         }
     }
 
-    /// Polynomials of the amplitudes over the whole block.
-    fn lane_amplitudes(&self, batch: &Batch<'_>, nodes: usize, middle: i32, mean_hz: f64, work: &mut LaneWork) {
+    /// Polynomials of the amplitudes through some looks.
+    fn lane_amplitudes(&self, batch: &Batch<'_>, looks: &[BatchLook<'_>], middle: i32, work: &mut LaneWork) {
+        let mean_hz = work.mean_hz;
         let mut places = [0.0; MAX_NODES];
-        for (place, at) in places.iter_mut().zip(&batch.places) {
-            *place = *at as f64 - f64::from(middle);
+        for (place, look) in places.iter_mut().zip(looks) {
+            *place = look.pulse as f64 - f64::from(middle);
         }
-        let through = Through::new(&places[..nodes]);
+        let through = Through::new(&places[..looks.len()]);
+        work.powers = if looks.len() <= 2 { 2 } else { MAX_NODES };
         let basis = through.basis.map(|row| row.map(|b| b as f32));
         work.amplitude.resize_with(self.layers.len(), Default::default);
         for (layer, held) in self.layers.iter().zip(&mut work.amplitude) {
@@ -111,10 +134,13 @@ impl Synth<f32> {
                 .sum::<usize>();
             for at in 0..layer.channels.len() {
                 let mut rows = [[[0.0; LANES]; 2]; MAX_NODES];
-                for (row, node) in rows.iter_mut().zip(batch.nodes.iter().flatten()) {
-                    let Some(amplitude) = node.amplitude.get(first + at) else { continue };
+                for (row, look) in rows.iter_mut().zip(looks) {
+                    let Some(amplitude) = look.amplitude.get(first + at) else { continue };
                     *row = *amplitude;
                     if layer.moment {
+                        // Doppler off the mean, from the node before or at the look.
+                        let node = batch.places.iter().zip(&batch.nodes).take_while(|(place, _)| **place <= look.pulse);
+                        let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { continue };
                         for (i, rate) in node.delay_rate.iter().enumerate() {
                             let scale = (self.carrier_hz * rate - mean_hz) * self.waveform.duration_s();
                             row[0][i] *= scale as f32;
@@ -138,7 +164,7 @@ impl Synth<f32> {
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
     ) {
-        let LaneWork { courses, amplitude, factors, shifts } = work;
+        let LaneWork { courses, amplitude, factors, shifts, powers: in_use, .. } = work;
         let reference_s = self.fill_shifts(&frame.windows_s[pulses.clone()], shifts);
         let [Some(first), other] = [batch.nodes[interval], batch.nodes[(interval + 1).min(nodes - 1)]] else {
             return;
@@ -187,7 +213,7 @@ impl Synth<f32> {
                 let powers = amplitude[index].each_ref().map(|power| power.as_slice());
                 let job = Job {
                     courses,
-                    amplitude: &powers[..if nodes <= 2 { 2 } else { 4 }],
+                    amplitude: &powers[..*in_use],
                     shifts,
                     first: pulses.start as i32 - middle as i32,
                     amplitude_first: pulses.start as i32 - (frame.pulses() / 2) as i32,

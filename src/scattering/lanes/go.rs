@@ -9,6 +9,8 @@ use crate::scattering::slope_pdf::GramCharlier;
 
 /// Root of `sigma0` below which specular points are left out: -120 dB, far below any sea's Bragg scattering.
 const LEAST: f32 = 1e-6;
+/// Facets that are passed over together.
+const GROUP: usize = 16;
 const PI: f32 = std::f32::consts::PI;
 const TAU: f32 = std::f32::consts::TAU;
 
@@ -19,9 +21,19 @@ impl Batch {
         if !self.specular_weights(water, kind) {
             return;
         }
+        // Specular facets are few: whole groups are passed over.
+        for first in (0..LANES).step_by(GROUP) {
+            if self.gain[first..first + GROUP].iter().any(|gain| *gain > 0.0) {
+                self.reflections(water, first, single);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn reflections(&mut self, water: &LaneWater, first: usize, single: bool) {
         let contrast = water.contrast;
         let eps = contrast + 1.0;
-        for i in 0..LANES {
+        for i in first..first + GROUP {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
             let (ki, ks) = (at(&self.incident), at(&self.scattered));
             let q = [0, 1, 2].map(|c| ks[c] - ki[c]);

@@ -4,15 +4,15 @@ use glam::DVec3;
 
 use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
-use crate::geometry::lanes::{End, LANES, Row, WideRow};
+use super::light::Node;
+use crate::geometry::lanes::{LANES, Row};
 use crate::radar::antenna::{Antenna, Axes};
-use crate::units::{SINE_OF_HALF_TURNS, SPEED_OF_LIGHT_MPS};
+use crate::units::SINE_OF_HALF_TURNS;
 
 /// An antenna at an instant.
 #[derive(Clone, Copy)]
 pub(super) struct Sighted<'a> {
     pub antenna: &'a Antenna,
-    pub end: End,
     /// Axes at the emission, and their change in a second.
     pub axes: Axes,
     pub change_per_s: Axes,
@@ -46,34 +46,39 @@ pub(super) fn is_real(antenna: &Antenna) -> bool {
     !matches!(antenna, Antenna::Grid(_))
 }
 
-/// Product of the real field gains of both antennas towards places that move by `velocity dt_s` from where they are given.
+/// Product of the real field gains of both antennas towards facets, whose directions are interpolated between nodes.
 pub(super) struct Gains<'a> {
+    /// Transmitter, receiver.
     pub ends: [Sighted<'a>; 2],
-    pub position_m: &'a [WideRow; 3],
-    pub velocity_mps: &'a [Row; 3],
-    pub dt_s: f64,
+    pub nodes: &'a [Node],
+    /// Of the nodes.
+    pub weights: &'a [f32],
     pub out: &'a mut Row,
 }
 
 impl Gains<'_> {
     pub fn find(self, variant: Variant) {
-        self.out.fill(1.0);
-        let shapes = self.ends.map(|end| Shape::of(end.antenna));
-        let mut direction = [[[0.0f32; LANES]; 3]; 2];
-        let mut delay = [0.0f32; LANES];
-        variant.run(Directions { of: &self, direction: &mut direction, delay: &mut delay });
-        for ((shape, direction), end) in shapes.into_iter().zip(&direction).zip(self.ends) {
-            if is_real(end.antenna) {
-                match shape {
-                    Shape::Constant(gain) => self.out.iter_mut().for_each(|g| *g *= gain),
-                    Shape::Rectangle { peak, sides } => {
-                        variant.run(Rectangle { peak, sides, direction, out: self.out });
-                    }
-                    Shape::Other => {
-                        for (i, gain) in self.out.iter_mut().enumerate() {
-                            let d = DVec3::from_array([0, 1, 2].map(|c| f64::from(direction[c][i])));
-                            *gain *= end.antenna.field_gain(Vector::from_raw(d)).re as f32;
-                        }
+        let Self { ends, nodes, weights, out } = self;
+        out.fill(1.0);
+        for (end, sighted) in ends.iter().enumerate() {
+            if !is_real(sighted.antenna) {
+                continue;
+            }
+            let shape = Shape::of(sighted.antenna);
+            if let Shape::Constant(gain) = shape {
+                out.iter_mut().for_each(|g| *g *= gain);
+                continue;
+            }
+            let mut direction = [[0.0f32; LANES]; 3];
+            variant.run(Directions { end, sighted, nodes, weights, direction: &mut direction });
+            match shape {
+                Shape::Rectangle { peak, sides } => {
+                    variant.run(Rectangle { peak, sides, direction: &direction, out });
+                }
+                _ => {
+                    for (i, gain) in out.iter_mut().enumerate() {
+                        let d = DVec3::from_array([0, 1, 2].map(|c| f64::from(direction[c][i])));
+                        *gain *= sighted.antenna.field_gain(Vector::from_raw(d)).re as f32;
                     }
                 }
             }
@@ -81,44 +86,50 @@ impl Gains<'_> {
     }
 }
 
-/// Directions of places in the frames of both antennas.
-struct Directions<'a, 'b> {
-    of: &'a Gains<'b>,
-    direction: &'a mut [[Row; 3]; 2],
-    delay: &'a mut Row,
+/// Directions towards facets in the frame of an antenna.
+struct Directions<'a> {
+    end: usize,
+    sighted: &'a Sighted<'a>,
+    nodes: &'a [Node],
+    weights: &'a [f32],
+    direction: &'a mut [Row; 3],
 }
 
-impl Task for Directions<'_, '_> {
+impl Task for Directions<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { of, direction, delay } = self;
-        let [tx, rx] = &of.ends;
-        let inverse_c = (1.0 / SPEED_OF_LIGHT_MPS) as f32;
-        let dt_s = of.dt_s;
-        let (x_t, x_r) = (tx.end.position_m, rx.end.position_m);
-        let v_r = rx.end.velocity_mps.map(|v| v as f32);
-        let rows = |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
-        let (tx_axes, rx_axes, rx_change) = (rows(tx.axes), rows(rx.axes), rows(rx.change_per_s));
-        let [out, back] = direction;
-        for i in 0..LANES {
-            let p = [0, 1, 2].map(|c| of.position_m[c][i] + f64::from(of.velocity_mps[c][i]) * dt_s);
-            let d = [0, 1, 2].map(|c| (p[c] - x_t[c]) as f32);
-            let e = [0, 1, 2].map(|c| (p[c] - x_r[c]) as f32);
-            let out_m = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-            let back_m = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]).sqrt();
-            let after_s = (out_m + back_m) * inverse_c;
-            // From where the receiver is when the echo arrives.
-            let e = [0, 1, 2].map(|c| e[c] - v_r[c] * after_s);
-            let back_m = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]).sqrt();
-            delay[i] = after_s;
-            let (inverse_out, inverse_back) = (1.0 / out_m.max(1e-9), 1.0 / back_m.max(1e-9));
-            for axis in 0..3 {
-                let a = tx_axes[axis];
-                out[axis][i] = (d[0] * a[0] + d[1] * a[1] + d[2] * a[2]) * inverse_out;
-                let a = [0, 1, 2].map(|c| rx_axes[axis][c] + rx_change[axis][c] * after_s);
-                back[axis][i] = (e[0] * a[0] + e[1] * a[1] + e[2] * a[2]) * inverse_back;
+        let Self { end, sighted, nodes, weights, direction } = self;
+        let mut along = [[0.0f32; LANES]; 3];
+        let mut delay_s = [0.0f32; LANES];
+        // From the receiver the facet lies against the way of the echo.
+        let sign = if end == 0 { 1.0 } else { -1.0 };
+        for (node, weight) in nodes.iter().zip(weights) {
+            let from = if end == 0 { &node.paths.incident } else { &node.paths.scattered };
+            let weight = sign * weight;
+            for (to, from) in along.iter_mut().zip(from) {
+                for i in 0..LANES {
+                    to[i] += weight * from[i];
+                }
+            }
+        }
+        let rows = |axes: Axes| {
+            [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32))
+        };
+        let (axes, change) = (rows(sighted.axes), rows(sighted.change_per_s));
+        if end == 1 {
+            if let Some(node) = nodes.first() {
+                for i in 0..LANES {
+                    delay_s[i] = node.paths.delay_s[i] as f32;
+                }
+            }
+        }
+        for axis in 0..3 {
+            let (a, b) = (axes[axis], change[axis]);
+            for i in 0..LANES {
+                let a = [0, 1, 2].map(|c| a[c] + b[c] * delay_s[i]);
+                direction[axis][i] = along[0][i] * a[0] + along[1][i] * a[1] + along[2][i] * a[2];
             }
         }
     }

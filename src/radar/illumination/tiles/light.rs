@@ -3,10 +3,11 @@
 use num_complex::{Complex32, Complex64};
 
 use super::gain::{Gains, Sighted, is_real};
-use super::{Phasors, Sample, Tally, Tile, TileWork};
+use super::{NodeWork, Phasors, Sample, Tally, Tile, TileWork};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{End, LANES, Paths, Row};
 use crate::radar::antenna::{Axes, port_shares};
+use crate::radar::emission::Emission;
 use crate::radar::illumination::sea::SeaPlan;
 use crate::radar::illumination::{Illumination, PairPlan};
 use crate::scattering::facets::Phases;
@@ -22,6 +23,11 @@ const NEAR_GRAZING: f32 = 0.1;
 pub struct Node {
     /// Places, delays, directions.
     pub paths: Box<Paths>,
+}
+
+/// A tile at a look, over one pair.
+#[derive(Clone)]
+pub struct Look {
     /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers, and without shadows.
     pub amplitude: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
@@ -33,6 +39,8 @@ pub struct Node {
 pub struct Pair {
     /// At every node.
     pub nodes: Vec<Node>,
+    /// At every look.
+    pub looks: Vec<Look>,
     /// Per pulse: what multiplies the amplitudes.
     pub factor: Vec<Row>,
     channels: usize,
@@ -40,13 +48,13 @@ pub struct Pair {
 
 impl Pair {
     pub(super) fn new(channels: usize) -> Self {
-        Self { nodes: Vec::new(), factor: Vec::new(), channels }
+        Self { nodes: Vec::new(), looks: Vec::new(), factor: Vec::new(), channels }
     }
 
-    pub(super) fn resize(&mut self, nodes: usize, pulses: usize) {
+    pub(super) fn resize(&mut self, nodes: usize, looks: usize, pulses: usize) {
         let channels = self.channels;
-        self.nodes.resize_with(nodes, || Node {
-            paths: Paths::boxed(),
+        self.nodes.resize_with(nodes, || Node { paths: Paths::boxed() });
+        self.looks.resize_with(looks, || Look {
             amplitude: vec![[[0.0; LANES]; 2]; channels],
             cosine: [[0.0; LANES]; 2],
         });
@@ -56,12 +64,15 @@ impl Pair {
     /// Sums of power, and of power times delay rate, over facets at the middle node.
     pub(super) fn power(&self, count: usize) -> (f64, f64) {
         let (mut power, mut rate) = (0.0, 0.0);
-        if let (Some(node), Some(factor)) =
-            (self.nodes.get(self.nodes.len() / 2), self.factor.get(self.factor.len() / 2))
-        {
+        let middle = (
+            self.nodes.get(self.nodes.len() / 2),
+            self.looks.get(self.looks.len() / 2),
+            self.factor.get(self.factor.len() / 2),
+        );
+        if let (Some(node), Some(look), Some(factor)) = middle {
             for i in 0..count {
                 let of = |[re, im]: &[Row; 2]| f64::from(re[i] * re[i] + im[i] * im[i]);
-                let own = node.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
+                let own = look.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
                     power += own;
                     rate += own * node.paths.delay_rate[i];
@@ -75,7 +86,7 @@ impl Pair {
     #[inline(always)]
     fn bounds(&self, out: &mut Row) {
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for [re, im] in self.nodes.iter().flat_map(|node| &node.amplitude) {
+        for [re, im] in self.looks.iter().flat_map(|look| &look.amplitude) {
             for i in 0..LANES {
                 amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
             }
@@ -95,7 +106,9 @@ impl Pair {
             // What the echo reads; the rest stays where it was.
             compact(&mut node.paths.delay_s, kept);
             compact(&mut node.paths.delay_rate, kept);
-            for row in node.amplitude.as_flattened_mut() {
+        }
+        for look in &mut self.looks {
+            for row in look.amplitude.as_flattened_mut() {
                 compact(row, kept);
             }
         }
@@ -183,8 +196,13 @@ impl Illumination {
         work.tile.count = count;
         self.place(patch, first, work);
         let footprint_m2 = patch.facet_m * patch.facet_m;
-        for place in 0..work.nodes.len() {
-            self.light_node(sea, first, place, footprint_m2, work);
+        for pair in 0..self.plans.len() {
+            for place in 0..work.tile.pairs[pair].nodes.len() {
+                self.find_paths(pair, first, place, work);
+            }
+            for place in 0..work.tile.pairs[pair].looks.len() {
+                self.look(sea, pair, first, place, footprint_m2, work);
+            }
         }
         for pair in 0..self.plans.len() {
             self.gains(pair, work);
@@ -211,98 +229,103 @@ impl Illumination {
         }
     }
 
-    fn light_node(
+    /// Places and paths at a node.
+    fn find_paths(&self, pair: usize, first: usize, place: usize, work: &mut TileWork) {
+        let TileWork { variant, nodes, places_m, drop_m, tile, .. } = work;
+        let node = &nodes[place];
+        let fields = &node.fields;
+        let here = first..first + tile.count;
+        let plan = &self.plans[pair];
+        let paths = &mut tile.pairs[pair].nodes[place].paths;
+        let displaced = !fields.displacement_m[0].is_empty();
+        for axis in 0..2 {
+            paths.position_m[axis] = places_m[axis];
+            if displaced {
+                let from = &fields.displacement_m[axis][here.clone()];
+                for (to, from) in paths.position_m[axis].iter_mut().zip(from) {
+                    *to += f64::from(*from);
+                }
+                paths.velocity_mps[axis][..tile.count].copy_from_slice(&fields.velocity_mps[axis][here.clone()]);
+            } else {
+                paths.velocity_mps[axis].fill(0.0);
+            }
+        }
+        let heights = fields.height_m[here.clone()].iter().zip(drop_m.iter());
+        for (to, (from, drop_m)) in paths.position_m[2].iter_mut().zip(heights) {
+            *to = f64::from(*from) - drop_m;
+        }
+        paths.velocity_mps[2][..tile.count].copy_from_slice(&fields.velocity_mps[2][here]);
+        let centres = &node.emission.centres;
+        let rx = self.radar.transmitters.len() + plan.pair.receiver;
+        let ends = [End::from(&centres[plan.pair.transmitter]), End::from(&centres[rx])];
+        variant.run(Solve { ends, paths });
+    }
+
+    /// Axes of an antenna of a pair at an emission, and their change in a second.
+    fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
+        let now = emission.axes(antenna);
+        if self.axes_span_s > 0.0 {
+            let later = emission.axes_after(antenna, self.axes_span_s, self.axes_span_s);
+            (now, (later - now) * (1.0 / self.axes_span_s))
+        } else {
+            (now, Axes::ZERO)
+        }
+    }
+
+    /// Scattering at a look.
+    fn look(
         &self,
         sea: &SeaPlan,
+        pair: usize,
         first: usize,
         place: usize,
         footprint_m2: f64,
         work: &mut TileWork,
     ) {
-        let TileWork { variant, nodes, batch, places_m, drop_m, fall, kinds, tile, .. } = work;
-        let node = &nodes[place];
-        let fields = &node.fields;
+        let TileWork { variant, nodes, looks, batch, view, places_m, fall, kinds, tile, .. } = work;
+        let instant = &looks[place];
         let count = tile.count;
-        let here = first..first + count;
-        let copy = |to: &mut Row, from: &[f32], less: &Row| {
-            for ((to, from), less) in to.iter_mut().zip(&from[here.clone()]).zip(less) {
-                *to = from - less;
-            }
-        };
-        copy(&mut batch.slope[0], &fields.slope[0], &fall[0]);
-        copy(&mut batch.slope[1], &fields.slope[1], &fall[1]);
+        let Pair { nodes: paths, looks: seen, .. } = &mut tile.pairs[pair];
+        let out = &mut seen[place];
+        let single = sea.lanes.phases() == Phases::Single;
+        let plan = &self.plans[pair];
+        let transmitters = self.radar.transmitters.len();
+        let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
+        let (tx_axes, _) = self.axes_of(&instant.emission, tx);
+        let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
+        let axes = [tx_axes, rx_axes];
+        variant.run(Slopes { nodes, weights: &instant.weights, first, count, fall, out: &mut batch.slope });
+        variant.run(Sight { nodes: paths, weights: &instant.weights, axes, rx_change, single, view, batch });
         kinds.clear();
         let [x_m, y_m] = places_m.each_ref().map(|row| {
-            let places = row.iter();
-            places.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+            row.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
         });
-        if sea.scattering.kinds() > 1 && sea.scattering.kinds_within([x_m, y_m], &node.poses) {
+        if sea.scattering.kinds() > 1 && sea.scattering.kinds_within([x_m, y_m], &instant.poses) {
             kinds.extend((0..count).map(|i| {
-                let (kind, cover) = sea.scattering.kind_at([places_m[0][i], places_m[1][i]], &node.poses);
+                let (kind, cover) = sea.scattering.kind_at([places_m[0][i], places_m[1][i]], &instant.poses);
                 (kind, cover as f32)
             }));
         }
-        let transmitters = self.radar.transmitters.len();
-        for (pair, plan) in tile.pairs.iter_mut().zip(&self.plans) {
-            let out = &mut pair.nodes[place];
-            let still = [0.0; LANES];
-            let displaced = !fields.displacement_m[0].is_empty();
-            for axis in 0..2 {
-                out.paths.position_m[axis] = places_m[axis];
-                if displaced {
-                    let from = &fields.displacement_m[axis][here.clone()];
-                    for (to, from) in out.paths.position_m[axis].iter_mut().zip(from) {
-                        *to += f64::from(*from);
-                    }
-                    copy(&mut out.paths.velocity_mps[axis], &fields.velocity_mps[axis], &still);
-                } else {
-                    out.paths.velocity_mps[axis] = still;
-                }
-            }
-            for (to, (from, drop_m)) in
-                out.paths.position_m[2].iter_mut().zip(fields.height_m[here.clone()].iter().zip(drop_m.iter()))
-            {
-                *to = f64::from(*from) - drop_m;
-            }
-            copy(&mut out.paths.velocity_mps[2], &fields.velocity_mps[2], &still);
-            let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
-            let per_s = if self.axes_span_s > 0.0 { 1.0 / self.axes_span_s } else { 0.0 };
-            let change = (node.emission.axes_after(rx, self.axes_span_s, self.axes_span_s)
-                - node.emission.axes(rx))
-                * per_s;
-            let centres = &node.emission.centres;
-            variant.run(Sight {
-                ends: [End::from(&centres[tx]), End::from(&centres[rx])],
-                axes: [node.emission.axes(tx), node.emission.axes(rx)],
-                rx_change: change,
-                single: sea.lanes.phases() == Phases::Single,
-                paths: &mut out.paths,
+        self.respond(sea, *variant, kinds, batch);
+        out.cosine = batch.cosine;
+        for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
+            let tx_isolation_db = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
+            let rx_isolation_db = self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db;
+            variant.run(Combine {
+                ports: [Port::new(*tx_port, tx_isolation_db), Port::new(*rx_port, rx_isolation_db)],
+                plan,
+                footprint_m2: footprint_m2 as f32,
+                single,
+                axes,
+                rx_change,
+                view,
                 batch,
+                out: amplitude,
             });
-            self.respond(sea, *variant, kinds, batch);
-            out.cosine = batch.cosine;
-            for ((channel, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
-                let _ = channel;
-                variant.run(Combine {
-                    ports: [
-                        Port::new(*tx_port, self.radar.transmitters[tx].antenna.cross_pol_isolation_db),
-                        Port::new(*rx_port, self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db),
-                    ],
-                    plan,
-                    footprint_m2: footprint_m2 as f32,
-                    single: sea.lanes.phases() == Phases::Single,
-                    axes: [node.emission.axes(tx), node.emission.axes(rx)],
-                    rx_change: change,
-                    paths: &out.paths,
-                    batch,
-                    out: amplitude,
-                });
-            }
-            for (end, antenna, axes) in [(0, tx, node.emission.axes(tx)), (1, rx, node.emission.axes(rx))] {
-                if !is_real(&self.antennas[antenna]) {
-                    let change = if end == 1 { change } else { Axes::ZERO };
-                    self.complex_gain(antenna, axes, change, end, out, count);
-                }
+        }
+        for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
+            if !is_real(&self.antennas[antenna]) {
+                self.complex_gain(antenna, axes, change, end, view, out, count);
             }
         }
     }
@@ -347,18 +370,19 @@ impl Illumination {
         axes: Axes,
         change_per_s: Axes,
         end: usize,
-        node: &mut Node,
+        view: &View,
+        look: &mut Look,
         count: usize,
     ) {
-        let directions = if end == 0 { &node.paths.incident } else { &node.paths.scattered };
+        let directions = if end == 0 { &view.incident } else { &view.scattered };
         let sign = if end == 0 { 1.0 } else { -1.0 };
         for i in 0..count {
             let d = glam::DVec3::from_array([0, 1, 2].map(|c| sign * f64::from(directions[c][i])));
-            let axes = axes + change_per_s * node.paths.delay_s[i];
+            let axes = axes + change_per_s * f64::from(view.delay_s[i]);
             let d = crate::frames::Vector::from_raw(axes.transpose() * d);
             let gain = self.antennas[antenna].field_gain(d);
             let gain = Complex32::new(gain.re as f32, gain.im as f32);
-            for [re, im] in &mut node.amplitude {
+            for [re, im] in &mut look.amplitude {
                 let value = Complex32::new(re[i], im[i]) * gain;
                 (re[i], im[i]) = (value.re, value.im);
             }
@@ -369,29 +393,15 @@ impl Illumination {
     fn gains(&self, pair: usize, work: &mut TileWork) {
         let TileWork { variant, gains, gain_rows, tile, .. } = work;
         let plan = &self.plans[pair];
-        let transmitters = self.radar.transmitters.len();
-        let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
-        let per_s = if self.axes_span_s > 0.0 { 1.0 / self.axes_span_s } else { 0.0 };
+        let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
         // Instants beyond those in use keep their room for the next block.
         for (instant, out) in gains.iter().zip(gain_rows) {
-            let emission = &instant.emission;
-            let paths = &tile.pairs[pair].nodes[instant.node].paths;
-            let now = |antenna: usize| Sighted {
-                antenna: &self.antennas[antenna],
-                end: End::from(&emission.centres[antenna]),
-                axes: emission.axes(antenna),
-                change_per_s: (emission.axes_after(antenna, self.axes_span_s, self.axes_span_s)
-                    - emission.axes(antenna))
-                    * per_s,
+            let now = |antenna: usize| {
+                let (axes, change_per_s) = self.axes_of(&instant.emission, antenna);
+                Sighted { antenna: &self.antennas[antenna], axes, change_per_s }
             };
-            Gains {
-                ends: [now(tx), now(rx)],
-                position_m: &paths.position_m,
-                velocity_mps: &paths.velocity_mps,
-                dt_s: instant.dt_s,
-                out,
-            }
-            .find(*variant);
+            let nodes = &tile.pairs[pair].nodes;
+            Gains { ends: [now(tx), now(rx)], nodes, weights: &instant.weights, out }.find(*variant);
         }
     }
 
@@ -401,8 +411,8 @@ impl Illumination {
         let plan = &self.plans[pair];
         let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
-        let Pair { nodes, factor, .. } = &mut tile.pairs[pair];
-        let turns = variant.run(Turns { nodes, count });
+        let Pair { looks, factor, .. } = &mut tile.pairs[pair];
+        let turns = variant.run(Turns { looks, count });
         for (pulse, out) in factor.iter_mut().enumerate() {
             let (start, weights) = &lagrange[pulse];
             variant.run(Weigh { rows: &gain_rows[*start..], weights, out });
@@ -428,7 +438,8 @@ impl Illumination {
                 }
             }
             if turns {
-                variant.run(Turn { nodes, weights: &cosines[pulse], out });
+                let (start, weights) = &cosines[pulse];
+                variant.run(Turn { looks: &looks[*start..], weights, out });
             }
         }
     }
@@ -436,7 +447,7 @@ impl Illumination {
 
 /// Whether some facet may turn away from an antenna.
 struct Turns<'a> {
-    nodes: &'a [Node],
+    looks: &'a [Look],
     count: usize,
 }
 
@@ -446,7 +457,7 @@ impl Task for Turns<'_> {
     #[inline(always)]
     fn run(self) -> bool {
         let mut least = 1.0f32;
-        for row in self.nodes.iter().flat_map(|node| &node.cosine) {
+        for row in self.looks.iter().flat_map(|look| &look.cosine) {
             for cosine in &row[..self.count] {
                 least = least.min(*cosine);
             }
@@ -478,7 +489,7 @@ impl Task for Weigh<'_> {
 
 /// Darkens facets whose cosine is not positive.
 struct Turn<'a> {
-    nodes: &'a [Node],
+    looks: &'a [Look],
     weights: &'a [f32],
     out: &'a mut Row,
 }
@@ -490,9 +501,9 @@ impl Task for Turn<'_> {
     fn run(self) {
         for end in 0..2 {
             let mut cosine = [0.0f32; LANES];
-            for (node, weight) in self.nodes.iter().zip(self.weights) {
+            for (look, weight) in self.looks.iter().zip(self.weights) {
                 for i in 0..LANES {
-                    cosine[i] += weight * node.cosine[end][i];
+                    cosine[i] += weight * look.cosine[end][i];
                 }
             }
             for i in 0..LANES {
@@ -502,14 +513,86 @@ impl Task for Turn<'_> {
     }
 }
 
-/// Paths, and the vectors of both antennas' fields.
-struct Sight<'a> {
+/// Light time.
+struct Solve<'a> {
     ends: [End; 2],
+    paths: &'a mut Paths,
+}
+
+impl Task for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.paths.solve(&self.ends[0], &self.ends[1]);
+    }
+}
+
+/// Slopes at an instant between nodes.
+struct Slopes<'a> {
+    nodes: &'a [NodeWork],
+    weights: &'a [f32],
+    first: usize,
+    count: usize,
+    fall: &'a [Row; 2],
+    out: &'a mut [Row; 2],
+}
+
+impl Task for Slopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for axis in 0..2 {
+            let out = &mut self.out[axis];
+            out.fill(0.0);
+            for (node, weight) in self.nodes.iter().zip(self.weights) {
+                if *weight != 0.0 {
+                    let from = &node.fields.slope[axis][self.first..self.first + self.count];
+                    for (to, from) in out.iter_mut().zip(from) {
+                        *to += weight * from;
+                    }
+                }
+            }
+            for i in 0..LANES {
+                out[i] -= self.fall[axis][i];
+            }
+        }
+    }
+}
+
+/// A tile over one pair at an instant between nodes.
+#[derive(Clone)]
+pub(super) struct View {
+    incident: Vectors,
+    scattered: Vectors,
+    leg_m: [Row; 2],
+    delay_s: Row,
+}
+
+impl View {
+    pub fn boxed() -> Box<Self> {
+        let row = [0.0; LANES];
+        Box::new(Self { incident: [row; 3], scattered: [row; 3], leg_m: [row; 2], delay_s: row })
+    }
+}
+
+/// The view, and the vectors of both antennas' fields.
+struct Sight<'a> {
+    nodes: &'a [Node],
+    weights: &'a [f32],
     axes: [Axes; 2],
     rx_change: Axes,
     single: bool,
-    paths: &'a mut Paths,
+    view: &'a mut View,
     batch: &'a mut Batch,
+}
+
+#[inline(always)]
+fn add(to: &mut Row, from: &Row, weight: f32) {
+    for i in 0..LANES {
+        to[i] += weight * from[i];
+    }
 }
 
 /// Axes y and z of an antenna as rows of three.
@@ -540,19 +623,34 @@ impl Task for Sight<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ends, axes, rx_change, single, paths, batch } = self;
-        paths.solve(&ends[0], &ends[1]);
-        batch.incident = paths.incident;
-        batch.scattered = paths.scattered;
+        let Self { nodes, weights, axes, rx_change, single, view, batch } = self;
+        let View { incident, scattered, leg_m, delay_s } = view;
+        incident.iter_mut().chain(&mut *scattered).chain(&mut *leg_m).for_each(|row| row.fill(0.0));
+        delay_s.fill(0.0);
+        for (node, &weight) in nodes.iter().zip(weights) {
+            if weight == 0.0 {
+                continue;
+            }
+            for axis in 0..3 {
+                add(&mut incident[axis], &node.paths.incident[axis], weight);
+                add(&mut scattered[axis], &node.paths.scattered[axis], weight);
+            }
+            add(&mut leg_m[0], &node.paths.leg_m[0], weight);
+            add(&mut leg_m[1], &node.paths.leg_m[1], weight);
+            for i in 0..LANES {
+                delay_s[i] += weight * node.paths.delay_s[i] as f32;
+            }
+        }
+        batch.incident = *incident;
+        batch.scattered = *scattered;
         let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
         for i in 0..LANES {
-            let ki = paths.incident.each_ref().map(|column| column[i]);
-            let ks = paths.scattered.each_ref().map(|column| column[i]);
-            let delay_s = paths.delay_s[i] as f32;
+            let ki = batch.incident.each_ref().map(|column| column[i]);
+            let ks = batch.scattered.each_ref().map(|column| column[i]);
             let (v_h_in, v_h_out) = (vertical_horizontal(ki), vertical_horizontal(ks));
             for axis in 0..2 {
                 let a = normal_to(tx[axis], ki);
-                let b = normal_to([0, 1, 2].map(|c| rx[axis][c] + change[axis][c] * delay_s), ks);
+                let b = normal_to([0, 1, 2].map(|c| rx[axis][c] + change[axis][c] * delay_s[i]), ks);
                 for c in 0..3 {
                     batch.transmit[axis][c][i] = if single { v_h_in[axis][c] } else { a[c] };
                     batch.receive[axis][c][i] = if single { v_h_out[axis][c] } else { b[c] };
@@ -571,7 +669,7 @@ struct Combine<'a> {
     single: bool,
     axes: [Axes; 2],
     rx_change: Axes,
-    paths: &'a Paths,
+    view: &'a View,
     batch: &'a Batch,
     out: &'a mut [Row; 2],
 }
@@ -586,7 +684,7 @@ impl Task for Combine<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports: [tx_port, rx_port], plan, footprint_m2, single, axes, rx_change, paths, batch, out } = self;
+        let Self { ports: [tx_port, rx_port], plan, footprint_m2, single, axes, rx_change, view, batch, out } = self;
         let link = plan.link.in_air();
         let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
         let single_precision = |port: &Port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32));
@@ -598,8 +696,8 @@ impl Task for Combine<'_> {
             let (mut t, mut r) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
             let mut matrix = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
             if single {
-                let (ki, ks) = (at(&paths.incident), at(&paths.scattered));
-                let delay_s = paths.delay_s[i] as f32;
+                let (ki, ks) = (at(&view.incident), at(&view.scattered));
+                let delay_s = view.delay_s[i];
                 let (v_h_in, v_h_out) = (t, r);
                 for axis in 0..2 {
                     t[axis] = normal_to(tx[axis], ki);
@@ -617,7 +715,7 @@ impl Task for Combine<'_> {
                 * rx_port.inverse_norm(dot(r[0], r[0]), dot(r[1], r[1]), dot(r[0], r[1]));
             let (sx, sy) = (batch.slope[0][i], batch.slope[1][i]);
             let root_area = (footprint_m2 * (1.0 + sx * sx + sy * sy).sqrt()).sqrt();
-            let (out_m, back_m) = (paths.leg_m[0][i], paths.leg_m[1][i]);
+            let (out_m, back_m) = (view.leg_m[0][i], view.leg_m[1][i]);
             let scale = link.scattered(out_m, back_m) * root_area * norm;
             let sum = c_r[0] * (matrix[0][0] * c_t[0] + matrix[0][1] * c_t[1])
                 + c_r[1] * (matrix[1][0] * c_t[0] + matrix[1][1] * c_t[1]);

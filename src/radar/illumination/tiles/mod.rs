@@ -1,17 +1,18 @@
 //! The facets of a block of pulses, tile by tile, in f32.
 //!
-//! What changes slowly is found at few instants, the **nodes** of the block (first to last pulse, up to [`NODES`]): the surface, paths and
-//! directions, scattering. What changes faster has instants of its own:
+//! What changes slowly is found at few instants, the **nodes** of the block (first to last pulse, up to [`NODES`]). What changes
+//! faster has instants of its own:
 //!
 //! | quantity | at | in between |
 //! | --- | --- | --- |
-//! | delay and its rate | nodes | cubic Hermite |
-//! | amplitude without gains and shadows | nodes | cubic through all nodes |
+//! | surface, delay and its rate | nodes | cubic Hermite |
+//! | directions, slopes | nodes | cubic, to looks and gain instants |
+//! | amplitude without gains and shadows | **looks**: nodes, and up to two instants between | cubic through four |
 //! | product of both antennas' gains | every few pulses | six-point Lagrange, here |
 //! | visibility | updates of the shadows | linear, here, as everywhere |
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
-//! So a [`Tile`] has, per pair, delays, rates and amplitudes at the nodes, and one **factor** per pulse. The equations are those of
+//! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the looks, and one **factor** per pulse. The equations are those of
 //! [`facets`](super::facets); a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
 //! surface are those at each node.
 //!
@@ -39,17 +40,24 @@ use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection};
 use crate::sea::wake::course::Pose;
 
-pub use light::{Node, Pair};
+pub use light::{Look, Node, Pair};
+use light::View;
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
+/// Most looks from one node to the next.
+pub const LOOKS_PER_NODE: usize = 3;
+/// Most looks of a block.
+pub const LOOKS: usize = (NODES - 1) * LOOKS_PER_NODE + 1;
+/// Looks that a polynomial goes through.
+pub const LOOK_POINTS: usize = 4;
 /// Gain instants that a pulse's gain is found from.
 const GAIN_POINTS: usize = 6;
 /// Tiles that are looked at to learn what a block returns.
 const SAMPLED: usize = 48;
 
 /// The instants of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Instants {
     /// First pulse of the block.
     pub first: u64,
@@ -59,6 +67,10 @@ pub struct Instants {
     pub nodes: [usize; NODES],
     /// How many there are.
     pub node_count: usize,
+    /// Pulses of the looks, rising: those of the nodes, and some between.
+    pub looks: [usize; LOOKS],
+    /// How many there are.
+    pub look_count: usize,
     /// Pulses from gain to gain.
     pub gain_pulses: usize,
 }
@@ -102,8 +114,9 @@ pub struct TileWork {
     gain_places: Vec<usize>,
     /// `[pulse][gain instant]`: first, and weights from there on.
     lagrange: Vec<(usize, [f32; GAIN_POINTS])>,
-    /// Weights of the nodes for the cosines, `[pulse][node]`.
-    cosines: Vec<[f32; NODES]>,
+    looks: Vec<LookInstant>,
+    /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
+    cosines: Vec<(usize, [f32; LOOK_POINTS])>,
     shades: Vec<Shade>,
     /// An update of the shadows being made, and the heights it is made from.
     update: Option<Update>,
@@ -112,6 +125,7 @@ pub struct TileWork {
     shares: Vec<(usize, f32)>,
     phasors: Phasors,
     batch: Box<Batch>,
+    view: Box<View>,
     places_m: [[f64; LANES]; 2],
     drop_m: [f64; LANES],
     fall: [Row; 2],
@@ -126,15 +140,21 @@ struct NodeWork {
     emission: Emission,
     elapsed_s: f64,
     fields: Fields<f32>,
-    poses: Vec<Pose>,
 }
 
 #[derive(Clone)]
 struct GainInstant {
     emission: Emission,
-    /// Node that is nearest, and time from there, s.
-    node: usize,
-    dt_s: f64,
+    /// Of the nodes.
+    weights: [f32; NODES],
+}
+
+#[derive(Clone)]
+struct LookInstant {
+    emission: Emission,
+    /// Of the nodes; a look at a node takes that alone.
+    weights: [f32; NODES],
+    poses: Vec<Pose>,
 }
 
 /// Weights of one update of the shadows over the patch.
@@ -248,13 +268,14 @@ impl SeaPlan {
             emission: Emission::default(),
             elapsed_s: 0.0,
             fields: sheet.fields(&self.patch),
-            poses: Vec::with_capacity(self.scattering.kinds()),
         };
         Some(TileWork {
             variant,
             sheet,
             nodes: vec![node; NODES],
             gains: Vec::new(),
+            looks: Vec::new(),
+            view: View::boxed(),
             gain_places: Vec::new(),
             lagrange: Vec::new(),
             cosines: Vec::new(),
@@ -288,7 +309,6 @@ impl SeaPlan {
         let TileWork { sheet, nodes, phasors, .. } = work;
         for node in nodes {
             sheet.evaluate(node.elapsed_s, patch, &mut node.fields)?;
-            self.scattering.poses(node.elapsed_s, &mut node.poses);
         }
         let elapsed_s = illumination.radar.emissions.interval_s(0, first);
         phasors.prepare(self, patch, elapsed_s);
@@ -338,26 +358,38 @@ impl TileWork {
         self.gain_places.extend((0..last).step_by(instants.gain_pulses.max(1)));
         self.gain_places.push(last);
         for (n, &place) in self.gain_places.iter().enumerate() {
-            let distance = |node: &usize| places[*node].abs_diff(place);
-            let node = (0..places.len()).min_by_key(distance).unwrap_or(0);
-            let dt_s = elapsed_s(place) - self.nodes[node].elapsed_s;
+            let (_, weights) = through(places, 0, place);
             if n == self.gains.len() {
-                self.gains.push(GainInstant { emission: Emission::default(), node, dt_s });
+                self.gains.push(GainInstant { emission: Emission::default(), weights });
             }
             let gain = &mut self.gains[n];
-            (gain.node, gain.dt_s) = (node, dt_s);
+            gain.weights = weights;
             of.evaluate(instants.first + place as u64, &mut gain.emission)?;
+        }
+        let looks = &instants.looks[..instants.look_count];
+        for (n, &place) in looks.iter().enumerate() {
+            let (_, weights) = through(places, 0, place);
+            if n == self.looks.len() {
+                self.looks.push(LookInstant { emission: Emission::default(), weights, poses: Vec::new() });
+            }
+            let look = &mut self.looks[n];
+            look.weights = weights;
+            of.evaluate(instants.first + place as u64, &mut look.emission)?;
+            if let Some(sea) = &of.sea {
+                sea.scattering.poses(elapsed_s(place), &mut look.poses);
+            }
         }
         self.gain_rows.resize(self.gain_places.len(), [0.0; LANES]);
         self.lagrange.clear();
         self.cosines.clear();
         for pulse in 0..instants.pulses {
             self.lagrange.push(lagrange(&self.gain_places, pulse));
-            let (_, weights) = through(places, 0, pulse);
-            self.cosines.push(weights);
+            let first = looks_about(looks, pulse..=pulse);
+            let points = LOOK_POINTS.min(looks.len());
+            self.cosines.push(through(&looks[first..first + points], first, pulse));
         }
         for pair in &mut self.tile.pairs {
-            pair.resize(self.nodes.len(), instants.pulses);
+            pair.resize(places.len(), looks.len(), instants.pulses);
         }
         Ok(())
     }
@@ -458,6 +490,14 @@ fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
 
 fn span_of(_: &Visibility, (first, _): (u64, f64), (last, share): (u64, f64)) -> RangeInclusive<u64> {
     first..=if share > 0.0 { last + 1 } else { last }
+}
+
+/// The first of the [`LOOK_POINTS`] looks about some pulses: as many before as after, but within the block.
+pub fn looks_about(looks: &[usize], pulses: RangeInclusive<usize>) -> usize {
+    let from = looks.partition_point(|look| look <= pulses.start()).saturating_sub(1);
+    let to = looks.partition_point(|look| look < pulses.end()).min(looks.len().saturating_sub(1));
+    let points = LOOK_POINTS.min(looks.len());
+    (from + to).saturating_sub(points - 1).div_euclid(2).min(looks.len() - points)
 }
 
 /// Lagrange weights of the gain instants about a pulse: the first of them, and as many weights as count.
