@@ -35,6 +35,7 @@ mod shadow_extremes;
 mod wake_extremes;
 mod wake_laws;
 mod wake_map;
+mod wake_short;
 mod wake_turbulent;
 mod wake_kochin;
 mod waveform_spectrum;
