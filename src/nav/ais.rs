@@ -122,7 +122,8 @@ impl Layout {
         };
         let needed = NEEDED.map(&mut place);
         let optional = OPTIONAL.map(&mut place);
-        for name in NEEDED.into_iter().zip(needed).filter(|(_, place)| place.is_none()).map(|(name, _)| name) {
+        for name in NEEDED.into_iter().zip(needed).filter(|(_, place)| place.is_none()).map(|(name, _)| name)
+        {
             faults.push(line, FaultKind::MissingColumns { needed: name });
         }
         if !faults.is_empty() {

@@ -264,7 +264,11 @@ impl Layout {
     }
 }
 
-pub(super) fn read_number(field: &[u8], column: &'static str, (min, max): (f64, f64)) -> Result<f64, FaultKind> {
+pub(super) fn read_number(
+    field: &[u8],
+    column: &'static str,
+    (min, max): (f64, f64),
+) -> Result<f64, FaultKind> {
     let parsed = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok());
     match parsed {
         Some(value) if (min..=max).contains(&value) => Ok(value),
@@ -274,8 +278,7 @@ pub(super) fn read_number(field: &[u8], column: &'static str, (min, max): (f64, 
 }
 
 pub(super) fn read_iso(field: &[u8], column: &'static str) -> Result<TimeTag, FaultKind> {
-    let bad =
-        || FaultKind::NotATime { column, text: quote(field), example: "2018-05-30T18:40:00.25Z" };
+    let bad = || FaultKind::NotATime { column, text: quote(field), example: "2018-05-30T18:40:00.25Z" };
     // The shape is checked here, so that a zone such as +02:00 is refused and not passed over.
     let shape = b"dddd-dd-ddTdd:dd:dd";
     let well_formed = field.len() >= shape.len()

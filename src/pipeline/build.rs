@@ -256,10 +256,8 @@ pub fn factory_of(
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let ships = ShipTracks::of(scene);
-    let layout = Layout {
-        ships: scene.ships.len(),
-        ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
-    };
+    let layout =
+        Layout { ships: scene.ships.len(), ..scene.radar.layout(scene.platforms.len(), scene.targets.len()) };
     Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships })
 }
 

@@ -125,11 +125,7 @@ pub fn course(ship: &Ship) -> Course {
 ///
 /// # Errors
 /// The first ship that cannot sail.
-pub fn short_waves(
-    ships: &[Ship],
-    facet_m: f64,
-    shortest_radpm: f64,
-) -> Result<Vec<ShortWaves>, FleetError> {
+pub fn short_waves(ships: &[Ship], facet_m: f64, shortest_radpm: f64) -> Result<Vec<ShortWaves>, FleetError> {
     let of_ship = |ship: &Ship, kelvin: &KelvinWake| -> Result<ShortWaves, ShipError> {
         let (hull, course) = (hull(ship)?, course(ship));
         let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
@@ -143,8 +139,8 @@ pub fn short_waves(
     let mut found = Vec::new();
     for ship in ships {
         if let Some(kelvin) = ship.kelvin.as_ref().filter(|kelvin| kelvin.short_waves) {
-            let waves = of_ship(ship, kelvin)
-                .map_err(|source| FleetError { ship: ship.name.clone(), source })?;
+            let waves =
+                of_ship(ship, kelvin).map_err(|source| FleetError { ship: ship.name.clone(), source })?;
             found.extend(Some(waves).filter(|waves| !waves.is_empty()));
         }
     }

@@ -27,6 +27,7 @@ mod scatter_oracle;
 mod sea_contacts;
 mod sea_extremes;
 mod sea_golden;
+mod sea_ships;
 mod sea_spectrum;
 mod sea_surface;
 mod sea_wind;

@@ -1,11 +1,17 @@
 //! Short waves of ships as a local spectrum: held to direct sums of the free waves, of which it knows only energies and rays.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
+use nereus::scene::Hull;
+use nereus::scene::water::{Development, SpectrumKind, WindGiven, WindProfile, WindStrength};
 use nereus::sea::GRAVITY_MPS2;
+use nereus::sea::spectrum::of_kind;
+use nereus::sea::wake::kochin::{Kochin, Transom};
 use nereus::sea::wake::nodes::Band;
-use nereus::sea::wake::short_waves::Losses;
-use nereus::sea::wake::{Course, Reach, Settings, ShortWaves, Upstream, Wigley};
+use nereus::sea::wake::short_waves::{Losses, STEEPEST, VISCOSITY_M2PS};
+use nereus::sea::wake::{Course, Reach, Settings, ShortWaves, TurbulentStrip, Upstream, WakeError, Wigley};
+use nereus::sea::wind::Wind;
 use num_complex::Complex64;
 
 const BOAT: Wigley = Wigley { length_m: 20.0, beam_m: 3.0, draught_m: 1.0 };
@@ -124,7 +130,122 @@ fn the_spectrum_of_a_place_is_that_of_its_waves() {
         }
     }
     println!("worst {worst:.3e}, largest {largest:.2e} m^4");
-    // Linear interpolation of amplitudes that turn by an eighth of a radian from node to node loses 1/512 of them; twice that where
-    // bow and stern cancel.
-    assert!(worst < 4e-3);
+    // Linear interpolation of amplitudes that turn by 1/16 radian from node to node loses 1/2048 of them, of bow and stern each;
+    // of an amplitude whose parts cancel to a third, 1/340.
+    assert!(worst < 3e-3);
+}
+
+#[test]
+fn waves_of_slow_ships_and_of_ships_that_no_map_shows() {
+    let make = |speed_mps: f64, facet_m: f64| {
+        let course = Course::straight([0.0, 0.0], 0.0, speed_mps);
+        let settings = Settings::new(facet_m, Reach::disc(0.0));
+        ShortWaves::new(course, 20.0, &settings, 50.0, |t| BOAT.amplitude_m(speed_mps, t)).unwrap()
+    };
+    assert!(make(0.0, 1.0).is_empty() && make(0.0999, 1.0).is_empty());
+    // 2 pi V^2/g = 3.63 m is less than four facets of 1 m: all of its waves are within facets, also the longest, of k0.
+    let (hidden, k0) = (make(2.38, 1.0), GRAVITY_MPS2 / (2.38 * 2.38));
+    let shown = make(2.6, 1.0);
+    assert!(hidden.psi_m4([60.0, 0.0], [k0, 0.0]) > 0.0);
+    // The map's own waves are not counted twice: 1 - W^2 of k0 = 1.45 rad/m is 0.31 there.
+    let k0 = GRAVITY_MPS2 / (2.6 * 2.6);
+    let weight = Band::of_facets(1.0).weight(k0);
+    assert!((0.2..0.5).contains(&(1.0 - weight * weight)));
+    assert!(shown.psi_m4([60.0, 0.0], [k0, 0.0]) > 0.0);
+    // Refused as a wake is.
+    let course = Course::straight([0.0, 0.0], 0.0, 5.0);
+    let refused = |length_m: f64, facet_m: f64, shortest_radpm: f64, a: f64| {
+        let settings = Settings::new(facet_m, Reach::disc(0.0));
+        ShortWaves::new(course, length_m, &settings, shortest_radpm, |_| Complex64::new(a, 0.0)).unwrap_err()
+    };
+    assert!(matches!(refused(0.0, 1.0, 50.0, 1.0), WakeError::Length { .. }));
+    assert!(matches!(refused(20.0, 0.0, 50.0, 1.0), WakeError::Facet { .. }));
+    assert!(matches!(refused(20.0, 1.0, f64::NAN, 1.0), WakeError::Cutoff { .. }));
+    assert!(matches!(refused(20.0, 1.0, 50.0, f64::NAN), WakeError::Amplitude { .. }));
+}
+
+#[test]
+fn losses_only_take() {
+    let (free, damped) = (boat(SHORTEST_RADPM).with_losses(Losses::NONE), boat(SHORTEST_RADPM));
+    let viscous = boat(SHORTEST_RADPM).with_losses(Losses { steepest: f64::INFINITY, ..Losses::default() });
+    let k0 = GRAVITY_MPS2 / (SPEED_MPS * SPEED_MPS);
+    let mut least = 1.0f64;
+    for astern_m in [30.0, 100.0, 400.0] {
+        for t in [3.0f64, 5.0, 8.0] {
+            let k = [k0 * t.hypot(1.0), -k0 * t * t.hypot(1.0)];
+            let place = [astern_m, astern_m * t / (1.0 + 2.0 * t * t)];
+            let [all, some, fewer] = [&free, &viscous, &damped].map(|waves| waves.psi_m4(place, k));
+            assert!(fewer <= some && some <= all && fewer > 0.0);
+            // The spectrum of the steepest wave, STEEPEST^2/K^2 s^2/(2 pi).
+            let bound = (STEEPEST / k[0].hypot(k[1])).powi(2) * FACET_M * FACET_M / 12.0 / (2.0 * PI);
+            assert!(fewer <= bound * (1.0 + 1e-12));
+            // exp(-4 nu K^2 a) of the ray itself. At t = 8, K = 25 rad/m, a deviation of K is 7 %, of K^2 14 %, and from 100 m on
+            // ages of bow and stern differ by 10 % from that of midship.
+            let age_s = astern_m / (SPEED_MPS * (1.0 - 0.5 / (1.0 + t * t)));
+            let k2 = k0 * k0 * (1.0 + t * t).powi(2);
+            let exponent = 4.0 * VISCOSITY_M2PS * k2 * age_s;
+            least = least.min(some / all);
+            if t == 8.0 && astern_m >= 100.0 {
+                let found = -(some / all).ln();
+                assert!((found / exponent - 1.0).abs() < 0.3, "{found} {exponent}");
+            }
+        }
+    }
+    println!("viscosity takes up to {:.3} of the power", 1.0 - least);
+}
+
+/// The table of the decision page on short waves is made here.
+#[test]
+fn the_figures_of_the_page() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/decisions/0017-short-waves-of-ships.md")).unwrap();
+    let hull = Hull::load(&root.join("hulls/dtmb5415.toml")).unwrap().scaled_to_length(100.0).unwrap();
+    let strength = WindStrength::Speed { speed_mps: 7.0, height_m: 10.0 };
+    let given = WindGiven { strength, profile: WindProfile::Cardone, direction_rad: 0.0 };
+    let wind = Wind::resolve(&given).unwrap();
+    let kind = SpectrumKind::Elfouhaily { development: Development::default() };
+    let sea = of_kind(&kind, &wind).unwrap();
+    let astern_m = 500.0;
+    let strip = TurbulentStrip::new(hull.length_m(), hull.beam_m()).unwrap();
+    let half_strip_m = 0.5 * strip.width_m(astern_m - 50.0);
+    let mut missing = Vec::new();
+    for speed_mps in [4.5, 9.0] {
+        let kochin = Kochin::new(&hull, speed_mps, Transom::Open).unwrap();
+        for (band, carrier_hz) in [("L, 1.3 GHz", 1.3e9), ("C, 5.3 GHz", 5.3e9), ("X, 10 GHz", 10e9)] {
+            // Backscatter at 45 degrees.
+            let k = 2.0 * TAU * carrier_hz / 299_792_458.0 * 0.5f64.sqrt();
+            let course = Course::straight([0.0, 0.0], 0.0, speed_mps);
+            let settings = Settings::new(1.0, Reach::disc(0.0));
+            let waves =
+                ShortWaves::new(course, hull.length_m(), &settings, k, |t| kochin.amplitude_m(t)).unwrap();
+            let k0 = kochin.transverse_radpm();
+            let t = (k / k0 - 1.0).sqrt();
+            let vector = [k0 * t.hypot(1.0), -k0 * t * t.hypot(1.0)];
+            let free = waves.clone().with_losses(Losses::NONE);
+            let (mut most, mut place_m, mut freely) = (0.0, 0.0, 0.0f64);
+            for i in 0..400 {
+                let y_m = 0.1 * f64::from(i);
+                let here = waves.psi_m4([astern_m, y_m], vector);
+                freely = freely.max(free.psi_m4([astern_m, y_m], vector));
+                if here > most {
+                    (most, place_m) = (here, y_m);
+                }
+            }
+            let wind_psi = sea.omnidirectional_m3(k) / (TAU * k);
+            let db = |psi: f64| 10.0 * (psi / wind_psi).log10();
+            let row = format!(
+                "| {speed_mps} m/s | {band} | {k:.1} | {place_m:.1} | {:+.0} | {:+.0} |",
+                db(freely),
+                db(most)
+            );
+            println!("{row}");
+            assert!(place_m < half_strip_m);
+            if !page.contains(&row) {
+                missing.push(row);
+            }
+        }
+    }
+    println!("half the turbulent strip there: {half_strip_m:.1} m");
+    assert!(page.contains(&format!("{half_strip_m:.0} m to either side")));
+    assert!(missing.is_empty(), "the page lacks {missing:#?}");
 }

@@ -148,6 +148,14 @@ def check(rec, first, count):
     delay = value(400, 401, 402); delay[:, 1] = np.nan
     same("truth/delay_s", delay[:, None, :])
     same("truth/doppler_hz", value(500, 501, 502)[:, None, :])
+    place = value(600, 601, 602, 610, 611, 612).reshape(count, 2, 3)
+    same("truth/ship_position_m", place)
+    same("truth/ship_velocity_mps", place + 3 / 8)
+    same("truth/ship_heading_deg", value(606, 616))
+    position, velocity, heading = rec.ship("tow")
+    np.testing.assert_array_equal(position, place[:, 1])
+    np.testing.assert_array_equal(velocity, place[:, 1] + 3 / 8)
+    np.testing.assert_array_equal(heading, value(616)[:, 0])
     np.testing.assert_array_equal(np.asarray(rec["replica"][:]), np.arange(7) * np.complex64(1 - 0.5j))
     m = rec.meta
     assert (m["format"], m["version"], m["software"], m["seed"]) == ("nereus", 1, "nereus test", 42), m

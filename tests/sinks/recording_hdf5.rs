@@ -65,6 +65,7 @@ t = f["channel"]
 assert t.dtype.names == ("name", "transmitter", "receiver", "polarisations"), t.dtype
 assert [c.decode() for c in t["name"]] == ["HH", "HV"] and t[1]["receiver"] == b"pod"
 assert [c.decode() for c in f["truth/targets"][:]] == ["buoy", "ship", "rock"]
+assert [c.decode() for c in f["truth/ships"][:]] == ["tug", "tow"]
 assert f["truth/pairs"]["transmitter"][0] == b"mast"
 assert isinstance(f.attrs["config"], str) and isinstance(f.attrs["format"], str)
 assert f["iq"].maxshape[0] is None and f["iq"].chunks[0] >= 16

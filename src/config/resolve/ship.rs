@@ -39,12 +39,7 @@ pub(super) fn ships(root: &Section<'_>, ground: &Ground, start: Option<TimeTag>)
     ships.into_iter().collect()
 }
 
-fn ship(
-    section: Section<'_>,
-    name: Option<String>,
-    ground: &Ground,
-    bragg_by_default: bool,
-) -> Option<Ship> {
+fn ship(section: Section<'_>, name: Option<String>, ground: &Ground, bragg_by_default: bool) -> Option<Ship> {
     use keys::ship as k;
     let hull = hull(&section);
     let length_m = section.number(&k::LENGTH_M);

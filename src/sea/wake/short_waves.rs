@@ -5,10 +5,10 @@
 //! by `1/(2 s)`, no better. So its local spectrum is the squared Fourier transform of what was left out under a Gaussian window of that
 //! size. Of free waves it is an integral over their directions, `t = tan theta`:
 //!
-//! `Psi(x, y; K) = (s^2/2 pi) |Z(K) + conj Z(-K)|^2`,
+//! `Psi(x, y; K) = (s^2/2 pi) [|Z(K)|^2 + |Z(-K)|^2]`,
 //! `Z(K) = int A sqrt(1 - W^2) exp(-j k0 sqrt(1 + t^2) (x + y t) - s^2 |K - K(t)|^2) dt/(1 + t^2)`,
 //!
-//! `K(t) = k0 sqrt(1 + t^2) (1, t)` ahead and to port. It is symmetrised and two-sided (`int int Psi dK` is the variance), and
+//! `K(t) = k0 sqrt(1 + t^2) (1, t)` ahead and to port. It is symmetrised and two-sided (`int int Psi dK` is the variance over a period), and
 //! by Parseval its integral over a cut across the wake is, at every distance, the energy left out,
 //!
 //! `int pi |A|^2 (1 - W^2) sqrt(1 + t^2)/[k0 (1 + t^2)^2 (1 + 2 t^2)] dt`.
@@ -83,8 +83,8 @@ const SLANT: f64 = 1.061;
 /// Steps of the integral: at least 12 deviations in 32, and a phase of one radian a step.
 const STEPS: [f64; 2] = [32.0, 2048.0];
 /// Phase of a wave from one end of the ship against midship, from node to node of the table, radians: linear interpolation loses
-/// an eighth of its square, 0.2 %.
-const STEP_RAD: f64 = 0.125;
+/// an eighth of its square, 0.05 %.
+const STEP_RAD: f64 = 0.0625;
 /// Largest step in t, which resolves `1/(1 + t^2)`.
 const LARGEST_STEP: f64 = 1.0 / 16.0;
 /// Most nodes of the table: the shortest waves of slow, long ships are left out.
@@ -225,18 +225,19 @@ impl ShortWaves {
         let nearest = (k_radpm - WAVE_REACH * deviation_radpm) / self.k0_radpm;
         let most = self.step * (self.amplitudes_m.len() - 1) as f64;
         let range = [(nearest - 1.0).max(0.0).sqrt(), (furthest - 1.0).sqrt().min(most)];
-        let mut sum = Complex64::ZERO;
+        let mut sums = [Complex64::ZERO; 2];
         for side in [1.0, -1.0] {
             let place = [astern_m, side * starboard_m];
             // Waves of the starboard side run to starboard.
             let wave = [ahead_radpm, -side * port_radpm];
-            sum += self.transform(place, wave, range);
-            sum += self.transform(place, wave.map(|k| -k), range).conj();
+            sums[0] += self.transform(place, wave, range);
+            sums[1] += self.transform(place, wave.map(|k| -k), range);
         }
         let scale = 0.5 * self.place_m * self.place_m / PI;
         let steepest_m = self.losses.steepest / k_radpm;
         // Of one wave of amplitude a the spectrum at its own wave vector is a^2 s^2/(2 pi).
-        (scale * sum.norm_sqr() * faded * faded).min(scale * steepest_m * steepest_m)
+        (scale * (sums[0].norm_sqr() + sums[1].norm_sqr()) * faded * faded)
+            .min(scale * steepest_m * steepest_m)
     }
 
     /// Z of the waves that run to one side, at a place astern and to that side, for a wave vector ahead and to that side.
@@ -251,7 +252,9 @@ impl ShortWaves {
             let sec = t.hypot(1.0);
             self.k0_radpm * ((t * x_m - (1.0 + 2.0 * t * t) * y_m).abs() + t * self.half_m) / sec
         };
-        let turns = (to - from) * rate(from).max(rate(to));
+        // Between two stationary points the phase runs fastest about t = x/(4 y).
+        let between = if y_m > 0.0 { (0.25 * x_m / y_m).clamp(from, to) } else { from };
+        let turns = (to - from) * rate(from).max(rate(to)).max(rate(between));
         let steps = turns.ceil().clamp(STEPS[0], STEPS[1]);
         let width = (to - from) / steps;
         let mut sum = Complex64::ZERO;
