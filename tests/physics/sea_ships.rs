@@ -66,8 +66,13 @@ fn a_ship_without_way_changes_nothing() {
     // Nor does one that leaves the patch behind it, one whose wake has faded, and one that is yet to come by.
     for place_m in [[-500.0, 0.0], [20.0 * 42.0, 0.0], [12.0, 2000.0]] {
         let away = contacts(&with_ships(1.0, vec![ship(20.0, 6.0, place_m)]));
-        let same = away.amplitude == empty.amplitude && away.delay_s == empty.delay_s;
-        assert!(same, "{place_m:?}");
+        assert_eq!(away.delay_s, empty.delay_s, "{place_m:?}");
+        // Where ships have short waves other code asks for the spectrum: a rounding or two are left.
+        for (a, b) in away.amplitude.iter().zip(&empty.amplitude) {
+            let level = b.iter().map(|b| b.norm()).fold(0.0, f64::max);
+            let worst = a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            assert!(worst < 1e-14 * level, "{place_m:?}: {worst:e} of {level:e}");
+        }
     }
     assert!(contacts(&with_ships(1.0, vec![ship(20.0, 6.0, [40.0, 0.0])])) != empty);
 }
@@ -146,8 +151,10 @@ fn short_waves_brighten_a_narrow_v() {
     let psi = |y_m: f64, k: [f64; 2]| water.short_wave_psi_m4([0.0, y_m], k, &poses);
     let on_rays = rays_m.map(|y_m| psi(y_m, k)).into_iter().fold(0.0, f64::max);
     assert!(on_rays > 1e-10);
-    // Fresnel width of 1.7 m: nothing 25 m aside; the mirrored wave on the other side; the same wave seen from behind.
-    assert!(psi(rays_m[1] + 25.0, k) < 1e-12 * on_rays && psi(-rays_m[1], k) < 1e-9 * on_rays);
+    // Fresnel width of 0.6 m: nothing 25 m aside; the mirrored wave on the other side; the same wave seen from behind.
+    assert_eq!(psi(rays_m[1] + 25.0, k), 0.0);
+    // On the other side run waves of (kx, -ky), whose negative is 2 kx = 3.1 rad/m from K, 1.8 deviations of a facet: exp(-1.6).
+    assert!(psi(-rays_m[1], k) < 0.3 * psi(rays_m[1], k));
     assert_eq!(psi(-rays_m[0], [k[0], -k[1]]), psi(rays_m[0], k));
     assert_eq!(psi(rays_m[0], [-k[0], -k[1]]), psi(rays_m[0], k));
     // Turning the whole scene by a right angle turns the V.
