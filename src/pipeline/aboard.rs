@@ -116,3 +116,40 @@ fn targets(ship: &Ship, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Targ
     }
     Ok(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Earth;
+    use crate::pulse::{Layout, SampleFormat};
+
+    /// On a curved earth the recorded velocity is the rate of the recorded position, up and down too.
+    #[test]
+    fn velocities_are_rates_of_positions() {
+        let frame = SceneFrame::plain(Earth::Curved { radius_factor: 1.0 });
+        let start = TimeTag::new(1_000_000, 0.25);
+        let course = Course::straight([40e3, -20e3], 2.0, 10.0);
+        let tracks = ShipTracks { frame, start, courses: vec![course] };
+        let mut pulse = Pulse::new(&Layout {
+            channels: 1,
+            samples: 1,
+            format: SampleFormat::Cf32,
+            platforms: 0,
+            phase_centres: 0,
+            targets: 0,
+            pairs: 0,
+            ships: 1,
+        });
+        let mut at = |time_s: f64| {
+            pulse.time = start.plus(time_s);
+            tracks.record(&mut pulse);
+            (pulse.ship_position_m[0], pulse.ship_velocity_mps[0], pulse.ship_heading_deg[0])
+        };
+        let ((before, ..), (_, velocity, heading_deg), (after, ..)) = (at(9.0), at(10.0), at(11.0));
+        for axis in 0..3 {
+            // A parabola: the difference is exact but for rounding of 40 km.
+            assert!((0.5 * (after[axis] - before[axis]) - velocity[axis]).abs() < 1e-9);
+        }
+        assert!(velocity[2] > 0.01 && (heading_deg - (450.0 - 2f64.to_degrees())).abs() < 1e-9);
+    }
+}

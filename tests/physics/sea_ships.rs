@@ -63,9 +63,10 @@ fn a_ship_without_way_changes_nothing() {
         let still = contacts(&with_ships(1.0, vec![ship(20.0, speed_mps, [12.0, 0.0])]));
         assert!(still == empty, "{speed_mps} m/s");
     }
-    // Nor does one that leaves the patch behind it, one whose wake has faded, and one that is yet to come by.
+    // Nor does one that is yet to come, one whose waves have faded (its strip is still there then), and one that passes far off.
     for place_m in [[-500.0, 0.0], [20.0 * 42.0, 0.0], [12.0, 2000.0]] {
-        let away = contacts(&with_ships(1.0, vec![ship(20.0, 6.0, place_m)]));
+        let turbulent = Some(TurbulentWake::default()).filter(|_| place_m[0] < 100.0);
+        let away = contacts(&with_ships(1.0, vec![Ship { turbulent, ..ship(20.0, 6.0, place_m) }]));
         assert_eq!(away.delay_s, empty.delay_s, "{place_m:?}");
         // Where ships have short waves other code asks for the spectrum: a rounding or two are left.
         for (a, b) in away.amplitude.iter().zip(&empty.amplitude) {

@@ -89,6 +89,7 @@ fn a_scene_with_nothing_but_samples() {
         transmitters: Vec::new(),
         receivers: Vec::new(),
         targets: Vec::new(),
+        ships: Vec::new(),
         config: String::new(),
         ..full
     };

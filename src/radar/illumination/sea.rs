@@ -249,6 +249,8 @@ impl SeaPlan {
         let sheet = self.sheet.clone()?;
         let mechanisms = self.scattering.mechanisms();
         let facets = self.patch.len();
+        let mut poses = Vec::new();
+        self.scattering.poses(0.0, &mut poses);
         Some(SeaWork {
             fields: sheet.fields(&self.patch),
             sheet,
@@ -258,7 +260,7 @@ impl SeaPlan {
                 mechanisms,
             },
             updates: self.updates.clone(),
-            poses: Vec::new(),
+            poses,
             chunk: Chunk::new(pairs, channels, mechanisms),
         })
     }
