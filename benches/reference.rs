@@ -86,6 +86,7 @@ fn receive(c: &mut Criterion) {
         phase_centres: 0,
         targets: 0,
         pairs: 0,
+        ships: 0,
     });
     let mut spectrum = vec![Complex64::ZERO; 4 * BINS];
     c.bench_function("receive_384_bins_4_channels_with_noise", |b| {

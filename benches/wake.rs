@@ -7,6 +7,7 @@ use std::path::Path;
 use criterion::{Criterion, criterion_group, criterion_main};
 use nereus::scene::Hull;
 use nereus::sea::wake::kochin::{Kochin, Transom};
+use nereus::sea::wake::{Course, Reach, Settings, ShortWaves};
 
 fn hull(c: &mut Criterion) {
     let mut group = c.benchmark_group("hull at 4.5 m/s");
@@ -32,5 +33,25 @@ fn hull(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, hull);
+fn short_waves(c: &mut Criterion) {
+    let mut group = c.benchmark_group("short waves, L band, facets of 1 m");
+    group.sample_size(20);
+    let path = format!("{}/hulls/dtmb5415.toml", env!("CARGO_MANIFEST_DIR"));
+    let hull = Hull::load(Path::new(&path)).unwrap().scaled_to_length(100.0).unwrap();
+    let kochin = Kochin::new(&hull, 9.0, Transom::Open).unwrap();
+    let settings = Settings::new(1.0, Reach::disc(0.0));
+    let course = Course::straight([0.0, 0.0], 0.0, 9.0);
+    let make = || ShortWaves::new(course, 100.0, &settings, 54.5, |t| kochin.amplitude_m(t)).unwrap();
+    group.bench_function("made", |b| b.iter(make));
+    let waves = make();
+    // 256 x 256 facets from 100 to 356 m astern, for a radar abeam: 38.5 rad/m to port.
+    group.bench_function("65536 facets", |b| {
+        b.iter(|| {
+            let place = |i: u32| [100.0 + f64::from(i % 256), f64::from(i / 256) - 128.0];
+            (0..65_536).map(|i| waves.psi_m4(black_box(place(i)), [0.0, 38.5])).sum::<f64>()
+        });
+    });
+}
+
+criterion_group!(benches, hull, short_waves);
 criterion_main!(benches);

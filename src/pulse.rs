@@ -38,6 +38,8 @@ pub struct Layout {
     pub targets: usize,
     /// Transmitter-receiver pairs in the truth record.
     pub pairs: usize,
+    /// Ships in the truth record.
+    pub ships: usize,
 }
 
 /// How a complex sample is held.
@@ -110,6 +112,12 @@ pub struct Pulse {
     pub target_delay_s: Vec<f64>,
     /// Truth: `[pair][target]` Doppler, Hz, positive when closing.
     pub target_doppler_hz: Vec<f64>,
+    /// Truth: midship at the waterline of each ship at the emission, ENU metres.
+    pub ship_position_m: Vec<[f64; 3]>,
+    /// Truth: velocity of each ship, ENU m/s.
+    pub ship_velocity_mps: Vec<[f64; 3]>,
+    /// Truth: heading of each ship, clockwise from the North of the scene, 0 to 360 degrees.
+    pub ship_heading_deg: Vec<f64>,
 }
 
 impl Pulse {
@@ -131,6 +139,9 @@ impl Pulse {
             phase_centre_m: vec![[0.0; 3]; layout.phase_centres],
             target_delay_s: vec![0.0; layout.targets * layout.pairs],
             target_doppler_hz: vec![0.0; layout.targets * layout.pairs],
+            ship_position_m: vec![[0.0; 3]; layout.ships],
+            ship_velocity_mps: vec![[0.0; 3]; layout.ships],
+            ship_heading_deg: vec![0.0; layout.ships],
         }
     }
 
@@ -151,6 +162,9 @@ impl Pulse {
         self.phase_centre_m.clone_from(&other.phase_centre_m);
         self.target_delay_s.clone_from(&other.target_delay_s);
         self.target_doppler_hz.clone_from(&other.target_doppler_hz);
+        self.ship_position_m.clone_from(&other.ship_position_m);
+        self.ship_velocity_mps.clone_from(&other.ship_velocity_mps);
+        self.ship_heading_deg.clone_from(&other.ship_heading_deg);
     }
 }
 
@@ -166,5 +180,6 @@ impl Layout {
             + 2 * self.platforms * std::mem::size_of::<PlatformRecord>()
             + self.phase_centres * 24
             + 16 * self.targets * self.pairs
+            + 56 * self.ships
     }
 }

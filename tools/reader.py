@@ -51,6 +51,16 @@ class Recording:
         names = ("position_m", "velocity_mps", "attitude_quat")
         return tuple(self[base + name][: self.pulses] for name in names)
 
+    def ships(self):
+        """Names of the ships whose tracks are in the truth record."""
+        raise NotImplementedError
+
+    def ship(self, name):
+        """True position, velocity, and heading (degrees clockwise from North) of a ship, per pulse."""
+        place = self.ships().index(name)
+        names = ("ship_position_m", "ship_velocity_mps", "ship_heading_deg")
+        return tuple(self["truth/" + column][: self.pulses, place] for column in names)
+
     def emission(self):
         """Emission times as (integer ns UTC, fraction of a ns)."""
         n = self.pulses
@@ -92,6 +102,9 @@ class Hdf5Recording(Recording):
     def __getitem__(self, column):
         return self.file[column]
 
+    def ships(self):
+        return [name.decode() for name in self.file["truth/ships"][:]] if "truth/ships" in self.file else []
+
     def close(self):
         self.file.close()
 
@@ -120,6 +133,9 @@ class PlainRecording(Recording):
             return np.zeros((0, *shape), dtype)
         file = os.path.join(self.path, column + ".bin")
         return np.memmap(file, dtype, "r", shape=(self.pulses, *shape))
+
+    def ships(self):
+        return self.meta.get("ships", [])
 
     def close(self):
         pass

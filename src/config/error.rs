@@ -283,6 +283,27 @@ pub enum Problem {
     /// Recorded tracks without a start time.
     #[error("is missing; required with a recorded track: a UTC time within the recording")]
     NeedsStart,
+    /// A log that cannot be used.
+    #[error("{error}")]
+    Log {
+        /// What is wrong with it.
+        error: String,
+    },
+    /// Positions of a log in a scene that lies nowhere.
+    #[error("positions of a log need scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
+    LogNeedsOrigin,
+    /// A log from which no ship sails.
+    #[error(
+        "no vessel is under way: of {vessels} in {log}, {why}; allowed: a start_utc within the log, or wider limits"
+    )]
+    NobodySails {
+        /// The log.
+        log: String,
+        /// Vessels looked at.
+        vessels: usize,
+        /// How many were left out why.
+        why: String,
+    },
     /// An override that leads nowhere.
     #[error("leads to nothing: {reason}")]
     Lost {

@@ -213,6 +213,7 @@ tables! {
         SWELL "swell", Sections(&swell::TABLE), Means("none"), "Swell trains, with [sea].";
         SLICK "slick", Sections(&slick::TABLE), Means("none"), "Films on the water, with [sea].";
         SHIP "ship", Sections(&ship::TABLE), Means("none"), "Ships under way, with [sea].";
+        AIS "ais", Sections(&ais::TABLE), Means("none"), "Ships of a recorded AIS log, with [sea].";
         TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";
         TARGET_GRID "target_grid", Sections(&target_grid::TABLE), Means("none"), "Fields of equal point targets.";
         FIDELITY "fidelity", Section(&fidelity::TABLE), Means("all defaults"), "Speed against accuracy.";
@@ -441,8 +442,22 @@ tables! {
         SPEED_MPS "speed_mps", number("m/s", 0.0, 100.0), Required, "Speed through the water.";
         WAKE "wake", Kind::Flag, Flag(true), "Whether it raises waves.";
         BAND_LIMIT_RADPM "band_limit_radpm", above("rad/m", 0.0, 1e6), Means("0.7 pi / facet_m"), "With wake: wave number above which its waves are left out.";
+        WAKE_BRAGG "wake_bragg", Kind::Flag, Means("true below a carrier of 6 GHz"), "With wake: whether its waves above the band limit scatter by Bragg within facets, in a narrow V about its track.";
         TURBULENT "turbulent", Switched(&turbulent::TABLE), Flag(true), "Its turbulent wake, in which small waves are damped.";
         ECHO "echo", Kind::Flag, Flag(false), "Whether the scatterers of its hull's file return an echo.";
+    }
+    ais "[[ais]]" "Ships of a recorded AIS log, named mmsi-<number>: each sails straight on with the course and speed of its report nearest to the start. A log is a CSV with the columns Time (UTC), MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots, and if it has them Length_metres, Beam_metres, Draught_metres. Needs an origin." {
+        LOG "log", File, Required, "The log.";
+        MMSI "mmsi", Kind::Numbers { unit: "", least: 1, most: 1000, min: 0.0, max: 999_999_999.0 }, Means("all vessels"), "Only these vessels; all of them must be in the log.";
+        START_UTC "start_utc", Time, Means("scene.start_utc"), "Instant of the log at which pulse 0 is emitted.";
+        HULL "hull", FileOr("wigley"), Means("\"wigley\""), "Hull of all of them, as in [[ship]].";
+        LENGTH_M "length_m", number("m", 0.05, 1000.0), default(60.0), "Length of ships for which the log has none. Beam and draught of a Wigley hull are those of the log, or 0.134 and 0.043 of the length, as those of DTMB 5415.";
+        MOST_AGE_S "most_age_s", number("s", 0.0, 1e6), default(180.0), "Vessels without a report so near to the start are left out.";
+        LEAST_SPEED_MPS "least_speed_mps", number("m/s", 0.0, 100.0), default(0.5), "Slower vessels are left out: a ship at anchor raises no waves.";
+        WITHIN_M "within_m", above("m", 0.0, FAR_M), default(20_000.0), "Vessels further from the origin at the start are left out.";
+        WAKE "wake", Kind::Flag, Flag(true), "As in [[ship]].";
+        WAKE_BRAGG "wake_bragg", Kind::Flag, Means("true below a carrier of 6 GHz"), "As in [[ship]].";
+        TURBULENT "turbulent", Switched(&turbulent::TABLE), Flag(true), "As in [[ship]].";
     }
     turbulent "[ship.turbulent]" "The dark V behind a ship: width 4 B (x / 4 L)^(1/a) at a distance x from the stern, with length L and beam B." {
         SPREAD_EXPONENT "spread_exponent", number("", 4.0, 5.0), default(5.0), "Exponent a of the width.";

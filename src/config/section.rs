@@ -192,6 +192,15 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// A flag whose absence means what others say; `None` when faulty.
+    pub(super) fn flag_or(&self, key: &'static Key, absent: bool) -> Option<bool> {
+        if self.has(key) {
+            return self.flag(key);
+        }
+        self.ask(key);
+        Some(absent)
+    }
+
     /// One of the words of the key; `None` when absent or faulty.
     pub(super) fn choice(&self, key: &'static Key) -> Option<&'static str> {
         let chosen = match (self.ask(key), &key.absent, &key.kind) {

@@ -11,6 +11,7 @@ use crate::frames::{Geodetic, SceneFrame};
 use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
+mod ais;
 mod sea;
 mod ship;
 
@@ -65,6 +66,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     ];
     let mut seas = sea::variants();
     seas.extend(ship::variants());
+    seas.extend(ais::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides)).asked);

@@ -120,7 +120,7 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
 
 /// The line of a record. The reader gives the place where it began to look, which is before the comments
 /// and empty lines that it passed over.
-fn line_of(bytes: &[u8], record: &ByteRecord) -> u64 {
+pub(super) fn line_of(bytes: &[u8], record: &ByteRecord) -> u64 {
     let Some(position) = record.position() else { return 1 };
     let mut line = position.line();
     let mut at = (position.byte() as usize).min(bytes.len());
@@ -256,7 +256,7 @@ impl Layout {
             }
         };
         let time = match self.time {
-            Time::Iso(index) => read_iso(&record[index]),
+            Time::Iso(index) => read_iso(&record[index], "time_utc"),
             Time::Unix(index) => read_unix(&record[index]),
         };
         let time = time.map_err(|kind| faults.push(line, kind)).ok();
@@ -264,7 +264,11 @@ impl Layout {
     }
 }
 
-fn read_number(field: &[u8], column: &'static str, (min, max): (f64, f64)) -> Result<f64, FaultKind> {
+pub(super) fn read_number(
+    field: &[u8],
+    column: &'static str,
+    (min, max): (f64, f64),
+) -> Result<f64, FaultKind> {
     let parsed = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok());
     match parsed {
         Some(value) if (min..=max).contains(&value) => Ok(value),
@@ -273,9 +277,8 @@ fn read_number(field: &[u8], column: &'static str, (min, max): (f64, f64)) -> Re
     }
 }
 
-fn read_iso(field: &[u8]) -> Result<TimeTag, FaultKind> {
-    let bad =
-        || FaultKind::NotATime { column: "time_utc", text: quote(field), example: "2018-05-30T18:40:00.25Z" };
+pub(super) fn read_iso(field: &[u8], column: &'static str) -> Result<TimeTag, FaultKind> {
+    let bad = || FaultKind::NotATime { column, text: quote(field), example: "2018-05-30T18:40:00.25Z" };
     // The shape is checked here, so that a zone such as +02:00 is refused and not passed over.
     let shape = b"dddd-dd-ddTdd:dd:dd";
     let well_formed = field.len() >= shape.len()

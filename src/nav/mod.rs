@@ -3,8 +3,9 @@
 //! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in
 //! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
 //! Formats: [`csv`] (documented columns) and [`nmea`] (NMEA 0183 logs). What becomes of the fixes is the
-//! business of `motion::track`.
+//! business of `motion::track`. Reports of other vessels are read by [`ais`].
 
+pub mod ais;
 pub mod csv;
 pub mod faults;
 pub mod nmea;

@@ -24,6 +24,7 @@
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -100,15 +101,20 @@ impl fmt::Display for LoadReport {
 /// back with times strictly increasing and no gap longer than `max_gap_s`; positions on Earth have
 /// heights above the WGS-84 ellipsoid, whatever the datum of the file.
 pub fn load(source: &FileSource) -> Result<Recording, NavError> {
-    let read_error = |error| NavError::Read { path: source.path.clone(), source: error };
-    let file = File::open(&source.path).map_err(read_error)?;
+    parse(&read_bytes(&source.path)?, source)
+}
+
+/// The bytes of a file.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
+    let read_error = |error| NavError::Read { path: path.to_owned(), source: error };
+    let file = File::open(path).map_err(read_error)?;
     let mut bytes = Vec::new();
     // One byte past the bound tells a file at the bound from one beyond it.
     file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(read_error)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(NavError::TooLarge { path: source.path.clone(), allowed_bytes: MAX_FILE_BYTES });
+        return Err(NavError::TooLarge { path: path.to_owned(), allowed_bytes: MAX_FILE_BYTES });
     }
-    parse(&bytes, source)
+    Ok(bytes)
 }
 
 /// Reads fixes from the bytes of a file (its path is used in messages only).

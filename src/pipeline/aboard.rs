@@ -18,8 +18,11 @@
 use std::borrow::Cow;
 
 use crate::frames::{Body, Enu, Point, SceneFrame, Vector};
+use crate::pulse::Pulse;
 use crate::scene::{Scene, Ship, Target};
 use crate::sea::fleet::{self, FleetError, FleetErrors, ShipError};
+use crate::sea::wake::Course;
+use crate::time::TimeTag;
 
 /// Where a ship is at pulse 0, and how it sails.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +42,39 @@ pub fn place(frame: &SceneFrame, ship: &Scatters, point: Point<Body>) -> Point<E
     let x_m = ship.position_m[0] + forward_m * cos + starboard_m * sin;
     let y_m = ship.position_m[1] + forward_m * sin - starboard_m * cos;
     frame.above_sea(x_m, y_m, -down_m)
+}
+
+/// Where the ships of a scene sail: the truth that a recording has of them.
+#[derive(Clone, Debug)]
+pub struct ShipTracks {
+    frame: SceneFrame,
+    start: TimeTag,
+    courses: Vec<Course>,
+}
+
+impl ShipTracks {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let courses = scene.ships.iter().map(fleet::course).collect();
+        Self { frame: scene.frame, start: scene.start, courses }
+    }
+
+    /// Writes position, velocity and heading of every ship at the emission of a pulse into its record.
+    pub fn record(&self, pulse: &mut Pulse) {
+        let time_s = pulse.time.since(self.start);
+        let slots = pulse.ship_position_m.iter_mut().zip(&mut pulse.ship_velocity_mps);
+        let slots = slots.zip(&mut pulse.ship_heading_deg);
+        for (course, ((position_m, velocity_mps), heading_deg)) in self.courses.iter().zip(slots) {
+            let pose = course.pose(time_s);
+            let [x_m, y_m] = pose.position_m;
+            let [vx, vy] = pose.ahead.map(|component| component * course.speed_mps);
+            // On a curved earth the sea falls away beneath the ship.
+            let fall = self.frame.earth().drop_slope(x_m, y_m);
+            *position_m = self.frame.above_sea(x_m, y_m, 0.0).to_array();
+            *velocity_mps = [vx, vy, -(fall[0] * vx + fall[1] * vy)];
+            *heading_deg = (90.0 - course.heading_rad(time_s).to_degrees()).rem_euclid(360.0);
+        }
+    }
 }
 
 /// The scene with the scatterers of its ships among its targets, and no ship that echoes by itself any more.
@@ -79,4 +115,41 @@ fn targets(ship: &Ship, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Targ
         });
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Earth;
+    use crate::pulse::{Layout, SampleFormat};
+
+    /// On a curved earth the recorded velocity is the rate of the recorded position, up and down too.
+    #[test]
+    fn velocities_are_rates_of_positions() {
+        let frame = SceneFrame::plain(Earth::Curved { radius_factor: 1.0 });
+        let start = TimeTag::new(1_000_000, 0.25);
+        let course = Course::straight([40e3, -20e3], 2.0, 10.0);
+        let tracks = ShipTracks { frame, start, courses: vec![course] };
+        let mut pulse = Pulse::new(&Layout {
+            channels: 1,
+            samples: 1,
+            format: SampleFormat::Cf32,
+            platforms: 0,
+            phase_centres: 0,
+            targets: 0,
+            pairs: 0,
+            ships: 1,
+        });
+        let mut at = |time_s: f64| {
+            pulse.time = start.plus(time_s);
+            tracks.record(&mut pulse);
+            (pulse.ship_position_m[0], pulse.ship_velocity_mps[0], pulse.ship_heading_deg[0])
+        };
+        let ((before, ..), (_, velocity, heading_deg), (after, ..)) = (at(9.0), at(10.0), at(11.0));
+        for axis in 0..3 {
+            // A parabola: the difference is exact but for rounding of 40 km.
+            assert!((0.5 * (after[axis] - before[axis]) - velocity[axis]).abs() < 1e-9);
+        }
+        assert!(velocity[2] > 0.01 && (heading_deg - (450.0 - 2f64.to_degrees())).abs() < 1e-9);
+    }
 }

@@ -27,8 +27,8 @@ use crate::frames::SceneFrame;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
-use crate::pulse::Pulse;
 use crate::pulse::costs::Costs;
+use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
@@ -45,7 +45,7 @@ use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
-use super::aboard;
+use super::aboard::{self, ShipTracks};
 use super::block::{BlockEcho, block_pulses};
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
@@ -264,8 +264,10 @@ pub fn factory_of(
         }
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
-    let layout = scene.radar.layout(scene.platforms.len(), scene.targets.len());
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout })
+    let ships = ShipTracks::of(scene);
+    let layout =
+        Layout { ships: scene.ships.len(), ..scene.radar.layout(scene.platforms.len(), scene.targets.len()) };
+    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships })
 }
 
 /// A run that is ready to start.
@@ -423,6 +425,7 @@ fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule)
         transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
         targets: scene.targets.iter().map(|t| t.name.clone()).collect(),
+        ships: scene.ships.iter().map(|s| s.name.clone()).collect(),
         layout: *factory.layout(),
         adc: radar.adc.map(|adc| AdcRow { bits: adc.bits, step: adc.step() }),
         start: scene.start,

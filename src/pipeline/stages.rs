@@ -13,6 +13,7 @@ use std::sync::Arc;
 use num_complex::{Complex32, Complex64};
 use thiserror::Error;
 
+use super::aboard::ShipTracks;
 use super::block::{BlockEcho, BlockWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::SynthError;
@@ -34,6 +35,7 @@ pub struct PulseFactory {
     pub(super) receiver: Receiver,
     pub(super) waveform: Arc<dyn Waveform>,
     pub(super) layout: Layout,
+    pub(super) ships: ShipTracks,
 }
 
 /// Why a pulse cannot be made.
@@ -178,6 +180,7 @@ impl PulseFactory {
             // A workspace of another factory.
             (Echo::Fast(_), None) => spectrum.fill(Complex64::ZERO),
         }
+        self.ships.record(pulse);
         self.receiver.receive(spectrum, pulse, receiver);
         illumination.costs.lap(Stage::Receive);
         illumination.costs.made();

@@ -106,6 +106,21 @@ impl Facets<'_> {
         phases: Phases,
         out: [&mut [Complex64]; 4],
     ) -> Result<(), LengthError> {
+        self.scatter_beside(sea, phases, |_, _, _| 0.0, out)
+    }
+
+    /// The same with waves beside those of the wind: `beside(i, kx, ky)` is their symmetrised spectrum on facet `i`, m^4, at a wave vector
+    /// on the axes of the medium.
+    ///
+    /// # Errors
+    /// An array whose length does not fit the number of facets.
+    pub fn scatter_beside<K: Kind, F: Fn(f64, f64) -> f64>(
+        &self,
+        sea: &TwoScale<K, F>,
+        phases: Phases,
+        beside: impl Fn(usize, f64, f64) -> f64,
+        out: [&mut [Complex64]; 4],
+    ) -> Result<(), LengthError> {
         let mechanisms = 1 + sea.tilts();
         self.check(mechanisms, &out)?;
         let [vv, vh, hv, hh] = out;
@@ -117,11 +132,15 @@ impl Facets<'_> {
             let root = area_m2.sqrt();
             let mut matrix = NO_ECHO;
             match phases {
-                Phases::PolCoherent => sea.visit(&path, slopes, cover, |mechanism, part| {
-                    add(&mut matrix, part, phasors[mechanism]);
-                }),
+                Phases::PolCoherent => {
+                    let beside = |kx: f64, ky: f64| beside(i, kx, ky);
+                    sea.visit_beside(&path, slopes, cover, beside, |mechanism, part| {
+                        add(&mut matrix, part, phasors[mechanism]);
+                    });
+                }
                 Phases::Single => {
-                    let sigma0 = sea.response(&path, slopes, cover).sigma0();
+                    let beside = |kx: f64, ky: f64| beside(i, kx, ky);
+                    let sigma0 = sea.response_beside(&path, slopes, cover, beside).sigma0();
                     matrix = sigma0.map(|row| row.map(|s| phasors[0] * s.sqrt()));
                 }
             }

@@ -282,6 +282,12 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
     /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`, m^4.
     #[inline]
     pub fn bragg_spectrum(&self, kx: f64, ky: f64, cover: f64) -> f64 {
+        self.raised_spectrum(kx, ky, cover, |_, _| 0.0)
+    }
+
+    /// The same with waves beside those of the wind, of a spectrum of their own, m^4; the kind damps both.
+    #[inline]
+    fn raised_spectrum(&self, kx: f64, ky: f64, cover: f64, beside: impl Fn(f64, f64) -> f64) -> f64 {
         let magnitude = (kx * kx + ky * ky).sqrt();
         let pass = match self.cut_radpm {
             Some(cut) => high_pass(magnitude, cut),
@@ -292,13 +298,24 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         }
         let damped =
             if cover == 0.0 { 1.0 } else { 1.0 + cover * (self.kind.spectrum_factor(magnitude) - 1.0) };
-        (self.psi)(kx, ky) * pass * damped
+        ((self.psi)(kx, ky) + beside(kx, ky)) * pass * damped
     }
 
     /// What a facet with the given slopes of the height map returns, covered by the kind to `cover` (0 to 1).
     pub fn response(&self, path: &Path, slopes: (f64, f64), cover: f64) -> Response {
+        self.response_beside(path, slopes, cover, |_, _| 0.0)
+    }
+
+    /// [`Self::response`] with waves beside those of the wind, as [`Self::visit_beside`] has them.
+    pub fn response_beside(
+        &self,
+        path: &Path,
+        slopes: (f64, f64),
+        cover: f64,
+        beside: impl Fn(f64, f64) -> f64,
+    ) -> Response {
         let mut response = Response { tilts: self.tilts(), ..Response::NONE };
-        self.visit(path, slopes, cover, |mechanism, matrix| match mechanism {
+        self.visit_beside(path, slopes, cover, beside, |mechanism, matrix| match mechanism {
             0 => response.specular = *matrix,
             tilt => response.bragg[tilt - 1] = *matrix,
         });
@@ -313,6 +330,20 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         path: &Path,
         slopes: (f64, f64),
         cover: f64,
+        each: impl FnMut(usize, &ScatterMatrix),
+    ) {
+        self.visit_beside(path, slopes, cover, |_, _| 0.0, each);
+    }
+
+    /// [`Self::visit`] with waves beside those of the wind that scatter by Bragg: their symmetrised spectrum at a wave vector on the
+    /// local axes, m^4.
+    #[inline]
+    pub fn visit_beside(
+        &self,
+        path: &Path,
+        slopes: (f64, f64),
+        cover: f64,
+        beside: impl Fn(f64, f64) -> f64,
         mut each: impl FnMut(usize, &ScatterMatrix),
     ) {
         let axis = self.medium.axis;
@@ -330,7 +361,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         }
         let bragg = |plane: &Tangent| {
             spm::amplitude(eps, self.wavenumber_radpm, plane, path, |kx, ky| {
-                self.bragg_spectrum(kx, ky, cover)
+                self.raised_spectrum(kx, ky, cover, &beside)
             })
         };
         if !self.averages_tilts() {

@@ -4,6 +4,9 @@
 //! facet belongs to the slick or strip that covers most of its centre (the first of equals), to the share it
 //! covers; where none does, it is clean.
 //!
+//! Beside the waves of the wind those of ships may scatter that the map leaves out
+//! ([`short_waves`](crate::sea::wake::short_waves)): where the facet is, which way its Bragg wave runs, decides.
+//!
 //! Spectrum, slope variances and the local axes of facets are counted from the direction the wind blows
 //! towards, so that turning scene, wind and radar together changes nothing.
 //!
@@ -64,6 +67,7 @@ use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
 use crate::sea::fleet::Strip;
 use crate::sea::spectrum::{Spectrum, SpectrumError, WaveVector, of_kind};
+use crate::sea::wake::ShortWaves;
 use crate::sea::wake::course::Pose;
 use crate::sea::wind::{Wind, WindError};
 
@@ -112,6 +116,15 @@ trait Batch: Send + Sync {
     fn bragg_table(&self) -> BraggTable;
     fn lane_kind(&self, table: &BraggTable) -> LaneKind;
     fn lane_tilts(&self) -> Vec<[f32; 3]>;
+
+    /// With waves beside those of the wind: facet, wave vector on the axes of the wind.
+    fn scatter_beside(
+        &self,
+        facets: &Facets,
+        phases: Phases,
+        beside: &dyn Fn(usize, f64, f64) -> f64,
+        out: [&mut [Complex64]; 4],
+    ) -> Result<(), LengthError>;
 }
 
 impl<K: Kind + Send + Sync, F: Fn(f64, f64) -> f64 + Send + Sync> Batch for TwoScale<K, F> {
@@ -135,6 +148,16 @@ impl<K: Kind + Send + Sync, F: Fn(f64, f64) -> f64 + Send + Sync> Batch for TwoS
     fn lane_tilts(&self) -> Vec<[f32; 3]> {
         TwoScale::lane_tilts(self)
     }
+
+    fn scatter_beside(
+        &self,
+        facets: &Facets,
+        phases: Phases,
+        beside: &dyn Fn(usize, f64, f64) -> f64,
+        out: [&mut [Complex64]; 4],
+    ) -> Result<(), LengthError> {
+        facets.scatter_beside(self, phases, beside, out)
+    }
 }
 
 /// Every kind of water of a scene.
@@ -144,6 +167,10 @@ pub struct WaterScattering {
     regions: Vec<(SlickRegion, [[f64; 2]; 2])>,
     /// Strips of the kinds after these.
     strips: Vec<Strip>,
+    /// Ships whose short waves scatter beside those of the wind.
+    short_waves: Vec<ShortWaves>,
+    /// Direction the wind blows towards.
+    downwind: [f64; 2],
     phases: Phases,
     speckle: Speckle,
     seed: u64,
@@ -273,6 +300,8 @@ impl WaterScattering {
             kinds,
             regions,
             strips: strips.to_vec(),
+            short_waves: Vec::new(),
+            downwind: [cos, sin],
             phases: settings.phases,
             speckle,
             seed: sight.seed,
@@ -299,6 +328,11 @@ impl WaterScattering {
             kinds: self.kinds.iter().map(|kind| kind.lane_kind(&table)).collect(),
             table: Arc::new(table),
         }
+    }
+
+    /// The same beside the short waves of ships ([`short_waves`](crate::sea::wake::short_waves)): [`Self::scatter_at`] has them.
+    pub fn with_short_waves(self, short_waves: Vec<ShortWaves>) -> Self {
+        Self { short_waves, ..self }
     }
 
     /// Kinds of surface, the clean one included.
@@ -336,10 +370,23 @@ impl WaterScattering {
         self.speckle != Speckle::Frozen
     }
 
-    /// Where the ships of the strips are, `t_s` after pulse 0: for [`Self::kind_at`].
+    /// Where the ships of the strips and those of the short waves are, `t_s` after pulse 0: for [`Self::kind_at`] and
+    /// [`Self::scatter_at`].
     pub fn poses(&self, t_s: f64, out: &mut Vec<Pose>) {
         out.clear();
         out.extend(self.strips.iter().map(|strip| strip.course.pose(t_s)));
+        out.extend(self.short_waves.iter().map(|waves| waves.course().pose(t_s)));
+    }
+
+    /// Symmetrised spectrum of the short waves of all ships at a place, for a wave vector East and North, with ships at these poses,
+    /// m^4. Ships' spectra add: their waves have no phase in common that lasts.
+    pub fn short_wave_psi_m4(&self, place_m: [f64; 2], [kx, ky]: [f64; 2], poses: &[Pose]) -> f64 {
+        let poses = poses.get(self.strips.len()..).unwrap_or(&[]);
+        let of_ship = |(waves, pose): (&ShortWaves, &Pose)| {
+            let [cos, sin] = pose.ahead;
+            waves.psi_m4(pose.astern_starboard_m(place_m), [kx * cos + ky * sin, ky * cos - kx * sin])
+        };
+        self.short_waves.iter().zip(poses).map(of_ship).sum()
     }
 
     /// Kind of the facet centred on a place, and the share of it that the kind covers, with ships at these poses.
@@ -397,5 +444,28 @@ impl WaterScattering {
         out: [&mut [Complex64]; 4],
     ) -> Result<(), LengthError> {
         self.kinds[kind].scatter(facets, self.phases, out)
+    }
+
+    /// The same at places, with the short waves of ships at these poses.
+    ///
+    /// # Errors
+    /// An array whose length does not fit the number of facets.
+    pub fn scatter_at(
+        &self,
+        kind: usize,
+        facets: &Facets,
+        place_m: impl Fn(usize) -> [f64; 2],
+        poses: &[Pose],
+        out: [&mut [Complex64]; 4],
+    ) -> Result<(), LengthError> {
+        if self.short_waves.is_empty() {
+            return self.scatter(kind, facets, out);
+        }
+        let [cos, sin] = self.downwind;
+        let beside = |i: usize, along: f64, across: f64| {
+            let k = [cos * along - sin * across, sin * along + cos * across];
+            self.short_wave_psi_m4(place_m(i), k, poses)
+        };
+        self.kinds[kind].scatter_beside(facets, self.phases, &beside, out)
     }
 }

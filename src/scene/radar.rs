@@ -58,7 +58,7 @@ impl Radar {
         pairs
     }
 
-    /// The sizes of a pulse of this radar in a scene with so many platforms and targets.
+    /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships.
     pub fn layout(&self, platforms: usize, targets: usize) -> Layout {
         Layout {
             channels: self.channels.len(),
@@ -68,6 +68,7 @@ impl Radar {
             phase_centres: self.transmitters.len() + self.receivers.len(),
             targets,
             pairs: self.pairs().len(),
+            ships: 0,
         }
     }
 }

@@ -44,6 +44,8 @@ pub enum HullGiven {
 pub struct KelvinWake {
     /// Wave number at which waves are cut off, rad/m; `None` for `0.7 pi / facet`.
     pub band_limit_radpm: Option<f64>,
+    /// Whether what is cut off scatters by Bragg within facets.
+    pub short_waves: bool,
 }
 
 /// The dark V behind a ship: width `4 B (x / (4 L))^(1/a)`, `x` from the stern.

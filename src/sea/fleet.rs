@@ -34,9 +34,9 @@ use super::sheet::Wakes;
 use super::surface::{Fields, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
 use super::wake::map;
-use super::wake::{Course, Reach, Settings, TurbulentStrip, Wake, WakeError};
+use super::wake::{Course, Reach, Settings, ShortWaves, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError};
-use crate::scene::ship::HullGiven;
+use crate::scene::ship::{HullGiven, KelvinWake};
 use crate::scene::{Patch, Ship};
 
 /// Distances astern of midship, in lengths of the ship, over which its waves fade: real ones are lost among others and in
@@ -119,6 +119,32 @@ pub fn hull(ship: &Ship) -> Result<Hull, ShipError> {
 /// The course of a ship.
 pub fn course(ship: &Ship) -> Course {
     Course::straight(ship.position_m, ship.heading_rad, ship.speed_mps)
+}
+
+/// The short waves of the ships that are asked for theirs, on facets of a side, for wave vectors up to a wave number.
+///
+/// # Errors
+/// The first ship that cannot sail.
+pub fn short_waves(ships: &[Ship], facet_m: f64, shortest_radpm: f64) -> Result<Vec<ShortWaves>, FleetError> {
+    let of_ship = |ship: &Ship, kelvin: &KelvinWake| -> Result<ShortWaves, ShipError> {
+        let (hull, course) = (hull(ship)?, course(ship));
+        let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
+        let settings = Settings {
+            cutoff_rad_m: kelvin.band_limit_radpm,
+            fade_m: Some(FADE_LENGTHS.map(|lengths| lengths * hull.length_m())),
+            ..Settings::new(facet_m, Reach::disc(0.0))
+        };
+        Ok(ShortWaves::new(course, hull.length_m(), &settings, shortest_radpm, |t| kochin.amplitude_m(t))?)
+    };
+    let mut found = Vec::new();
+    for ship in ships {
+        if let Some(kelvin) = ship.kelvin.as_ref().filter(|kelvin| kelvin.short_waves) {
+            let waves =
+                of_ship(ship, kelvin).map_err(|source| FleetError { ship: ship.name.clone(), source })?;
+            found.extend(Some(waves).filter(|waves| !waves.is_empty()));
+        }
+    }
+    Ok(found)
 }
 
 impl Fleet {

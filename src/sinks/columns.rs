@@ -11,6 +11,8 @@
 //! | `nav/<platform>/{true,reported}/attitude_quat` | f64 | body to ENU `[4]`, scalar first |
 //! | `nav/<antenna>/phase_centre_m` | f64 | ENU `[3]` |
 //! | `truth/delay_s`, `truth/doppler_hz` | f64 | `[pair, target]`; only when there are targets |
+//! | `truth/ship_position_m`, `truth/ship_velocity_mps` | f64 | ENU `[ship, 3]`, midship at the waterline; only when there are ships |
+//! | `truth/ship_heading_deg` | f64 | `[ship]`, clockwise from the North of the scene |
 //! | `pulse/index` | u64 | always last: it is written after all others |
 
 use bytemuck::cast_slice;
@@ -88,6 +90,9 @@ enum From {
     PhaseCentre(usize),
     Delay,
     Doppler,
+    ShipPosition,
+    ShipVelocity,
+    ShipHeading,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,6 +141,12 @@ pub fn columns(header: &Header) -> Vec<Column> {
         let shape = [layout.pairs, layout.targets];
         add("truth/delay_s".to_owned(), Element::F64, &shape, From::Delay);
         add("truth/doppler_hz".to_owned(), Element::F64, &shape, From::Doppler);
+    }
+    if layout.ships > 0 {
+        let each = [layout.ships, 3];
+        add("truth/ship_position_m".to_owned(), Element::F64, &each, From::ShipPosition);
+        add("truth/ship_velocity_mps".to_owned(), Element::F64, &each, From::ShipVelocity);
+        add("truth/ship_heading_deg".to_owned(), Element::F64, &[layout.ships], From::ShipHeading);
     }
     add(INDEX.to_owned(), Element::U64, &[], From::Index);
     list
@@ -290,6 +301,9 @@ impl From {
             Self::PhaseCentre(a) => pulse.phase_centre_m.get(a).map_or(&[], |c| c),
             Self::Delay => &pulse.target_delay_s,
             Self::Doppler => &pulse.target_doppler_hz,
+            Self::ShipPosition => pulse.ship_position_m.as_flattened(),
+            Self::ShipVelocity => pulse.ship_velocity_mps.as_flattened(),
+            Self::ShipHeading => &pulse.ship_heading_deg,
             _ => &[],
         }
     }

@@ -197,6 +197,7 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         "transmitters": header.transmitters,
         "receivers": header.receivers,
         "targets": header.targets,
+        "ships": header.ships,
         "adc_bits": header.adc.map(|a| a.bits),
         "adc_step": header.adc.map(|a| a.step),
         "start_time_ns": start_ns,

@@ -123,6 +123,8 @@ pub struct Header {
     pub receivers: Vec<String>,
     /// Targets, in the order of the truth record.
     pub targets: Vec<String>,
+    /// Ships, in the order of the truth record.
+    pub ships: Vec<String>,
     /// Sizes of every pulse.
     pub layout: Layout,
     /// The converter, when samples are its codes.
@@ -247,6 +249,7 @@ impl Header {
             ),
             ("targets", self.targets.len(), self.layout.targets),
             ("pairs", self.pairs.len(), self.layout.pairs),
+            ("ships", self.ships.len(), self.layout.ships),
         ];
         for (field, names, slots) in sizes {
             if names != slots {
@@ -280,7 +283,7 @@ impl Header {
                 }
             }
         }
-        let texts = [&self.config, &self.software].into_iter().chain(&self.targets);
+        let texts = [&self.config, &self.software].into_iter().chain(&self.targets).chain(&self.ships);
         for text in texts.chain(self.channels.iter().flat_map(|c| [&c.name, &c.polarisations])) {
             if text.contains('\0') {
                 return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
@@ -308,6 +311,7 @@ impl Header {
             ("transmitters", self.transmitters == other.transmitters),
             ("receivers", self.receivers == other.receivers),
             ("truth/targets", self.targets == other.targets),
+            ("truth/ships", self.ships == other.ships),
             ("layout", self.layout == other.layout),
             ("adc", self.adc == other.adc),
             ("start time", self.start == other.start),

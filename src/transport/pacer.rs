@@ -338,6 +338,7 @@ mod tests {
         phase_centres: 0,
         targets: 0,
         pairs: 0,
+        ships: 0,
     };
 
     /// A pacer whose ring already holds pulses with these indices, and its health.

@@ -1,7 +1,6 @@
 //! The built program: exit codes, what goes to which stream, texts.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
-mod ais_tool;
 mod bench;
 mod inspection;
 #[cfg(feature = "hdf5")]

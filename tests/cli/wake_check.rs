@@ -124,6 +124,23 @@ fn scatterers_of_a_hull_sail_with_it_as_targets() {
         (samples.collect::<Vec<f32>>(), fs::read_to_string(path(out).join("meta.json")).unwrap())
     };
     let (silent, silent_meta) = run("silent", "ship.0.echo=false");
+    let truth = |column: &str| -> Vec<f64> {
+        let bytes = fs::read(path("silent").join(format!("truth/{column}.bin"))).unwrap();
+        bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
+    };
+    // Pulses 5 and 6 of a PRF of 222 Hz; midship on the sea, 4.5 m/s to the North.
+    let north_m = [5.0, 6.0].map(|pulse| 30.0 + 4.5 * pulse / 222.0);
+    for (found, wanted) in
+        truth("ship_position_m").iter().zip([-20.0, north_m[0], 0.0, -20.0, north_m[1], 0.0])
+    {
+        assert!((found - wanted).abs() < 1e-3, "{found} {wanted}");
+    }
+    let [vx, vy, vz, ..] = truth("ship_velocity_mps")[..] else { panic!("no velocity") };
+    assert!(vx.abs() < 1e-12 && (vy - 4.5).abs() < 1e-12 && vz.abs() < 1e-4);
+    assert_eq!(truth("ship_heading_deg").len(), 2);
+    assert!(truth("ship_heading_deg").iter().all(|heading| heading.abs() < 1e-9));
+    let meta: serde_json::Value = serde_json::from_str(&silent_meta).unwrap();
+    assert_eq!(meta["ships"], serde_json::json!(["dtmb5415"]));
     let (aboard, aboard_meta) = run("aboard", "ship.0.echo=true");
     let target = "target=[{ position_m = [-17, 35, 12], velocity_mps = [0, 4.5, 0], rcs_m2 = 100 }]";
     let (beside, _) = run("beside", target);

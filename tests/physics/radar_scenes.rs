@@ -128,6 +128,7 @@ pub fn buffers(scene: &Scene) -> (Contacts, Pulse) {
         phase_centres: scene.radar.transmitters.len() + scene.radar.receivers.len(),
         targets: scene.targets.len(),
         pairs,
+        ships: 0,
     };
     (Contacts::new(pairs, layout.channels, 64), Pulse::new(&layout))
 }

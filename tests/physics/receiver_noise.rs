@@ -32,7 +32,16 @@ pub fn radar(window_samples: usize, noise_figure_db: Option<f64>, adc: Option<Ad
 }
 
 pub fn slot(channels: usize, samples: usize, format: SampleFormat) -> Pulse {
-    Pulse::new(&Layout { channels, samples, format, platforms: 0, phase_centres: 0, targets: 0, pairs: 0 })
+    Pulse::new(&Layout {
+        channels,
+        samples,
+        format,
+        platforms: 0,
+        phase_centres: 0,
+        targets: 0,
+        pairs: 0,
+        ships: 0,
+    })
 }
 
 pub fn cf32(pulse: &Pulse) -> &[Complex32] {

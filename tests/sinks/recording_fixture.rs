@@ -34,6 +34,7 @@ pub fn header(format: SampleFormat) -> Header {
         transmitters: vec!["mast".to_owned()],
         receivers: vec!["pod".to_owned()],
         targets: vec!["buoy".to_owned(), "ship".to_owned(), "rock".to_owned()],
+        ships: vec!["tug".to_owned(), "tow".to_owned()],
         layout: Layout {
             channels: 2,
             samples: 50,
@@ -42,6 +43,7 @@ pub fn header(format: SampleFormat) -> Header {
             phase_centres: 2,
             targets: 3,
             pairs: 1,
+            ships: 2,
         },
         adc: (format == SampleFormat::Ci16).then_some(AdcRow { bits: 12, step: 2.5e-8 }),
         start: TimeTag::from_iso8601("2018-05-30T20:15:00.25Z").unwrap(),
@@ -90,6 +92,12 @@ pub fn fill(pulse: &mut Pulse, header: &Header, n: u64) {
     for k in 0..pulse.target_delay_s.len() {
         pulse.target_delay_s[k] = if k == 1 { f64::NAN } else { value(400 + k) };
         pulse.target_doppler_hz[k] = value(500 + k);
+    }
+    for s in 0..pulse.ship_heading_deg.len() {
+        let base = 600 + 10 * s;
+        pulse.ship_position_m[s] = [value(base), value(base + 1), value(base + 2)];
+        pulse.ship_velocity_mps[s] = [value(base + 3), value(base + 4), value(base + 5)];
+        pulse.ship_heading_deg[s] = value(base + 6);
     }
 }
 
@@ -140,6 +148,14 @@ def check(rec, first, count):
     delay = value(400, 401, 402); delay[:, 1] = np.nan
     same("truth/delay_s", delay[:, None, :])
     same("truth/doppler_hz", value(500, 501, 502)[:, None, :])
+    place = value(600, 601, 602, 610, 611, 612).reshape(count, 2, 3)
+    same("truth/ship_position_m", place)
+    same("truth/ship_velocity_mps", place + 3 / 8)
+    same("truth/ship_heading_deg", value(606, 616))
+    position, velocity, heading = rec.ship("tow")
+    np.testing.assert_array_equal(position, place[:, 1])
+    np.testing.assert_array_equal(velocity, place[:, 1] + 3 / 8)
+    np.testing.assert_array_equal(heading, value(616)[:, 0])
     np.testing.assert_array_equal(np.asarray(rec["replica"][:]), np.arange(7) * np.complex64(1 - 0.5j))
     m = rec.meta
     assert (m["format"], m["version"], m["software"], m["seed"]) == ("nereus", 1, "nereus test", 42), m

@@ -65,6 +65,7 @@ t = f["channel"]
 assert t.dtype.names == ("name", "transmitter", "receiver", "polarisations"), t.dtype
 assert [c.decode() for c in t["name"]] == ["HH", "HV"] and t[1]["receiver"] == b"pod"
 assert [c.decode() for c in f["truth/targets"][:]] == ["buoy", "ship", "rock"]
+assert [c.decode() for c in f["truth/ships"][:]] == ["tug", "tow"]
 assert f["truth/pairs"]["transmitter"][0] == b"mast"
 assert isinstance(f.attrs["config"], str) and isinstance(f.attrs["format"], str)
 assert f["iq"].maxshape[0] is None and f["iq"].chunks[0] >= 16
@@ -80,7 +81,7 @@ fn a_scene_with_nothing_but_samples() {
     let path = dir.path().join("bare.h5");
     let full = header(SampleFormat::Cf32);
     let bare = Header {
-        layout: Layout { platforms: 0, phase_centres: 0, targets: 0, pairs: 0, ..full.layout },
+        layout: Layout { platforms: 0, phase_centres: 0, targets: 0, pairs: 0, ships: 0, ..full.layout },
         pairs: Vec::new(),
         origin: None,
         replica: Vec::new(),
@@ -88,6 +89,7 @@ fn a_scene_with_nothing_but_samples() {
         transmitters: Vec::new(),
         receivers: Vec::new(),
         targets: Vec::new(),
+        ships: Vec::new(),
         config: String::new(),
         ..full
     };

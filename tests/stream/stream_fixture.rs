@@ -20,6 +20,7 @@ pub const LAYOUT: Layout = Layout {
     phase_centres: 2,
     targets: 3,
     pairs: 1,
+    ships: 0,
 };
 
 /// What a sink saw of one pulse.

@@ -11,7 +11,7 @@ const SLOW_FROUDE: f64 = 0.2;
 /// What is modelled of ships, and what is not and why.
 pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
     if scene.ships.is_empty() {
-        without.push(described("ships and wakes", "no [[ship]]"));
+        without.push(described("ships and wakes", "no [[ship]], no [[ais]]"));
         return;
     }
     for ship in &scene.ships {
@@ -25,6 +25,8 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
         }
     };
     idle("waves of ships", |ship| ship.kelvin.is_none(), "wake = false", without);
+    let smooth = |ship: &Ship| ship.kelvin.is_some_and(|kelvin| !kelvin.short_waves);
+    idle("short waves of ships", smooth, "wake_bragg = false, its default from 6 GHz on", without);
     idle("turbulent wakes", |ship| ship.turbulent.is_none(), "turbulent = false", without);
     idle("echo of ships", |ship| !ship.echo, "echo = false", without);
     without.push(described(
@@ -52,6 +54,9 @@ fn ship_text(ship: &Ship) -> String {
         text += "; Kelvin wake";
         if let Some(limit_radpm) = kelvin.band_limit_radpm {
             text += &format!(" up to {limit_radpm} rad/m");
+        }
+        if kelvin.short_waves {
+            text += ", what is shorter scatters within facets";
         }
     }
     if let Some(turbulent) = &ship.turbulent {

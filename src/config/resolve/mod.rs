@@ -3,6 +3,7 @@
 //! Every function reads all keys of its table first, then closes the table, and only then gives up on
 //! what is missing: so one pass reports every fault.
 
+mod ais;
 mod antenna;
 mod patch;
 mod place;
@@ -128,7 +129,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ),
         radar.as_ref().map(|radar| 1.0 / radar.emissions.mean_prf_hz()),
     );
-    let ships = ship::ships(&root, &ground);
+    let start = time.start.filter(|_| time.start_written);
+    let ships = ship::ships(&root, &ground, start);
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));

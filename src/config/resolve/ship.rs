@@ -1,5 +1,6 @@
 //! Ships under way.
 
+use super::ais;
 use super::place;
 use super::target::name;
 use super::{Ground, Names};
@@ -8,17 +9,26 @@ use crate::config::keys::{self, MOST_SHIPS};
 use crate::config::section::Section;
 use crate::scene::Ship;
 use crate::scene::ship::{HullGiven, KelvinWake, TurbulentWake};
+use crate::time::TimeTag;
 
-/// `[[ship]]`.
-pub(super) fn ships(root: &Section<'_>, ground: &Ground) -> Option<Vec<Ship>> {
+/// Carrier below which short waves of ships scatter unless it is said that they do not.
+const BRAGG_BELOW_HZ: f64 = 6e9;
+
+/// `[[ship]]`, then `[[ais]]`.
+pub(super) fn ships(root: &Section<'_>, ground: &Ground, start: Option<TimeTag>) -> Option<Vec<Ship>> {
+    let carrier_hz = root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ);
+    let bragg = carrier_hz.is_some_and(|carrier_hz| carrier_hz < BRAGG_BELOW_HZ);
     let mut names = Names::new("ship");
     let mut ships = Vec::new();
     for (index, section) in root.sections(&keys::root::SHIP).into_iter().enumerate() {
         name(&section, &keys::ship::NAME, &format!("ship-{index}"), &mut names);
-        ships.push(ship(section, names.names.last().cloned().flatten(), ground));
+        ships.push(ship(section, names.names.last().cloned().flatten(), ground, bragg));
+    }
+    for section in root.sections(&keys::root::AIS) {
+        ships.extend(ais::ships(section, ground, start, bragg, &mut names));
     }
     if !root.has(&keys::root::SEA) {
-        root.idle(&[&keys::root::SHIP], "there is no [sea]");
+        root.idle(&[&keys::root::SHIP, &keys::root::AIS], "there is no [sea]");
     }
     let count = ships.len() as u64;
     if count > MOST_SHIPS {
@@ -29,7 +39,7 @@ pub(super) fn ships(root: &Section<'_>, ground: &Ground) -> Option<Vec<Ship>> {
     ships.into_iter().collect()
 }
 
-fn ship(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<Ship> {
+fn ship(section: Section<'_>, name: Option<String>, ground: &Ground, bragg_by_default: bool) -> Option<Ship> {
     use keys::ship as k;
     let hull = hull(&section);
     let length_m = section.number(&k::LENGTH_M);
@@ -40,10 +50,11 @@ fn ship(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<S
     let speed_mps = section.number(&k::SPEED_MPS);
     let wake = section.flag(&k::WAKE);
     if wake == Some(false) {
-        section.idle(&[&k::BAND_LIMIT_RADPM], "wake = false");
+        section.idle(&[&k::BAND_LIMIT_RADPM, &k::WAKE_BRAGG], "wake = false");
     }
     let band_limit_radpm = section.number(&k::BAND_LIMIT_RADPM);
     let sound_limit = band_limit_radpm.is_some() || !section.has(&k::BAND_LIMIT_RADPM);
+    let short_waves = section.flag_or(&k::WAKE_BRAGG, bragg_by_default);
     let turbulent = section.switched(&k::TURBULENT).map(|section| section.map(turbulent));
     let echo = section.flag(&k::ECHO);
     section.finish();
@@ -58,7 +69,7 @@ fn ship(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<S
         position_m: position_m?,
         heading_rad: towards_deg.or(heading_deg.map(|heading_deg| 90.0 - heading_deg))?.to_radians(),
         speed_mps: speed_mps?,
-        kelvin: wake?.then_some(KelvinWake { band_limit_radpm }),
+        kelvin: wake?.then_some(KelvinWake { band_limit_radpm, short_waves: short_waves? }),
         turbulent: match turbulent? {
             Some(turbulent) => Some(turbulent?),
             None => None,
@@ -92,7 +103,7 @@ fn hull(section: &Section<'_>) -> Option<HullGiven> {
     }
 }
 
-fn turbulent(section: Section<'_>) -> Option<TurbulentWake> {
+pub(super) fn turbulent(section: Section<'_>) -> Option<TurbulentWake> {
     use keys::turbulent::{DECAY_LENGTHS, SPREAD_EXPONENT, WIND_RATIO};
     let spread_exponent = section.number(&SPREAD_EXPONENT);
     let decay_lengths = section.number(&DECAY_LENGTHS);

@@ -75,7 +75,7 @@ fn every_setting_arrives() {
     assert_eq!(found.name, "frigate");
     assert_eq!(found.hull, HullGiven::File(in_configs().parent().unwrap().join("../hulls/dtmb5415.toml")));
     assert_eq!((found.length_m, found.heading_rad), (None, 30f64.to_radians()));
-    assert_eq!(found.kelvin, Some(KelvinWake { band_limit_radpm: Some(1.5) }));
+    assert_eq!(found.kelvin, Some(KelvinWake { band_limit_radpm: Some(1.5), short_waves: false }));
     let turbulent = TurbulentWake { spread_exponent: 4.0, decay_lengths: 7.0, wind_ratio: 0.1 };
     assert_eq!((found.turbulent, found.echo), (Some(turbulent), true));
     let off = format!("{WIGLEY}, position_m = [0, 0], heading_deg = 0, speed_mps = 0");

@@ -27,8 +27,10 @@ use crate::radar::antenna::{Antenna, Axes, field};
 use crate::radar::emission::Emission;
 use crate::scattering::facets::Facets;
 use crate::scattering::water::WaterScattering;
+use crate::scene::Patch;
 use crate::scene::radar::{Polarisation, Radar};
 use crate::sea::surface::Fields;
+use crate::sea::wake::course::Pose;
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
@@ -208,8 +210,15 @@ impl Chunk {
         self.phasors.extend_from_slice(phasors);
     }
 
-    /// Amplitudes of all facets of the chunk, which are of one kind.
-    pub fn scatter(&mut self, lighting: &Lighting, water: &WaterScattering, kind: usize, footprint_m2: f64) {
+    /// Amplitudes of all facets of the chunk, which are of one kind, with ships at these poses.
+    pub fn scatter(
+        &mut self,
+        lighting: &Lighting,
+        (water, poses): (&WaterScattering, &[Pose]),
+        kind: usize,
+        patch: &Patch,
+    ) {
+        let footprint_m2 = patch.facet_m * patch.facet_m;
         let count = self.index.len();
         for column in &mut self.amplitude {
             column.resize(count, Complex64::ZERO);
@@ -229,7 +238,8 @@ impl Chunk {
                 entry.resize(count, Complex64::ZERO);
             }
             let [vv, vh, hv, hh] = &mut self.matrix;
-            if water.scatter(kind, &facets, [vv, vh, hv, hh]).is_err() {
+            let place_m = |i: usize| patch.centre_m(patch.key(self.index[i]));
+            if water.scatter_at(kind, &facets, place_m, poses, [vv, vh, hv, hh]).is_err() {
                 debug_assert!(false, "columns of a chunk differ in length");
                 continue;
             }

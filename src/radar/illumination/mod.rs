@@ -81,6 +81,7 @@
 //! let illumination = Illumination::new(&scene, 0.333e-6, tracks)?;
 //! let layout = Layout {
 //!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, phase_centres: 2, targets: 1, pairs: 1,
+//!     ships: 0,
 //! };
 //! let (mut workspace, mut contacts) = (illumination.workspace(), Contacts::new(1, 1, 1));
 //! let mut record = Pulse::new(&layout);

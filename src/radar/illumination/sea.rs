@@ -3,6 +3,7 @@
 //! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch lies at a
 //! time and how long its echoes take, and visits its facets ([`super::facets`]).
 
+use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
@@ -21,7 +22,7 @@ use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
 use crate::scene::sea::{PatchPlace, Sea};
 use crate::scene::{Patch, Scene};
-use crate::sea::fleet::Fleet;
+use crate::sea::fleet::{self, Fleet};
 use crate::sea::realise::{Realised, realise};
 use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection, Surface};
@@ -202,7 +203,10 @@ impl SeaPlan {
         let carrier_hz = scene.radar.carrier_hz;
         let sight = Sight { carrier_hz, seed: scene.seed, spectrum: SpectrumPath::Exact };
         let Fleet { wakes, strips } = fleet;
-        let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?;
+        let shortest_radpm = 2.0 * TAU * carrier_hz / SPEED_OF_LIGHT_MPS;
+        let short_waves = fleet::short_waves(&scene.ships, sea.patch.facet_m, shortest_radpm)?;
+        let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?
+            .with_short_waves(short_waves);
         let mut plan = Self {
             patch: sea.patch,
             place: sea.place.clone(),
@@ -250,6 +254,8 @@ impl SeaPlan {
         let sheet = self.sheet.clone()?;
         let mechanisms = self.scattering.mechanisms();
         let facets = self.patch.len();
+        let mut poses = Vec::new();
+        self.scattering.poses(0.0, &mut poses);
         Some(SeaWork {
             fields: sheet.fields(&self.patch),
             sheet,
@@ -259,7 +265,7 @@ impl SeaPlan {
                 mechanisms,
             },
             updates: self.updates.clone(),
-            poses: Vec::with_capacity(self.scattering.kinds()),
+            poses,
             chunk: Chunk::new(pairs, channels, mechanisms),
         })
     }
@@ -369,7 +375,6 @@ impl SeaPlan {
             _ => None,
         };
         costs.lap(Stage::Shadow);
-        let footprint_m2 = patch.facet_m * patch.facet_m;
         let transmitters = lighting.radar.transmitters.len();
         let mut first = 0;
         while first < patch.len() {
@@ -398,7 +403,7 @@ impl SeaPlan {
                     chunk.take(index, slope, cover, phasors.of(patch, key));
                 }
                 if !chunk.index.is_empty() {
-                    chunk.scatter(lighting, &self.scattering, kind, footprint_m2);
+                    chunk.scatter(lighting, (&self.scattering, poses), kind, patch);
                     each(chunk);
                 }
             }

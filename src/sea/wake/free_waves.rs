@@ -197,7 +197,7 @@ impl Settings {
         Self { facet_m, cutoff_rad_m: None, reach, upstream: Upstream::default(), fade_m: None }
     }
 
-    fn band(&self) -> Result<Band, WakeError> {
+    pub(super) fn band(&self) -> Result<Band, WakeError> {
         let facet_m = self.facet_m;
         if !(FACET_RANGE_M[0]..=FACET_RANGE_M[1]).contains(&facet_m) {
             return Err(WakeError::Facet { facet_m });

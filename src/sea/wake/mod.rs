@@ -10,6 +10,7 @@
 //! | [`free_waves`] | the wake of one ship; all fields at a point, summed wave by wave |
 //! | [`nonuniform`] | sums of arbitrary plane waves on a grid of facets, by FFT |
 //! | [`map`] | all fields of several wakes on a rectangle of facets |
+//! | [`short_waves`] | the waves that a map leaves out, as a local spectrum within its facets |
 //! | [`turbulent`] | the strip of damped small waves |
 //!
 //! A hull enters through the complex amplitude of its free waves, `A(theta)` in metres, as a function of
@@ -41,6 +42,7 @@ pub mod kochin;
 pub mod map;
 pub mod nodes;
 pub mod nonuniform;
+pub mod short_waves;
 pub mod turbulent;
 pub mod upstream;
 pub mod wigley;
@@ -49,6 +51,7 @@ pub use course::{Course, Reach};
 pub use free_waves::{Presence, Settings, Wake, WakeError};
 pub use map::Map;
 pub use nodes::Band;
+pub use short_waves::ShortWaves;
 pub use turbulent::TurbulentStrip;
 pub use upstream::Upstream;
 pub use wigley::Wigley;

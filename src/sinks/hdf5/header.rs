@@ -112,6 +112,9 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
     if !header.targets.is_empty() {
         truth.new_dataset_builder().with_data(texts(&header.targets)?.as_slice()).create("targets")?;
     }
+    if !header.ships.is_empty() {
+        truth.new_dataset_builder().with_data(texts(&header.ships)?.as_slice()).create("ships")?;
+    }
     if !header.pairs.is_empty() {
         let pairs = header
             .pairs
@@ -176,12 +179,14 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
     } else {
         Vec::new()
     };
-    let targets: Vec<String> = if truth.link_exists("targets") {
-        let names = truth.dataset("targets")?.read_raw::<VarLenUnicode>()?;
-        names.iter().map(|n| n.as_str().to_owned()).collect()
-    } else {
-        Vec::new()
+    let names = |of: &str| -> Result<Vec<String>, Fault> {
+        if !truth.link_exists(of) {
+            return Ok(Vec::new());
+        }
+        let names = truth.dataset(of)?.read_raw::<VarLenUnicode>()?;
+        Ok(names.iter().map(|n| n.as_str().to_owned()).collect())
     };
+    let (targets, ships) = (names("targets")?, names("ships")?);
     let origin = match optional(file, "origin_lat_deg")? {
         None => None,
         Some(lat_deg) => {
@@ -209,6 +214,7 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
             phase_centres: transmitters.len() + receivers.len(),
             targets: targets.len(),
             pairs: pairs.len(),
+            ships: ships.len(),
         },
         channels: table
             .iter()
@@ -228,6 +234,7 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         transmitters,
         receivers,
         targets,
+        ships,
         adc,
         start: TimeTag::new(value(file, "start_time_s")?, value(file, "start_time_fraction_s")?),
         first_pulse: value(file, "first_pulse")?,

@@ -1,0 +1,137 @@
+//! Ships of AIS logs: which sail, where, and every way to be wrong.
+
+use std::fs;
+
+use super::*;
+use crate::scene::ship::HullGiven;
+
+const SEA: &str = include_str!("../../../configs/sea.toml");
+
+/// Twice vessel 1, 20 s before and 10 s after 12:00; others for one reason each not under way; 8 with its size.
+const LOG: &str = "Time,MMSI,Latitude_degrees,Longitude_degrees,COG_degrees,SOG_knots,Length_metres,Beam_metres,Draught_metres
+2016-01-12 11:59:40.000,1,50.0,-1.0,90.0,10.0,,,
+2016-01-12 12:00:10.000,1,50.0,-0.99964,90.0,10.0,,,
+2016-01-12 12:00:00.000,2,50.001,-1.0,10.0,0.1,,,
+2016-01-12 12:00:00.000,3,50.002,-1.0,360.0,5.0,,,
+2016-01-12 12:00:00.000,4,50.002,-1.0,10.0,102.3,,,
+2016-01-12 11:00:00.000,5,50.002,-1.0,10.0,5.0,,,
+2016-01-12 12:00:00.000,6,52.0,-1.0,10.0,5.0,,,
+2016-01-12 12:00:00.000,7,91.0,181.0,10.0,5.0,,,
+2016-01-12 12:00:00.000,8,50.0005,-1.0,180.0,8.0,120,20,0
+";
+
+/// The smallest sea at 50 N 1 W on that day at noon.
+fn placed() -> String {
+    let origin = "[scene]\norigin_lat_deg = 50\norigin_lon_deg = -1\norigin_h_m = 48\nstart_utc = \"2016-01-12T12:00:00Z\"\n";
+    SEA.replace("[scene]\n", origin)
+}
+
+/// Scenarios that between them read every key.
+pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
+    vec![
+        (SEA, vec![("ais", "[{ log = 'tracks/solent_ais.csv', hull = 'wigley' }]")]),
+        (SEA, vec![("ais", "[{ log = 'tracks/solent_ais.csv', start_utc = '2016-01-12T13:05:00Z' }]")]),
+    ]
+}
+
+fn read_log(text: &str, log: &str, table: &str) -> Result<Run, ConfigError> {
+    read_in(&tempfile::tempdir().unwrap(), text, log, table)
+}
+
+fn read_in(folder: &tempfile::TempDir, text: &str, log: &str, table: &str) -> Result<Run, ConfigError> {
+    fs::write(folder.path().join("log.csv"), log).unwrap();
+    parse(&format!("{text}\n[[ais]]\nlog = \"log.csv\"\n{table}\n"), &folder.path().join("my.toml"), &[])
+}
+
+fn fault(text: &str, log: &str, table: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let error = read_in(&folder, text, log, table).unwrap_err();
+    let here = folder.path().display().to_string();
+    error.faults().iter().map(|fault| format!("{fault}\n").replace(&here, "here")).collect()
+}
+
+#[test]
+fn ships_under_way_sail() {
+    let run = read_log(&placed(), LOG, "within_m = 1000").unwrap();
+    let [first, second] = &run.scene.ships[..] else { panic!("{:?}", run.scene.ships) };
+    assert_eq!((first.name.as_str(), second.name.as_str()), ("mmsi-1", "mmsi-8"));
+    assert!((first.speed_mps - 10.0 * 1852.0 / 3600.0).abs() < 1e-12);
+    // The meridian of the ship is turned by 0.00036 deg sin 50 deg = 4.8e-6 rad.
+    assert!((first.heading_rad - 4.8e-6).abs() < 1e-7, "{}", first.heading_rad);
+    // 0.00036 degrees East are 25.806 m on the ellipsoid (prime vertical 6390.7 km), 10 s back 51.444 m.
+    let [east_m, north_m] = first.position_m;
+    assert!((east_m - (25.806 - 51.444)).abs() < 0.01 && north_m.abs() < 0.01, "{east_m} {north_m}");
+    assert!((second.heading_rad - (-90f64).to_radians()).abs() < 1e-12);
+    let shape = |beam: f64, draught: f64| HullGiven::Wigley { beam_m: beam, draught_m: draught };
+    assert_eq!((&first.hull, first.length_m), (&shape(0.134 * 60.0, 0.043 * 60.0), Some(60.0)));
+    assert_eq!((&second.hull, second.length_m), (&shape(20.0, 0.043 * 120.0), Some(120.0)));
+    // Above 6 GHz.
+    assert!(first.kelvin.is_some_and(|kelvin| !kelvin.short_waves) && first.turbulent.is_some());
+}
+
+#[test]
+fn settings_of_a_log_arrive() {
+    let table = "mmsi = [2, 8]\nleast_speed_mps = 0\nlength_m = 30\nwake_bragg = true\nturbulent = false";
+    let run = read_log(&placed(), LOG, table).unwrap();
+    let names: Vec<_> = run.scene.ships.iter().map(|ship| ship.name.as_str()).collect();
+    assert_eq!((names, run.scene.ships[0].length_m), (vec!["mmsi-2", "mmsi-8"], Some(30.0)));
+    assert!(run.scene.ships.iter().all(|s| s.turbulent.is_none() && s.kelvin.unwrap().short_waves));
+    // An hour earlier vessel 5 alone; the log's own instant stands for that of the scene.
+    let run = read_log(&placed(), LOG, "start_utc = 2016-01-12T11:00:00Z\nwake = false").unwrap();
+    let ship = &run.scene.ships[0];
+    assert_eq!((run.scene.ships.len(), ship.name.as_str(), ship.kelvin), (1, "mmsi-5", None));
+}
+
+#[test]
+fn a_recorded_log_sails() {
+    let origin = "[scene]\norigin_lat_deg = 50.75\norigin_lon_deg = -1.1\norigin_h_m = 46\nstart_utc = \"2016-01-12T13:05:00Z\"\n";
+    let text = SEA.replace("[scene]\n", origin) + "\n[[ais]]\nlog = \"tracks/solent_ais.csv\"\n";
+    let ships = parse(&text, &in_configs(), &[]).unwrap().scene.ships;
+    assert!(ships.len() > 10, "{}", ships.len());
+    // The fastest of the recording, a ferry of 36 knots.
+    let fastest_mps = ships.iter().map(|ship| ship.speed_mps).fold(0.0, f64::max);
+    assert!((15.0..19.0).contains(&fastest_mps), "{fastest_mps}");
+}
+
+#[test]
+fn logs_that_are_none() {
+    let placed = placed();
+    let spoiled = LOG.replace("50.001,", "north,").replace("8.0,120", "8.0,1200");
+    insta::assert_snapshot!(fault(&placed, &spoiled, ""), @r#"
+ais.0.log: here/log.csv: 2 faults
+  line 4: Latitude_degrees = 'north' is not a finite number
+  line 10: Length_metres = 1200 is out of range: 0 to 1000
+"#);
+    insta::assert_snapshot!(fault(&placed, LOG, "mmsi = [9]"), @r#"ais.0.mmsi: there is no vessel "9"; allowed: 1, 2, 3, 4, 5, 6, 8"#);
+    insta::assert_snapshot!(fault(&placed, LOG, "least_speed_mps = 50\nmost_age_s = -1"), @r#"ais.0.most_age_s: -1 is out of range; allowed: a number from 0 to 1e6 s"#);
+    insta::assert_snapshot!(fault(&placed, LOG, "least_speed_mps = 50"), @r#"ais.0.log: no vessel is under way: of 7 in here/log.csv, 1 have no report within most_age_s, 2 no course or speed, 4 are slower than least_speed_mps, 0 are beyond within_m; allowed: a start_utc within the log, or wider limits"#);
+    insta::assert_snapshot!(fault(SEA, LOG, ""), @r#"
+ais.0.start_utc: is missing; required with a recorded track: a UTC time within the recording
+ais.0.log: positions of a log need scene.origin_lat_deg, origin_lon_deg and origin_h_m
+"#);
+    insta::assert_snapshot!(fault(&placed, LOG, "[[ais]]\nlog = \"log.csv\"\nmmsi = [8]"), @r#"ais.1.log: "mmsi-8" is already the name of another ship; allowed: unique names"#);
+    insta::assert_snapshot!(fault(&placed, "a,b\n", "wake = false\nwake_bragg = true"), @r#"
+ais.0.log: here/log.csv: 6 faults
+  line 1: missing: Time
+  line 1: missing: MMSI
+  line 1: missing: Latitude_degrees
+  line 1: missing: Longitude_degrees
+  line 1: missing: COG_degrees
+  line 1: missing: SOG_knots
+ais.0.wake_bragg: has no meaning here (wake = false)
+"#);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn spoiled_logs_never_panic(at in 0usize..600, with in "[-0-9.,:enax#\n ]{0,4}", cut in 0usize..60) {
+        let mut log = LOG.to_owned();
+        let from = at.min(log.len());
+        log.replace_range(from..(from + cut).min(log.len()), &with);
+        if let Ok(reports) = crate::nav::ais::parse(log.as_bytes()) {
+            prop_assert!(reports.iter().all(|r| r.lat_deg.abs() <= 90.0 && r.lon_deg.abs() <= 180.0));
+        }
+    }
+}
