@@ -64,4 +64,3 @@ pub fn cos_sin_of_turns(turns: f64) -> (f32, f32) {
     let (s, c) = (t * series(SINE_OF_HALF_TURNS), series(COSINE_OF_HALF_TURNS));
     (1.0 - 2.0 * s * s, 2.0 * s * c)
 }
-

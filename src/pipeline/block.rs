@@ -21,7 +21,9 @@ use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::illumination::tiles::{Instants, LOOKS, LOOKS_PER_NODE, NODES, Sample, TileWork, looks_about};
+use crate::radar::illumination::tiles::{
+    Instants, LOOKS, LOOKS_PER_NODE, NODES, Sample, TileWork, looks_about,
+};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
@@ -118,7 +120,13 @@ impl BlockEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(&self, illumination: &Illumination, pairs: usize, channels: usize, contacts: usize) -> BlockWork {
+    pub fn work(
+        &self,
+        illumination: &Illumination,
+        pairs: usize,
+        channels: usize,
+        contacts: usize,
+    ) -> BlockWork {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
         BlockWork {
             held: None,
@@ -214,32 +222,33 @@ impl BlockEcho {
                 let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
                 looks_about(&instants.looks[..instants.look_count], from..=to)
             });
-            let tally = illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
-                for (pair, of_pair) in tile.pairs.iter().enumerate() {
-                    let mut nodes = [None; NODES];
-                    for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
-                        *to = Some(BatchNode {
-                            delay_s: &node.paths.delay_s,
-                            delay_rate: &node.paths.delay_rate,
-                        });
+            let tally =
+                illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
+                    for (pair, of_pair) in tile.pairs.iter().enumerate() {
+                        let mut nodes = [None; NODES];
+                        for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
+                            *to = Some(BatchNode {
+                                delay_s: &node.paths.delay_s,
+                                delay_rate: &node.paths.delay_rate,
+                            });
+                        }
+                        let mut looks = [BatchLook { pulse: 0, amplitude: &[] }; LOOKS];
+                        for ((to, look), pulse) in looks.iter_mut().zip(&of_pair.looks).zip(instants.looks) {
+                            *to = BatchLook { pulse, amplitude: &look.amplitude };
+                        }
+                        let batch = Batch {
+                            pair,
+                            count: tile.count,
+                            nodes,
+                            places: instants.nodes,
+                            from_look,
+                            looks: &looks[..instants.look_count],
+                            factor: &of_pair.factor,
+                            interval_s: self.interval_s,
+                        };
+                        self.synth.spread_lanes(&batch, frame, lanes, grids);
                     }
-                    let mut looks = [BatchLook { pulse: 0, amplitude: &[] }; LOOKS];
-                    for ((to, look), pulse) in looks.iter_mut().zip(&of_pair.looks).zip(instants.looks) {
-                        *to = BatchLook { pulse, amplitude: &look.amplitude };
-                    }
-                    let batch = Batch {
-                        pair,
-                        count: tile.count,
-                        nodes,
-                        places: instants.nodes,
-                        from_look,
-                        looks: &looks[..instants.look_count],
-                        factor: &of_pair.factor,
-                        interval_s: self.interval_s,
-                    };
-                    self.synth.spread_lanes(&batch, frame, lanes, grids);
-                }
-            });
+                });
             let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
             light.costs.looked_at(facets, lit, culled);
             work.spread = (lit - culled) * illumination.pairs().len();
@@ -271,7 +280,9 @@ impl BlockEcho {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let mut power = sample.mean_power_w * facets;
             let mut sum = power * sample.mean_rate;
-            for (channel, _) in illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
+            for (channel, _) in
+                illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair)
+            {
                 let amplitudes = contacts.amplitude[channel].iter();
                 for (a, rate) in amplitudes.zip(&contacts.delay_rate[pair]) {
                     let own = a.norm_sqr();

@@ -177,7 +177,6 @@ pub struct WaterScattering {
     mechanisms: usize,
     permittivity: Complex64,
     wavenumber_radpm: f64,
-    axis: [f64; 2],
     cut_radpm: Option<f64>,
     moments: Moments,
     spectrum_error: f64,
@@ -308,7 +307,6 @@ impl WaterScattering {
             mechanisms,
             permittivity,
             wavenumber_radpm: medium.wavenumber_radpm(),
-            axis: [cos, sin],
             cut_radpm,
             moments,
             spectrum_error,
@@ -322,9 +320,10 @@ impl WaterScattering {
         LaneWater {
             wavenumber_radpm: self.wavenumber_radpm as f32,
             contrast: Complex32::new(contrast.re as f32, contrast.im as f32),
-            axis: self.axis.map(|c| c as f32),
+            axis: self.downwind.map(|c| c as f32),
             phases: self.phases,
             tilts: self.kinds[0].lane_tilts(),
+            cut_radpm: self.cut_radpm,
             kinds: self.kinds.iter().map(|kind| kind.lane_kind(&table)).collect(),
             table: Arc::new(table),
         }
@@ -413,9 +412,10 @@ impl WaterScattering {
     /// Whether any facet centred in a rectangle (least and largest x, and y) may be of another kind than clean water.
     pub fn kinds_within(&self, bounds_m: [[f64; 2]; 2], poses: &[Pose]) -> bool {
         let [[x0, x1], [y0, y1]] = bounds_m;
-        let of_slicks = self.regions.iter().any(|(_, [[u0, u1], [v0, v1]])| {
-            *u0 <= x1 && x0 <= *u1 && *v0 <= y1 && y0 <= *v1
-        });
+        let of_slicks = self
+            .regions
+            .iter()
+            .any(|(_, [[u0, u1], [v0, v1]])| *u0 <= x1 && x0 <= *u1 && *v0 <= y1 && y0 <= *v1);
         let corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]];
         of_slicks
             || self.strips.iter().zip(poses).any(|(strip, pose)| {
@@ -461,11 +461,19 @@ impl WaterScattering {
         if self.short_waves.is_empty() {
             return self.scatter(kind, facets, out);
         }
-        let [cos, sin] = self.downwind;
-        let beside = |i: usize, along: f64, across: f64| {
-            let k = [cos * along - sin * across, sin * along + cos * across];
-            self.short_wave_psi_m4(place_m(i), k, poses)
-        };
+        let beside = |i: usize, along: f64, across: f64| self.beside_m4(place_m(i), [along, across], poses);
         self.kinds[kind].scatter_beside(facets, self.phases, &beside, out)
+    }
+
+    /// Whether ships have short waves that scatter.
+    pub fn has_short_waves(&self) -> bool {
+        !self.short_waves.is_empty()
+    }
+
+    /// Spectrum of the short waves of ships at a place and a wave vector on the axes of the wind, m^4.
+    pub fn beside_m4(&self, place_m: [f64; 2], [along, across]: [f64; 2], poses: &[Pose]) -> f64 {
+        let [cos, sin] = self.downwind;
+        let k = [cos * along - sin * across, sin * along + cos * across];
+        self.short_wave_psi_m4(place_m, k, poses)
     }
 }

@@ -10,11 +10,11 @@
 //!
 //! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
 
+use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::doppler;
 use super::grid::{Grids, Lined};
 use super::spread::{Courses, Job};
-use super::Synth;
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow};
 
@@ -79,7 +79,13 @@ struct Ends<'a> {
 
 impl Synth<f32> {
     /// Spreads a batch on the grids of its block.
-    pub fn spread_lanes(&self, batch: &Batch<'_>, frame: &Frame, work: &mut LaneWork, grids: &mut Grids<f32>) {
+    pub fn spread_lanes(
+        &self,
+        batch: &Batch<'_>,
+        frame: &Frame,
+        work: &mut LaneWork,
+        grids: &mut Grids<f32>,
+    ) {
         let count = batch.count.min(LANES);
         let nodes = batch.nodes.iter().flatten().count();
         if nodes == 0 || count == 0 {
@@ -139,7 +145,11 @@ impl Synth<f32> {
                     *row = *amplitude;
                     if layer.moment {
                         // Doppler off the mean, from the node before or at the look.
-                        let node = batch.places.iter().zip(&batch.nodes).take_while(|(place, _)| **place <= look.pulse);
+                        let node = batch
+                            .places
+                            .iter()
+                            .zip(&batch.nodes)
+                            .take_while(|(place, _)| **place <= look.pulse);
                         let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { continue };
                         for (i, rate) in node.delay_rate.iter().enumerate() {
                             let scale = (self.carrier_hz * rate - mean_hz) * self.waveform.duration_s();
@@ -148,7 +158,8 @@ impl Synth<f32> {
                         }
                     }
                 }
-                let job = Powers { rows: &rows, basis: &basis, count: batch.count, lanes: layer.lanes, at, held };
+                let job =
+                    Powers { rows: &rows, basis: &basis, count: batch.count, lanes: layer.lanes, at, held };
                 self.variant.run(job);
             }
         }
@@ -176,8 +187,7 @@ impl Synth<f32> {
         courses.base.resize(count, 0);
         courses.place.iter_mut().for_each(|p| p.resize(count, 0.0));
         let middle = pulses.start + pulses.len() / 2;
-        let length =
-            if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
+        let length = if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
         let mean_hz = frame.mean_hz[batch.pair];
         let sweep = self.waveform.sweep_rate_hz_per_s();
         let shifted = match (self.settings.doppler, sweep) {
@@ -300,7 +310,8 @@ impl Task for Polynomials<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ends, carrier_hz, mean_hz, shifted, interval_s, length, middle, count, courses, .. } = self;
+        let Self { ends, carrier_hz, mean_hz, shifted, interval_s, length, middle, count, courses, .. } =
+            self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
         let span_s = length * interval_s;

@@ -24,6 +24,7 @@ use num_complex::Complex32;
 
 use super::facets::Phases;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope};
+use super::two_scale::high_pass;
 use crate::cpu::{Task, Variant};
 pub use crate::geometry::lanes::{LANES, Row};
 pub use go::exponential;
@@ -92,13 +93,16 @@ impl Batch {
         })
     }
 
-    /// Responses of all facets, which are of one kind.
-    pub fn respond(&mut self, variant: Variant, water: &LaneWater, kind: usize) {
+    /// Responses of all facets, which are of one kind; `beside` has a spectrum of a facet's own, m^4, at a wave vector on the local axes.
+    pub fn respond(&mut self, variant: Variant, water: &LaneWater, kind: usize, beside: Option<Beside<'_>>) {
         if let Some(kind) = water.kinds.get(kind) {
-            variant.run(Respond { batch: self, water, kind });
+            variant.run(Respond { batch: self, water, kind, beside });
         }
     }
 }
+
+/// Waves beside those of the wind: the symmetrised spectrum, m^4, of a facet at a wave vector on the local axes.
+pub type Beside<'a> = &'a dyn Fn(usize, [f64; 2]) -> f64;
 
 /// Sub-facet tilts: standard deviations along and across the wind, and weight.
 pub(super) type Tilt = [f32; 3];
@@ -114,6 +118,7 @@ pub struct LaneWater {
     pub(super) phases: Phases,
     /// One entry without deviations for no average.
     pub(super) tilts: Vec<Tilt>,
+    pub(super) cut_radpm: Option<f64>,
     pub(super) table: Arc<BraggTable>,
     pub(super) kinds: Vec<LaneKind>,
 }
@@ -148,6 +153,7 @@ struct Respond<'a> {
     batch: &'a mut Batch,
     water: &'a LaneWater,
     kind: &'a LaneKind,
+    beside: Option<Beside<'a>>,
 }
 
 impl Task for Respond<'_> {
@@ -155,7 +161,7 @@ impl Task for Respond<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { batch, water, kind } = self;
+        let Self { batch, water, kind, beside } = self;
         batch.tangents(water.axis);
         let clear = |row: &mut Row| row.fill(0.0);
         batch.matrix.as_flattened_mut().as_flattened_mut().iter_mut().for_each(clear);
@@ -168,6 +174,9 @@ impl Task for Respond<'_> {
             batch.tilt(kind, *shape);
             batch.bragg_vectors(water.wavenumber_radpm, water.axis);
             water.table.densities(kind.damping.as_ref(), &batch.bragg, &batch.cover, &mut batch.density);
+            if let Some(beside) = beside {
+                batch.raise(water, kind, beside);
+            }
             batch.small_perturbations(water, shape[2], 1 + tilt, single);
         }
         if single {
@@ -232,6 +241,22 @@ impl Batch {
             self.local[1][i] = dot(ks, n);
             self.bragg[0][i] = dot(q, x);
             self.bragg[1][i] = dot(q, y);
+        }
+    }
+
+    /// Adds waves beside those of the wind; kinds and the cut change both.
+    fn raise(&mut self, water: &LaneWater, kind: &LaneKind, beside: Beside<'_>) {
+        for i in 0..LANES {
+            let k = [self.bragg[0][i], self.bragg[1][i]].map(f64::from);
+            let more = beside(i, k);
+            if more > 0.0 {
+                let magnitude = k[0].hypot(k[1]);
+                let pass = water.cut_radpm.map_or(1.0, |cut| high_pass(magnitude, cut));
+                let damping =
+                    kind.damping.as_ref().map_or(1.0, |damping| water.table.damping_at(damping, magnitude));
+                let damped = 1.0 + f64::from(self.cover[i]) * (damping - 1.0);
+                self.density[i] += (more * pass * damped) as f32;
+            }
         }
     }
 

@@ -62,8 +62,7 @@ impl BraggTable {
             })
             .unwrap_or(0);
         let width = 1 + 2 * kept;
-        let rows =
-            all.chunks_exact(full).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
+        let rows = all.chunks_exact(full).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
         let rows_per_root = (ROWS as f64 / end_radpm.sqrt()) as f32;
         let mut table = Self { rows_per_root, end_radpm, width, rows, worst_relative_error: 0.0 };
         table.worst_relative_error = table.measure(&psi, &pass);
@@ -74,6 +73,14 @@ impl BraggTable {
     pub fn damping(&self, factor: impl Fn(f64) -> f64) -> Damping {
         let rows = (0..ROWS + 2).map(|row| factor(row_radpm(self.end_radpm, row.max(1) as f64)) as f32);
         Damping { rows: rows.collect() }
+    }
+
+    /// A factor at a wave number.
+    pub fn damping_at(&self, damping: &Damping, wavenumber_radpm: f64) -> f64 {
+        let place = (wavenumber_radpm.max(0.0).sqrt() * f64::from(self.rows_per_root)).min(ROWS as f64);
+        let row = place as usize;
+        let (low, high) = (f64::from(damping.rows[row]), f64::from(damping.rows[row + 1]));
+        low + (place - row as f64) * (high - low)
     }
 
     /// Largest error between rows and azimuths, relative to the largest value on the circle.

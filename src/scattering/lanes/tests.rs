@@ -32,7 +32,13 @@ fn sea(scattering: FacetScattering) -> Sea {
         place: PatchPlace::Fixed,
         scattering,
         shadow: None,
-        slicks: vec![SlickRegion { name: "oil".into(), shape, rim_m: 1.0, cover: 0.8, elasticity_npm: 0.0255 }],
+        slicks: vec![SlickRegion {
+            name: "oil".into(),
+            shape,
+            rim_m: 1.0,
+            cover: 0.8,
+            elasticity_npm: 0.0255,
+        }],
     }
 }
 
@@ -54,7 +60,6 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
     let mut seed = 7;
     let mut given: [Vec<f64>; 9] = Default::default();
     let mut phasors = Vec::new();
-    let mut bases = Vec::new();
     for i in 0..LANES {
         // Rounded first, so that both are asked the same.
         let single = |x: f64| f64::from(x as f32);
@@ -82,7 +87,6 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
                 batch.receive[port][c][i] = e[c] as f32;
             }
         }
-        bases.push(());
         (batch.slope[0][i], batch.slope[1][i]) = (slope[0] as f32, slope[1] as f32);
         batch.cover[i] = cover as f32;
         for mechanism in &mut batch.phasor {
@@ -104,7 +108,7 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
     let mut exact = vec![vec![Complex64::ZERO; LANES]; 4];
     let [vv, vh, hv, hh] = exact.as_mut_slice() else { unreachable!() };
     water.scatter(kind, &facets, [vv, vh, hv, hh]).unwrap();
-    batch.respond(Variant::fastest(), &lanes, kind);
+    batch.respond(Variant::fastest(), &lanes, kind, None);
     let (mut worst, mut all) = (0.0f64, 0.0);
     for i in 0..LANES {
         let lit = batch.cosine[0][i] > 0.0 && batch.cosine[1][i] > 0.0;

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
+use super::light::Node;
 use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
-use super::light::Node;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::antenna::{Antenna, Axes};
 use crate::units::SINE_OF_HALF_TURNS;
@@ -23,7 +23,10 @@ pub(super) struct Sighted<'a> {
 enum Shape {
     Constant(f32),
     /// Peak, and both sides in wavelengths.
-    Rectangle { peak: f32, sides: [f32; 2] },
+    Rectangle {
+        peak: f32,
+        sides: [f32; 2],
+    },
     /// Facet by facet.
     Other,
 }
@@ -114,9 +117,8 @@ impl Task for Directions<'_> {
                 }
             }
         }
-        let rows = |axes: Axes| {
-            [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32))
-        };
+        let rows =
+            |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
         let (axes, change) = (rows(sighted.axes), rows(sighted.change_per_s));
         if end == 1 {
             if let Some(node) = nodes.first() {

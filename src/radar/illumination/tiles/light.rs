@@ -11,7 +11,7 @@ use crate::radar::emission::Emission;
 use crate::radar::illumination::sea::SeaPlan;
 use crate::radar::illumination::{Illumination, PairPlan};
 use crate::scattering::facets::Phases;
-use crate::scattering::lanes::{Batch, Vectors};
+use crate::scattering::lanes::{Batch, Beside, Vectors};
 use crate::scene::Patch;
 use crate::scene::radar::Polarisation;
 
@@ -245,7 +245,8 @@ impl Illumination {
                 for (to, from) in paths.position_m[axis].iter_mut().zip(from) {
                     *to += f64::from(*from);
                 }
-                paths.velocity_mps[axis][..tile.count].copy_from_slice(&fields.velocity_mps[axis][here.clone()]);
+                paths.velocity_mps[axis][..tile.count]
+                    .copy_from_slice(&fields.velocity_mps[axis][here.clone()]);
             } else {
                 paths.velocity_mps[axis].fill(0.0);
             }
@@ -306,7 +307,11 @@ impl Illumination {
                 (kind, cover as f32)
             }));
         }
-        self.respond(sea, *variant, kinds, batch);
+        let beside = |i: usize, k: [f64; 2]| {
+            sea.scattering.beside_m4([places_m[0][i], places_m[1][i]], k, &instant.poses)
+        };
+        let beside: Option<Beside<'_>> = if sea.scattering.has_short_waves() { Some(&beside) } else { None };
+        self.respond(sea, *variant, kinds, beside, batch);
         out.cosine = batch.cosine;
         for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
             let tx_isolation_db = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
@@ -331,7 +336,14 @@ impl Illumination {
     }
 
     /// Responses of the batch, kind by kind.
-    fn respond(&self, sea: &SeaPlan, variant: Variant, kinds: &[(usize, f32)], batch: &mut Batch) {
+    fn respond(
+        &self,
+        sea: &SeaPlan,
+        variant: Variant,
+        kinds: &[(usize, f32)],
+        beside: Option<Beside<'_>>,
+        batch: &mut Batch,
+    ) {
         let mut present = [false; 64];
         for &(kind, _) in kinds {
             present[kind.min(63)] = true;
@@ -342,7 +354,7 @@ impl Illumination {
         let several = present.iter().filter(|p| **p).count() > 1 || sea.scattering.kinds() > 64;
         if !several {
             let kind = kinds.first().map_or(0, |&(kind, _)| kind);
-            batch.respond(variant, &sea.lanes, kind);
+            batch.respond(variant, &sea.lanes, kind, beside);
             return;
         }
         let mut whole = [[[[0.0; LANES]; 2]; 2]; 2];
@@ -350,7 +362,7 @@ impl Illumination {
             if !kinds.iter().any(|&(own, _)| own == kind) {
                 continue;
             }
-            batch.respond(variant, &sea.lanes, kind);
+            batch.respond(variant, &sea.lanes, kind, beside);
             let rows = whole.as_flattened_mut().as_flattened_mut().iter_mut();
             for (to, from) in rows.zip(batch.matrix.as_flattened().as_flattened()) {
                 for (i, &(own, _)) in kinds.iter().enumerate() {
@@ -684,14 +696,16 @@ impl Task for Combine<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports: [tx_port, rx_port], plan, footprint_m2, single, axes, rx_change, view, batch, out } = self;
+        let Self { ports: [tx_port, rx_port], plan, footprint_m2, single, axes, rx_change, view, batch, out } =
+            self;
         let link = plan.link.in_air();
         let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
         let single_precision = |port: &Port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32));
         let (c_t, c_r) = (single_precision(&tx_port), single_precision(&rx_port));
         for i in 0..LANES {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let entry = |r: usize, t: usize| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i]);
+            let entry =
+                |r: usize, t: usize| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i]);
             // Axes normal to the rays.
             let (mut t, mut r) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
             let mut matrix = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
@@ -706,8 +720,10 @@ impl Task for Combine<'_> {
                 let part = matrix;
                 for (row, b) in matrix.iter_mut().zip(r) {
                     for (entry, a) in row.iter_mut().zip(t) {
-                        *entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1])) * dot(b, v_h_out[0])
-                            + (part[1][0] * dot(a, v_h_in[0]) + part[1][1] * dot(a, v_h_in[1])) * dot(b, v_h_out[1]);
+                        *entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1]))
+                            * dot(b, v_h_out[0])
+                            + (part[1][0] * dot(a, v_h_in[0]) + part[1][1] * dot(a, v_h_in[1]))
+                                * dot(b, v_h_out[1]);
                     }
                 }
             }

@@ -40,8 +40,8 @@ use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection};
 use crate::sea::wake::course::Pose;
 
-pub use light::{Look, Node, Pair};
 use light::View;
+pub use light::{Look, Node, Pair};
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
@@ -264,11 +264,8 @@ impl SeaPlan {
         let sheet = Sheet::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
-        let node = NodeWork {
-            emission: Emission::default(),
-            elapsed_s: 0.0,
-            fields: sheet.fields(&self.patch),
-        };
+        let node =
+            NodeWork { emission: Emission::default(), elapsed_s: 0.0, fields: sheet.fields(&self.patch) };
         Some(TileWork {
             variant,
             sheet,
@@ -283,10 +280,7 @@ impl SeaPlan {
             update: self.visibility.as_ref().map(|visibility| visibility.empty(&self.patch)),
             heights_m: if self.visibility.is_some() { vec![0.0; facets] } else { Vec::new() },
             shares: Vec::new(),
-            phasors: Phasors {
-                keys: vec![None; facets],
-                phasors: vec![vec![[0.0; 2]; facets]; mechanisms],
-            },
+            phasors: Phasors { keys: vec![None; facets], phasors: vec![vec![[0.0; 2]; facets]; mechanisms] },
             batch: Batch::boxed(mechanisms),
             places_m: [[0.0; LANES]; 2],
             drop_m: [0.0; LANES],
@@ -416,7 +410,8 @@ impl TileWork {
         let count = (span.end() - lowest + 1) as usize;
         self.shades.resize_with(count, Shade::default);
         let earth = of.frame.earth();
-        let lighting = of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
+        let lighting =
+            of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
         for (shade, number) in self.shades.iter_mut().zip(span) {
             if let (Some(own), 0) = (&mut self.update, visibility.margin) {
                 // The patch stays: its heights are known from the nodes.
