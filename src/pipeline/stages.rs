@@ -145,12 +145,13 @@ impl PulseFactory {
 
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        // Every target and the direct path, of this pulse and of two neighbours, and every facet.
-        let contacts = 3 * (self.layout.targets + 1) + self.illumination.facets();
+        // Every target and the direct path, of this pulse and of two neighbours, and, where they are listed, every facet.
+        let points = 3 * (self.layout.targets + 1);
+        let contacts = points + self.illumination.facets();
         let (pairs, channels) = (self.layout.pairs, self.layout.channels);
         let (block, contacts) = match &self.echo {
             Echo::Reference(_) => (None, contacts),
-            Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, contacts)), 0),
+            Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, points)), 0),
         };
         Workspace {
             illumination: self.illumination.workspace(),

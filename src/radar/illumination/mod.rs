@@ -293,9 +293,9 @@ impl Illumination {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        let sea = self.sea.as_ref().and_then(|sea| sea.work(self.pairs.len(), self.radar.channels.len()));
+        // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are first asked for.
         let costs = Costs::default();
-        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea, costs }
+        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
     }
 
     /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
@@ -374,7 +374,8 @@ impl Illumination {
         costs: &mut Costs,
         contacts: &mut Contacts,
     ) -> Result<(), RadarError> {
-        let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(()) };
+        let Some(sea) = &self.sea else { return Ok(()) };
+        let Some(work) = self.sea_work(sea, work) else { return Ok(()) };
         let before = contacts.len();
         let visited = sea.visit(lighting, work, costs, |chunk| {
             for place in 0..chunk.index.len() {
@@ -393,6 +394,14 @@ impl Illumination {
         });
         costs.looked_at(sea.patch.len(), contacts.len() - before, 0);
         visited.map_err(|failure| self.sea_error(heard, failure))
+    }
+
+    /// The buffers of the sea, made unless they are there.
+    fn sea_work<'a>(&self, sea: &SeaPlan, work: &'a mut Option<SeaWork>) -> Option<&'a mut SeaWork> {
+        if work.is_none() {
+            *work = sea.work(self.pairs.len(), self.radar.channels.len());
+        }
+        work.as_mut()
     }
 
     fn sea_error(&self, index: u64, failure: SeaFailure) -> RadarError {

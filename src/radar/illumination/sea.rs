@@ -47,11 +47,7 @@ pub(super) struct SeaPlan {
     pub scattering: WaterScattering,
     /// The same for facets side by side.
     pub lanes: LaneWater,
-    /// Buffers of the surface, made once and copied for every thread.
-    sheet: Option<Sheet>,
     pub visibility: Option<Visibility>,
-    /// Buffers of the shadows, made once and copied for every thread.
-    updates: Option<Updates>,
     pub displacement: bool,
     /// How far waves may carry a facet from its grid position, m.
     reach_m: f64,
@@ -215,9 +211,7 @@ impl SeaPlan {
             wakes,
             lanes: scattering.lanes(),
             scattering,
-            sheet: None,
             visibility: None,
-            updates: None,
             displacement: sea.scattering.displacement,
         };
         if let Some(shadowing) = &sea.shadow {
@@ -232,11 +226,10 @@ impl SeaPlan {
             let visibility =
                 Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
             // Whether its maps are legal shows here and not at the first pulse.
-            let updates = visibility.updates::<SeaFault>(&plan.surface, &plan.wakes, &plan.patch)?;
-            plan.updates = Some(updates);
+            visibility.check::<SeaFault>(&plan.wakes, &plan.patch)?;
             plan.visibility = Some(visibility);
         }
-        plan.sheet = Some(Sheet::new(&plan.surface, plan.selection()).with_wakes(&plan.wakes, &plan.patch)?);
+        Sheet::<f32>::new(&plan.surface, Selection::HEIGHT).with_wakes(&plan.wakes, &plan.patch)?;
         Ok(plan)
     }
 
@@ -251,7 +244,14 @@ impl SeaPlan {
 
     /// Buffers of one thread for a radar with so many pairs and channels.
     pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
-        let sheet = self.sheet.clone()?;
+        // That they are legal was found out when the plan was made.
+        let sheet = Sheet::<f64>::new(&self.surface, self.selection()).with_wakes(&self.wakes, &self.patch).ok()?;
+        let updates = match &self.visibility {
+            Some(visibility) => {
+                Some(visibility.updates::<SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)
+            }
+            None => None,
+        };
         let mechanisms = self.scattering.mechanisms();
         let facets = self.patch.len();
         let mut poses = Vec::new();
@@ -264,7 +264,7 @@ impl SeaPlan {
                 phasors: vec![Complex64::ZERO; facets * mechanisms],
                 mechanisms,
             },
-            updates: self.updates.clone(),
+            updates,
             poses,
             chunk: Chunk::new(pairs, channels, mechanisms),
         })

@@ -79,7 +79,8 @@ impl Illumination {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
         let Workspace { own, sea: work, costs, .. } = workspace;
-        let (Some(sea), Some(work)) = (&self.sea, work) else { return Ok(None) };
+        let Some(sea) = &self.sea else { return Ok(None) };
+        let Some(work) = self.sea_work(sea, work) else { return Ok(None) };
         self.evaluate(index, own)?;
         let window_start_s = self.window_start_s(index, self.radar.emissions.emission(self.start, index))?;
         let window = Window::new(&self.radar, window_start_s, self.pulse_length_s);

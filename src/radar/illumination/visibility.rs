@@ -52,6 +52,24 @@ pub(super) struct Mix<'a> {
 }
 
 impl Visibility {
+    /// Whether its maps are legal.
+    pub fn check<E: From<WakeError> + From<ShadowError>>(
+        &self,
+        wakes: &[Wake],
+        patch: &Patch,
+    ) -> Result<(), E> {
+        let grown = patch.grown(self.margin);
+        // Refuses what is too large before any memory is taken.
+        self.shadow(&grown)?;
+        crate::sea::wake::Map::<f32>::new(wakes.to_vec(), &grown, -60.0)?;
+        Ok(())
+    }
+
+    /// What finds the shadows of a patch.
+    pub fn shadow(&self, patch: &Patch) -> Result<Shadow<f64>, ShadowError> {
+        Shadow::new(patch.facets, self.settings)
+    }
+
     pub fn updates<E: From<WakeError> + From<ShadowError>>(
         &self,
         surface: &Surface,
@@ -59,8 +77,7 @@ impl Visibility {
         patch: &Patch,
     ) -> Result<Updates, E> {
         let grown = patch.grown(self.margin);
-        // Refuses what is too large before any memory is taken.
-        let shadow = Shadow::new(grown.facets, self.settings)?;
+        let shadow = self.shadow(&grown)?;
         let sheet = Sheet::<f64>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = self.empty(&grown);
         Ok(Updates { heights: sheet.fields(&grown), sheet, shadow, held: [update.clone(), update] })
@@ -109,7 +126,7 @@ impl Visibility {
     /// The weights at an update from the heights of its patch, m, which are lowered; nothing is held.
     pub fn weigh_heights<E: From<ShadowError>>(
         &self,
-        updates: &mut Updates,
+        shadow: &mut Shadow<f64>,
         patch: &Patch,
         heights_m: &mut [f64],
         places: &[Point<Enu>],
@@ -117,7 +134,7 @@ impl Visibility {
         update: &mut Update,
     ) -> Result<(), E> {
         update.patch = *patch;
-        self.weigh(&mut updates.shadow, heights_m, lower, places, update)?;
+        self.weigh(shadow, heights_m, lower, places, update)?;
         Ok(())
     }
 

@@ -25,15 +25,16 @@ mod light;
 
 use std::ops::RangeInclusive;
 
-use super::sea::{SeaFailure, SeaPlan, SeaWork};
-use super::visibility::{MOST_ENDS, Update, Visibility};
+use super::sea::{SeaFailure, SeaPlan};
+use super::visibility::{MOST_ENDS, Update, Updates};
 use super::{Illumination, Workspace};
 use crate::cpu::Variant;
-use crate::frames::Point;
+use crate::frames::{Enu, Point};
+use crate::geometry::shadow::Shadow;
 use crate::geometry::lanes::{LANES, Row};
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::Emission;
-use crate::radar::fault::RadarError;
+use crate::radar::fault::{RadarError, SeaFault};
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
 use crate::sea::sheet::Sheet;
@@ -118,9 +119,7 @@ pub struct TileWork {
     /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
     cosines: Vec<(usize, [f32; LOOK_POINTS])>,
     shades: Vec<Shade>,
-    /// An update of the shadows being made, and the heights it is made from.
-    update: Option<Update>,
-    heights_m: Vec<f64>,
+    maker: Option<Maker>,
     /// `[pulse]`: place of the update before in `shades`, and the share of the next.
     shares: Vec<(usize, f32)>,
     phasors: Phasors,
@@ -164,6 +163,15 @@ struct Shade {
     weights: Vec<Vec<f32>>,
 }
 
+/// What makes updates of the shadows.
+#[derive(Clone)]
+enum Maker {
+    /// Of a patch that stays, whose heights are known from the nodes.
+    Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
+    /// Of one that moves.
+    Along(Box<Updates>),
+}
+
 /// Random phasors of the facets at hand, at their key modulo the patch.
 #[derive(Clone)]
 struct Phasors {
@@ -191,14 +199,14 @@ impl Illumination {
     ) -> Result<(), RadarError> {
         samples.clear();
         samples.resize(self.pairs.len(), Sample::default());
-        let (Some(sea), Some(shadows)) = (&self.sea, &mut workspace.sea) else { return Ok(()) };
+        let Some(sea) = &self.sea else { return Ok(()) };
         work.time(self, instants)?;
         let first = instants.first;
         let costs = &mut workspace.costs;
         costs.lap(Stage::Record);
         sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Surface);
-        work.shade(self, sea, instants, patch, shadows).map_err(|failure| self.sea_error(first, failure))?;
+        work.shade(self, sea, instants, patch).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
         let tiles = patch.len().div_ceil(LANES);
         let step = (tiles / SAMPLED).max(1);
@@ -262,6 +270,17 @@ impl SeaPlan {
         };
         // The wakes are legal: the plan was built with them.
         let sheet = Sheet::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
+        let maker = match &self.visibility {
+            None => None,
+            Some(visibility) if visibility.margin == 0 => Some(Maker::Here {
+                shadow: Box::new(visibility.shadow(&self.patch).ok()?),
+                update: Box::new(visibility.empty(&self.patch)),
+                heights_m: vec![0.0; self.patch.len()],
+            }),
+            Some(visibility) => Some(Maker::Along(Box::new(
+                visibility.updates::<SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?,
+            ))),
+        };
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
         let node =
@@ -277,8 +296,7 @@ impl SeaPlan {
             lagrange: Vec::new(),
             cosines: Vec::new(),
             shades: Vec::new(),
-            update: self.visibility.as_ref().map(|visibility| visibility.empty(&self.patch)),
-            heights_m: if self.visibility.is_some() { vec![0.0; facets] } else { Vec::new() },
+            maker,
             shares: Vec::new(),
             phasors: Phasors { keys: vec![None; facets], phasors: vec![vec![[0.0; 2]; facets]; mechanisms] },
             batch: Batch::boxed(mechanisms),
@@ -307,6 +325,15 @@ impl SeaPlan {
         let elapsed_s = illumination.radar.emissions.interval_s(0, first);
         phasors.prepare(self, patch, elapsed_s);
         Ok(())
+    }
+}
+
+impl Shade {
+    fn take(&mut self, mut fill: impl FnMut(usize, &mut Vec<f32>)) {
+        for (antenna, weights) in self.weights.iter_mut().enumerate() {
+            weights.clear();
+            fill(antenna, weights);
+        }
     }
 }
 
@@ -395,60 +422,50 @@ impl TileWork {
         sea: &SeaPlan,
         instants: &Instants,
         patch: &Patch,
-        shadows: &mut SeaWork,
     ) -> Result<(), SeaFailure> {
         self.shares.clear();
-        let (Some(visibility), Some(updates)) = (&sea.visibility, &mut shadows.updates) else {
+        let (Some(visibility), Some(maker)) = (&sea.visibility, &mut self.maker) else {
             self.shades.clear();
             self.shares.resize(instants.pulses, (0, 0.0));
             return Ok(());
         };
         let emissions = &of.radar.emissions;
         let at = |pulse: usize| visibility.share(emissions.interval_s(0, instants.first + pulse as u64));
-        let span = span_of(visibility, at(0), at(instants.pulses - 1));
+        let span = span_of(at(0), at(instants.pulses - 1));
         let lowest = *span.start();
         let count = (span.end() - lowest + 1) as usize;
+        self.shades.truncate(count);
         self.shades.resize_with(count, Shade::default);
         let earth = of.frame.earth();
-        let lighting =
-            of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
+        let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
+        let emission = &self.nodes[0].emission;
+        let lighting = of.lighting(instants.first, instants.first, emission, super::Window::UNBOUNDED);
         for (shade, number) in self.shades.iter_mut().zip(span) {
-            if let (Some(own), 0) = (&mut self.update, visibility.margin) {
-                // The patch stays: its heights are known from the nodes.
-                let time_s = visibility.time_s(number);
-                let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
-                let places = &mut places[..visibility.ends];
-                sea.scenery(&lighting, time_s, places)?;
-                rise(&self.nodes, time_s, &mut self.heights_m);
-                visibility.weigh_heights::<SeaFailure>(
-                    updates,
-                    patch,
-                    &mut self.heights_m,
-                    places,
-                    |[x, y]| earth.drop_m(x, y),
-                    own,
-                )?;
-                shade.weights.resize_with(visibility.ends, Vec::new);
-                for (antenna, weights) in shade.weights.iter_mut().enumerate() {
-                    weights.clear();
-                    if !own.sees_all(antenna) {
-                        weights.extend(own.weights(antenna).iter().map(|weight| *weight as f32));
-                    }
-                }
-                continue;
-            }
-            let update = visibility.update(
-                updates,
-                number,
-                |elapsed_s, places| sea.scenery(&lighting, elapsed_s, places),
-                |[x, y]| earth.drop_m(x, y),
-            )?;
             shade.weights.resize_with(visibility.ends, Vec::new);
-            for (antenna, weights) in shade.weights.iter_mut().enumerate() {
-                weights.clear();
-                if !update.sees_all(antenna) {
-                    let keys = (0..patch.len()).map(|index| patch.key(index));
-                    weights.extend(keys.map(|key| update.weight(antenna, key) as f32));
+            match maker {
+                Maker::Here { shadow, update, heights_m } => {
+                    let time_s = visibility.time_s(number);
+                    let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
+                    let places = &mut places[..visibility.ends];
+                    sea.scenery(&lighting, time_s, places)?;
+                    rise(&self.nodes, time_s, heights_m);
+                    visibility.weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
+                    shade.take(|antenna, weights| {
+                        if !update.sees_all(antenna) {
+                            weights.extend(update.weights(antenna).iter().map(|weight| *weight as f32));
+                        }
+                    });
+                }
+                Maker::Along(updates) => {
+                    let scenery =
+                        |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&lighting, elapsed_s, places);
+                    let update = visibility.update(updates, number, scenery, lower)?;
+                    shade.take(|antenna, weights| {
+                        if !update.sees_all(antenna) {
+                            let keys = (0..patch.len()).map(|index| patch.key(index));
+                            weights.extend(keys.map(|key| update.weight(antenna, key) as f32));
+                        }
+                    });
                 }
             }
         }
@@ -483,7 +500,7 @@ fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
     }
 }
 
-fn span_of(_: &Visibility, (first, _): (u64, f64), (last, share): (u64, f64)) -> RangeInclusive<u64> {
+fn span_of((first, _): (u64, f64), (last, share): (u64, f64)) -> RangeInclusive<u64> {
     first..=if share > 0.0 { last + 1 } else { last }
 }
 
