@@ -16,7 +16,7 @@
 //! let mut paths = Paths::boxed();
 //! paths.position_m[0][0] = 3000.0;
 //! let end = End { position_m: [0.0, 0.0, 4000.0], velocity_mps: [0.0; 3], acceleration_mps2: [0.0; 3] };
-//! paths.solve(&end, &end);
+//! paths.solve(1, &end, &end);
 //! assert!((paths.delay_s[0] - 10e3 / 299_792_458.0).abs() < 1e-17);
 //! assert!((paths.incident[2][0] + 0.8).abs() < 1e-6);
 //! ```
@@ -26,6 +26,15 @@ use crate::units::SPEED_OF_LIGHT_MPS as C;
 
 /// Scatterers side by side.
 pub const LANES: usize = 256;
+/// Lanes that are looped over at least together.
+const GROUP: usize = 16;
+
+/// Lanes to loop over for so many scatterers: whole groups, at most [`LANES`].
+#[inline(always)]
+pub fn lanes_for(count: usize) -> usize {
+    count.next_multiple_of(GROUP).min(LANES)
+}
+
 /// One quantity of all of them.
 pub type Row = [f32; LANES];
 /// The same in f64.
@@ -86,13 +95,13 @@ impl Paths {
         })
     }
 
-    /// Solves the light time of every scatterer.
+    /// Solves the light time of the first `count` scatterers (and of some more, so that groups are whole).
     #[inline(always)]
-    pub fn solve(&mut self, transmitter: &End, receiver: &End) {
+    pub fn solve(&mut self, count: usize, transmitter: &End, receiver: &End) {
         const LEAST_M: f64 = 1e-9;
         let (x_t, v_t) = (transmitter.position_m, transmitter.velocity_mps);
         let (x_r, v_r, a_r) = (receiver.position_m, receiver.velocity_mps, receiver.acceleration_mps2);
-        for i in 0..LANES {
+        for i in 0..lanes_for(count) {
             let p = self.position_m.each_ref().map(|column| column[i]);
             let v = self.velocity_mps.each_ref().map(|column| f64::from(column[i]));
             let d = minus(p, x_t);
@@ -184,7 +193,7 @@ mod tests {
                 paths.velocity_mps[0][i] = 0.5;
                 paths.velocity_mps[2][i] = -1.25;
             }
-            paths.solve(&End::from(&tx), &End::from(&rx));
+            paths.solve(LANES, &End::from(&tx), &End::from(&rx));
             for i in 0..LANES {
                 let place = paths.position_m.each_ref().map(|column| column[i]);
                 let exact = bistatic(
@@ -206,7 +215,7 @@ mod tests {
     #[test]
     fn ends_that_touch_stay_finite() {
         let mut paths = Paths::boxed();
-        paths.solve(&End::default(), &End::default());
+        paths.solve(1, &End::default(), &End::default());
         assert_eq!((paths.delay_s[0], paths.delay_rate[0], paths.incident[0][0]), (0.0, 0.0, 0.0));
     }
 }

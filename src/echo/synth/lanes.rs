@@ -16,7 +16,7 @@ use super::doppler;
 use super::grid::{Grids, Lined};
 use super::spread::{Courses, Job};
 use crate::cpu::Task;
-use crate::geometry::lanes::{LANES, Row, WideRow};
+use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
 
 /// Contacts at a node.
 #[derive(Clone, Copy)]
@@ -257,11 +257,12 @@ impl Task for Powers<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { rows, basis, count, lanes, at, held } = self;
+        let n = lanes_for(count);
         for (held, basis) in held.iter_mut().zip(basis) {
             let mut sums = [[0.0f32; LANES]; 2];
             for (row, weight) in rows.iter().zip(basis) {
                 for part in 0..2 {
-                    for i in 0..LANES {
+                    for i in 0..n {
                         sums[part][i] += weight * row[part][i];
                     }
                 }
@@ -319,7 +320,7 @@ impl Task for Polynomials<'_> {
         let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
         let (mut phase, mut cubic) = ([[0u32; LANES]; 3], [0.0f32; LANES]);
         let (mut base, mut place) = ([0i32; LANES], [[0.0f32; LANES]; 4]);
-        for i in 0..LANES {
+        for i in 0..lanes_for(count) {
             let residual = [carrier_hz * r0[i] - mean_hz, carrier_hz * r1[i] - mean_hz];
             let delays = residual.map(|nu| nu * shifted);
             let extra = [0, 1].map(|end| {

@@ -3,7 +3,7 @@
 use num_complex::Complex32;
 
 use super::spm::{inverse, refracted};
-use super::{Batch, LANES, LaneKind, LaneWater, Vectors, cross, dot, unit};
+use super::{Batch, LANES, LaneKind, LaneWater, Vectors, cross, dot, lanes_for, unit};
 use crate::scattering::kirchhoff::LEAST_BEND;
 use crate::scattering::slope_pdf::GramCharlier;
 
@@ -22,7 +22,7 @@ impl Batch {
             return;
         }
         // Specular facets are few: whole groups are passed over.
-        for first in (0..LANES).step_by(GROUP) {
+        for first in (0..lanes_for(self.count)).step_by(GROUP) {
             if self.gain[first..first + GROUP].iter().any(|gain| *gain > 0.0) {
                 self.reflections(water, first, single);
             }
@@ -33,6 +33,7 @@ impl Batch {
     fn reflections(&mut self, water: &LaneWater, first: usize, single: bool) {
         let contrast = water.contrast;
         let eps = contrast + 1.0;
+        let first = first.min(LANES - GROUP);
         for i in first..first + GROUP {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
             let (ki, ks) = (at(&self.incident), at(&self.scattered));
@@ -81,7 +82,7 @@ impl Batch {
         let roughness = kind.roughness_m2.map(|s| s as f32);
         let least_bend = LEAST_BEND as f32;
         let mut largest = 0.0f32;
-        for i in 0..LANES {
+        for i in 0..lanes_for(self.count) {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
             let n = at(&self.normal);
             let (ki, ks) = (at(&self.incident), at(&self.scattered));

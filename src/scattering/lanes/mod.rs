@@ -26,7 +26,7 @@ use super::facets::Phases;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope};
 use super::two_scale::high_pass;
 use crate::cpu::{Task, Variant};
-pub use crate::geometry::lanes::{LANES, Row};
+pub use crate::geometry::lanes::{LANES, Row, lanes_for};
 pub use go::exponential;
 use table::{BraggTable, Damping};
 
@@ -39,6 +39,8 @@ pub type Vectors = [Row; 3];
 /// Facets side by side: what is asked, what they return, and room to work.
 #[derive(Clone, Debug)]
 pub struct Batch {
+    /// Facets: the first lanes.
+    pub count: usize,
     /// Unit direction from the transmitter.
     pub incident: Vectors,
     /// Unit direction to the receiver.
@@ -73,6 +75,7 @@ impl Batch {
         let row = [0.0; LANES];
         let vectors = [row; 3];
         Box::new(Self {
+            count: LANES,
             incident: vectors,
             scattered: vectors,
             slope: [row; 2],
@@ -163,7 +166,8 @@ impl Task for Respond<'_> {
     fn run(self) {
         let Self { batch, water, kind, beside } = self;
         batch.tangents(water.axis);
-        let clear = |row: &mut Row| row.fill(0.0);
+        let n = lanes_for(batch.count);
+        let clear = |row: &mut Row| row[..n].fill(0.0);
         batch.matrix.as_flattened_mut().as_flattened_mut().iter_mut().for_each(clear);
         let single = water.phases == Phases::Single;
         if single {
@@ -171,13 +175,18 @@ impl Task for Respond<'_> {
         }
         batch.specular(water, kind, single);
         for (tilt, shape) in water.tilts.iter().enumerate() {
-            batch.tilt(kind, *shape);
-            batch.bragg_vectors(water.wavenumber_radpm, water.axis);
-            water.table.densities(kind.damping.as_ref(), &batch.bragg, &batch.cover, &mut batch.density);
+            let flat = shape[..] == [0.0, 0.0, 1.0];
+            if flat {
+                batch.bragg_vectors::<true>(water.wavenumber_radpm, water.axis);
+            } else {
+                batch.tilt(kind, *shape);
+                batch.bragg_vectors::<false>(water.wavenumber_radpm, water.axis);
+            }
+            water.table.densities(n, kind.damping.as_ref(), &batch.bragg, &batch.cover, &mut batch.density);
             if let Some(beside) = beside {
                 batch.raise(water, kind, beside);
             }
-            batch.small_perturbations(water, shape[2], 1 + tilt, single);
+            batch.small_perturbations(water, flat, 1 + tilt, single);
         }
         if single {
             batch.one_phase();
@@ -189,7 +198,7 @@ impl Batch {
     /// Normals, axes and cosines of the facets.
     #[inline(always)]
     fn tangents(&mut self, axis: [f32; 2]) {
-        for i in 0..LANES {
+        for i in 0..lanes_for(self.count) {
             let n = unit([-self.slope[0][i], -self.slope[1][i], 1.0]);
             let [x, y] = axes(n, axis);
             let ki = self.incident.each_ref().map(|column| column[i]);
@@ -207,15 +216,10 @@ impl Batch {
     /// The plane of a sub-facet, and the weight of its share.
     #[inline(always)]
     fn tilt(&mut self, kind: &LaneKind, [up, across, weight]: Tilt) {
-        if weight == 1.0 && up == 0.0 && across == 0.0 {
-            self.plane = self.normal;
-            self.gain.fill(1.0);
-            return;
-        }
         let [clean, covered] = kind.slopes.map(|s| s.floored());
         let [clean, covered] = [clean, covered].map(|s| [s.up as f32, s.cross as f32]);
         let [cos, sin] = kind.downwind.map(|c| c as f32);
-        for i in 0..LANES {
+        for i in 0..lanes_for(self.count) {
             let mix = |which: usize| clean[which] + self.cover[i] * (covered[which] - clean[which]);
             let (along, cross) = (up * mix(0).sqrt(), across * mix(1).sqrt());
             let (sx, sy) = (cos * along - sin * cross, sin * along + cos * cross);
@@ -229,16 +233,21 @@ impl Batch {
         }
     }
 
-    /// Cosines and Bragg wave vectors on the plane at hand.
+    /// Cosines and Bragg wave vectors on the plane at hand: the facet's own, or that of a sub-facet.
     #[inline(always)]
-    fn bragg_vectors(&mut self, wavenumber_radpm: f32, axis: [f32; 2]) {
-        for i in 0..LANES {
+    fn bragg_vectors<const FLAT: bool>(&mut self, wavenumber_radpm: f32, axis: [f32; 2]) {
+        for i in 0..lanes_for(self.count) {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (n, ki, ks) = (at(&self.plane), at(&self.incident), at(&self.scattered));
-            let [x, y] = axes(n, axis);
+            let (ki, ks) = (at(&self.incident), at(&self.scattered));
             let q = [0, 1, 2].map(|c| wavenumber_radpm * (ks[c] - ki[c]));
-            self.local[0][i] = -dot(ki, n);
-            self.local[1][i] = dot(ks, n);
+            let [x, y] = if FLAT {
+                [at(&self.axes[0]), at(&self.axes[1])]
+            } else {
+                let n = at(&self.plane);
+                self.local[0][i] = -dot(ki, n);
+                self.local[1][i] = dot(ks, n);
+                axes(n, axis)
+            };
             self.bragg[0][i] = dot(q, x);
             self.bragg[1][i] = dot(q, y);
         }
@@ -246,7 +255,7 @@ impl Batch {
 
     /// Adds waves beside those of the wind; kinds and the cut change both.
     fn raise(&mut self, water: &LaneWater, kind: &LaneKind, beside: Beside<'_>) {
-        for i in 0..LANES {
+        for i in 0..lanes_for(self.count) {
             let k = [self.bragg[0][i], self.bragg[1][i]].map(f64::from);
             let more = beside(i, k);
             if more > 0.0 {
@@ -266,7 +275,7 @@ impl Batch {
         for r in 0..2 {
             for t in 0..2 {
                 for part in 0..2 {
-                    for i in 0..LANES {
+                    for i in 0..lanes_for(self.count) {
                         self.matrix[r][t][part][i] = self.power[r][t][i].sqrt() * self.phasor[0][part][i];
                     }
                 }

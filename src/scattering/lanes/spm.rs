@@ -2,7 +2,7 @@
 
 use num_complex::Complex32;
 
-use super::{BEYOND, Batch, LANES, LaneWater, Vectors, dot};
+use super::{BEYOND, Batch, LANES, LaneWater, Vectors, dot, lanes_for};
 
 /// `4 sqrt(pi)`.
 const FOUR_ROOT_PI: f32 = 7.089_815_4;
@@ -10,31 +10,47 @@ const FOUR_ROOT_PI: f32 = 7.089_815_4;
 const TINY: f32 = 1e-30;
 
 impl Batch {
-    /// Adds the Bragg part on the plane at hand to all entries.
+    /// Adds the Bragg part to all entries: on the facet's own plane, or that of a sub-facet.
     #[inline(always)]
     pub(super) fn small_perturbations(
         &mut self,
         water: &LaneWater,
-        weight: f32,
+        flat: bool,
         mechanism: usize,
         single: bool,
     ) {
-        if weight == 0.0 || water.contrast == Complex32::ZERO {
+        if water.contrast == Complex32::ZERO {
             return;
         }
+        match (flat, single) {
+            (true, false) => self.bragg_part::<true, false>(water, mechanism),
+            (true, true) => self.bragg_part::<true, true>(water, mechanism),
+            (false, false) => self.bragg_part::<false, false>(water, mechanism),
+            (false, true) => self.bragg_part::<false, true>(water, mechanism),
+        }
+    }
+
+    #[inline(always)]
+    fn bragg_part<const FLAT: bool, const SINGLE: bool>(&mut self, water: &LaneWater, mechanism: usize) {
+        let Self {
+            count, incident, scattered, transmit, receive, phasor, cosine, matrix, normal, plane, local, density, gain, power, ..
+        } = self;
         let k = water.wavenumber_radpm;
         let contrast = water.contrast;
         let eps = contrast + 1.0;
-        let phasor = if single { None } else { self.phasor.get(mechanism) };
+        let phasor = if SINGLE { None } else { phasor.get(mechanism) };
         // Sub-facets that turn away go dark one by one: nobody could cut them later.
         let beyond = if water.tilts.len() > 1 { 0.0 } else { BEYOND };
         let none = [[1.0; LANES], [0.0; LANES]];
         let phasor = phasor.unwrap_or(&none);
-        for i in 0..LANES {
+        let n = lanes_for(*count);
+        let (plane, local) = if FLAT { (normal, cosine) } else { (plane, local) };
+        for i in 0..n {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (n, ki, ks) = (at(&self.plane), at(&self.incident), at(&self.scattered));
-            let (cos_i, cos_s) = (self.local[0][i].max(beyond), self.local[1][i].max(beyond));
-            let scale = FOUR_ROOT_PI * k * k * cos_i * cos_s * self.density[i].max(0.0).sqrt() * self.gain[i];
+            let (n, ki, ks) = (at(plane), at(incident), at(scattered));
+            let (cos_i, cos_s) = (local[0][i].max(beyond), local[1][i].max(beyond));
+            let scale = FOUR_ROOT_PI * k * k * cos_i * cos_s * density[i].max(0.0).sqrt()
+                    * if FLAT { 1.0 } else { gain[i] };
             let along_i = [0, 1, 2].map(|c| ki[c] + n[c] * cos_i);
             let along_s = [0, 1, 2].map(|c| n[c] * cos_s - ks[c]);
             let (te_i, tm_i) = transmission(eps, contrast, cos_i);
@@ -48,20 +64,20 @@ impl Batch {
                 + contrast * turned * eps * (tm_i * tm_s)
                 - tangential;
             for r in 0..2 {
-                let p = at(&self.receive[r]);
+                let p = at(&receive[r]);
                 let (p_normal, p_along) = (dot(p, n), dot(p, along_i));
                 for t in 0..2 {
-                    let q = at(&self.transmit[t]);
+                    let q = at(&transmit[t]);
                     let (q_normal, q_along) = (dot(q, n), dot(q, along_s));
                     let entry = tangential * dot(p, q)
                         + incident_bend * (p_along * q_normal)
                         + scattered_bend * (q_along * p_normal)
                         + normal * (p_normal * q_normal);
-                    if single {
-                        self.power[r][t][i] += entry.norm_sqr();
+                    if SINGLE {
+                        power[r][t][i] += entry.norm_sqr();
                     } else {
-                        self.matrix[r][t][0][i] += entry.re;
-                        self.matrix[r][t][1][i] += entry.im;
+                        matrix[r][t][0][i] += entry.re;
+                        matrix[r][t][1][i] += entry.im;
                     }
                 }
             }

@@ -88,19 +88,27 @@ impl BraggTable {
         self.worst_relative_error
     }
 
-    /// Densities at wave vectors on facets covered to `cover`, m^4.
+    /// Densities at the wave vectors of the first lanes, on facets covered to `cover`, m^4.
     #[inline(always)]
-    pub fn densities(&self, damping: Option<&Damping>, bragg: &[Row; 2], cover: &Row, out: &mut Row) {
+    pub fn densities(
+        &self,
+        lanes: usize,
+        damping: Option<&Damping>,
+        bragg: &[Row; 2],
+        cover: &Row,
+        out: &mut Row,
+    ) {
+        let lanes = lanes.min(LANES);
         let mut place = [0.0; LANES];
         let mut inverse = [0.0; LANES];
-        for i in 0..LANES {
+        for i in 0..lanes {
             let square = bragg[0][i] * bragg[0][i] + bragg[1][i] * bragg[1][i];
             let position = square.sqrt().sqrt() * self.rows_per_root;
             place[i] = if position < (ROWS as f32) { position } else { ROWS as f32 };
             inverse[i] = 1.0 / square.max(1e-12);
         }
         let width = self.width;
-        for i in 0..LANES {
+        for i in 0..lanes {
             let row = place[i] as usize;
             let share = place[i] - row as f32;
             let Some(rows) = self.rows.get(row * width..(row + 2) * width) else { continue };
@@ -137,7 +145,7 @@ impl BraggTable {
                 let (x, y) = (f64::from(bragg[0][i]), f64::from(bragg[1][i]));
                 exact[i] = psi(x, y).max(0.0) * pass(x.hypot(y));
             }
-            self.densities(None, &bragg, &cover, &mut out);
+            self.densities(LANES, None, &bragg, &cover, &mut out);
             for (exact, found) in exact.chunks_exact(AZIMUTHS).zip(out.chunks_exact(AZIMUTHS)) {
                 let largest = exact.iter().copied().fold(0.0f64, f64::max);
                 if largest > f64::from(f32::MIN_POSITIVE) {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::light::Node;
 use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
-use crate::geometry::lanes::{LANES, Row};
+use crate::geometry::lanes::{LANES, Row, lanes_for};
 use crate::radar::antenna::{Antenna, Axes};
 use crate::units::SINE_OF_HALF_TURNS;
 
@@ -51,6 +51,8 @@ pub(super) fn is_real(antenna: &Antenna) -> bool {
 
 /// Product of the real field gains of both antennas towards facets, whose directions are interpolated between nodes.
 pub(super) struct Gains<'a> {
+    /// Facets.
+    pub count: usize,
     /// Transmitter, receiver.
     pub ends: [Sighted<'a>; 2],
     pub nodes: &'a [Node],
@@ -61,7 +63,7 @@ pub(super) struct Gains<'a> {
 
 impl Gains<'_> {
     pub fn find(self, variant: Variant) {
-        let Self { ends, nodes, weights, out } = self;
+        let Self { count, ends, nodes, weights, out } = self;
         out.fill(1.0);
         for (end, sighted) in ends.iter().enumerate() {
             if !is_real(sighted.antenna) {
@@ -73,13 +75,13 @@ impl Gains<'_> {
                 continue;
             }
             let mut direction = [[0.0f32; LANES]; 3];
-            variant.run(Directions { end, sighted, nodes, weights, direction: &mut direction });
+            variant.run(Directions { count, end, sighted, nodes, weights, direction: &mut direction });
             match shape {
                 Shape::Rectangle { peak, sides } => {
-                    variant.run(Rectangle { peak, sides, direction: &direction, out });
+                    variant.run(Rectangle { count, peak, sides, direction: &direction, out });
                 }
                 _ => {
-                    for (i, gain) in out.iter_mut().enumerate() {
+                    for (i, gain) in out.iter_mut().enumerate().take(count) {
                         let d = DVec3::from_array([0, 1, 2].map(|c| f64::from(direction[c][i])));
                         *gain *= sighted.antenna.field_gain(Vector::from_raw(d)).re as f32;
                     }
@@ -91,6 +93,7 @@ impl Gains<'_> {
 
 /// Directions towards facets in the frame of an antenna.
 struct Directions<'a> {
+    count: usize,
     end: usize,
     sighted: &'a Sighted<'a>,
     nodes: &'a [Node],
@@ -103,7 +106,8 @@ impl Task for Directions<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { end, sighted, nodes, weights, direction } = self;
+        let Self { count, end, sighted, nodes, weights, direction } = self;
+        let n = lanes_for(count);
         let mut along = [[0.0f32; LANES]; 3];
         let mut delay_s = [0.0f32; LANES];
         // From the receiver the facet lies against the way of the echo.
@@ -112,7 +116,7 @@ impl Task for Directions<'_> {
             let from = if end == 0 { &node.paths.incident } else { &node.paths.scattered };
             let weight = sign * weight;
             for (to, from) in along.iter_mut().zip(from) {
-                for i in 0..LANES {
+                for i in 0..n {
                     to[i] += weight * from[i];
                 }
             }
@@ -122,14 +126,14 @@ impl Task for Directions<'_> {
         let (axes, change) = (rows(sighted.axes), rows(sighted.change_per_s));
         if end == 1 {
             if let Some(node) = nodes.first() {
-                for i in 0..LANES {
+                for i in 0..n {
                     delay_s[i] = node.paths.delay_s[i] as f32;
                 }
             }
         }
         for axis in 0..3 {
             let (a, b) = (axes[axis], change[axis]);
-            for i in 0..LANES {
+            for i in 0..n {
                 let a = [0, 1, 2].map(|c| a[c] + b[c] * delay_s[i]);
                 direction[axis][i] = along[0][i] * a[0] + along[1][i] * a[1] + along[2][i] * a[2];
             }
@@ -139,6 +143,7 @@ impl Task for Directions<'_> {
 
 /// Pattern of a uniformly lit rectangle.
 struct Rectangle<'a> {
+    count: usize,
     peak: f32,
     sides: [f32; 2],
     direction: &'a [Row; 3],
@@ -150,8 +155,9 @@ impl Task for Rectangle<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { peak, sides, direction, out } = self;
-        for i in 0..LANES {
+        let Self { count, peak, sides, direction, out } = self;
+        let n = lanes_for(count);
+        for i in 0..n {
             let gain = peak * sinc(sides[0] * direction[1][i]) * sinc(sides[1] * direction[2][i]);
             out[i] *= if direction[0][i] > 0.0 { gain } else { 0.0 };
         }

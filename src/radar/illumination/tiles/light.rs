@@ -3,9 +3,9 @@
 use num_complex::{Complex32, Complex64};
 
 use super::gain::{Gains, Sighted, is_real};
-use super::{NodeWork, Phasors, Sample, Tally, Tile, TileWork};
+use super::{Sample, Tally, Tile, TileWork};
 use crate::cpu::{Task, Variant};
-use crate::geometry::lanes::{End, LANES, Paths, Row};
+use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
 use crate::radar::antenna::{Axes, port_shares};
 use crate::radar::emission::Emission;
 use crate::radar::illumination::sea::SeaPlan;
@@ -17,6 +17,9 @@ use crate::scene::radar::Polarisation;
 
 /// Cosine of a local angle below which a facet may turn away within a block.
 const NEAR_GRAZING: f32 = 0.1;
+
+/// Cosine (but for the length of the normal) at all nodes below which a facet does not turn towards an antenna between them.
+const TURNED_AWAY: f32 = -0.02;
 
 /// A tile at a node, over one pair.
 #[derive(Clone)]
@@ -84,19 +87,20 @@ impl Pair {
 
     /// A bound on the power of each facet at any pulse.
     #[inline(always)]
-    fn bounds(&self, out: &mut Row) {
+    fn bounds(&self, count: usize, out: &mut Row) {
+        let n = lanes_for(count);
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
         for [re, im] in self.looks.iter().flat_map(|look| &look.amplitude) {
-            for i in 0..LANES {
+            for i in 0..n {
                 amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
             }
         }
         for row in &self.factor {
-            for i in 0..LANES {
+            for i in 0..n {
                 factor[i] = factor[i].max(row[i].abs());
             }
         }
-        for i in 0..LANES {
+        for i in 0..n {
             out[i] = amplitude[i] * factor[i] * factor[i];
         }
     }
@@ -124,14 +128,14 @@ fn compact<T: Copy>(row: &mut [T; LANES], kept: &[u16]) {
     }
 }
 
-struct Bounds<'a>(&'a Pair, &'a mut Row);
+struct Bounds<'a>(&'a Pair, usize, &'a mut Row);
 
 impl Task for Bounds<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        self.0.bounds(self.1);
+        self.0.bounds(self.1, self.2);
     }
 }
 
@@ -142,7 +146,7 @@ impl Tile {
         let mut lit = [false; LANES];
         let mut bound = [0.0; LANES];
         for (pair, sample) in self.pairs.iter().zip(samples) {
-            variant.run(Bounds(pair, &mut bound));
+            variant.run(Bounds(pair, self.count, &mut bound));
             let least_w = (least * sample.mean_power_w) as f32;
             for i in 0..self.count {
                 lit[i] |= bound[i] > 0.0;
@@ -189,44 +193,105 @@ impl Port {
 }
 
 impl Illumination {
-    /// Lights a tile of the patch: [`TileWork::tile`].
+    /// Lights a tile of the patch: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
     pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, tile: usize, work: &mut TileWork) {
         let first = tile * LANES;
-        let count = LANES.min(patch.len() - first);
-        work.tile.count = count;
+        work.tile.count = LANES.min(patch.len() - first);
         self.place(patch, first, work);
-        let footprint_m2 = patch.facet_m * patch.facet_m;
         for pair in 0..self.plans.len() {
             for place in 0..work.tile.pairs[pair].nodes.len() {
                 self.find_paths(pair, first, place, work);
             }
-            for place in 0..work.tile.pairs[pair].looks.len() {
-                self.look(sea, pair, first, place, footprint_m2, work);
-            }
-        }
-        for pair in 0..self.plans.len() {
             self.gains(pair, work);
-            self.factors(pair, first, work);
+        }
+        self.keep_lit(work);
+        if work.tile.count == 0 {
+            return;
+        }
+        let footprint_m2 = patch.facet_m * patch.facet_m;
+        for pair in 0..self.plans.len() {
+            for place in 0..work.tile.pairs[pair].looks.len() {
+                self.look(sea, pair, place, footprint_m2, work);
+            }
+            self.factors(pair, work);
         }
     }
 
-    /// Places of the facets on the mean surface, and their random phases.
+    /// Places of the facets on the mean surface, random phases, slopes, visibility.
     fn place(&self, patch: &Patch, first: usize, work: &mut TileWork) {
+        let TileWork { nodes, phasors, batch, places_m, drop_m, fall, slopes, shades, seen, tile, .. } = work;
         let earth = self.frame.earth();
-        let last = patch.len() - 1;
+        let count = tile.count;
+        let here = first..first + count;
+        let nx = patch.facets[0];
+        let (mut ix, mut iy) = (first % nx, first / nx);
+        // Lanes beyond the patch go on along it: nobody looks at them.
         for i in 0..LANES {
-            // Lanes beyond the patch repeat its last facet.
-            let key = patch.key((first + i).min(last));
-            let place_m = patch.centre_m(key);
-            (work.places_m[0][i], work.places_m[1][i]) = (place_m[0], place_m[1]);
-            work.drop_m[i] = earth.drop_m(place_m[0], place_m[1]);
-            let fall = earth.drop_slope(place_m[0], place_m[1]);
-            (work.fall[0][i], work.fall[1][i]) = (fall[0] as f32, fall[1] as f32);
-            let from = Phasors::place(patch, key);
-            for (row, column) in work.batch.phasor.iter_mut().zip(&work.phasors.phasors) {
-                (row[0][i], row[1][i]) = (column[from][0], column[from][1]);
+            let place_m = patch.centre_m([patch.first[0] + ix as i64, patch.first[1] + iy as i64]);
+            (places_m[0][i], places_m[1][i]) = (place_m[0], place_m[1]);
+            ix += 1;
+            if ix == nx {
+                (ix, iy) = (0, iy + 1);
             }
         }
+        let flat = earth.drop_m(1.0, 1.0) == 0.0;
+        for i in 0..if flat { 0 } else { LANES } {
+            drop_m[i] = earth.drop_m(places_m[0][i], places_m[1][i]);
+            let down = earth.drop_slope(places_m[0][i], places_m[1][i]);
+            (fall[0][i], fall[1][i]) = (down[0] as f32, down[1] as f32);
+        }
+        for (row, column) in batch.phasor.iter_mut().zip(&phasors.ordered) {
+            row[0][..count].copy_from_slice(&column[0][here.clone()]);
+            row[1][..count].copy_from_slice(&column[1][here.clone()]);
+        }
+        for (slopes, node) in slopes.iter_mut().zip(nodes) {
+            for axis in 0..2 {
+                let from = &node.fields.slope[axis][here.clone()];
+                for ((to, from), fall) in slopes[axis].iter_mut().zip(from).zip(&fall[axis]) {
+                    *to = from - fall;
+                }
+            }
+        }
+        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        seen.resize(shades.len() * ends, [1.0; LANES]);
+        for (row, weights) in seen.iter_mut().zip(shades.iter().flat_map(|shade| &shade.weights)) {
+            if weights.is_empty() {
+                row.fill(1.0);
+            } else {
+                row[..count].copy_from_slice(&weights[here.clone()]);
+            }
+        }
+    }
+
+    /// Leaves out facets that are hidden at every update, turned away at every node, or seen by no gain.
+    fn keep_lit(&self, work: &mut TileWork) {
+        let TileWork { variant, batch, places_m, kept, slopes, gain_rows, shades, seen, tile, .. } = work;
+        let count = tile.count;
+        let mut lit = [0.0f32; LANES];
+        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
+            let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+            variant.run(Lit { count, nodes: &pair.nodes, slopes, gains, seen, ends, of, lit: &mut lit });
+        }
+        kept.clear();
+        kept.extend((0..count as u16).filter(|i| lit[usize::from(*i)] > 0.0));
+        // Moving facets together costs something, and what is gained are whole groups.
+        if lanes_for(kept.len()) == lanes_for(count) {
+            return;
+        }
+        for pair in &mut tile.pairs {
+            for node in &mut pair.nodes {
+                let Paths { delay_s, delay_rate, leg_m, incident, scattered, .. } = &mut *node.paths;
+                compact(delay_s, kept);
+                compact(delay_rate, kept);
+                leg_m.iter_mut().chain(incident).chain(scattered).for_each(|row| compact(row, kept));
+            }
+        }
+        slopes.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
+        gain_rows.iter_mut().flatten().chain(seen).for_each(|row| compact(row, kept));
+        batch.phasor.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
+        places_m.iter_mut().for_each(|row| compact(row, kept));
+        tile.count = kept.len();
     }
 
     /// Places and paths at a node.
@@ -259,7 +324,7 @@ impl Illumination {
         let centres = &node.emission.centres;
         let rx = self.radar.transmitters.len() + plan.pair.receiver;
         let ends = [End::from(&centres[plan.pair.transmitter]), End::from(&centres[rx])];
-        variant.run(Solve { ends, paths });
+        variant.run(Solve { count: tile.count, ends, paths });
     }
 
     /// Axes of an antenna of a pair at an emission, and their change in a second.
@@ -278,12 +343,11 @@ impl Illumination {
         &self,
         sea: &SeaPlan,
         pair: usize,
-        first: usize,
         place: usize,
         footprint_m2: f64,
         work: &mut TileWork,
     ) {
-        let TileWork { variant, nodes, looks, batch, view, places_m, fall, kinds, tile, .. } = work;
+        let TileWork { variant, looks, batch, view, places_m, kinds, slopes, tile, .. } = work;
         let instant = &looks[place];
         let count = tile.count;
         let Pair { nodes: paths, looks: seen, .. } = &mut tile.pairs[pair];
@@ -295,11 +359,11 @@ impl Illumination {
         let (tx_axes, _) = self.axes_of(&instant.emission, tx);
         let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
         let axes = [tx_axes, rx_axes];
-        variant.run(Slopes { nodes, weights: &instant.weights, first, count, fall, out: &mut batch.slope });
-        variant.run(Sight { nodes: paths, weights: &instant.weights, axes, rx_change, single, view, batch });
+        batch.count = count;
+        variant.run(Sight { slopes, nodes: paths, weights: &instant.weights, axes, rx_change, single, view, batch });
         kinds.clear();
         let [x_m, y_m] = places_m.each_ref().map(|row| {
-            row.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+            row[..count].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
         });
         if sea.scattering.kinds() > 1 && sea.scattering.kinds_within([x_m, y_m], &instant.poses) {
             kinds.extend((0..count).map(|i| {
@@ -407,60 +471,131 @@ impl Illumination {
         let plan = &self.plans[pair];
         let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
         // Instants beyond those in use keep their room for the next block.
-        for (instant, out) in gains.iter().zip(gain_rows) {
+        for (instant, out) in gains.iter().zip(&mut gain_rows[pair]) {
             let now = |antenna: usize| {
                 let (axes, change_per_s) = self.axes_of(&instant.emission, antenna);
                 Sighted { antenna: &self.antennas[antenna], axes, change_per_s }
             };
-            let nodes = &tile.pairs[pair].nodes;
-            Gains { ends: [now(tx), now(rx)], nodes, weights: &instant.weights, out }.find(*variant);
+            let (nodes, weights, count) = (&tile.pairs[pair].nodes, &instant.weights, tile.count);
+            Gains { count, ends: [now(tx), now(rx)], nodes, weights, out }.find(*variant);
         }
     }
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
-    fn factors(&self, pair: usize, first: usize, work: &mut TileWork) {
+    fn factors(&self, pair: usize, work: &mut TileWork) {
         let TileWork { variant, gain_rows, lagrange, cosines, shades, shares, seen, tile, .. } = work;
         let plan = &self.plans[pair];
-        let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+        let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
         let Pair { looks, factor, .. } = &mut tile.pairs[pair];
-        let turns = variant.run(Turns { looks, count });
+        let turns = variant.run(Turns { count, looks });
+        let ends = shades.first().map_or(0, |shade| shade.weights.len());
         for (pulse, out) in factor.iter_mut().enumerate() {
             let (start, weights) = &lagrange[pulse];
-            variant.run(Weigh { rows: &gain_rows[*start..], weights, out });
+            variant.run(Weigh { count, rows: &gain_rows[pair][*start..], weights, out });
             let (before, share) = shares[pulse];
-            if let Some(shade) = shades.get(before) {
-                // Where the next update adds nothing it may not be there.
-                let next = shades.get(before + 1).unwrap_or(shade);
-                for end in ends {
-                    let from = |of: &[Vec<f32>], row: &mut Row| match of.get(end) {
-                        Some(weights) if !weights.is_empty() => {
-                            row[..count].copy_from_slice(&weights[first..first + count]);
-                        }
-                        _ => row.fill(1.0),
-                    };
-                    if shade.weights[end].is_empty() && next.weights[end].is_empty() {
-                        continue;
-                    }
-                    from(&shade.weights, &mut seen[0]);
-                    from(&next.weights, &mut seen[1]);
-                    for i in 0..LANES {
-                        out[i] *= seen[0][i] + share * (seen[1][i] - seen[0][i]);
-                    }
+            // Where the next update adds nothing it may not be there.
+            let next = (before + 1).min(shades.len().saturating_sub(1));
+            for antenna in antennas.into_iter().filter(|antenna| *antenna < ends) {
+                let dark = |update: usize| !shades[update].weights[antenna].is_empty();
+                if dark(before) || dark(next) {
+                    let of = |update: usize| &seen[update * ends + antenna];
+                    variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
                 }
             }
             if turns {
                 let (start, weights) = &cosines[pulse];
-                variant.run(Turn { looks: &looks[*start..], weights, out });
+                variant.run(Turn { count, looks: &looks[*start..], weights, out });
             }
+        }
+    }
+}
+
+/// Marks the facets of a pair that may return something.
+struct Lit<'a> {
+    count: usize,
+    nodes: &'a [Node],
+    slopes: &'a [[Row; 2]],
+    gains: &'a [Row],
+    /// `[update][antenna]`.
+    seen: &'a [Row],
+    ends: usize,
+    /// Transmitter and receiver.
+    of: [usize; 2],
+    lit: &'a mut Row,
+}
+
+impl Task for Lit<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, nodes, slopes, gains, seen, ends, of, lit } = self;
+        let n = lanes_for(count);
+        let mut gain = [0.0f32; LANES];
+        for row in gains {
+            for i in 0..n {
+                gain[i] = gain[i].max(row[i].abs());
+            }
+        }
+        for end in 0..2 {
+            // Largest cosine, but for the length of the normal.
+            let mut cosine = [-1.0f32; LANES];
+            for (node, slope) in nodes.iter().zip(slopes) {
+                let (k, sign) =
+                    if end == 0 { (&node.paths.incident, -1.0f32) } else { (&node.paths.scattered, 1.0) };
+                for i in 0..n {
+                    let along = sign * (k[2][i] - k[0][i] * slope[0][i] - k[1][i] * slope[1][i]);
+                    cosine[i] = if along > cosine[i] { along } else { cosine[i] };
+                }
+            }
+            for i in 0..n {
+                gain[i] = if cosine[i] > TURNED_AWAY { gain[i] } else { 0.0 };
+            }
+            if ends > 0 {
+                let mut most = [0.0f32; LANES];
+                for rows in seen.chunks_exact(ends) {
+                    let row = &rows[of[end] % ends];
+                    for i in 0..n {
+                        most[i] = if row[i] > most[i] { row[i] } else { most[i] };
+                    }
+                }
+                for i in 0..n {
+                    gain[i] *= most[i];
+                }
+            }
+        }
+        for i in 0..n {
+            lit[i] = if gain[i] > lit[i] { gain[i] } else { lit[i] };
+        }
+    }
+}
+
+/// Factors times a visibility between two updates.
+struct Shadowed<'a> {
+    count: usize,
+    from: &'a Row,
+    to: &'a Row,
+    share: f32,
+    out: &'a mut Row,
+}
+
+impl Task for Shadowed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, from, to, share, out } = self;
+        for i in 0..lanes_for(count) {
+            out[i] *= from[i] + share * (to[i] - from[i]);
         }
     }
 }
 
 /// Whether some facet may turn away from an antenna.
 struct Turns<'a> {
-    looks: &'a [Look],
     count: usize,
+    looks: &'a [Look],
 }
 
 impl Task for Turns<'_> {
@@ -468,18 +603,20 @@ impl Task for Turns<'_> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        let mut least = 1.0f32;
+        let n = lanes_for(self.count);
+        let mut least = [1.0f32; LANES];
         for row in self.looks.iter().flat_map(|look| &look.cosine) {
-            for cosine in &row[..self.count] {
-                least = least.min(*cosine);
+            for i in 0..n {
+                least[i] = if row[i] < least[i] { row[i] } else { least[i] };
             }
         }
-        least < NEAR_GRAZING
+        least[..self.count.min(LANES)].iter().any(|cosine| *cosine < NEAR_GRAZING)
     }
 }
 
 /// `out = sum of weights times rows`.
 struct Weigh<'a> {
+    count: usize,
     rows: &'a [Row],
     weights: &'a [f32],
     out: &'a mut Row,
@@ -490,9 +627,10 @@ impl Task for Weigh<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.out.fill(0.0);
+        let n = lanes_for(self.count);
+        self.out[..n].fill(0.0);
         for (row, weight) in self.rows.iter().zip(self.weights) {
-            for i in 0..LANES {
+            for i in 0..n {
                 self.out[i] += weight * row[i];
             }
         }
@@ -501,6 +639,7 @@ impl Task for Weigh<'_> {
 
 /// Darkens facets whose cosine is not positive.
 struct Turn<'a> {
+    count: usize,
     looks: &'a [Look],
     weights: &'a [f32],
     out: &'a mut Row,
@@ -511,14 +650,15 @@ impl Task for Turn<'_> {
 
     #[inline(always)]
     fn run(self) {
+        let n = lanes_for(self.count);
         for end in 0..2 {
             let mut cosine = [0.0f32; LANES];
             for (look, weight) in self.looks.iter().zip(self.weights) {
-                for i in 0..LANES {
+                for i in 0..n {
                     cosine[i] += weight * look.cosine[end][i];
                 }
             }
-            for i in 0..LANES {
+            for i in 0..n {
                 self.out[i] = if cosine[i] > 0.0 { self.out[i] } else { 0.0 };
             }
         }
@@ -527,6 +667,7 @@ impl Task for Turn<'_> {
 
 /// Light time.
 struct Solve<'a> {
+    count: usize,
     ends: [End; 2],
     paths: &'a mut Paths,
 }
@@ -536,40 +677,7 @@ impl Task for Solve<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.paths.solve(&self.ends[0], &self.ends[1]);
-    }
-}
-
-/// Slopes at an instant between nodes.
-struct Slopes<'a> {
-    nodes: &'a [NodeWork],
-    weights: &'a [f32],
-    first: usize,
-    count: usize,
-    fall: &'a [Row; 2],
-    out: &'a mut [Row; 2],
-}
-
-impl Task for Slopes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for axis in 0..2 {
-            let out = &mut self.out[axis];
-            out.fill(0.0);
-            for (node, weight) in self.nodes.iter().zip(self.weights) {
-                if *weight != 0.0 {
-                    let from = &node.fields.slope[axis][self.first..self.first + self.count];
-                    for (to, from) in out.iter_mut().zip(from) {
-                        *to += weight * from;
-                    }
-                }
-            }
-            for i in 0..LANES {
-                out[i] -= self.fall[axis][i];
-            }
-        }
+        self.paths.solve(self.count, &self.ends[0], &self.ends[1]);
     }
 }
 
@@ -591,6 +699,7 @@ impl View {
 
 /// The view, and the vectors of both antennas' fields.
 struct Sight<'a> {
+    slopes: &'a [[Row; 2]],
     nodes: &'a [Node],
     weights: &'a [f32],
     axes: [Axes; 2],
@@ -601,8 +710,8 @@ struct Sight<'a> {
 }
 
 #[inline(always)]
-fn add(to: &mut Row, from: &Row, weight: f32) {
-    for i in 0..LANES {
+fn add(n: usize, to: &mut Row, from: &Row, weight: f32) {
+    for i in 0..n.min(LANES) {
         to[i] += weight * from[i];
     }
 }
@@ -635,28 +744,34 @@ impl Task for Sight<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { nodes, weights, axes, rx_change, single, view, batch } = self;
+        let Self { slopes, nodes, weights, axes, rx_change, single, view, batch } = self;
+        let n = lanes_for(batch.count);
         let View { incident, scattered, leg_m, delay_s } = view;
-        incident.iter_mut().chain(&mut *scattered).chain(&mut *leg_m).for_each(|row| row.fill(0.0));
-        delay_s.fill(0.0);
-        for (node, &weight) in nodes.iter().zip(weights) {
+        incident.iter_mut().chain(&mut *scattered).chain(&mut *leg_m).for_each(|row| row[..n].fill(0.0));
+        batch.slope.iter_mut().for_each(|row| row[..n].fill(0.0));
+        delay_s[..n].fill(0.0);
+        for ((node, slope), &weight) in nodes.iter().zip(slopes).zip(weights) {
             if weight == 0.0 {
                 continue;
             }
             for axis in 0..3 {
-                add(&mut incident[axis], &node.paths.incident[axis], weight);
-                add(&mut scattered[axis], &node.paths.scattered[axis], weight);
+                add(n, &mut incident[axis], &node.paths.incident[axis], weight);
+                add(n, &mut scattered[axis], &node.paths.scattered[axis], weight);
             }
-            add(&mut leg_m[0], &node.paths.leg_m[0], weight);
-            add(&mut leg_m[1], &node.paths.leg_m[1], weight);
-            for i in 0..LANES {
+            add(n, &mut leg_m[0], &node.paths.leg_m[0], weight);
+            add(n, &mut leg_m[1], &node.paths.leg_m[1], weight);
+            add(n, &mut batch.slope[0], &slope[0], weight);
+            add(n, &mut batch.slope[1], &slope[1], weight);
+            for i in 0..n {
                 delay_s[i] += weight * node.paths.delay_s[i] as f32;
             }
         }
-        batch.incident = *incident;
-        batch.scattered = *scattered;
+        for axis in 0..3 {
+            batch.incident[axis][..n].copy_from_slice(&incident[axis][..n]);
+            batch.scattered[axis][..n].copy_from_slice(&scattered[axis][..n]);
+        }
         let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
-        for i in 0..LANES {
+        for i in 0..n {
             let ki = batch.incident.each_ref().map(|column| column[i]);
             let ks = batch.scattered.each_ref().map(|column| column[i]);
             let (v_h_in, v_h_out) = (vertical_horizontal(ki), vertical_horizontal(ks));
@@ -702,7 +817,8 @@ impl Task for Combine<'_> {
         let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
         let single_precision = |port: &Port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32));
         let (c_t, c_r) = (single_precision(&tx_port), single_precision(&rx_port));
-        for i in 0..LANES {
+        let n = lanes_for(batch.count);
+        for i in 0..n {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
             let entry =
                 |r: usize, t: usize| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i]);
@@ -740,7 +856,7 @@ impl Task for Combine<'_> {
         }
         // A product of lengths of rows is never asked to be large: what overflowed is silent.
         for row in out {
-            for value in row.iter_mut() {
+            for value in &mut row[..n] {
                 *value = if value.is_finite() { *value } else { 0.0 };
             }
         }

@@ -25,6 +25,8 @@ mod light;
 
 use std::ops::RangeInclusive;
 
+use num_complex::Complex64;
+
 use super::sea::{SeaFailure, SeaPlan};
 use super::visibility::{MOST_ENDS, Update, Updates};
 use super::{Illumination, Workspace};
@@ -129,8 +131,14 @@ pub struct TileWork {
     drop_m: [f64; LANES],
     fall: [Row; 2],
     kinds: Vec<(usize, f32)>,
-    gain_rows: Vec<Row>,
-    seen: [Row; 2],
+    /// Facets of the tile that may return something, by their place in it.
+    kept: Vec<u16>,
+    /// Slopes at every node.
+    slopes: [[Row; 2]; NODES],
+    /// `[pair][instant]`.
+    gain_rows: Vec<Vec<Row>>,
+    /// `[update][antenna]`.
+    seen: Vec<Row>,
     tile: Tile,
 }
 
@@ -172,12 +180,16 @@ enum Maker {
     Along(Box<Updates>),
 }
 
-/// Random phasors of the facets at hand, at their key modulo the patch.
+/// Random phasors of the facets at hand, at their key modulo the patch, and in the order of the patch.
 #[derive(Clone)]
 struct Phasors {
     keys: Vec<Option<[i64; 2]>>,
     /// `[mechanism][place]`.
-    phasors: Vec<Vec<[f32; 2]>>,
+    kept: Vec<Vec<[f32; 2]>>,
+    first: Option<[i64; 2]>,
+    /// `[mechanism][real, imaginary][facet]`.
+    ordered: Vec<[Vec<f32>; 2]>,
+    found: Vec<Complex64>,
 }
 
 impl Illumination {
@@ -215,7 +227,7 @@ impl Illumination {
         let mut facets = 0;
         for tile in (0..tiles).step_by(step) {
             self.light_tile(sea, patch, tile, work);
-            facets += work.tile.count;
+            facets += LANES.min(patch.len() - tile * LANES);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
                 let (power, rate) = pair.power(work.tile.count);
                 sample.mean_power_w += power;
@@ -246,8 +258,8 @@ impl Illumination {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
         for tile in 0..patch.len().div_ceil(LANES) {
+            tally.facets += LANES.min(patch.len() - tile * LANES) as u64;
             self.light_tile(sea, patch, tile, work);
-            tally.facets += work.tile.count as u64;
             work.tile.thin_out(work.variant, samples, least, &mut tally);
             costs.lap(Stage::Contacts);
             if work.tile.count > 0 {
@@ -298,14 +310,16 @@ impl SeaPlan {
             shades: Vec::new(),
             maker,
             shares: Vec::new(),
-            phasors: Phasors { keys: vec![None; facets], phasors: vec![vec![[0.0; 2]; facets]; mechanisms] },
+            phasors: Phasors::new(facets, mechanisms),
             batch: Batch::boxed(mechanisms),
             places_m: [[0.0; LANES]; 2],
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
             kinds: Vec::with_capacity(LANES),
-            gain_rows: Vec::new(),
-            seen: [[0.0; LANES]; 2],
+            kept: Vec::with_capacity(LANES),
+            slopes: [[[0.0; LANES]; 2]; NODES],
+            gain_rows: vec![Vec::new(); channels.len()],
+            seen: Vec::new(),
             tile: Tile { count: 0, pairs: channels.iter().map(|&channels| Pair::new(channels)).collect() },
         })
     }
@@ -338,21 +352,40 @@ impl Shade {
 }
 
 impl Phasors {
-    fn place(patch: &Patch, key: [i64; 2]) -> usize {
-        let [nx, ny] = patch.facets;
-        key[1].rem_euclid(ny as i64) as usize * nx + key[0].rem_euclid(nx as i64) as usize
+    fn new(facets: usize, mechanisms: usize) -> Self {
+        Self {
+            keys: vec![None; facets],
+            kept: vec![vec![[0.0; 2]; facets]; mechanisms],
+            first: None,
+            ordered: vec![[vec![0.0; facets], vec![0.0; facets]]; mechanisms],
+            found: vec![Complex64::ZERO; mechanisms],
+        }
     }
 
     fn prepare(&mut self, sea: &SeaPlan, patch: &Patch, t_s: f64) {
-        let mut found = vec![num_complex::Complex64::ZERO; self.phasors.len()];
-        for index in 0..patch.len() {
-            let key = patch.key(index);
-            let place = Self::place(patch, key);
-            if self.keys[place] != Some(key) {
-                self.keys[place] = Some(key);
-                sea.scattering.phasors(key, t_s, &mut found);
-                for (column, phasor) in self.phasors.iter_mut().zip(&found) {
-                    column[place] = [phasor.re as f32, phasor.im as f32];
+        if self.first == Some(patch.first) {
+            return;
+        }
+        self.first = Some(patch.first);
+        let [nx, ny] = patch.facets;
+        for iy in 0..ny {
+            let key_y = patch.first[1] + iy as i64;
+            let row = key_y.rem_euclid(ny as i64) as usize * nx;
+            let first_column = patch.first[0].rem_euclid(nx as i64) as usize;
+            for ix in 0..nx {
+                let key = [patch.first[0] + ix as i64, key_y];
+                let place = row + (first_column + ix) % nx;
+                if self.keys[place] != Some(key) {
+                    self.keys[place] = Some(key);
+                    sea.scattering.phasors(key, t_s, &mut self.found);
+                    for (column, phasor) in self.kept.iter_mut().zip(&self.found) {
+                        column[place] = [phasor.re as f32, phasor.im as f32];
+                    }
+                }
+                let index = iy * nx + ix;
+                for (ordered, kept) in self.ordered.iter_mut().zip(&self.kept) {
+                    ordered[0][index] = kept[place][0];
+                    ordered[1][index] = kept[place][1];
                 }
             }
         }
@@ -400,7 +433,8 @@ impl TileWork {
                 sea.scattering.poses(elapsed_s(place), &mut look.poses);
             }
         }
-        self.gain_rows.resize(self.gain_places.len(), [0.0; LANES]);
+        let instants_of_gain = self.gain_places.len();
+        self.gain_rows.iter_mut().for_each(|rows| rows.resize(instants_of_gain, [0.0; LANES]));
         self.lagrange.clear();
         self.cosines.clear();
         for pulse in 0..instants.pulses {
