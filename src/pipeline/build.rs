@@ -253,14 +253,14 @@ pub fn factory_of(
             let waveform = Arc::clone(&waveform);
             let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
             let interval_s = radar.emissions.interval_s(0, 1);
-            Echo::Fast(BlockEcho::new(
+            Echo::Fast(Box::new(BlockEcho::new(
                 synth,
                 node_pulses,
                 gain_pulses,
                 scatter_pulses,
                 scene.pulses,
                 interval_s,
-            )?)
+            )?))
         }
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());

@@ -61,7 +61,7 @@ pub enum PulseError {
 /// From contacts to spectra.
 pub(super) enum Echo {
     Reference(ReferenceEcho),
-    Fast(BlockEcho),
+    Fast(Box<BlockEcho>),
 }
 
 impl Echo {

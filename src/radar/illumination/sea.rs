@@ -245,7 +245,8 @@ impl SeaPlan {
     /// Buffers of one thread for a radar with so many pairs and channels.
     pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
         // That they are legal was found out when the plan was made.
-        let sheet = Sheet::<f64>::new(&self.surface, self.selection()).with_wakes(&self.wakes, &self.patch).ok()?;
+        let sheet =
+            Sheet::<f64>::new(&self.surface, self.selection()).with_wakes(&self.wakes, &self.patch).ok()?;
         let updates = match &self.visibility {
             Some(visibility) => {
                 Some(visibility.updates::<SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)

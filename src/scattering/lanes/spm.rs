@@ -33,7 +33,21 @@ impl Batch {
     #[inline(always)]
     fn bragg_part<const FLAT: bool, const SINGLE: bool>(&mut self, water: &LaneWater, mechanism: usize) {
         let Self {
-            count, incident, scattered, transmit, receive, phasor, cosine, matrix, normal, plane, local, density, gain, power, ..
+            count,
+            incident,
+            scattered,
+            transmit,
+            receive,
+            phasor,
+            cosine,
+            matrix,
+            normal,
+            plane,
+            local,
+            density,
+            gain,
+            power,
+            ..
         } = self;
         let k = water.wavenumber_radpm;
         let contrast = water.contrast;
@@ -49,8 +63,13 @@ impl Batch {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
             let (n, ki, ks) = (at(plane), at(incident), at(scattered));
             let (cos_i, cos_s) = (local[0][i].max(beyond), local[1][i].max(beyond));
-            let scale = FOUR_ROOT_PI * k * k * cos_i * cos_s * density[i].max(0.0).sqrt()
-                    * if FLAT { 1.0 } else { gain[i] };
+            let scale = FOUR_ROOT_PI
+                * k
+                * k
+                * cos_i
+                * cos_s
+                * density[i].max(0.0).sqrt()
+                * if FLAT { 1.0 } else { gain[i] };
             let along_i = [0, 1, 2].map(|c| ki[c] + n[c] * cos_i);
             let along_s = [0, 1, 2].map(|c| n[c] * cos_s - ks[c]);
             let (te_i, tm_i) = transmission(eps, contrast, cos_i);

@@ -1,8 +1,11 @@
 //! Gains of both antennas towards facets side by side.
 
+// Lanes are counted: so they become vectors.
+#![allow(clippy::needless_range_loop)]
+
 use glam::DVec3;
 
-use super::light::Node;
+use super::tile::Node;
 use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
 use crate::geometry::lanes::{LANES, Row, lanes_for};
@@ -124,11 +127,9 @@ impl Task for Directions<'_> {
         let rows =
             |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
         let (axes, change) = (rows(sighted.axes), rows(sighted.change_per_s));
-        if end == 1 {
-            if let Some(node) = nodes.first() {
-                for i in 0..n {
-                    delay_s[i] = node.paths.delay_s[i] as f32;
-                }
+        if let (1, Some(node)) = (end, nodes.first()) {
+            for i in 0..n {
+                delay_s[i] = node.paths.delay_s[i] as f32;
             }
         }
         for axis in 0..3 {

@@ -20,8 +20,11 @@
 //! heights of the surface, of which FFT in f32 leaves some 3e-7 of the rms: a phase of `3e-7 x 2 k cos(theta) x rms`. Antennas of measured
 //! pattern have complex gains, which stay with the amplitude.
 
+mod factor;
 mod gain;
 mod light;
+mod look;
+mod tile;
 
 use std::ops::RangeInclusive;
 
@@ -32,8 +35,8 @@ use super::visibility::{MOST_ENDS, Update, Updates};
 use super::{Illumination, Workspace};
 use crate::cpu::Variant;
 use crate::frames::{Enu, Point};
-use crate::geometry::shadow::Shadow;
 use crate::geometry::lanes::{LANES, Row};
+use crate::geometry::shadow::Shadow;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::Emission;
 use crate::radar::fault::{RadarError, SeaFault};
@@ -43,8 +46,8 @@ use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection};
 use crate::sea::wake::course::Pose;
 
-use light::View;
-pub use light::{Look, Node, Pair};
+use look::View;
+pub use tile::{Look, Node, Pair};
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
@@ -483,7 +486,8 @@ impl TileWork {
                     let places = &mut places[..visibility.ends];
                     sea.scenery(&lighting, time_s, places)?;
                     rise(&self.nodes, time_s, heights_m);
-                    visibility.weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
+                    visibility
+                        .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
                     shade.take(|antenna, weights| {
                         if !update.sees_all(antenna) {
                             weights.extend(update.weights(antenna).iter().map(|weight| *weight as f32));

@@ -1,0 +1,159 @@
+//! What a tile has of its facets, and leaving out those that nobody would miss.
+
+// Lanes are counted: so they become vectors.
+#![allow(clippy::needless_range_loop)]
+
+use super::{Sample, Tally, Tile};
+use crate::cpu::{Task, Variant};
+use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
+
+/// A tile at a node, over one pair.
+#[derive(Clone)]
+pub struct Node {
+    /// Places, delays, directions.
+    pub paths: Box<Paths>,
+}
+
+/// A tile at a look, over one pair.
+#[derive(Clone)]
+pub struct Look {
+    /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers, and without shadows.
+    pub amplitude: Vec<[Row; 2]>,
+    /// Cosines of the local angles to both antennas.
+    pub(super) cosine: [Row; 2],
+}
+
+/// A tile over one pair of antennas.
+#[derive(Clone)]
+pub struct Pair {
+    /// At every node.
+    pub nodes: Vec<Node>,
+    /// At every look.
+    pub looks: Vec<Look>,
+    /// Per pulse: what multiplies the amplitudes.
+    pub factor: Vec<Row>,
+    channels: usize,
+}
+
+impl Pair {
+    pub(super) fn new(channels: usize) -> Self {
+        Self { nodes: Vec::new(), looks: Vec::new(), factor: Vec::new(), channels }
+    }
+
+    pub(super) fn resize(&mut self, nodes: usize, looks: usize, pulses: usize) {
+        let channels = self.channels;
+        self.nodes.resize_with(nodes, || Node { paths: Paths::boxed() });
+        self.looks.resize_with(looks, || Look {
+            amplitude: vec![[[0.0; LANES]; 2]; channels],
+            cosine: [[0.0; LANES]; 2],
+        });
+        self.factor.resize(pulses, [0.0; LANES]);
+    }
+
+    /// Sums of power, and of power times delay rate, over facets at the middle node.
+    pub(super) fn power(&self, count: usize) -> (f64, f64) {
+        let (mut power, mut rate) = (0.0, 0.0);
+        let middle = (
+            self.nodes.get(self.nodes.len() / 2),
+            self.looks.get(self.looks.len() / 2),
+            self.factor.get(self.factor.len() / 2),
+        );
+        if let (Some(node), Some(look), Some(factor)) = middle {
+            for i in 0..count {
+                let of = |[re, im]: &[Row; 2]| f64::from(re[i] * re[i] + im[i] * im[i]);
+                let own = look.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
+                if own.is_finite() && node.paths.delay_rate[i].is_finite() {
+                    power += own;
+                    rate += own * node.paths.delay_rate[i];
+                }
+            }
+        }
+        (power, rate)
+    }
+
+    /// A bound on the power of each facet at any pulse.
+    #[inline(always)]
+    fn bounds(&self, count: usize, out: &mut Row) {
+        let n = lanes_for(count);
+        let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
+        for [re, im] in self.looks.iter().flat_map(|look| &look.amplitude) {
+            for i in 0..n {
+                amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
+            }
+        }
+        for row in &self.factor {
+            for i in 0..n {
+                factor[i] = factor[i].max(row[i].abs());
+            }
+        }
+        for i in 0..n {
+            out[i] = amplitude[i] * factor[i] * factor[i];
+        }
+    }
+
+    fn keep(&mut self, kept: &[u16]) {
+        for node in &mut self.nodes {
+            // What the echo reads; the rest stays where it was.
+            compact(&mut node.paths.delay_s, kept);
+            compact(&mut node.paths.delay_rate, kept);
+        }
+        for look in &mut self.looks {
+            for row in look.amplitude.as_flattened_mut() {
+                compact(row, kept);
+            }
+        }
+        for row in &mut self.factor {
+            compact(row, kept);
+        }
+    }
+}
+
+pub(super) fn compact<T: Copy>(row: &mut [T; LANES], kept: &[u16]) {
+    for (to, &from) in kept.iter().enumerate() {
+        row[to] = row[usize::from(from) % LANES];
+    }
+}
+
+struct Bounds<'a>(&'a Pair, usize, &'a mut Row);
+
+impl Task for Bounds<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.bounds(self.1, self.2);
+    }
+}
+
+impl Tile {
+    /// Leaves out facets that nobody would miss.
+    pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
+        let mut wanted = [false; LANES];
+        let mut lit = [false; LANES];
+        let mut bound = [0.0; LANES];
+        for (pair, sample) in self.pairs.iter().zip(samples) {
+            variant.run(Bounds(pair, self.count, &mut bound));
+            let least_w = (least * sample.mean_power_w) as f32;
+            for i in 0..self.count {
+                lit[i] |= bound[i] > 0.0;
+                wanted[i] |= bound[i] > least_w;
+            }
+        }
+        let mut kept = [0u16; LANES];
+        let mut count = 0;
+        for i in 0..self.count {
+            tally.lit += u64::from(lit[i]);
+            tally.culled += u64::from(lit[i] && !wanted[i]);
+            if wanted[i] {
+                kept[count] = i as u16;
+                count += 1;
+            }
+        }
+        if count < self.count {
+            for pair in &mut self.pairs {
+                pair.keep(&kept[..count]);
+            }
+            self.count = count;
+        }
+    }
+}
