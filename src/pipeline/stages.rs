@@ -131,6 +131,23 @@ impl PulseFactory {
         self.illumination.snapshot(index, &mut work.illumination)
     }
 
+    /// The contacts that the window of a pulse hears, as the reference echo takes them; the rest of the pulse but its samples is
+    /// filled in.
+    pub fn contact_list<'a>(
+        &self,
+        index: u64,
+        pulse: &mut Pulse,
+        work: &'a mut Workspace,
+    ) -> Result<&'a Contacts, RadarError> {
+        self.illumination.pulse(index, &mut work.illumination, &mut work.contacts, pulse)?;
+        Ok(&work.contacts)
+    }
+
+    /// The pair of each channel, as contacts have them.
+    pub fn channel_pairs(&self) -> &[usize] {
+        self.illumination.channel_pairs()
+    }
+
     /// What comes and goes when a following patch moves by one row, dB below all that is heard, found at one pulse.
     /// `None` where the patch stays, or there is no sea.
     pub fn patch_edge_db(&self, index: u64, work: &mut Workspace) -> Result<Option<f64>, RadarError> {
