@@ -55,7 +55,8 @@ def main():
         pulses = recording["pulse/index"].shape[0]
         raw = recording["iq"][:pulses, channel, :]
         iq = raw if raw.dtype.kind == "c" else raw["r"] + 1j * raw["i"].astype(np.float32)
-        compressed = compress(iq, recording["replica"][:])
+        replica = recording["replica"][:]
+        compressed = compress(iq, replica)
         start = recording["pulse/window_start_s"][:pulses]
         time = (recording["pulse/time_ns"][:pulses] - recording["pulse/time_ns"][0]) * 1e-9
         delays = recording["truth/delay_s"][:pulses, 0, :]
@@ -68,7 +69,7 @@ def main():
     power_db = 10 * np.log10(power + 1e-60)
     # Between the noise and the brightest targets lies the sea.
     top = np.percentile(power_db, 99.8)
-    bottom = max(np.percentile(power_db, 5), top - 50)
+    bottom = max(np.percentile(power_db, 20), top - 50)
     figure, (above, echo) = plt.subplots(1, 2, figsize=(13, 5.2), width_ratios=[1, 1.5])
     for name, position in platforms.items():
         if np.ptp(position, axis=0).max() < 1.0:
@@ -79,6 +80,8 @@ def main():
     above.set(xlabel="East, km", ylabel="North, km", aspect="equal", title="Scene from above")
     above.grid(alpha=0.3)
     above.legend(fontsize=8)
+    # Echoes that begin later than this are cut off by the end of the window.
+    whole = max(1, iq.shape[1] - np.count_nonzero(np.abs(replica) > 1e-2 * np.abs(replica).max()))
     # The window moves with the range gate: rows are drawn against the delay after its start.
     extent = [0, iq.shape[1] / fs * 1e6, time[-1], time[0]]
     image = echo.imshow(power_db, extent=extent, aspect="auto", cmap="magma", vmin=bottom, vmax=top)
@@ -87,7 +90,7 @@ def main():
     echo.set(
         xlabel="delay after the start of the window, us",
         ylabel="time, s",
-        xlim=extent[:2],
+        xlim=(0, whole / fs * 1e6),
         title=f"{arguments.channel}, range-compressed; dots: true delays",
     )
     figure.colorbar(image, ax=echo, label="dBW")
