@@ -141,6 +141,15 @@ def make(args):
     return memory, json.loads(summary.splitlines()[-1])
 
 
+def finite(value):
+    """The same with null for what is no number: JSON knows none of these."""
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def show(result):
     print(f"{result['path']}: {result['pulses']} pulses over {result['span_s']:.1f} s", end="; ")
     print(f"{result['missing']} missing, {result['flagged']} flagged, {result['not_finite']} samples not finite")
@@ -189,7 +198,7 @@ def main():
     if args.limit_db is not None:
         steady &= all(abs(c["change_db"]) <= args.limit_db + 4 * c["error_db"] for c in result["channels"])
     result["steady"] = bool(steady)
-    print(json.dumps(result)) if args.json else show(result)
+    print(json.dumps(finite(result), allow_nan=False)) if args.json else show(result)
     if not args.json:
         print("steady" if steady else "NOT steady")
     return 0 if steady else 1

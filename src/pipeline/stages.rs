@@ -148,14 +148,9 @@ impl PulseFactory {
         self.illumination.channel_pairs()
     }
 
-    /// What comes and goes when a following patch moves by one row, dB below all that is heard, found at one pulse.
-    /// `None` where the patch stays, or there is no sea.
-    pub fn patch_edge_db(&self, index: u64, work: &mut Workspace) -> Result<Option<f64>, RadarError> {
-        if !self.illumination.follows() {
-            return Ok(None);
-        }
-        let snapshot = self.snapshot(index, work)?;
-        Ok(snapshot.map(|snapshot| snapshot.edge_db(self.illumination.channel_pairs())))
+    /// Whether there is a sea whose patch moves.
+    pub fn follows(&self) -> bool {
+        self.illumination.follows()
     }
 
     /// Memory for one thread.

@@ -139,7 +139,17 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
     let (out, png, contacts) = (args.out.clone(), args.png.clone(), args.contacts.clone());
     let Some(snapshot) = snapshot else {
         let (pulse, channels) = (args.pulse, Vec::new());
-        return Report { pulse, facets: 0, lit: 0, heard: 0, channels, out, png, contacts, contact_count: None };
+        return Report {
+            pulse,
+            facets: 0,
+            lit: 0,
+            heard: 0,
+            channels,
+            out,
+            png,
+            contacts,
+            contact_count: None,
+        };
     };
     let lit = |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
     let lit: Vec<usize> = (0..snapshot.patch.len()).filter(lit).collect();
