@@ -76,8 +76,13 @@ def main():
             above.plot(position[0, 0] / 1e3, position[0, 1] / 1e3, "^", markersize=10, label=name)
         else:
             above.plot(position[:, 0] / 1e3, position[:, 1] / 1e3, linewidth=3, label=f"{name}, {time[-1]:.0f} s")
-    above.plot(0, 0, "+", color="black", markersize=14, label="targets around the origin")
+    above.plot(0, 0, "+", color="black", markersize=14, label="origin of the scene")
+    # As wide as it is high, with some room around.
+    corners = np.array([above.get_xlim(), above.get_ylim()])
+    half = 0.55 * np.ptp(corners, axis=1).max()
+    (left, right), (low, high) = corners.mean(axis=1)[:, None] + [-half, half]
     above.set(xlabel="East, km", ylabel="North, km", aspect="equal", title="Scene from above")
+    above.set(xlim=(left, right), ylim=(low, high))
     above.grid(alpha=0.3)
     above.legend(fontsize=8)
     # Echoes that begin later than this are cut off by the end of the window.
