@@ -100,23 +100,11 @@ impl BlockEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(
-        &self,
-        illumination: &Illumination,
-        pairs: usize,
-        channels: usize,
-        contacts: usize,
-    ) -> BlockWork {
+    pub fn work(&self, illumination: &Illumination, pairs: usize, channels: usize, contacts: usize) -> BlockWork {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
         BlockWork {
             held: None,
-            instants: Instants {
-                first: 0,
-                pulses: 0,
-                nodes: [0; NODES],
-                node_count: 0,
-                gain_pulses: self.gain_pulses,
-            },
+            instants: Instants { first: 0, pulses: 0, nodes: [0; NODES], node_count: 0, gain_pulses: self.gain_pulses },
             nodes: std::array::from_fn(|_| Contacts::new(pairs, channels, contacts)),
             windows_s: Vec::with_capacity(self.block_pulses() as usize),
             frame: Frame::default(),
@@ -202,28 +190,27 @@ impl BlockEcho {
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let tally =
-                illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
-                    for (pair, of_pair) in tile.pairs.iter().enumerate() {
-                        let mut nodes = [None; NODES];
-                        for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
-                            *to = Some(BatchNode {
-                                delay_s: &node.paths.delay_s,
-                                delay_rate: &node.paths.delay_rate,
-                                amplitude: &node.amplitude,
-                            });
-                        }
-                        let batch = Batch {
-                            pair,
-                            count: tile.count,
-                            nodes,
-                            places: instants.nodes,
-                            factor: &of_pair.factor,
-                            interval_s: self.interval_s,
-                        };
-                        self.synth.spread_lanes(&batch, frame, lanes, grids);
+            let tally = illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
+                for (pair, of_pair) in tile.pairs.iter().enumerate() {
+                    let mut nodes = [None; NODES];
+                    for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
+                        *to = Some(BatchNode {
+                            delay_s: &node.paths.delay_s,
+                            delay_rate: &node.paths.delay_rate,
+                            amplitude: &node.amplitude,
+                        });
                     }
-                });
+                    let batch = Batch {
+                        pair,
+                        count: tile.count,
+                        nodes,
+                        places: instants.nodes,
+                        factor: &of_pair.factor,
+                        interval_s: self.interval_s,
+                    };
+                    self.synth.spread_lanes(&batch, frame, lanes, grids);
+                }
+            });
             let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
             light.costs.looked_at(facets, lit, culled);
             work.spread = (lit - culled) * illumination.pairs().len();
@@ -255,9 +242,7 @@ impl BlockEcho {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let mut power = sample.mean_power_w * facets;
             let mut sum = power * sample.mean_rate;
-            for (channel, _) in
-                illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair)
-            {
+            for (channel, _) in illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
                 let amplitudes = contacts.amplitude[channel].iter();
                 for (a, rate) in amplitudes.zip(&contacts.delay_rate[pair]) {
                     let own = a.norm_sqr();

@@ -133,8 +133,7 @@ pub type Axes = DMat3;
 /// The field of a port: shares of the antenna's axes y and z, before what lies along the ray is taken out and the rest made unit.
 pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [Complex64; 2] {
     let leak = cross_pol_isolation_db.map_or(0.0, |db| Decibels(-db).amplitude_ratio());
-    let circular =
-        |y: f64, z: f64| [Complex64::new(y * FRAC_1_SQRT_2, 0.0), Complex64::new(0.0, z * FRAC_1_SQRT_2)];
+    let circular = |y: f64, z: f64| [Complex64::new(y * FRAC_1_SQRT_2, 0.0), Complex64::new(0.0, z * FRAC_1_SQRT_2)];
     match port {
         Polarisation::H => [1.0.into(), leak.into()],
         Polarisation::V => [leak.into(), 1.0.into()],

@@ -221,8 +221,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
 
     /// The kind for facets side by side.
     pub(super) fn lane_kind(&self, table: &BraggTable) -> LaneKind {
-        let damped =
-            (0..=8).any(|i| self.kind.spectrum_factor(self.wavenumber_radpm * f64::from(i) / 4.0) != 1.0);
+        let damped = (0..=8).any(|i| self.kind.spectrum_factor(self.wavenumber_radpm * f64::from(i) / 4.0) != 1.0);
         LaneKind {
             slopes: [self.clean.slopes, self.covered.slopes],
             roughness_m2: [self.clean.roughness_m2, self.covered.roughness_m2],

@@ -66,12 +66,7 @@ impl<T: Real> Sheet<T> {
     pub fn with_wakes(mut self, wakes: &[Wake], patch: &Patch) -> Result<Self, WakeError> {
         self.wakes = None;
         if wakes.iter().any(|wake| !wake.nodes().is_empty()) {
-            self.wakes = Some(Wakes::new(
-                wakes,
-                patch,
-                self.selection,
-                WAKE_ERROR_DB[usize::from(size_of::<T>() == 4)],
-            )?);
+            self.wakes = Some(Wakes::new(wakes, patch, self.selection, WAKE_ERROR_DB[usize::from(size_of::<T>() == 4)])?);
         }
         Ok(self)
     }

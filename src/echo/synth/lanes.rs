@@ -10,11 +10,11 @@
 //!
 //! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
 
-use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::doppler;
 use super::grid::{Grids, Lined};
 use super::spread::{Courses, Job};
+use super::Synth;
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow};
 
@@ -65,13 +65,7 @@ struct Ends<'a> {
 
 impl Synth<f32> {
     /// Spreads a batch on the grids of its block.
-    pub fn spread_lanes(
-        &self,
-        batch: &Batch<'_>,
-        frame: &Frame,
-        work: &mut LaneWork,
-        grids: &mut Grids<f32>,
-    ) {
+    pub fn spread_lanes(&self, batch: &Batch<'_>, frame: &Frame, work: &mut LaneWork, grids: &mut Grids<f32>) {
         let count = batch.count.min(LANES);
         let nodes = batch.nodes.iter().flatten().count();
         if nodes == 0 || count == 0 {
@@ -92,14 +86,7 @@ impl Synth<f32> {
     }
 
     /// Polynomials of the amplitudes over the whole block.
-    fn lane_amplitudes(
-        &self,
-        batch: &Batch<'_>,
-        nodes: usize,
-        middle: i32,
-        mean_hz: f64,
-        work: &mut LaneWork,
-    ) {
+    fn lane_amplitudes(&self, batch: &Batch<'_>, nodes: usize, middle: i32, mean_hz: f64, work: &mut LaneWork) {
         let mut places = [0.0; MAX_NODES];
         for (place, at) in places.iter_mut().zip(&batch.places) {
             *place = *at as f64 - f64::from(middle);
@@ -135,8 +122,7 @@ impl Synth<f32> {
                         }
                     }
                 }
-                let job =
-                    Powers { rows: &rows, basis: &basis, count: batch.count, lanes: layer.lanes, at, held };
+                let job = Powers { rows: &rows, basis: &basis, count: batch.count, lanes: layer.lanes, at, held };
                 self.variant.run(job);
             }
         }
@@ -164,7 +150,8 @@ impl Synth<f32> {
         courses.base.resize(count, 0);
         courses.place.iter_mut().for_each(|p| p.resize(count, 0.0));
         let middle = pulses.start + pulses.len() / 2;
-        let length = if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
+        let length =
+            if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
         let mean_hz = frame.mean_hz[batch.pair];
         let sweep = self.waveform.sweep_rate_hz_per_s();
         let shifted = match (self.settings.doppler, sweep) {
@@ -287,8 +274,7 @@ impl Task for Polynomials<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ends, carrier_hz, mean_hz, shifted, interval_s, length, middle, count, courses, .. } =
-            self;
+        let Self { ends, carrier_hz, mean_hz, shifted, interval_s, length, middle, count, courses, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
         let span_s = length * interval_s;

@@ -128,8 +128,8 @@ pub fn exponential(x: f32) -> f32 {
     let whole = shifted - TO_INTEGER;
     // 2^f = e^(f ln 2), f in [-1/2, 1/2]; Taylor, remainder 1e-8.
     let f = (turns - whole) * std::f32::consts::LN_2;
-    let series =
-        1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
+    let series = 1.0
+        + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
     let bits = (shifted.to_bits() as i32).wrapping_sub(TO_INTEGER.to_bits() as i32);
     let scale = f32::from_bits((bits.wrapping_add(127) as u32) << 23);
     if x < -86.0 { 0.0 } else { series * scale }

@@ -34,7 +34,8 @@ impl Batch {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
             let (n, ki, ks) = (at(&self.plane), at(&self.incident), at(&self.scattered));
             let (cos_i, cos_s) = (self.local[0][i].max(beyond), self.local[1][i].max(beyond));
-            let scale = FOUR_ROOT_PI * k * k * cos_i * cos_s * self.density[i].max(0.0).sqrt() * self.gain[i];
+            let scale =
+                FOUR_ROOT_PI * k * k * cos_i * cos_s * self.density[i].max(0.0).sqrt() * self.gain[i];
             let along_i = [0, 1, 2].map(|c| ki[c] + n[c] * cos_i);
             let along_s = [0, 1, 2].map(|c| n[c] * cos_s - ks[c]);
             let (te_i, tm_i) = transmission(eps, contrast, cos_i);

@@ -62,7 +62,8 @@ impl BraggTable {
             })
             .unwrap_or(0);
         let width = 1 + 2 * kept;
-        let rows = all.chunks_exact(full).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
+        let rows =
+            all.chunks_exact(full).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
         let rows_per_root = (ROWS as f64 / end_radpm.sqrt()) as f32;
         let mut table = Self { rows_per_root, end_radpm, width, rows, worst_relative_error: 0.0 };
         table.worst_relative_error = table.measure(&psi, &pass);

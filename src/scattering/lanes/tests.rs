@@ -32,13 +32,7 @@ fn sea(scattering: FacetScattering) -> Sea {
         place: PatchPlace::Fixed,
         scattering,
         shadow: None,
-        slicks: vec![SlickRegion {
-            name: "oil".into(),
-            shape,
-            rim_m: 1.0,
-            cover: 0.8,
-            elasticity_npm: 0.0255,
-        }],
+        slicks: vec![SlickRegion { name: "oil".into(), shape, rim_m: 1.0, cover: 0.8, elasticity_npm: 0.0255 }],
     }
 }
 

@@ -23,10 +23,7 @@ pub(super) struct Sighted<'a> {
 enum Shape {
     Constant(f32),
     /// Peak, and both sides in wavelengths.
-    Rectangle {
-        peak: f32,
-        sides: [f32; 2],
-    },
+    Rectangle { peak: f32, sides: [f32; 2] },
     /// Facet by facet.
     Other,
 }
@@ -102,8 +99,7 @@ impl Task for Directions<'_, '_> {
         let dt_s = of.dt_s;
         let (x_t, x_r) = (tx.end.position_m, rx.end.position_m);
         let v_r = rx.end.velocity_mps.map(|v| v as f32);
-        let rows =
-            |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
+        let rows = |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
         let (tx_axes, rx_axes, rx_change) = (rows(tx.axes), rows(rx.axes), rows(rx.change_per_s));
         let [out, back] = direction;
         for i in 0..LANES {

@@ -211,7 +211,14 @@ impl Illumination {
         }
     }
 
-    fn light_node(&self, sea: &SeaPlan, first: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
+    fn light_node(
+        &self,
+        sea: &SeaPlan,
+        first: usize,
+        place: usize,
+        footprint_m2: f64,
+        work: &mut TileWork,
+    ) {
         let TileWork { variant, nodes, batch, places_m, drop_m, fall, kinds, tile, .. } = work;
         let node = &nodes[place];
         let fields = &node.fields;
@@ -248,9 +255,8 @@ impl Illumination {
                     out.paths.velocity_mps[axis] = still;
                 }
             }
-            for (to, (from, drop_m)) in out.paths.position_m[2]
-                .iter_mut()
-                .zip(fields.height_m[here.clone()].iter().zip(drop_m.iter()))
+            for (to, (from, drop_m)) in
+                out.paths.position_m[2].iter_mut().zip(fields.height_m[here.clone()].iter().zip(drop_m.iter()))
             {
                 *to = f64::from(*from) - drop_m;
             }
@@ -276,10 +282,7 @@ impl Illumination {
                 variant.run(Combine {
                     ports: [
                         Port::new(*tx_port, self.radar.transmitters[tx].antenna.cross_pol_isolation_db),
-                        Port::new(
-                            *rx_port,
-                            self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
-                        ),
+                        Port::new(*rx_port, self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db),
                     ],
                     plan,
                     footprint_m2: footprint_m2 as f32,
@@ -579,25 +582,14 @@ impl Task for Combine<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self {
-            ports: [tx_port, rx_port],
-            plan,
-            footprint_m2,
-            single,
-            axes,
-            rx_change,
-            paths,
-            batch,
-            out,
-        } = self;
+        let Self { ports: [tx_port, rx_port], plan, footprint_m2, single, axes, rx_change, paths, batch, out } = self;
         let link = plan.link.in_air();
         let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
         let single_precision = |port: &Port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32));
         let (c_t, c_r) = (single_precision(&tx_port), single_precision(&rx_port));
         for i in 0..LANES {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let entry =
-                |r: usize, t: usize| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i]);
+            let entry = |r: usize, t: usize| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i]);
             // Axes normal to the rays.
             let (mut t, mut r) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
             let mut matrix = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
@@ -612,10 +604,8 @@ impl Task for Combine<'_> {
                 let part = matrix;
                 for (row, b) in matrix.iter_mut().zip(r) {
                     for (entry, a) in row.iter_mut().zip(t) {
-                        *entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1]))
-                            * dot(b, v_h_out[0])
-                            + (part[1][0] * dot(a, v_h_in[0]) + part[1][1] * dot(a, v_h_in[1]))
-                                * dot(b, v_h_out[1]);
+                        *entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1])) * dot(b, v_h_out[0])
+                            + (part[1][0] * dot(a, v_h_in[0]) + part[1][1] * dot(a, v_h_in[1])) * dot(b, v_h_out[1]);
                     }
                 }
             }

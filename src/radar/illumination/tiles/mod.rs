@@ -257,7 +257,10 @@ impl SeaPlan {
             cosines: Vec::new(),
             shades: Vec::new(),
             shares: Vec::new(),
-            phasors: Phasors { keys: vec![None; facets], phasors: vec![vec![[0.0; 2]; facets]; mechanisms] },
+            phasors: Phasors {
+                keys: vec![None; facets],
+                phasors: vec![vec![[0.0; 2]; facets]; mechanisms],
+            },
             batch: Batch::boxed(mechanisms),
             places_m: [[0.0; LANES]; 2],
             drop_m: [0.0; LANES],
@@ -376,8 +379,7 @@ impl TileWork {
         let count = (span.end() - lowest + 1) as usize;
         self.shades.resize_with(count, Shade::default);
         let earth = of.frame.earth();
-        let lighting =
-            of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
+        let lighting = of.lighting(instants.first, instants.first, &self.nodes[0].emission, super::Window::UNBOUNDED);
         for (shade, number) in self.shades.iter_mut().zip(span) {
             let update = visibility.update(
                 updates,
