@@ -124,20 +124,21 @@ pub fn course(ship: &Ship) -> Course {
 impl Fleet {
     /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are reported.
     pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetErrors> {
-        Self::muster_between(ships, patches, f64::INFINITY)
+        Self::muster_between(ships, patches, f64::INFINITY, 0.0)
     }
 
-    /// The same for a patch that moves from place to place no faster than `patch_mps`: the less it can stray from these
-    /// places, the fewer waves a ship needs.
+    /// The same for a patch that moves from place to place no faster than `patch_mps` and is looked at until `held_s` after
+    /// it was there: the less it can stray from these places, the fewer waves a ship needs.
     pub fn muster_between(
         ships: &[Ship],
         patches: &[(f64, Patch)],
         patch_mps: f64,
+        held_s: f64,
     ) -> Result<Self, FleetErrors> {
         let mut fleet = Self::default();
         let mut faults = Vec::new();
         for ship in ships {
-            let enlisted = fleet.enlist(ship, patches, patch_mps);
+            let enlisted = fleet.enlist(ship, patches, patch_mps, held_s);
             faults.extend(enlisted.err().map(|source| FleetError { ship: ship.name.clone(), source }));
         }
         if faults.is_empty() { Ok(fleet) } else { Err(FleetErrors(faults)) }
@@ -150,7 +151,13 @@ impl Fleet {
         Ok(fields)
     }
 
-    fn enlist(&mut self, ship: &Ship, patches: &[(f64, Patch)], patch_mps: f64) -> Result<(), ShipError> {
+    fn enlist(
+        &mut self,
+        ship: &Ship,
+        patches: &[(f64, Patch)],
+        patch_mps: f64,
+        held_s: f64,
+    ) -> Result<(), ShipError> {
         let (hull, course) = (hull(ship)?, course(ship));
         let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
         if let (Some(kelvin), Some(&(_, Patch { facet_m, .. }))) = (&ship.kelvin, patches.first()) {
@@ -166,7 +173,7 @@ impl Fleet {
                     along_m: end_m + patch_m,
                     across_m: map::SIDE * fade_m[1] + end_m - fade_m[1] + patch_m,
                 };
-                let half_s = if moves { half_gap_s(patches, index) } else { 0.0 };
+                let half_s = if moves { half_gap_s(patches, index) + held_s } else { 0.0 };
                 let Reach { along_m, across_m } =
                     Reach::of(patch, &course, [time_s - half_s, time_s + half_s])?;
                 // Places are whole facets.
@@ -228,7 +235,7 @@ mod tests {
         let (ship, places) = passing();
         let ships = [ship];
         let anywhere = Fleet::muster(&ships, &places).unwrap();
-        let known = Fleet::muster_between(&ships, &places, 50.0).unwrap();
+        let known = Fleet::muster_between(&ships, &places, 50.0, 0.0).unwrap();
         let (many, few) = (anywhere.wakes[0].nodes().len(), known.wakes[0].nodes().len());
         assert!(few * 2 < many, "{few} {many}");
         // Both sums are of the same integral; each map errs by so much of the root sum square of its waves.
