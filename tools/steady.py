@@ -11,10 +11,10 @@ The first and the last pulses of a recording (HDF5, or a plain folder) are set s
     Doppler     PRF/(2 pi) arg sum conj(s_k) s_(k+1): the centroid, within half the PRF
 
 Samples that are not finite, pulses that are missing and flags are counted over the whole recording. With --run, nereus makes the recording
-and its resident memory is read every second: that after the first tenth of the run is compared with that at the end.
+and its resident memory is read every second: that after the first tenth of the run, or its first 20 s, is compared with that at the end.
 
 A flight that turns or climbs changes power and Doppler by itself, so these are told and not judged; --limit-db judges the power.
-Judged are: samples not finite, pulses missing, and memory that has grown by more than a tenth and 16 MiB.
+Judged are: samples not finite, pulses missing, and, of runs of a minute and more, memory that has grown by more than a tenth and 16 MiB.
 Exit 0: steady; 1: not; 2: cannot be read or made. Needs numpy and h5py; memory needs Linux.
 """
 import argparse
@@ -116,17 +116,18 @@ def resident_mib(pid):
 
 
 def make(args):
-    """Runs nereus and returns its memory over time, MiB."""
+    """Runs nereus and returns its memory as (s, MiB), and its summary."""
     command = [args.nereus, "run", args.run, "--pace", args.pace, "--out", args.out, "--json"]
     command += ["--force"] if args.force else []
     command += ["--duration-s", str(args.duration_s)] if args.duration_s else []
     command += [word for setting in args.set for word in ("--set", setting)]
-    memory, told = [], time.monotonic()
+    memory, begun = [], time.monotonic()
+    told = begun
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         while True:
             now = resident_mib(child.pid)
             if now is not None:
-                memory.append(now)
+                memory.append((time.monotonic() - begun, now))
             try:
                 child.wait(min(1.0, 0.1 * max(1, len(memory))))
                 break
@@ -134,7 +135,7 @@ def make(args):
                 pass
             if time.monotonic() - told > 60:
                 told = time.monotonic()
-                print(f"steady.py: {memory[-1]:.0f} MiB resident" if memory else "", file=sys.stderr)
+                print(f"steady.py: {memory[-1][1]:.0f} MiB resident" if memory else "", file=sys.stderr)
         summary = child.stdout.read()
         if child.returncode != 0:
             raise ValueError(f"nereus ended with {child.returncode}")
@@ -162,7 +163,7 @@ def show(result):
         )
     if "memory_mib" in result:
         early, late = result["memory_mib"]
-        print(f"resident memory {early:.1f} MiB after a tenth of the run, {late:.1f} MiB at its end")
+        print(f"resident memory {early:.1f} MiB early in the run, {late:.1f} MiB at its end")
 
 
 def main():
@@ -188,9 +189,11 @@ def main():
         print(f"steady.py: {error}", file=sys.stderr)
         return 2
     steady = result["not_finite"] == 0 and result["missing"] == 0
-    if len(memory) >= 10:
+    if memory and memory[-1][0] >= 60.0:
+        since_s = max(0.1 * memory[-1][0], 20.0)
+        early = next(mib for t, mib in memory if t >= since_s)
         # The last reading may find a process that is already going.
-        early, late = memory[len(memory) // 10], max(memory[-4:])
+        late = max(mib for _, mib in memory[-4:])
         result["memory_mib"] = [early, late]
         steady &= late - early <= max(0.1 * early, 16.0)
     if run is not None:
