@@ -1,4 +1,4 @@
-//! The whole way, on the quickstart scene: pulses per second made, and lateness of the release beside that
+//! The whole way, on the calibration scene: pulses per second made, and lateness of the release beside that
 //! of a bare absolute-sleep loop run right after it.
 //!
 //! ```text
@@ -17,19 +17,19 @@ use nereus::config::Run;
 use nereus::pipeline::build;
 use nereus::transport::Pace;
 
-fn quickstart() -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/quickstart.toml");
-    let mut run = nereus::config::load(&path, &[]).expect("the quickstart scene is good");
+fn calibration() -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/calibration.toml");
+    let mut run = nereus::config::load(&path, &[]).expect("the calibration scene is good");
     run.sinks.clear();
     run
 }
 
 fn make(criterion: &mut Criterion) {
-    let run = quickstart();
-    let stream = build::stream(&run, 0..run.scene.pulses).expect("the quickstart scene builds");
+    let run = calibration();
+    let stream = build::stream(&run, 0..run.scene.pulses).expect("the calibration scene builds");
     let factory = stream.factory();
     let (mut slot, mut work) = (factory.slot(), factory.workspace());
-    let mut group = criterion.benchmark_group("quickstart");
+    let mut group = criterion.benchmark_group("calibration");
     group.throughput(Throughput::Elements(1));
     let mut index = 0;
     group.bench_function("pulse, one thread", |bencher| {
@@ -58,13 +58,13 @@ fn bare_loop(prf_hz: f64, pulses: u32) -> [f64; 3] {
 
 fn pace() {
     for _ in 0..3 {
-        let mut run = quickstart();
+        let mut run = calibration();
         run.stream.pace = Pace::Realtime;
         let prf_hz = run.scene.radar.emissions.mean_prf_hz();
         let pulses = (5.0 * prf_hz) as u64;
         let outcome = build::stream(&run, 0..pulses)
             .and_then(|stream| stream.run(&Arc::new(AtomicBool::new(false)), None))
-            .expect("the quickstart scene runs");
+            .expect("the calibration scene runs");
         let health = outcome.summary.health;
         let late = health.lateness_us;
         let [p50, p99, worst] = bare_loop(prf_hz, pulses as u32);

@@ -13,6 +13,7 @@ pub(super) fn new(args: &NewArgs, out: &mut dyn Write) -> Result<(), CliError> {
         Template::Monostatic => include_str!("../../configs/monostatic.toml").to_owned(),
         Template::Spaceborne => include_str!("../../configs/spaceborne.toml").to_owned(),
         Template::Quickstart => include_str!("../../configs/quickstart.toml").to_owned(),
+        Template::Calibration => include_str!("../../configs/calibration.toml").to_owned(),
         Template::Sea => include_str!("../../configs/sea.toml").to_owned(),
         Template::Keys => manual::page(),
     };

@@ -134,22 +134,8 @@ impl MapFile<'_> {
 
     #[cfg(feature = "hdf5")]
     fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::file::Fault> {
-        use ::hdf5::File;
-        use ::hdf5::file::LibraryVersion;
-
         use crate::sinks::hdf5::header::{attribute, list, text};
-        let file = File::with_options()
-            .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
-            .create_excl(path)?;
-        attribute(&file, "format", &text(self.format)?)?;
-        attribute(&file, "version", &VERSION)?;
-        for (name, value) in self.attributes {
-            match value {
-                Attribute::Text(value) => attribute(&file, name, &text(value)?),
-                Attribute::Real(value) => attribute(&file, name, value),
-                Attribute::Whole(value) => attribute(&file, name, value),
-            }?;
-        }
+        let file = create(path, self.format, VERSION, self.attributes)?;
         for (axis, name, meaning) in
             [(0, "x_m", "centres of the facets, East"), (1, "y_m", "centres of the facets, North")]
         {
@@ -173,6 +159,33 @@ impl MapFile<'_> {
         file.flush()?;
         Ok(file.close()?)
     }
+}
+
+/// A new file with its root attributes.
+#[cfg(feature = "hdf5")]
+pub(super) fn create(
+    path: &Path,
+    format: &str,
+    version: u32,
+    attributes: &[(&str, Attribute)],
+) -> Result<::hdf5::File, crate::sinks::hdf5::file::Fault> {
+    use ::hdf5::File;
+    use ::hdf5::file::LibraryVersion;
+
+    use crate::sinks::hdf5::header::{attribute, text};
+    let file = File::with_options()
+        .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
+        .create_excl(path)?;
+    attribute(&file, "format", &text(format)?)?;
+    attribute(&file, "version", &version)?;
+    for (name, value) in attributes {
+        match value {
+            Attribute::Text(value) => attribute(&file, name, &text(value)?),
+            Attribute::Real(value) => attribute(&file, name, value),
+            Attribute::Whole(value) => attribute(&file, name, value),
+        }?;
+    }
+    Ok(file)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What a processor would see: pictures of maps and curves, files of maps.
+//! What a processor would see: pictures of maps and curves, files of maps and contacts.
 //!
 //! | page | holds |
 //! | --- | --- |
@@ -8,6 +8,7 @@
 //! | [`ticks`] | round numbers along an axis |
 //! | [`canvas`] | pixels, lines and letters; PNG |
 //! | [`map_file`] | several fields over one patch in an HDF5 file |
+//! | [`contact_file`] | the contacts of one pulse in an HDF5 file |
 //! | [`output`] | a file that is whole or not there |
 //!
 //! ```
@@ -28,6 +29,7 @@
 
 pub mod canvas;
 pub mod colours;
+pub mod contact_file;
 pub mod map_file;
 pub mod output;
 pub mod picture;

@@ -33,6 +33,7 @@ use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::TrackError;
 use crate::radar::fault::RadarError;
+use crate::radar::illumination::snapshot::Snapshot;
 use crate::radar::waveform;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair};
 use crate::scene::sea::{PatchPlace, Sea};
@@ -92,17 +93,22 @@ pub struct Outlook {
 }
 
 /// The power that comes and goes when a following patch moves by one row, dB below all that is heard: the worst of the first,
-/// middle and last pulse, all facets lit. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
+/// middle and last pulse, all facets lit; along an axis on which the patch lies the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
 pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
-    let last = schedule.end().saturating_sub(1);
-    let mut worst: Option<f64> = None;
-    let mut work = None;
-    for index in [schedule.first, schedule.first + schedule.count / 2, last] {
-        let work = work.get_or_insert_with(|| factory.workspace());
-        let Some(edge) = factory.patch_edge_db(index, work)? else { return Ok(None) };
-        worst = Some(worst.map_or(edge, |worst| worst.max(edge)));
+    if !factory.follows() {
+        return Ok(None);
     }
-    Ok(worst)
+    let last = schedule.end().saturating_sub(1);
+    let mut work = factory.workspace();
+    let mut snapshots = Vec::with_capacity(3);
+    for index in [schedule.first, schedule.first + schedule.count / 2, last] {
+        snapshots.extend(factory.snapshot(index, &mut work)?);
+    }
+    let first = |snapshot: &Snapshot| snapshot.patch.first;
+    let moves =
+        [0, 1].map(|axis| snapshots.windows(2).any(|two| first(&two[0])[axis] != first(&two[1])[axis]));
+    let edges = snapshots.iter().map(|snapshot| snapshot.edge_db(factory.channel_pairs(), moves));
+    Ok(edges.reduce(f64::max))
 }
 
 /// Something about a sea that the user should know.

@@ -133,14 +133,26 @@ impl PulseFactory {
         self.illumination.snapshot(index, &mut work.illumination)
     }
 
-    /// What comes and goes when a following patch moves by one row, dB below all that is heard, found at one pulse.
-    /// `None` where the patch stays, or there is no sea.
-    pub fn patch_edge_db(&self, index: u64, work: &mut Workspace) -> Result<Option<f64>, RadarError> {
-        if !self.illumination.follows() {
-            return Ok(None);
-        }
-        let snapshot = self.snapshot(index, work)?;
-        Ok(snapshot.map(|snapshot| snapshot.edge_db(self.illumination.channel_pairs())))
+    /// The contacts that the window of a pulse hears, as the reference echo takes them; the rest of the pulse but its samples is
+    /// filled in.
+    pub fn contact_list<'a>(
+        &self,
+        index: u64,
+        pulse: &mut Pulse,
+        work: &'a mut Workspace,
+    ) -> Result<&'a Contacts, RadarError> {
+        self.illumination.pulse(index, &mut work.illumination, &mut work.contacts, pulse)?;
+        Ok(&work.contacts)
+    }
+
+    /// The pair of each channel, as contacts have them.
+    pub fn channel_pairs(&self) -> &[usize] {
+        self.illumination.channel_pairs()
+    }
+
+    /// Whether there is a sea whose patch moves.
+    pub fn follows(&self) -> bool {
+        self.illumination.follows()
     }
 
     /// Memory for one thread.

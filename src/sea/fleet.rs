@@ -150,10 +150,21 @@ pub fn short_waves(ships: &[Ship], facet_m: f64, shortest_radpm: f64) -> Result<
 impl Fleet {
     /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are reported.
     pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetErrors> {
+        Self::muster_between(ships, patches, f64::INFINITY, 0.0)
+    }
+
+    /// The same for a patch that moves from place to place no faster than `patch_mps` and is looked at until `held_s` after
+    /// it was there: the less it can stray from these places, the fewer waves a ship needs.
+    pub fn muster_between(
+        ships: &[Ship],
+        patches: &[(f64, Patch)],
+        patch_mps: f64,
+        held_s: f64,
+    ) -> Result<Self, FleetErrors> {
         let mut fleet = Self::default();
         let mut faults = Vec::new();
         for ship in ships {
-            let enlisted = fleet.enlist(ship, patches);
+            let enlisted = fleet.enlist(ship, patches, patch_mps, held_s);
             faults.extend(enlisted.err().map(|source| FleetError { ship: ship.name.clone(), source }));
         }
         if faults.is_empty() { Ok(fleet) } else { Err(FleetErrors(faults)) }
@@ -166,26 +177,35 @@ impl Fleet {
         Ok(fields)
     }
 
-    fn enlist(&mut self, ship: &Ship, patches: &[(f64, Patch)]) -> Result<(), ShipError> {
+    fn enlist(
+        &mut self,
+        ship: &Ship,
+        patches: &[(f64, Patch)],
+        patch_mps: f64,
+        held_s: f64,
+    ) -> Result<(), ShipError> {
         let (hull, course) = (hull(ship)?, course(ship));
         let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
         if let (Some(kelvin), Some(&(_, Patch { facet_m, .. }))) = (&ship.kelvin, patches.first()) {
             let mut reach = Reach { along_m: 0.0, across_m: 0.0 };
             let fade_m = FADE_LENGTHS.map(|lengths| lengths * hull.length_m());
-            for &(time_s, ref patch) in patches {
-                // A patch that moves may be anywhere between two of these places, but waves are only asked for within the
-                // wake's end and the patch that touches it.
+            let moves = patches.iter().any(|(_, patch)| patch.first != patches[0].1.first);
+            for (index, &(time_s, ref patch)) in patches.iter().enumerate() {
+                // A patch that moves strays no further than its speed allows until half-way to the next place, and waves are
+                // only asked for within the wake's end and the patch that touches it.
                 let [x_m, y_m] = patch.size_m();
                 let (end_m, patch_m) = (fade_m[1] + 0.5 * hull.length_m(), x_m.hypot(y_m));
-                let Reach { along_m, across_m } = Reach::of(patch, &course, [time_s, time_s])?;
-                let moves = patches.iter().any(|(_, other)| other.first != patch.first);
                 let most = Reach {
                     along_m: end_m + patch_m,
                     across_m: map::SIDE * fade_m[1] + end_m - fade_m[1] + patch_m,
                 };
-                let wanted = if moves { most } else { Reach { along_m, across_m } };
-                reach.along_m = reach.along_m.max(wanted.along_m.min(most.along_m));
-                reach.across_m = reach.across_m.max(wanted.across_m.min(most.across_m));
+                let half_s = if moves { half_gap_s(patches, index) + held_s } else { 0.0 };
+                let Reach { along_m, across_m } =
+                    Reach::of(patch, &course, [time_s - half_s, time_s + half_s])?;
+                // Places are whole facets.
+                let stray_m = if moves { patch_mps * half_s + 2.0 * facet_m } else { 0.0 };
+                reach.along_m = reach.along_m.max((along_m + stray_m).min(most.along_m));
+                reach.across_m = reach.across_m.max((across_m + stray_m).min(most.across_m));
             }
             let settings = Settings {
                 cutoff_rad_m: kelvin.band_limit_radpm,
@@ -203,5 +223,61 @@ impl Fleet {
             self.strips.push(Strip { strip, course, wind_ratio: turbulent.wind_ratio });
         }
         Ok(())
+    }
+}
+
+/// Half the time to the furthest neighbour of a place, s.
+fn half_gap_s(patches: &[(f64, Patch)], index: usize) -> f64 {
+    let time_s = |index: usize| patches.get(index).map(|(time_s, _)| *time_s);
+    let before = index.checked_sub(1).and_then(time_s);
+    let gap_s = |other: Option<f64>| other.map_or(0.0, |other| (other - patches[index].0).abs());
+    0.5 * gap_s(before).max(gap_s(time_s(index + 1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::ship::{KelvinWake, TurbulentWake};
+
+    /// A patch that flies past a ship at 50 m/s, at 2 of the places between which it moves, and the ship.
+    fn passing() -> (Ship, Vec<(f64, Patch)>) {
+        let ship = Ship {
+            name: "tug".into(),
+            hull: HullGiven::Wigley { beam_m: 8.0, draught_m: 2.5 },
+            length_m: Some(50.0),
+            position_m: [0.0, 0.0],
+            heading_rad: 0.0,
+            speed_mps: 6.0,
+            kelvin: Some(KelvinWake::default()),
+            turbulent: Some(TurbulentWake::default()),
+            echo: false,
+        };
+        let patch = |x_m: f64| Patch::new([64.0, 48.0], 2.0, [x_m, 0.0]).unwrap();
+        (ship, (0..=4).map(|place| (f64::from(place), patch(50.0 * f64::from(place) - 150.0))).collect())
+    }
+
+    #[test]
+    fn a_known_way_needs_fewer_waves_of_the_same_sum() {
+        let (ship, places) = passing();
+        let ships = [ship];
+        let anywhere = Fleet::muster(&ships, &places).unwrap();
+        let known = Fleet::muster_between(&ships, &places, 50.0, 0.0).unwrap();
+        let (many, few) = (anywhere.wakes[0].nodes().len(), known.wakes[0].nodes().len());
+        assert!(few * 2 < many, "{few} {many}");
+        // Both sums are of the same integral; each map errs by so much of the root sum square of its waves.
+        let rss_m = |fleet: &Fleet| {
+            fleet.wakes[0].nodes().iter().map(|node| node.amplitude_m.norm_sqr()).sum::<f64>().sqrt()
+        };
+        let allowed_m = 10f64.powf(MAP_ERROR_DB / 20.0) * (rss_m(&anywhere) + rss_m(&known));
+        // Between the places too.
+        for quarter in 0..=16 {
+            let time_s = 0.25 * f64::from(quarter);
+            let patch = Patch::new([64.0, 48.0], 2.0, [50.0 * time_s - 150.0, 0.0]).unwrap();
+            let of = |fleet: &Fleet| fleet.waves(&patch, Selection::HEIGHT, time_s).unwrap().height_m;
+            let (a, b) = (of(&anywhere), of(&known));
+            let apart = a.iter().zip(&b).fold(0f64, |most, (a, b)| most.max((a - b).abs()));
+            println!("{time_s} s: {apart:.1e} m, {allowed_m:.1e} m allowed");
+            assert!(apart <= allowed_m);
+        }
     }
 }

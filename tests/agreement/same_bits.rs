@@ -10,7 +10,7 @@ use nereus::time::TimeTag;
 
 /// Runs a scenario and keeps every pulse.
 fn pulses(threads: usize, range: std::ops::Range<u64>) -> Vec<Pulse> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/quickstart.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/calibration.toml");
     let overrides = [
         ("stream.threads".to_owned(), threads.to_string()),
         ("stream.pace".to_owned(), "\"fast\"".to_owned()),

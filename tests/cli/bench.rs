@@ -89,8 +89,8 @@ fn bench_as_text_and_without_error() {
 #[test]
 fn bench_of_targets_alone() {
     let folder = tempfile::tempdir().unwrap();
-    let quickstart = package().join("configs/quickstart.toml").display().to_string();
-    let ended = nereus(folder.path(), &["bench", &quickstart, "--pulses", "50", "--json"]);
+    let calibration = package().join("configs/calibration.toml").display().to_string();
+    let ended = nereus(folder.path(), &["bench", &calibration, "--pulses", "50", "--json"]);
     let report = json(&ended);
     assert_eq!((&report["facets"], &report["settings"]["echo"]), (&0.into(), &"reference".into()));
     assert!(number(&report, "contacts") >= 1.0 && number(&report, "rel_rms_db") <= -200.0);

@@ -44,7 +44,7 @@ fn templates_that_stand_alone_check_anywhere() {
 
 #[test]
 fn templates_are_the_scenarios_of_the_repository() {
-    for kind in ["coastal", "monostatic", "spaceborne", "quickstart", "sea"] {
+    for kind in ["coastal", "monostatic", "spaceborne", "quickstart", "calibration", "sea"] {
         let printed = nereus(package(), &["new", kind]).stdout;
         let file = fs::read_to_string(package().join(format!("configs/{kind}.toml"))).unwrap();
         assert_eq!(printed, file);
@@ -54,7 +54,7 @@ fn templates_are_the_scenarios_of_the_repository() {
 #[test]
 fn check_prints_one_json_object() {
     let ended =
-        nereus(package(), &["check", "configs/quickstart.toml", "--json", "--set", "scene.duration_s=2"]);
+        nereus(package(), &["check", "configs/calibration.toml", "--json", "--set", "scene.duration_s=2"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert_eq!(ended.stdout.lines().count(), 1);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();

@@ -6,6 +6,7 @@ mod inspection;
 #[cfg(feature = "hdf5")]
 mod oracle;
 mod program;
+mod python_tools;
 mod readme;
 mod running;
 mod sea;

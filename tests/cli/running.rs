@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::program::{nereus, package};
 
-fn quickstart() -> String {
-    package().join("configs/quickstart.toml").display().to_string()
+fn calibration() -> String {
+    package().join("configs/calibration.toml").display().to_string()
 }
 
 fn json(stdout: &str) -> serde_json::Value {
@@ -22,7 +22,7 @@ const RECORDING: &str = if cfg!(feature = "hdf5") { "h5" } else { "plain" };
 fn a_run_says_what_it_did_in_json() {
     let folder = tempfile::tempdir().unwrap();
     let out = format!("run.{RECORDING}");
-    let run = ["run", &quickstart(), "--pace", "fast", "--pulses", "10..40", "--out", &out, "--json"];
+    let run = ["run", &calibration(), "--pace", "fast", "--pulses", "10..40", "--out", &out, "--json"];
     let ended = nereus(folder.path(), &run);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let summary = json(&ended.stdout);
@@ -51,7 +51,7 @@ fn a_run_says_what_it_did_in_json() {
 #[test]
 fn pulses_that_the_run_does_not_have_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let ended = nereus(folder.path(), &["run", &quickstart(), "--pulses", "10..4000", "--out", "x.plain"]);
+    let ended = nereus(folder.path(), &["run", &calibration(), "--pulses", "10..4000", "--out", "x.plain"]);
     assert_eq!(ended.code, 2);
     assert!(ended.stderr.contains("10..4000") && ended.stderr.contains("0..2220"), "{}", ended.stderr);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is half-written");
@@ -71,7 +71,7 @@ fn faults_of_tracks_and_outputs_are_told_together() {
         folder.path(),
         &[
             "run",
-            &quickstart(),
+            &calibration(),
             "--set",
             &path,
             "--out",
@@ -91,7 +91,7 @@ fn a_track_that_ends_before_the_run_does_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let ended = nereus(
         folder.path(),
-        &["run", &quickstart(), "--duration-s", "1000", "--out", &format!("x.{RECORDING}")],
+        &["run", &calibration(), "--duration-s", "1000", "--out", &format!("x.{RECORDING}")],
     );
     assert_eq!(ended.code, 2, "{}", ended.stderr);
     assert!(ended.stderr.contains("missing at the end"), "{}", ended.stderr);
@@ -105,7 +105,7 @@ fn ctrl_c_closes_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("stopped.plain");
     let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", &quickstart(), "--set", "sink.0.kind=\"plain\"", "--out"])
+        .args(["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out"])
         .arg(&out)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -136,7 +136,7 @@ fn shards_merge_to_the_whole_run() {
         let threads = format!("stream.threads={threads}");
         let ended = nereus(
             folder.path(),
-            &["run", &quickstart(), "--pace", "fast", "--pulses", pulses, "--out", out, "--set", &threads],
+            &["run", &calibration(), "--pace", "fast", "--pulses", pulses, "--out", out, "--set", &threads],
         );
         assert_eq!(ended.code, 0, "{}", ended.stderr);
     };
@@ -225,7 +225,7 @@ fn a_recording_under_way_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("live.h5");
     let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", &quickstart(), "--duration-s", "3", "--out"])
+        .args(["run", &calibration(), "--duration-s", "3", "--out"])
         .arg(&out)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -237,7 +237,7 @@ fn a_recording_under_way_is_not_overwritten() {
         assert!(begun.elapsed() < Duration::from_secs(20), "no recording came");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let again = ["run", &quickstart(), "--pulses", "0..5", "--pace", "fast", "--force", "--out", "live.h5"];
+    let again = ["run", &calibration(), "--pulses", "0..5", "--pace", "fast", "--force", "--out", "live.h5"];
     let ended = nereus(folder.path(), &again);
     assert_eq!(ended.code, 2, "{}", ended.stderr);
     assert!(ended.stderr.contains("a run is writing it"), "{}", ended.stderr);

@@ -88,3 +88,61 @@ fn wrong_input_is_named() {
     let ended = nereus(folder.path(), &["snapshot", coastal.to_str().unwrap()]);
     assert!(ended.code == 2 && ended.stderr.contains("no [sea]"), "{}", ended.stderr);
 }
+
+/// Contacts of a scenario of two targets, no sea.
+#[cfg(feature = "hdf5")]
+#[test]
+fn contacts_are_those_of_the_pulse() {
+    let folder = tempfile::tempdir().unwrap();
+    let coastal = package().join("configs/coastal.toml").display().to_string();
+    let ask = ["snapshot", &coastal, "--pulse", "137", "--contacts", "c.h5", "--json"];
+    let ended = nereus(folder.path(), &ask);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    assert_eq!((&report["contact_count"], &report["facets"]), (&2.into(), &0.into()));
+    let ended =
+        nereus(folder.path(), &["run", &coastal, "--pace", "fast", "--pulses", "137..139", "--out", "r.h5"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+
+    let open = |name: &str| hdf5::File::open(folder.path().join(name)).unwrap();
+    let (file, run) = (open("c.h5"), open("r.h5"));
+    let number = |name: &str| file.attr(name).unwrap().read_scalar::<f64>().unwrap();
+    assert_eq!((number("carrier_hz"), number("sample_rate_hz")), (10e9, 100e6));
+    assert_eq!((number("bandwidth_hz"), number("pulse_s")), (60e6, 0.333e-6));
+    assert_eq!(file.attr("pulse").unwrap().read_scalar::<u64>().unwrap(), 137);
+    let read = |file: &hdf5::File, name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    assert_eq!(number("window_start_s"), read(&run, "pulse/window_start_s")[0]);
+    // What the recording has as truth, two pulses of one pair and two targets.
+    let truth = read(&run, "truth/delay_s");
+    let delay_s = read(&file, "delay_s");
+    assert_eq!(file.dataset("delay_s").unwrap().shape(), [1, 2]);
+    assert_eq!(delay_s, truth[..2]);
+    // The rate is the delay's: a difference over 1/222 s of a delay of 24 us, whose last digit is 3e-21 s, misses it by half the
+    // interval times the rate of the rate, v^2/(R c) = 6e-8/s here at most.
+    let rate = read(&file, "delay_rate");
+    for (target, rate) in rate.iter().enumerate() {
+        let difference = (truth[2 + target] - truth[target]) * 222.0;
+        assert!((rate - difference).abs() < 6e-8 / 444.0, "{rate} {difference}");
+    }
+    let amplitude_of = file.dataset("amplitude").unwrap();
+    assert_eq!(amplitude_of.shape(), [4, 2]);
+    let amplitude = amplitude_of.read_raw::<num_complex::Complex<f64>>().unwrap();
+    // The sphere (the first one) turns no polarisation: HV next to nothing beside HH.
+    assert!(amplitude[0].norm() > 0.0 && amplitude[2].norm() < 0.2 * amplitude[0].norm(), "{amplitude:?}");
+    assert_eq!(read(&file, "emission_offset_s"), [0.0, 0.0]);
+    drop((amplitude_of, file, run));
+    // A second time only by force, and never without being asked for a file.
+    assert_eq!(nereus(folder.path(), &ask).code, 2);
+    assert_eq!(nereus(folder.path(), &[&ask[..], &["--force"]].concat()).code, 0);
+    let mapped = nereus(folder.path(), &[&ask[..5], &["d.h5", "--png", "d.png"]].concat());
+    assert!(mapped.code == 2 && mapped.stderr.contains("no [sea]"), "{}", mapped.stderr);
+}
+
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn contacts_ask_for_hdf5() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = snapshot(folder.path(), &["--contacts", "c.h5"]);
+    assert_eq!(ended.code, 2);
+    assert!(ended.stderr.contains("no HDF5 (feature `hdf5`): c.h5"), "{}", ended.stderr);
+}

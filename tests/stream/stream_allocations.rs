@@ -98,7 +98,7 @@ fn counted_run() {
     }
 }
 
-/// The whole way, generation included: the quickstart scene and a sea on two workers, fast, then in real time.
+/// The whole way, generation included: the calibration scene and a sea on two workers, fast, then in real time.
 #[test]
 fn making_pulses_allocates_nothing() {
     in_a_process_of_its_own("counted_pipeline");
@@ -107,7 +107,7 @@ fn making_pulses_allocates_nothing() {
 #[test]
 #[ignore = "run by making_pulses_allocates_nothing in a process of its own"]
 fn counted_pipeline() {
-    counted_scenario("quickstart.toml", &[]);
+    counted_scenario("calibration.toml", &[]);
     // A moving sea in blocks, slick and shadows included, long enough for many blocks.
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::imaging::canvas::PngError;
+use crate::imaging::contact_file::ContactFileError;
 use crate::imaging::map_file::MapError;
 use crate::imaging::output::OutputError;
 use crate::imaging::picture::PictureError;
@@ -57,7 +58,7 @@ pub enum SeaError {
         pulses: u64,
     },
     /// An HDF5 file asked of a build without HDF5.
-    #[error("this build has no HDF5 (feature `hdf5`): --out {} cannot be made; allowed: --png, --save-state", out.display())]
+    #[error("this build has no HDF5 (feature `hdf5`): {} cannot be made; allowed: --png, --save-state", out.display())]
     NoHdf5 {
         /// What was asked.
         out: PathBuf,
@@ -74,6 +75,9 @@ pub enum SeaError {
     /// The map cannot be written.
     #[error(transparent)]
     Map(#[from] MapError),
+    /// The contacts cannot be written.
+    #[error(transparent)]
+    Contacts(#[from] ContactFileError),
     /// The state cannot be written.
     #[error(transparent)]
     State(#[from] StateError),
@@ -103,7 +107,7 @@ impl SeaError {
             | Self::Plot(_)
             | Self::Picture(_) => 2,
             Self::File(error) if error.is_wrong_input() => 2,
-            Self::File(_) | Self::Map(_) | Self::State(_) | Self::Png(_) => 1,
+            Self::File(_) | Self::Map(_) | Self::Contacts(_) | Self::State(_) | Self::Png(_) => 1,
         }
     }
 }

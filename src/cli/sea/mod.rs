@@ -5,6 +5,7 @@
 //! [`map_file`](crate::imaging::map_file) with format `nereus-sea`, [`picture`](crate::imaging::picture),
 //! [`state`](crate::sea::surface::state).
 
+mod contacts;
 mod error;
 pub(super) mod field;
 pub mod snapshot;

@@ -4,6 +4,9 @@
 //! of the pulse, whatever its receive window hears of it. Facets that return nothing (behind an antenna, hidden, turned
 //! away) are masked. The HDF5 file has the contributions of all channels, delays, Doppler, heights, and whether the window hears a
 //! facet.
+//!
+//! `--contacts` writes what the echo of the pulse is made of, facets, targets and direct paths alike
+//! ([`contact_file`](crate::imaging::contact_file)); for that alone the scenario needs no sea.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -15,7 +18,7 @@ use super::super::args::Setting;
 use super::super::error::CliError;
 use super::super::run::overrides;
 use super::super::say;
-use super::{SeaError, axes, outputs, save_png};
+use super::{SeaError, axes, contacts, outputs, save_png};
 use crate::config::{self, Run};
 use crate::imaging::colours::ColourMap;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
@@ -41,6 +44,9 @@ pub struct SnapshotArgs {
     /// Map to make: contributions of all channels, delays, Doppler, heights (HDF5)
     #[arg(long, value_name = "PATH.h5")]
     pub out: Option<PathBuf>,
+    /// Contacts of the pulse to write: delays, rates, amplitudes of every channel (HDF5)
+    #[arg(long, value_name = "PATH.h5")]
+    pub contacts: Option<PathBuf>,
     /// Picture to make
     #[arg(long, value_name = "PATH.png")]
     pub png: Option<PathBuf>,
@@ -68,6 +74,9 @@ struct Report {
     channels: Vec<(String, Option<f64>, Option<f64>)>,
     out: Option<PathBuf>,
     png: Option<PathBuf>,
+    contacts: Option<PathBuf>,
+    /// How many there are in that file.
+    contact_count: Option<usize>,
 }
 
 /// Makes the files that the arguments ask for, and tells what is lit.
@@ -77,8 +86,10 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
         say(format_args!("warning: {warning}"));
     }
     let scene = &run.scene;
-    if scene.sea.is_none() {
-        return Err(SeaError::NoSea { path: args.config.clone() }.into());
+    let no_sea = || SeaError::NoSea { path: args.config.clone() };
+    let mapped = args.out.is_some() || args.png.is_some();
+    if scene.sea.is_none() && (mapped || args.contacts.is_none()) {
+        return Err(no_sea().into());
     }
     let names: Vec<&str> = scene.radar.channels.iter().map(|channel| channel.name.as_str()).collect();
     let shown = match &args.channel {
@@ -91,25 +102,31 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     if args.pulse >= scene.pulses {
         return Err(SeaError::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
     }
-    let [map, picture] = outputs([(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png)], args.force)?;
+    let asked = [&args.out, &args.contacts, &args.png];
+    let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
+    let [map, list, picture] = outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.force)?;
     let (tracks, _) = build::tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
     let factory = build::factory(scene, tracks)?;
     let made = factory.snapshot(args.pulse, &mut factory.workspace());
     // The pulse is in the run and the tracks cover it.
-    let Some(snapshot) = made.map_err(|error| build::BuildErrors::from(build::BuildError::Radar(error)))?
-    else {
-        return Err(SeaError::NoSea { path: args.config.clone() }.into());
-    };
-    let report = report(args, &names, &snapshot);
-    tell(&report);
-    if let Some(output) = map {
-        write_map(output, &run, &names, &snapshot)?;
+    let snapshot = made.map_err(|error| build::BuildErrors::from(build::BuildError::Radar(error)))?;
+    let mut report = report(args, &names, snapshot.as_ref());
+    if let Some(snapshot) = &snapshot {
+        tell(&report);
+        if let Some(output) = map {
+            write_map(output, &run, &names, snapshot)?;
+        }
+        if let Some(output) = picture {
+            draw(output, names[shown], snapshot, shown)?;
+        }
     }
-    if let Some(output) = picture {
-        draw(output, names[shown], &snapshot, shown)?;
+    if let Some(output) = list {
+        let count = contacts::write(output, &run, &factory, args.pulse)?;
+        say(format_args!("pulse {}: {count} contacts", args.pulse));
+        report.contact_count = Some(count);
     }
-    if args.out.is_none() && args.png.is_none() {
-        say("no file was asked for: --out, --png");
+    if !mapped && args.contacts.is_none() {
+        say("no file was asked for: --out, --png, --contacts");
     }
     if args.json {
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
@@ -118,7 +135,22 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     Ok(())
 }
 
-fn report(args: &SnapshotArgs, names: &[&str], snapshot: &Snapshot) -> Report {
+fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> Report {
+    let (out, png, contacts) = (args.out.clone(), args.png.clone(), args.contacts.clone());
+    let Some(snapshot) = snapshot else {
+        let (pulse, channels) = (args.pulse, Vec::new());
+        return Report {
+            pulse,
+            facets: 0,
+            lit: 0,
+            heard: 0,
+            channels,
+            out,
+            png,
+            contacts,
+            contact_count: None,
+        };
+    };
     let lit = |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
     let lit: Vec<usize> = (0..snapshot.patch.len()).filter(lit).collect();
     let heard = lit.iter().filter(|&&facet| snapshot.heard.iter().any(|pair| pair[facet])).count();
@@ -137,8 +169,10 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: &Snapshot) -> Report {
         lit: lit.len(),
         heard,
         channels,
-        out: args.out.clone(),
-        png: args.png.clone(),
+        out,
+        png,
+        contacts,
+        contact_count: None,
     }
 }
 

@@ -174,7 +174,7 @@ impl SeaPlan {
             realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
-        let fleet = Fleet::muster(&scene.ships, &patches)
+        let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.block_s)
             .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
             .ok();
         Self::build(scene, sea, realised?, fleet?, run, margin)

@@ -44,8 +44,8 @@ impl Snapshot {
     /// Power of the heard facets along the edge of the patch over that of all heard facets, dB, in the worst channel:
     /// what comes and goes when the patch moves by one row. Negative infinity where nothing is heard.
     ///
-    /// `pair_of` is the pair of each channel.
-    pub fn edge_db(&self, pair_of: &[usize]) -> f64 {
+    /// `pair_of` is the pair of each channel; `moves` tells along which axes (East, North) the patch moves at all.
+    pub fn edge_db(&self, pair_of: &[usize], moves: [bool; 2]) -> f64 {
         let [nx, ny] = self.patch.facets;
         let channels = self.amplitude.iter().zip(pair_of);
         channels
@@ -54,7 +54,7 @@ impl Snapshot {
                 for (facet, a) in amplitude.iter().enumerate().filter(|&(facet, _)| self.heard[pair][facet]) {
                     let (ix, iy) = (facet % nx, facet / nx);
                     all += a.norm_sqr();
-                    if ix == 0 || iy == 0 || ix + 1 == nx || iy + 1 == ny {
+                    if moves[0] && (ix == 0 || ix + 1 == nx) || moves[1] && (iy == 0 || iy + 1 == ny) {
                         edge += a.norm_sqr();
                     }
                 }
@@ -115,5 +115,39 @@ impl Illumination {
         .map_err(|failure| self.sea_error(index, failure))?;
         snapshot.height_m = work.heights_m().to_vec();
         Ok(Some(snapshot))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_edges_that_move_come_and_go() {
+        // 4 x 3 facets of power 1, but for those of the corners, which are silent; one that the window does not hear.
+        let one = Complex64::ONE;
+        let mut amplitude = vec![one; 12];
+        for corner in [0, 3, 8, 11] {
+            amplitude[corner] = Complex64::ZERO;
+        }
+        let mut heard = vec![true; 12];
+        heard[1] = false;
+        let snapshot = Snapshot {
+            index: 0,
+            time: TimeTag::default(),
+            window_start_s: 0.0,
+            patch: Patch::new([4.0, 3.0], 1.0, [0.0, 0.0]).unwrap(),
+            height_m: vec![0.0; 12],
+            delay_s: vec![vec![0.0; 12]],
+            delay_rate: vec![vec![0.0; 12]],
+            amplitude: vec![amplitude],
+            heard: vec![heard],
+        };
+        // 7 are heard: 2 in the outer columns, 3 in the outer rows, 2 within.
+        let share = |moves: [bool; 2]| 10f64.powf(snapshot.edge_db(&[0], moves) / 10.0) * 7.0;
+        assert_eq!(snapshot.edge_db(&[0], [false, false]), f64::NEG_INFINITY);
+        for (moves, facets) in [([true, false], 2.0), ([false, true], 3.0), ([true, true], 5.0)] {
+            assert!((share(moves) - facets).abs() < 1e-12, "{moves:?}");
+        }
     }
 }

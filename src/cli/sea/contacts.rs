@@ -1,0 +1,64 @@
+//! `nereus snapshot --contacts`: the contacts that the window of a pulse hears, as the reference echo takes them.
+
+use super::super::error::CliError;
+use super::SeaError;
+use crate::config::Run;
+use crate::imaging::contact_file::ContactFile;
+use crate::imaging::map_file::Attribute;
+use crate::imaging::output::Output;
+use crate::pipeline::build::{BuildError, BuildErrors};
+use crate::pipeline::stages::PulseFactory;
+use crate::scene::radar::{Sweep, Waveform};
+
+/// Writes the file and tells how many contacts it holds.
+pub(super) fn write(
+    output: Output,
+    run: &Run,
+    factory: &PulseFactory,
+    index: u64,
+) -> Result<usize, CliError> {
+    let (mut pulse, mut work) = (factory.slot(), factory.workspace());
+    let contacts = factory
+        .contact_list(index, &mut pulse, &mut work)
+        .map_err(|error| BuildErrors::from(BuildError::Radar(error)))?;
+    let radar = &run.scene.radar;
+    let pair = |pair: &crate::scene::radar::Pair| {
+        let (tx, rx) = (&radar.transmitters[pair.transmitter].name, &radar.receivers[pair.receiver].name);
+        format!("{tx}/{rx}")
+    };
+    let pairs: Vec<String> = radar.pairs().iter().map(pair).collect();
+    let channels: Vec<String> = radar.channels.iter().map(|channel| channel.name.clone()).collect();
+    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
+    let mut attributes = vec![
+        ("software", Attribute::Text(&software)),
+        ("config", Attribute::Text(&run.text)),
+        ("seed", Attribute::Whole(run.scene.seed)),
+        ("pulse", Attribute::Whole(index)),
+        ("carrier_hz", Attribute::Real(radar.carrier_hz)),
+        ("sample_rate_hz", Attribute::Real(radar.sample_rate_hz)),
+        ("prf_hz", Attribute::Real(radar.emissions.mean_prf_hz())),
+        ("window_start_s", Attribute::Real(pulse.window_start_s)),
+        ("samples", Attribute::Whole(radar.window.samples as u64)),
+    ];
+    match &radar.waveform {
+        Waveform::Lfm { bandwidth_hz, duration_s, sweep } => attributes.extend([
+            ("waveform", Attribute::Text("lfm")),
+            ("bandwidth_hz", Attribute::Real(*bandwidth_hz)),
+            ("pulse_s", Attribute::Real(*duration_s)),
+            ("sweep", Attribute::Text(if matches!(sweep, Sweep::Up) { "up" } else { "down" })),
+        ]),
+        Waveform::Samples { rate_hz, .. } => attributes.extend([
+            ("waveform", Attribute::Text("samples")),
+            ("waveform_rate_hz", Attribute::Real(*rate_hz)),
+        ]),
+    }
+    let file = ContactFile {
+        attributes: &attributes,
+        pairs: &pairs,
+        channels: &channels,
+        channel_pairs: factory.channel_pairs(),
+        contacts,
+    };
+    output.write(|partial| Ok::<_, SeaError>(file.write(partial)?))?;
+    Ok(contacts.len())
+}

@@ -1,0 +1,118 @@
+//! `tools/baseline.py` and `tools/steady.py`, on recordings of a few pulses.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::program::{nereus, package};
+
+/// A tool under python3; `None`, and a line that says so, where python3 or a module is missing.
+fn tool(name: &str, modules: &str, arguments: &[&str], folder: &Path) -> Option<Output> {
+    let can = Command::new("python3").args(["-c", &format!("import {modules}")]).output();
+    if !can.is_ok_and(|ended| ended.status.success()) {
+        println!("skipped: no python3 with {modules}");
+        return None;
+    }
+    let mut command = Command::new("python3");
+    // Loops of so few contacts are faster interpreted than compiled. Modules of the folder go first.
+    command.env("NUMBA_DISABLE_JIT", "1").env("PYTHONPATH", folder).env("PYTHONDONTWRITEBYTECODE", "1");
+    Some(
+        command.arg(package().join("tools").join(name)).args(arguments).current_dir(folder).output().unwrap(),
+    )
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn baseline_agrees_with_the_recording_and_is_timed() {
+    let folder = tempfile::tempdir().unwrap();
+    let sea = package().join("configs/sea.toml").display().to_string();
+    // The beam passes over the patch in the middle of the run.
+    let small = ["--config", &sea, "--set", "scene.patch_size_m=[16, 16]", "--pulse", "55", "--nereus"];
+    let few = [env!("CARGO_BIN_EXE_nereus"), "--counts", "50,all", "--repeats", "1", "--json"];
+    let arguments = [&small[..], &few].concat();
+    let modules = "numpy, h5py, tomllib";
+    let Some(ended) = tool("baseline.py", modules, &arguments, folder.path()) else { return };
+    let said = text(&ended.stdout);
+    assert!(ended.status.success(), "{said}{}", text(&ended.stderr));
+    let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
+    // 256 facets and a buoy.
+    assert_eq!(report["contacts"], 257);
+    let error = |way: &str, of: &str| report["error_db"][way][of].as_f64();
+    // What the receive filter takes from one chirp of 60 MHz is -20.3 dB of it. Here the echoes of a few resolution cells of
+    // random phase add up, so that the share scatters from pulse to pulse: 6 dB are left to it.
+    for way in ["numpy chirp", "numba chirp"] {
+        for of in ["recorded", "reference"] {
+            assert!(error(way, of).is_none_or(|db| (-26.3..-14.3).contains(&db)), "{way} {of}: {report}");
+        }
+    }
+    assert!(error("numpy chirp", "reference").is_some());
+    // Eight times the rate leaves the images beyond 750 MHz: the spectrum of a cut chirp falls as 1/f, which is -41 dB.
+    assert!(error("numba chirp x8", "reference").is_none_or(|db| db < -35.0), "{report}");
+    // Five cells leave -90 dB, Doppler by a shift less than -80 dB in this scene.
+    assert!(error("numba grid", "reference").is_none_or(|db| db < -75.0), "{report}");
+    for count in ["50", "257"] {
+        assert!(report["seconds"][count]["numpy chirp"].as_f64().unwrap() > 0.0);
+        assert!(report["nereus"][count]["seconds"].as_f64().unwrap() > 0.0);
+    }
+
+    // Without numba what is left is told.
+    fs::write(folder.path().join("numba.py"), "raise ImportError('none')").unwrap();
+    let bare = [&arguments[..arguments.len() - 1], &["--no-bench"]].concat();
+    let ended = tool("baseline.py", modules, &bare, folder.path()).unwrap();
+    let said = text(&ended.stdout);
+    assert!(
+        ended.status.success() && said.contains("numba is absent") && !said.contains("numba grid"),
+        "{said}"
+    );
+}
+
+#[test]
+fn steady_tells_a_recording_that_changes_from_one_that_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let calibration = package().join("configs/calibration.toml").display().to_string();
+    let set = "sink.0.kind=\"plain\"";
+    let run = ["run", &calibration, "--pace", "fast", "--pulses", "0..400", "--set", set, "--out", "r.plain"];
+    let ended = nereus(folder.path(), &run);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let judged = || tool("steady.py", "numpy", &["r.plain", "--limit-db", "0.5", "--json"], folder.path());
+    let Some(ended) = judged() else { return };
+    let said = text(&ended.stdout);
+    assert!(ended.status.success(), "{said}{}", text(&ended.stderr));
+    let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
+    assert_eq!(
+        (&report["pulses"], &report["compared"], &report["missing"]),
+        (&400.into(), &200.into(), &0.into())
+    );
+    for channel in report["channels"].as_array().unwrap() {
+        // Noise of 3 dB over 87.5 MHz: k T0 B F = -204.0 + 79.4 + 3.0 dBW, and the targets' echo, some 1 % of it.
+        let power_dbw = channel["first_dbw"].as_f64().unwrap();
+        assert!((power_dbw + 121.55).abs() < 0.1, "{channel}");
+        // Thermal noise: 2, and its deviation is sqrt(20/N) of 200 x 512 samples.
+        assert!((channel["kurtosis"][0].as_f64().unwrap() - 2.0).abs() < 0.06, "{channel}");
+    }
+
+    // The second half twice as strong.
+    let file = folder.path().join("r.plain/iq.bin");
+    let mut bytes = fs::read(&file).unwrap();
+    let from = bytes.len() / 2;
+    for sample in bytes[from..].chunks_exact_mut(4) {
+        let value = f32::from_le_bytes(sample.try_into().unwrap());
+        sample.copy_from_slice(&(2.0 * value).to_le_bytes());
+    }
+    fs::write(&file, &bytes).unwrap();
+    assert_eq!(judged().unwrap().status.code(), Some(1));
+    // One sample that is none, in the middle, judged without a limit.
+    fs::write(&file, {
+        let middle = bytes.len() / 2 / 4 * 4;
+        bytes[middle..middle + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+        &bytes
+    })
+    .unwrap();
+    let ended = tool("steady.py", "numpy", &["r.plain", "--json"], folder.path()).unwrap();
+    let report: serde_json::Value = serde_json::from_str(text(&ended.stdout).trim()).unwrap();
+    assert_eq!((ended.status.code(), &report["not_finite"]), (Some(1), &1.into()), "{report}");
+}
