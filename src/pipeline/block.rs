@@ -7,7 +7,7 @@
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of
 //! its own, and nothing is interpolated.
 //!
-//! The patch of a block is that at its first pulse. A block depends on its number and the run alone, so any thread may make
+//! A patch that follows stays for some pulses ([`Illumination::hold_pulses`]), and blocks divide these. A block depends on its number and the run alone, so any thread may make
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
 
 use std::ops::Range;
@@ -31,7 +31,7 @@ use crate::scattering::contact::Contacts;
 const LEAST_POWER: f64 = 3e-8;
 
 /// Pulses of a block whose nodes are so many pulses apart.
-pub(super) fn block_pulses(spacing: u64) -> u64 {
+fn block_pulses(spacing: u64) -> u64 {
     (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
 }
 
@@ -62,7 +62,7 @@ fn looks(nodes: &[usize], each: usize) -> ([usize; LOOKS], usize) {
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
     synth: Synth<f32>,
-    spacing: u64,
+    length: u64,
     gain_pulses: usize,
     looks_per_node: usize,
     pulses: u64,
@@ -100,20 +100,25 @@ impl BlockEcho {
         gain_pulses: u64,
         scatter_pulses: u64,
         pulses: u64,
+        hold_pulses: Option<u64>,
         interval_s: f64,
     ) -> Result<Self, SynthError> {
         let block = usize::try_from(block_pulses(spacing)).unwrap_or(usize::MAX);
         if block > MAX_PULSES {
             return Err(SynthError::Pulses { pulses: block });
         }
+        // A patch that follows moves between blocks only.
+        let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
+        let length =
+            hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1));
         let gain_pulses = usize::try_from(gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
         let looks_per_node = spacing.div_ceil(scatter_pulses.max(1)).clamp(1, LOOKS_PER_NODE as u64) as usize;
-        Ok(Self { synth, spacing: spacing.max(1), gain_pulses, looks_per_node, pulses, interval_s })
+        Ok(Self { synth, length, gain_pulses, looks_per_node, pulses, interval_s })
     }
 
     /// Pulses of a block.
     pub fn block_pulses(&self) -> u64 {
-        block_pulses(self.spacing)
+        self.length
     }
 
     pub fn fft_len(&self) -> usize {
@@ -188,7 +193,7 @@ impl BlockEcho {
         let heard = nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.spacing == 1 || !illumination.hears_itself(&heard, light)? {
+        if self.length == 1 || !illumination.hears_itself(&heard, light)? {
             // A pulse by itself: exact contacts, one node.
             let contacts = &mut work.nodes[0];
             illumination.pulse(index, light, contacts, pulse)?;

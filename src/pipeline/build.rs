@@ -46,7 +46,7 @@ use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
-use super::block::{BlockEcho, block_pulses};
+use super::block::BlockEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
@@ -232,11 +232,7 @@ pub fn factory_of(
 ) -> Result<PulseFactory, BuildErrors> {
     let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
-    let block = match fidelity {
-        Fidelity::Reference => 1,
-        Fidelity::Fast { node_pulses, .. } => block_pulses(*node_pulses),
-    };
-    let illumination = Illumination::in_blocks(scene, waveform.duration_s(), tracks, block)?;
+    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
     let radar = &scene.radar;
     let (carrier_hz, sample_rate_hz, samples) =
         (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
@@ -259,6 +255,7 @@ pub fn factory_of(
                 gain_pulses,
                 scatter_pulses,
                 scene.pulses,
+                illumination.hold_pulses(),
                 interval_s,
             )?))
         }

@@ -168,6 +168,7 @@ pub struct Illumination {
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
     axes_span_s: f64,
+    hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
 }
 
@@ -187,17 +188,6 @@ impl Illumination {
     /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
     /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
     pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
-        Self::in_blocks(scene, pulse_length_s, tracks, 1)
-    }
-
-    /// The same for pulses that are made so many together ([`Self::node`]): where the sea's patch follows, shadows
-    /// reach as far as it goes in that time.
-    pub fn in_blocks(
-        scene: &Scene,
-        pulse_length_s: f64,
-        tracks: Vec<PlatformTracks>,
-        block_pulses: u64,
-    ) -> Result<Self, RadarError> {
         let radar = &scene.radar;
         let mut faults = Vec::new();
         check_numbers(radar, pulse_length_s, &mut faults);
@@ -251,14 +241,16 @@ impl Illumination {
             channel_pairs,
             fastest_target_mps,
             axes_span_s: 0.0,
+            hold_pulses: None,
             sea: None,
         };
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
-            let block_s =
-                built.radar.emissions.interval_s(0, block_pulses.saturating_sub(1).min(built.pulses));
-            let run =
-                sea::Run { patches: built.patches(sea)?, patch_mps: built.patch_speed_mps(sea)?, block_s };
+            let patch_mps = built.patch_speed_mps(sea)?;
+            let interval_s = 1.0 / built.radar.emissions.mean_prf_hz();
+            built.hold_pulses = sea::hold_pulses(patch_mps, sea.patch.facet_m, interval_s);
+            let hold_s = built.hold_pulses.map_or(f64::INFINITY, |pulses| pulses as f64 * interval_s);
+            let run = sea::Run { patches: built.patches(sea)?, patch_mps, hold_s };
             built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
         }
         if faults.is_empty() {
@@ -528,7 +520,7 @@ impl Illumination {
         let Some(sea) = &self.sea else { return Ok(targets) };
         let lighting = self.lighting(index, index, emission, window);
         let patch = sea
-            .patch_at(&lighting.surroundings, lighting.t)
+            .patch_at(&lighting.surroundings, lighting.elapsed_s)
             .map_err(|failure| self.track_error(index, failure))?;
         let facets = sea.delay_span_s(&patch, &lighting);
         Ok(match (targets, facets) {

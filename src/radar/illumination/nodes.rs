@@ -37,11 +37,15 @@ impl Illumination {
         self.window_start_s(index, self.radar.emissions.emission(self.start, index))
     }
 
+    /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for good.
+    pub fn hold_pulses(&self) -> Option<u64> {
+        self.hold_pulses
+    }
+
     /// The patch at a pulse; `None` for a scene without sea.
     pub fn patch_of(&self, index: u64) -> Result<Option<Patch>, RadarError> {
         let Some(sea) = &self.sea else { return Ok(None) };
-        let t = self.radar.emissions.emission(self.start, index);
-        let patch = sea.patch_at(&self.surroundings(), t);
+        let patch = sea.patch_at(&self.surroundings(), self.radar.emissions.interval_s(0, index));
         Ok(Some(patch.map_err(|failure| self.track_error(index, failure))?))
     }
 

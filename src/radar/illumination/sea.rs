@@ -42,6 +42,7 @@ const CREST_RMS: f64 = 8.0;
 pub(super) struct SeaPlan {
     pub patch: Patch,
     place: PatchPlace,
+    hold_s: f64,
     pub surface: Surface,
     pub wakes: Vec<Wake>,
     pub scattering: WaterScattering,
@@ -68,20 +69,37 @@ pub(super) struct Run {
     pub patches: Vec<(f64, Patch)>,
     /// A bound on its speed, m/s.
     pub patch_mps: f64,
-    /// Time from the first to the last pulse that share a patch, s.
-    pub block_s: f64,
+    /// How long a patch that follows stays where it is, s.
+    pub hold_s: f64,
+}
+
+/// Longest time for which a patch that follows stays, s, and facets that it may jump then.
+const LONGEST_HOLD_S: f64 = 0.5;
+const FACETS_A_JUMP: f64 = 16.0;
+
+/// How many pulses a patch that follows at a speed stays where it is: a choice of the model, which knows no blocks, but a number with
+/// many divisors, so that blocks fit. `None` where it stays for good.
+pub(super) fn hold_pulses(patch_mps: f64, facet_m: f64, interval_s: f64) -> Option<u64> {
+    const ROUND: [u64; 9] = [24, 18, 12, 9, 6, 4, 3, 2, 1];
+    if patch_mps == 0.0 {
+        return None;
+    }
+    let longest_s = LONGEST_HOLD_S.min(FACETS_A_JUMP * facet_m / patch_mps);
+    let most = (longest_s / interval_s).floor() as u64;
+    let held = if most >= 36 { most / 36 * 36 } else { ROUND.into_iter().find(|n| *n <= most).unwrap_or(1) };
+    Some(held)
 }
 
 impl Run {
     /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet asked for
-    /// until the next: what the patch moves between the two, and while a block keeps that of its first pulse.
+    /// until the next: what the patch moves between the two, and while it is held.
     fn margin(&self, sea: &Sea) -> Result<usize, SeaFault> {
         let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, &sea.shadow) else { return Ok(0) };
         let facet_m = sea.patch.facet_m;
-        let rows = (self.patch_mps * (shadow.update_s + self.block_s) / facet_m).ceil() as usize + 1;
+        let rows = (self.patch_mps * (shadow.update_s + self.hold_s) / facet_m).ceil() as usize + 1;
         let most = sea.patch.facets[0].max(sea.patch.facets[1]).max(LEAST_MARGIN);
         if rows > most {
-            let update_ms = 1e3 * ((most - 1) as f64 * facet_m / self.patch_mps - self.block_s).max(0.0);
+            let update_ms = 1e3 * ((most - 1) as f64 * facet_m / self.patch_mps - self.hold_s).max(0.0);
             return Err(SeaFault::SlowUpdates { rows, most, update_ms });
         }
         Ok(rows)
@@ -174,7 +192,7 @@ impl SeaPlan {
             realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
-        let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.block_s)
+        let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.hold_s)
             .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
             .ok();
         Self::build(scene, sea, realised?, fleet?, run, margin)
@@ -206,6 +224,7 @@ impl SeaPlan {
         let mut plan = Self {
             patch: sea.patch,
             place: sea.place.clone(),
+            hold_s: run.hold_s,
             reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes),
             surface,
             wakes,
@@ -292,9 +311,14 @@ impl SeaPlan {
         matches!(self.place, PatchPlace::Follow { .. })
     }
 
-    /// The patch at a time.
-    pub fn patch_at(&self, of: &Surroundings, t: TimeTag) -> Result<Patch, TrackFailure> {
-        patch_at(&self.patch, &self.place, of, t)
+    /// When the patch of a time (s after pulse 0) was placed.
+    fn placed_s(&self, elapsed_s: f64) -> f64 {
+        if self.hold_s.is_finite() { (elapsed_s / self.hold_s + 1e-9).floor() * self.hold_s } else { 0.0 }
+    }
+
+    /// The patch at a time, s after pulse 0: where it was placed last.
+    pub fn patch_at(&self, of: &Surroundings, elapsed_s: f64) -> Result<Patch, TrackFailure> {
+        patch_at(&self.patch, &self.place, of, of.start.plus(self.placed_s(elapsed_s.max(0.0))))
     }
 
     /// Bounds on the delays of all facets of a patch over all pairs, s.
@@ -346,7 +370,7 @@ impl SeaPlan {
         costs: &mut Costs,
         each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
-        let patch = self.patch_at(&lighting.surroundings, lighting.t)?;
+        let patch = self.patch_at(&lighting.surroundings, lighting.elapsed_s)?;
         self.light(lighting, &patch, work, costs, each)
     }
 
@@ -431,7 +455,7 @@ impl SeaPlan {
             })?;
             *place = PhaseCentre::of(&state, lever_arm).position;
         }
-        Ok(self.patch_at(&lighting.surroundings, t)?)
+        Ok(self.patch_at(&lighting.surroundings, elapsed_s)?)
     }
 }
 

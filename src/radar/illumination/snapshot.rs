@@ -86,8 +86,9 @@ impl Illumination {
         let window = Window::new(&self.radar, window_start_s, self.pulse_length_s);
         let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
         let facets = sea.patch.len();
-        let patch =
-            sea.patch_at(&lighting.surroundings, lighting.t).map_err(|f| self.track_error(index, f))?;
+        let patch = sea
+            .patch_at(&lighting.surroundings, lighting.elapsed_s)
+            .map_err(|f| self.track_error(index, f))?;
         let mut snapshot = Snapshot {
             index,
             time: lighting.t,
