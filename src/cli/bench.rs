@@ -163,7 +163,7 @@ fn report(run: &Run, speed: &Speed, begun: Instant, judged: Option<&(Judge, Accu
             .iter()
             .map(|stage| (stage.name().to_owned(), Value::from(speed.costs.seconds_per_pulse(*stage))))
             .collect(),
-        settings: knobs::settings(&run.fidelity),
+        settings: knobs::settings(speed.plan.as_ref().map(|plan| &plan.settled)),
     }
 }
 

@@ -411,10 +411,7 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         "echo",
         match run.fidelity {
             Fidelity::Reference => "the reference: every pulse from its own contacts, f64".to_owned(),
-            Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => format!(
-                "blocks; surface every {node_pulses} pulses, scattering every {scatter_pulses}, gains every {gain_pulses}; kernel of {} cells, f32",
-                settings.width
-            ),
+            Fidelity::Fast(asked) => format!("fast, within {} dB of the reference; settings below", asked.error_db),
         },
     ));
     if run.scene.targets.is_empty() {

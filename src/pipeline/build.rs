@@ -22,11 +22,13 @@ use thread_priority::ThreadPriority;
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::echo::reference::ReferenceEcho;
-use crate::echo::synth::{Synth, SynthError};
+use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::frames::SceneFrame;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
+use crate::plan::PlanError;
+use crate::plan::settle::{LONGEST_SPACING, Plan, block_pulses, settle};
 use crate::pulse::costs::Costs;
 use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::{RadarError, RadarFault};
@@ -46,7 +48,8 @@ use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
-use super::block::{BlockEcho, block_pulses};
+use super::block::BlockEcho;
+use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
@@ -157,6 +160,15 @@ impl From<PulseError> for BuildError {
     }
 }
 
+impl From<PlanError> for BuildError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Radar(error) => error.into(),
+            PlanError::Echo(error) => error.into(),
+        }
+    }
+}
+
 impl<E: Into<BuildError>> From<E> for BuildErrors {
     fn from(error: E) -> Self {
         Self(vec![error.into()])
@@ -232,42 +244,53 @@ pub fn factory_of(
 ) -> Result<PulseFactory, BuildErrors> {
     let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
-    let block = match fidelity {
-        Fidelity::Reference => 1,
-        Fidelity::Fast { node_pulses, .. } => block_pulses(*node_pulses),
-    };
-    let illumination = Illumination::in_blocks(scene, waveform.duration_s(), tracks, block)?;
     let radar = &scene.radar;
     let (carrier_hz, sample_rate_hz, samples) =
         (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+    let light = |tracks: Vec<PlatformTracks>, block: u64| {
+        Illumination::in_blocks(scene, waveform.duration_s(), tracks, block)
+    };
+    let (illumination, plan) = match fidelity {
+        Fidelity::Reference => (light(tracks, 1)?, None),
+        Fidelity::Fast(asked) => {
+            // Blocks as long as they may become, so that a following patch has its margin.
+            let longest = block_pulses(asked.node_pulses.unwrap_or(LONGEST_SPACING));
+            let illumination = light(tracks, longest)?;
+            let plan = settle(scene, &illumination, &waveform, asked)?;
+            (illumination, Some(plan))
+        }
+    };
     let of_channels = illumination.channel_pairs();
-    let echo = match *fidelity {
-        Fidelity::Reference => Echo::Reference(ReferenceEcho::new(
-            Arc::clone(&waveform),
-            carrier_hz,
-            sample_rate_hz,
-            samples,
-            of_channels.to_vec(),
-        )),
-        Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => {
+    let echo = match &plan {
+        None => {
             let waveform = Arc::clone(&waveform);
-            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
+            Echo::Reference(ReferenceEcho::new(
+                waveform,
+                carrier_hz,
+                sample_rate_hz,
+                samples,
+                of_channels.to_vec(),
+            ))
+        }
+        Some(Plan { settled, .. }) if settled.precision == Precision::Double => {
+            let waveform = Arc::clone(&waveform);
+            let synth =
+                Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
+            Echo::Single(SingleEcho::new(synth))
+        }
+        Some(Plan { settled, .. }) => {
+            let waveform = Arc::clone(&waveform);
+            let synth =
+                Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
             let interval_s = radar.emissions.interval_s(0, 1);
-            Echo::Fast(BlockEcho::new(
-                synth,
-                node_pulses,
-                gain_pulses,
-                scatter_pulses,
-                scene.pulses,
-                interval_s,
-            )?)
+            Echo::Fast(BlockEcho::new(synth, settled, scene.pulses, interval_s)?)
         }
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let ships = ShipTracks::of(scene);
     let layout =
         Layout { ships: scene.ships.len(), ..scene.radar.layout(scene.platforms.len(), scene.targets.len()) };
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships })
+    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan })
 }
 
 /// A run that is ready to start.
@@ -372,7 +395,7 @@ pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
     let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
     let each = match fidelity {
         Fidelity::Reference => FACET_BYTES[0],
-        Fidelity::Fast { .. } => FACET_BYTES[1],
+        Fidelity::Fast(_) => FACET_BYTES[1],
     };
     facets.saturating_mul(each).saturating_mul(threads as u64)
 }

@@ -111,7 +111,7 @@ pub fn point(judge: &Judge, run: &Run, change: &Overrides) -> Result<Point, Buil
     let forecast = stream.forecast_over(TRIAL)?;
     Ok(Point {
         change: name(change),
-        settings: settings(&run.fidelity),
+        settings: settings(stream.factory().plan().map(|plan| &plan.settled)),
         rel_rms_db: accuracy.rel_rms_db,
         rel_rms_db_mean: accuracy.rel_rms_db_mean,
         pulses_per_s: forecast.pulses_per_s,

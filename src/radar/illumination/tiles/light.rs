@@ -402,7 +402,7 @@ impl Illumination {
     }
 
     /// Products of gains at every gain instant.
-    fn gains(&self, pair: usize, work: &mut TileWork) {
+    pub(super) fn gains(&self, pair: usize, work: &mut TileWork) {
         let TileWork { variant, gains, gain_rows, tile, .. } = work;
         let plan = &self.plans[pair];
         let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);

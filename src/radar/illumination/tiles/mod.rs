@@ -22,6 +22,7 @@
 
 mod gain;
 mod light;
+pub mod sounding;
 
 use std::ops::RangeInclusive;
 
