@@ -11,6 +11,7 @@
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use num_complex::Complex64;
 
@@ -29,7 +30,7 @@ use crate::scattering::contact::Contacts;
 
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
-    synth: Synth<f32>,
+    synth: Arc<Synth<f32>>,
     spacing: u64,
     gain_pulses: usize,
     looks_per_node: usize,
@@ -75,7 +76,7 @@ impl BlockEcho {
         }
         let gain_pulses = usize::try_from(settled.gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
         Ok(Self {
-            synth,
+            synth: Arc::new(synth),
             spacing: settled.node_pulses.max(1),
             gain_pulses,
             looks_per_node: settled.looks_per_node,
@@ -83,6 +84,13 @@ impl BlockEcho {
             pulses,
             interval_s,
         })
+    }
+
+    /// The same echo with other nodes; `None` of blocks that are too long.
+    pub fn like(other: &Self, settled: &Settled) -> Option<Self> {
+        let block = usize::try_from(block_pulses(settled.node_pulses)).ok()?;
+        let (synth, spacing) = (Arc::clone(&other.synth), settled.node_pulses.max(1));
+        (block <= MAX_PULSES).then_some(Self { synth, spacing, ..*other })
     }
 
     /// Pulses of a block.

@@ -10,6 +10,7 @@ pub mod build;
 pub mod forecast;
 pub mod knobs;
 pub mod outlook;
+pub mod prices;
 mod single;
 pub mod speed;
 pub mod stages;

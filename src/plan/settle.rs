@@ -83,6 +83,8 @@ pub struct Plan {
     pub prediction: Prediction,
     /// What it has to do.
     pub work: Work,
+    /// Sizes from which that follows.
+    pub size: Size,
 }
 
 impl Plan {
@@ -120,8 +122,10 @@ pub fn settle(
 ) -> Result<Plan, PlanError> {
     let radar = &scene.radar;
     let mut sounder = Sounder::new(illumination, radar, waveform.duration_s(), scene.pulses)?;
-    let power = sounder.power();
+    let power = sounder.power().clone();
     let judge = Judge { power: &power };
+    // What is in proportion to a pulse weighs as the strongest one.
+    let peak = sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let budget = 10f64.powf(asked.error_db / 10.0);
     let worst_pulse = 10f64.powf(WORST_PULSE_DB / 10.0);
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
@@ -129,7 +133,13 @@ pub fn settle(
     let interval_s = radar.emissions.interval_s(0, 1);
 
     let echo_of = |settings: Settings, precision: Precision, node_pulses: u64| {
-        echo_error(scene, illumination, waveform, &sounder, settings, precision, node_pulses, interval_s)
+        echo_error(scene, illumination, waveform, &sounder, settings, precision, node_pulses, interval_s).map(
+            |of| PredictedError {
+                gridding: peak * of.gridding,
+                doppler: peak * of.doppler,
+                rounding: peak * of.rounding,
+            },
+        )
     };
     let doppler = asked.doppler.unwrap_or(match waveform.sweep_rate_hz_per_s() {
         Some(_) => Doppler::Shift,
@@ -158,7 +168,8 @@ pub fn settle(
             (settings, error) = (with_moment, other);
         }
     }
-    let size = Size::of(scene, illumination, &settings, waveform.as_ref());
+    let kept = sounder.kept(least_power);
+    let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
     let one_by_one = |gain_pulses: u64| {
         let settled = Settled {
             node_pulses: 1,
@@ -169,7 +180,7 @@ pub fn settle(
             echo: settings,
         };
         let prediction = Prediction { echo: error, ..Prediction::default() };
-        Plan { asked: *asked, settled, prediction, work: size.work(&settled, false) }
+        Plan { asked: *asked, settled, prediction, work: size.work(&settled, false), size }
     };
     if exact || !sounder.interpolates() {
         let gain_pulses = asked.gain_pulses.unwrap_or(1);
@@ -181,8 +192,8 @@ pub fn settle(
     }
 
     // What is the same at all rungs.
-    let surface = super::surface_rounding(scene, illumination);
-    let culled = sounder.culled(least_power);
+    let surface = peak * super::surface_rounding(scene, illumination);
+    let culled = sounder.culled(least_power).clone();
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
     let gains = sounder.gains(&gain_rungs)?;
     let rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
@@ -231,7 +242,7 @@ pub fn settle(
                 let prediction = predict(left, gain);
                 let work = size.work(&settled, true);
                 cheapest_here = cheapest_here.min(prices.seconds(&work));
-                let plan = Plan { asked: *asked, settled, prediction, work };
+                let plan = Plan { asked: *asked, settled, prediction, work, size };
                 let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {
                     (true, true) => prices.seconds(&plan.work) < prices.seconds(&held.work),
                     (false, false) => plan.prediction.total() < held.prediction.total(),

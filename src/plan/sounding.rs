@@ -1,7 +1,7 @@
 //! What the fast echo will leave out, found on a sample of what a run returns.
 //!
 //! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
-//! sample of its facets, weighted by what they return. At a few **places** of the run (its middle, its first and its last block) some
+//! sample of its facets, weighted by what they return. At a few **places** of the run some
 //! [`TILES`] tiles are lit twice: at the instants of a block, with all between interpolated as the echo does it, and at **probes**,
 //! pulses between two nodes, as if these were nodes themselves. With `a` the amplitude of a channel without gains, `G` the gains and
 //! shadows, `tau` the delay, and a hat for what is interpolated,
@@ -12,6 +12,9 @@
 //!
 //! at the worst probe and place. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
 //! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows.
+//!
+//! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
+//! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
 //!
 //! Targets and direct paths are few: all of them are followed, at every pulse.
 //!
@@ -33,6 +36,8 @@ use crate::scene::{Patch, Radar};
 
 /// Tiles of 256 facets of a sample.
 pub const TILES: usize = 64;
+/// Pulses of the run whose power is taken.
+pub const PROFILE: u64 = 48;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
 /// Longest block, pulses.
@@ -55,7 +60,6 @@ pub struct Left {
 struct Place {
     first: u64,
     patch: Option<Patch>,
-    power: Powers,
 }
 
 /// One tile and pair at a probe.
@@ -67,6 +71,13 @@ struct Truth {
     gain: Row,
     factor: Row,
     heard: Vec<bool>,
+}
+
+impl Truth {
+    /// Power of a facet in all channels of the pair.
+    fn power(&self, i: usize) -> f64 {
+        self.amplitude.iter().map(|a| square(a, i)).sum::<f64>() * f64::from(self.factor[i]).powi(2)
+    }
 }
 
 /// Soundings of a run.
@@ -89,6 +100,11 @@ pub struct Sounder<'a> {
     dopplers: Vec<(usize, f64, f64)>,
     /// Largest rate of a delay.
     fastest: f64,
+    /// Mean power over the run, and the strongest pulse over that.
+    power: Powers,
+    peak: Powers,
+    /// Share of the facets, mean over the run, above each of [`LEASTS`] times the mean power and not dark.
+    kept: Vec<f64>,
     /// Power of facets below each of [`LEASTS`] times the mean.
     culled: Vec<Powers>,
 }
@@ -109,14 +125,7 @@ impl<'a> Sounder<'a> {
         for (channel, pair) in illumination.channel_pairs().iter().enumerate() {
             channels[*pair].push(channel);
         }
-        let last = pulses.saturating_sub(LONGEST);
-        let mut firsts = vec![last / 2, 0, last];
-        firsts.dedup();
-        if last < LONGEST {
-            firsts.truncate(1);
-        }
         let all = radar.channels.len();
-        let place = |first| Place { first, patch: None, power: vec![0.0; all] };
         let mut own = Self {
             illumination,
             radar,
@@ -124,19 +133,117 @@ impl<'a> Sounder<'a> {
             pulses,
             light: illumination.workspace(),
             tiles: illumination.tile_work(Variant::fastest()),
-            places: firsts.into_iter().map(place).collect(),
+            places: Vec::new(),
             shaded: None,
             channels,
             interval_s: radar.emissions.interval_s(0, 1),
             interpolates: true,
             dopplers: Vec::new(),
             fastest: 0.0,
+            power: vec![0.0; all],
+            peak: vec![1.0; all],
+            kept: vec![0.0; LEASTS.len()],
             culled: vec![vec![0.0; all]; LEASTS.len()],
         };
-        for place in 0..own.places.len() {
-            own.open(place)?;
+        let strongest = own.profile()?;
+        let last = pulses.saturating_sub(LONGEST);
+        let mut firsts = vec![strongest.min(last), 0, last];
+        firsts.dedup();
+        if last < LONGEST {
+            firsts.truncate(1);
+        }
+        for first in firsts {
+            own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
+            own.open(own.places.len() - 1)?;
         }
         Ok(own)
+    }
+
+    /// Power over the run; tells the strongest pulse.
+    fn profile(&mut self) -> Result<u64, RadarError> {
+        let count = PROFILE.min(self.pulses);
+        let (mut strongest, mut most) = (0, 0.0);
+        let mut highest = vec![0.0f64; self.power.len()];
+        for step in 0..count {
+            let index = (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
+            let patch = self.illumination.patch_of(index)?;
+            // The waves of the first stand for all.
+            let truths = self.light(index, patch.as_ref(), Keep { shadows: step > 0, surface: step > 0 })?;
+            let powers = self.powers(index, &truths)?;
+            self.count_kept(&truths, count as f64);
+            let all: f64 = powers.iter().sum();
+            if all > most {
+                (strongest, most) = (index, all);
+            }
+            for ((mean, highest), own) in self.power.iter_mut().zip(&mut highest).zip(powers) {
+                *mean += own / count as f64;
+                *highest = highest.max(own);
+            }
+        }
+        for ((peak, mean), highest) in self.peak.iter_mut().zip(&self.power).zip(highest) {
+            *peak = if *mean > 0.0 { highest / mean } else { 1.0 };
+        }
+        Ok(strongest)
+    }
+
+    /// Adds the shares of facets that are worth to be spread at one of `pulses` pulses.
+    fn count_kept(&mut self, truths: &[Truth], pulses: f64) {
+        let pairs = self.channels.len().max(1);
+        for pair in 0..pairs {
+            let sums: Vec<f64> = truths
+                .iter()
+                .skip(pair)
+                .step_by(pairs)
+                .flat_map(|truth| (0..truth.count).map(|i| truth.power(i)))
+                .collect();
+            let mean = sums.iter().sum::<f64>() / sums.len().max(1) as f64;
+            for (least, kept) in LEASTS.iter().zip(&mut self.kept) {
+                let above = sums.iter().filter(|sum| **sum > 0.0 && **sum >= least * mean).count();
+                *kept += above as f64 / (sums.len().max(1) * pairs) as f64 / pulses;
+            }
+        }
+    }
+
+    /// Share of the facets that is spread where those below a share of the mean power are left out.
+    pub fn kept(&self, least: f64) -> f64 {
+        self.kept[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
+    }
+
+    /// Powers of a sample and of the points of a pulse.
+    fn powers(&mut self, index: u64, truths: &[Truth]) -> Result<Powers, RadarError> {
+        let mut powers = vec![0.0; self.power.len()];
+        for (n, truth) in truths.iter().enumerate() {
+            for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
+                let heard = (0..truth.count).filter(|i| truth.heard[*i]);
+                powers[*channel] +=
+                    heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+            }
+        }
+        let weight = self.sampled();
+        for (_, channel, _, w) in self.points(index)? {
+            powers[channel] += w * weight;
+        }
+        Ok(powers)
+    }
+
+    /// Points of a pulse: `(pair, channel, delay rate, power)`.
+    fn points(&mut self, index: u64) -> Result<Vec<(usize, usize, f64, f64)>, RadarError> {
+        let mut found = Vec::new();
+        let points = self.illumination.point_count();
+        if points == 0 {
+            return Ok(found);
+        }
+        let mut contacts = Contacts::new(self.channels.len(), self.power.len(), points);
+        self.illumination.points(index, &mut self.light, &mut contacts)?;
+        for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+            for (a, rate) in contacts.amplitude[channel].iter().zip(&contacts.delay_rate[*pair]) {
+                let w = a.norm_sqr();
+                if w.is_finite() && w > 0.0 {
+                    found.push((*pair, channel, *rate, w));
+                }
+            }
+        }
+        Ok(found)
     }
 
     /// Whether blocks are interpolated at all; if not, every pulse is made by itself.
@@ -149,15 +256,14 @@ impl<'a> Sounder<'a> {
         self.places.len()
     }
 
-    /// Mean power over the places.
-    pub fn power(&self) -> Powers {
-        let mut mean = vec![0.0; self.radar.channels.len()];
-        for place in &self.places {
-            for (sum, own) in mean.iter_mut().zip(&place.power) {
-                *sum += own / self.places.len() as f64;
-            }
-        }
-        mean
+    /// Mean power over the run.
+    pub fn power(&self) -> &Powers {
+        &self.power
+    }
+
+    /// Power of the strongest pulse over the mean.
+    pub fn peak(&self) -> &Powers {
+        &self.peak
     }
 
     /// Largest rate of a delay.
@@ -165,10 +271,9 @@ impl<'a> Sounder<'a> {
         self.fastest
     }
 
-    /// Power at a place, mean over the places, of facets that fall below a share of the mean power.
-    pub fn culled(&self, least: f64) -> Powers {
-        let at = LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0);
-        self.culled[at].iter().map(|power| power / self.places.len() as f64).collect()
+    /// Power of facets that fall below a share of the mean power, at the worst place.
+    pub fn culled(&self, least: f64) -> &Powers {
+        &self.culled[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
     }
 
     /// Mean Doppler of each pair, and groups of equal power with the rms of what is off it, Hz.
@@ -201,7 +306,6 @@ impl<'a> Sounder<'a> {
         let first = self.places[place].first;
         let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
         self.interpolates &= self.illumination.hears_itself(&heard, &mut self.light)?;
-        self.places[place].patch = self.illumination.patch_of(first)?;
         let truths = self.truths(place, 0)?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
         for (pair, channels) in self.channels.iter().enumerate() {
@@ -226,27 +330,17 @@ impl<'a> Sounder<'a> {
             }
             let mean = sums.iter().sum::<f64>() / facets.max(1) as f64;
             for (power, channel) in powers.iter().zip(channels) {
-                self.places[place].power[*channel] += power.iter().sum::<f64>();
                 for (least, culled) in LEASTS.iter().zip(&mut self.culled) {
                     let weak = power.iter().zip(&sums).filter(|(_, sum)| **sum < least * mean);
-                    culled[*channel] += weak.map(|(w, _)| w).sum::<f64>();
+                    let weak: f64 = weak.map(|(w, _)| w).sum();
+                    culled[*channel] = culled[*channel].max(weak);
                 }
             }
         }
         let weight = self.sampled();
-        let mut contacts = Contacts::new(pairs, self.radar.channels.len(), self.illumination.point_count());
-        if self.illumination.point_count() > 0 {
-            self.illumination.points(first, &mut self.light, &mut contacts)?;
-            for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
-                for (a, rate) in contacts.amplitude[channel].iter().zip(&contacts.delay_rate[*pair]) {
-                    let w = a.norm_sqr() * weight;
-                    if w.is_finite() && w > 0.0 {
-                        self.places[place].power[channel] += w;
-                        self.dopplers.push((*pair, scale * rate, w));
-                        self.fastest = self.fastest.max(rate.abs());
-                    }
-                }
-            }
+        for (pair, _, rate, w) in self.points(first)? {
+            self.dopplers.push((pair, scale * rate, w * weight));
+            self.fastest = self.fastest.max(rate.abs());
         }
         Ok(())
     }
@@ -259,16 +353,21 @@ impl<'a> Sounder<'a> {
 
     /// The sample at a pulse of a place, `[tile x pair]`.
     fn truths(&mut self, place: usize, pulse: usize) -> Result<Vec<Truth>, RadarError> {
-        let Place { first, patch: Some(patch), .. } = self.places[place].clone() else { return Ok(Vec::new()) };
-        let Some(tiles) = &mut self.tiles else { return Ok(Vec::new()) };
-        let at = first + pulse as u64;
+        let Place { first, patch } = self.places[place].clone();
         let keep = Keep { shadows: self.shaded == Some(place), surface: false };
+        let truths = self.light(first + pulse as u64, patch.as_ref(), keep)?;
+        self.shaded = Some(place);
+        Ok(truths)
+    }
+
+    fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
+        let mut truths = Vec::new();
+        let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
         let opens_s = self.illumination.window_start_of(at)?;
         let closes_s = opens_s + self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let within = (opens_s - self.pulse_s)..closes_s;
-        let mut truths = Vec::new();
         let instants = Instants::of_block(at, 1, 1, 1);
-        self.illumination.sound(&instants, &patch, TILES, keep, &mut self.light, tiles, |heard| {
+        self.illumination.sound(&instants, patch, TILES, keep, &mut self.light, tiles, |heard| {
             let (node, look) = (&heard.of.nodes[0].paths, &heard.of.looks[0]);
             truths.push(Truth {
                 count: heard.count,
@@ -280,7 +379,6 @@ impl<'a> Sounder<'a> {
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
             });
         })?;
-        self.shaded = Some(place);
         Ok(truths)
     }
 
@@ -289,7 +387,7 @@ impl<'a> Sounder<'a> {
         let channels = self.radar.channels.len();
         let nothing = Left { path: vec![0.0; channels], tilt: vec![0.0; channels] };
         let mut left = std::array::from_fn(|_| nothing.clone());
-        let Place { first, patch: Some(patch), .. } = self.places[place].clone() else { return Ok(left) };
+        let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(left) };
         let pulses = (3 * node_pulses + 1).min(self.pulses - first) as usize;
         let (nodes, count) = nodes_within(pulses);
         if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
@@ -350,7 +448,7 @@ impl<'a> Sounder<'a> {
     fn gains_of_sea(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
         let channels = self.radar.channels.len();
         let mut worst = vec![vec![0.0f64; channels]; steps.len()];
-        let Place { first, patch: Some(patch), .. } = self.places[place].clone() else { return Ok(worst) };
+        let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
         let Some(tiles) = &mut self.tiles else { return Ok(worst) };
         let pulses = LONGEST.min(self.pulses - first) as usize;
         let keep = Keep { shadows: self.shaded == Some(place), surface: false };

@@ -55,7 +55,7 @@ pub const LOOK_POINTS: usize = 4;
 /// Gain instants that a pulse's gain is found from.
 const GAIN_POINTS: usize = 6;
 /// Tiles that are looked at to learn what a block returns.
-const SAMPLED: usize = 48;
+pub const SAMPLED: usize = 48;
 
 /// The instants of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
