@@ -49,6 +49,7 @@ use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
 use super::block::BlockEcho;
+use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
@@ -386,20 +387,6 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     })
 }
 
-/// Memory that one worker takes for a facet: fields of the surface and of the patch, phases, visibility, and contacts, of
-/// which a block has four lists and their polynomials. Found from the resident memory of the paper's first scene.
-const FACET_BYTES: [u64; 2] = [700, 1250];
-
-/// About what the sea of a scene takes, bytes.
-pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
-    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
-    let each = match fidelity {
-        Fidelity::Reference => FACET_BYTES[0],
-        Fidelity::Fast(_) => FACET_BYTES[1],
-    };
-    facets.saturating_mul(each).saturating_mul(threads as u64)
-}
-
 /// Memory that the system says it can give, bytes; `None` where it does not say.
 pub(super) fn available_bytes() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
@@ -517,6 +504,13 @@ impl PulseStream {
     /// About what the sea takes in all workers, bytes.
     pub(super) fn sea_bytes(&self) -> u64 {
         self.sea_bytes
+    }
+
+    /// What the run takes of memory, bytes, as far as it is predicted.
+    pub fn predicted_bytes(&self) -> u64 {
+        let grids = self.factory.grid_bytes().saturating_mul(self.threads() as u64);
+        let waiting = (self.waiting_pulses() * self.factory.layout.slot_bytes()) as u64;
+        PROGRAM_BYTES.saturating_add(self.sea_bytes).saturating_add(grids).saturating_add(waiting)
     }
 
     /// Slots of the ring and of all queues.

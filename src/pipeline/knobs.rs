@@ -18,9 +18,12 @@ pub struct Knob {
     pub values: &'static [&'static str],
 }
 
+/// The error that is asked: the other knobs are chosen for it.
+pub const ERROR_KEY: &str = "fidelity.error_db";
+
 /// What trades accuracy for speed.
 pub const KNOBS: &[Knob] = &[
-    Knob { key: "fidelity.error_db", values: &["-30.0", "-45.0", "-60.0", "-75.0", "-90.0"] },
+    Knob { key: ERROR_KEY, values: &["-30.0", "-45.0", "-60.0", "-75.0", "-90.0"] },
     Knob { key: "fidelity.node_pulses", values: &["1", "4", "8", "12", "16"] },
     Knob { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Knob { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },

@@ -9,6 +9,7 @@ mod block;
 pub mod build;
 pub mod forecast;
 pub mod knobs;
+pub mod memory;
 pub mod outlook;
 pub mod prices;
 mod single;

@@ -106,6 +106,18 @@ impl PulseFactory {
         self.plan.as_ref()
     }
 
+    /// Grids of one worker, bytes.
+    pub(super) fn grid_bytes(&self) -> u64 {
+        let pulses = self.block_pulses();
+        let cells = 2 * self.echo.fft_len() as u64;
+        let bytes = match &self.echo {
+            Echo::Reference(_) => 0,
+            Echo::Fast(_) => 8,
+            Echo::Single(_) => 16,
+        };
+        pulses.saturating_mul(cells).saturating_mul(bytes * self.layout.channels as u64)
+    }
+
     /// Facets of the patch of sea; 0 without one.
     pub fn facets(&self) -> usize {
         self.illumination.facets()

@@ -393,7 +393,8 @@ impl<'a> Sounder<'a> {
         if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
             return Ok(left);
         }
-        let mut probes = vec![nodes[1] / 2, nodes[1].div_ceil(6)];
+        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
+        let mut probes = vec![(2 * nodes[1]).div_ceil(5), nodes[1].div_ceil(5)];
         probes.dedup();
         let mut truths = Vec::new();
         for probe in &probes {
