@@ -122,9 +122,9 @@ pub struct TradeoffArgs {
     /// Pulses, spread over the run, at which errors are measured
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..))]
     pub error_pulses: u64,
-    /// Error that is wanted, dB
-    #[arg(long, value_name = "DB", default_value_t = -60.0, allow_negative_numbers = true)]
-    pub error_db: f64,
+    /// Error that is wanted, dB (instead of fidelity.error_db)
+    #[arg(long, value_name = "DB", allow_negative_numbers = true)]
+    pub error_db: Option<f64>,
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
     #[arg(long, value_name = "T")]
     pub threads: Option<u64>,

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::args::{BenchArgs, Setting};
+use super::check::plan::parts_db;
 use super::error::CliError;
 use super::progress;
 use super::run::overrides;
@@ -40,6 +41,14 @@ struct Report {
     pulses_per_s: f64,
     facet_pulses_per_s: f64,
     real_time_factor: f64,
+    /// None for the reference, as all that is predicted.
+    predicted_real_time_factor: Option<f64>,
+    /// By the prices of a common machine.
+    list_real_time_factor: Option<f64>,
+    predicted_rel_rms_db: Option<f64>,
+    /// By cause, dB.
+    predicted_error_db: Map<String, Value>,
+    predicted_rss_mib: Option<f64>,
     /// None where it was not measured.
     rel_rms_db: Option<f64>,
     rel_rms_db_mean: Option<f64>,
@@ -87,13 +96,16 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     }
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::stream(&run, 0..pulses)?;
+    let bytes = stream.predicted_bytes();
     let (status, watcher) = progress::watch(pulses);
     let lasts = args.pulses.is_none().then_some(TRIAL);
     let measured = speed::speed(stream, lasts, Some(status));
     watcher.finish();
     let measured = measured?;
+    // Calibrated once the stream has had its machine and its memory for itself.
+    let priced = build::stream(&run, 0..pulses)?.priced()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
-    let report = report(&run, &measured, begun, judged.as_ref());
+    let report = report(&run, &measured, begun, judged.as_ref(), priced, bytes);
     let text = if args.json {
         serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
     } else {
@@ -124,7 +136,14 @@ pub(super) fn reference(run: &Run, pulses: Vec<u64>, threads: usize) -> Result<J
     Ok(judge?)
 }
 
-fn report(run: &Run, speed: &Speed, begun: Instant, judged: Option<&(Judge, Accuracy)>) -> Report {
+fn report(
+    run: &Run,
+    speed: &Speed,
+    begun: Instant,
+    judged: Option<&(Judge, Accuracy)>,
+    priced: Option<[f64; 2]>,
+    bytes: u64,
+) -> Report {
     let name = |channel: usize| {
         run.scene.radar.channels.get(channel).map_or_else(String::new, |channel| channel.name.clone())
     };
@@ -143,6 +162,11 @@ fn report(run: &Run, speed: &Speed, begun: Instant, judged: Option<&(Judge, Accu
         pulses_per_s: speed.pulses_per_s,
         facet_pulses_per_s: speed.facet_pulses_per_s(),
         real_time_factor: speed.real_time_factor,
+        predicted_real_time_factor: priced.map(|[_, own]| own),
+        list_real_time_factor: priced.map(|[list, _]| list),
+        predicted_rel_rms_db: speed.plan.as_ref().map(|plan| plan.prediction.total_db()),
+        predicted_error_db: speed.plan.as_ref().map(parts_db).unwrap_or_default(),
+        predicted_rss_mib: speed.plan.map(|_| bytes as f64 / f64::from(1 << 20)),
         rel_rms_db: judged.map(|(_, accuracy)| accuracy.rel_rms_db),
         rel_rms_db_mean: judged.map(|(_, accuracy)| accuracy.rel_rms_db_mean),
         error: judged.map(|(judge, accuracy)| ErrorReport {
@@ -163,7 +187,7 @@ fn report(run: &Run, speed: &Speed, begun: Instant, judged: Option<&(Judge, Accu
             .iter()
             .map(|stage| (stage.name().to_owned(), Value::from(speed.costs.seconds_per_pulse(*stage))))
             .collect(),
-        settings: knobs::settings(&run.fidelity),
+        settings: knobs::settings(speed.plan.as_ref().map(|plan| &plan.settled)),
     }
 }
 
@@ -227,6 +251,16 @@ fn text(report: &Report) -> String {
             ),
         ),
         _ => row("error", "not measured".to_owned()),
+    }
+    if let (Some(error_db), Some(factor), Some(mib)) =
+        (report.predicted_rel_rms_db, report.predicted_real_time_factor, report.predicted_rss_mib)
+    {
+        row(
+            "predicted",
+            format!(
+                "error {error_db:.1} dB, {factor:.3} times real time (calibrated), {mib:.0} MiB resident"
+            ),
+        );
     }
     format!("{}\n{text}", report.scenario)
 }

@@ -1,5 +1,6 @@
 //! `nereus check`: validate, explain, predict.
 
+pub(super) mod plan;
 mod sea;
 pub(super) mod ships;
 
@@ -19,6 +20,7 @@ use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, Tra
 use crate::pipeline::build::{self, BuildErrors};
 use crate::pipeline::forecast::Forecast;
 use crate::pipeline::outlook::{EDGE_BUDGET_DB, Outlook, SeaWarning, edge_db, outlook};
+use crate::plan::cost::Prices;
 use crate::pulse::SampleFormat;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
 use crate::sinks::{self, Kind};
@@ -53,6 +55,8 @@ pub(super) struct Report {
     /// The sea in figures.
     sea: Option<Outlook>,
     forecast: Option<Forecast>,
+    /// What is chosen for the error that is asked; none for the reference.
+    plan: Option<plan::PlanReport>,
     #[serde(skip)]
     lines: Vec<Described>,
 }
@@ -94,6 +98,16 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     for warning in warnings.collect::<Vec<_>>() {
         say(format_args!("warning: {warning}"));
         report.warnings.push(warning);
+    }
+    if let Some(planned) = stream.factory().plan() {
+        let speed = stream.threads() as f64 / Prices::TABLE.seconds(&planned.work);
+        let factor = speed / run.scene.radar.emissions.mean_prf_hz();
+        let planned = plan::PlanReport::new(planned, factor, stream.predicted_bytes());
+        if let Some(warning) = planned.warning() {
+            say(format_args!("warning: {warning}"));
+            report.warnings.push(warning);
+        }
+        report.plan = Some(planned);
     }
     let forecast = stream.forecast().map_err(BuildErrors::from)?;
     if forecast.targets_in_window == 0 && report.targets > 0 {
@@ -139,6 +153,7 @@ fn text(report: &Report) -> String {
     let ships = report.sea.as_ref().map_or(&[][..], |sea| &sea.ships);
     section("ships", &ships::rows(ships));
     section("recorded tracks", &report.tracks);
+    section("plan, predicted", &report.plan.as_ref().map(plan::PlanReport::rows).unwrap_or_default());
     section("forecast", &report.forecast.as_ref().map(forecast_rows).unwrap_or_default());
     text
 }
@@ -219,6 +234,7 @@ pub(super) fn report(run: &Run) -> Report {
         tracks: Vec::new(),
         sea: None,
         forecast: None,
+        plan: None,
         lines: Vec::new(),
     };
     report.lines = lines(run, &report);
@@ -411,10 +427,9 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         "echo",
         match run.fidelity {
             Fidelity::Reference => "the reference: every pulse from its own contacts, f64".to_owned(),
-            Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => format!(
-                "blocks; surface every {node_pulses} pulses, scattering every {scatter_pulses}, gains every {gain_pulses}; kernel of {} cells, f32",
-                settings.width
-            ),
+            Fidelity::Fast(asked) => {
+                format!("fast, within {} dB of the reference; settings below", asked.error_db)
+            }
         },
     ));
     if run.scene.targets.is_empty() {

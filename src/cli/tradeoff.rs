@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::args::TradeoffArgs;
 use super::bench::{load, reference, settings_text};
@@ -15,13 +15,17 @@ use super::progress;
 use super::say;
 use super::sea::{SeaError, save_canvas};
 use crate::config::Run;
+use crate::echo::Fidelity;
 use crate::imaging::output::{FileKind, Output, OutputError};
 use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, Spacing};
 use crate::pipeline::accuracy;
 use crate::pipeline::build;
-use crate::pipeline::knobs::KNOBS;
+use crate::pipeline::knobs::{ERROR_KEY, KNOBS, settings};
 use crate::pipeline::sweep::{Overrides, Point, Sweep, sweep, taken};
 use crate::transport::pacer::Status;
+
+/// Error that is wanted of a scenario that asks for none, dB.
+const DEFAULT_DB: f64 = -60.0;
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -36,19 +40,27 @@ struct Report<'a> {
     sweep: &'a Sweep,
     /// The fastest setting that keeps the error.
     taken: Option<&'a Point>,
+    /// What the plan takes for the scenario as written.
+    plan: Map<String, Value>,
+    predicted_rel_rms_db: Option<f64>,
     out: Vec<&'a PathBuf>,
 }
 
 /// Sweeps and prints.
 pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let again = |change: &Overrides| load(&args.config, &args.settings, change, args.threads);
+    let wanted = args.error_db.map(|error_db| (ERROR_KEY.to_owned(), format!("{error_db:?}")));
+    let again = |change: &Overrides| {
+        let change: Overrides = wanted.iter().chain(change).cloned().collect();
+        load(&args.config, &args.settings, &change, args.threads)
+    };
     let mut run = again(&Vec::new())?;
     // There is nothing to sweep in the reference: its scenario is tried with the fast echo.
     let fast = ("fidelity.echo".to_owned(), "fast".to_owned());
     let with_fast = |change: &Overrides| again(&[std::slice::from_ref(&fast), &change[..]].concat());
-    if run.fidelity == crate::echo::Fidelity::Reference {
+    if run.fidelity == Fidelity::Reference {
         run = with_fast(&Vec::new())?;
     }
+    let error_db = if let Fidelity::Fast(asked) = &run.fidelity { asked.error_db } else { DEFAULT_DB };
     let files = files(args)?;
     for warning in &run.warnings {
         say(format_args!("warning: {warning}"));
@@ -58,6 +70,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let scene = &run.scene;
     let sampled =
         accuracy::sample(scene.seed, scene.pulses, stream.factory().block_pulses(), args.error_pulses);
+    let plan = stream.factory().plan().copied();
     drop(stream);
     let judge = reference(&run, sampled, threads)?;
     let swept = {
@@ -70,17 +83,19 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         watcher.finish();
         swept?
     };
-    let best = taken(&swept.points, args.error_db);
+    let best = taken(&swept.points, error_db);
     let paths: Vec<&PathBuf> = files.iter().flat_map(|files| &files.paths).collect();
     let report = Report {
         scenario: run.path.display().to_string(),
         facets,
         threads,
-        error_db: args.error_db,
+        error_db,
         error_pulses: judge.pulses(),
         reference_pulses_per_s: judge.pulses_per_s(),
         sweep: &swept,
         taken: best,
+        plan: settings(plan.as_ref().map(|plan| &plan.settled)),
+        predicted_rel_rms_db: plan.as_ref().map(|plan| plan.prediction.total_db()),
         out: paths,
     };
     let text = if args.json {
@@ -94,7 +109,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         table.write(|partial| {
             fs::write(partial, csv).map_err(OutputError::io(partial, "writing")).map_err(SeaError::from)
         })?;
-        save_canvas(picture, &draw(&run, &swept, args.error_db)?)?;
+        save_canvas(picture, &draw(&run, &swept, error_db)?)?;
     }
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
@@ -132,7 +147,7 @@ fn csv(sweep: &Sweep, taken: Option<&Point>) -> String {
     for name in &names {
         let _ = write!(csv, ",{name}");
     }
-    csv += ",rel_rms_db,rel_rms_db_mean,pulses_per_s,facet_pulses_per_s,real_time_factor,on_front,taken\n";
+    csv += ",rel_rms_db,rel_rms_db_mean,pulses_per_s,facet_pulses_per_s,real_time_factor,predicted_rel_rms_db,on_front,taken\n";
     for point in &sweep.points {
         let _ = write!(csv, "{}", point.change);
         for name in &names {
@@ -140,12 +155,13 @@ fn csv(sweep: &Sweep, taken: Option<&Point>) -> String {
         }
         let _ = writeln!(
             csv,
-            ",{:.3},{:.3},{:.6e},{:.6e},{:.6e},{},{}",
+            ",{:.3},{:.3},{:.6e},{:.6e},{:.6e},{},{},{}",
             point.rel_rms_db,
             point.rel_rms_db_mean,
             point.pulses_per_s,
             point.facet_pulses_per_s,
             point.real_time_factor,
+            point.predicted_rel_rms_db.map_or(String::new(), |db| format!("{db:.3}")),
             point.on_front,
             taken.is_some_and(|taken| std::ptr::eq(taken, point))
         );
@@ -166,17 +182,18 @@ fn text(report: &Report) -> String {
     let wide = report.sweep.points.iter().map(|p| name(&p.change).len()).max().unwrap_or(0).max(11);
     let _ = writeln!(
         text,
-        "  {:wide$}  worst, dB  mean, dB   pulses/s  M facet-pulses/s  times real time",
+        "  {:wide$}  worst, dB  mean, dB  predicted   pulses/s  M facet-pulses/s  times real time",
         "setting"
     );
     for point in &report.sweep.points {
         let _ = writeln!(
             text,
-            "{} {:wide$}  {:9.1}  {:8.1}  {:9.2}  {:16.3}  {:15.4}",
+            "{} {:wide$}  {:9.1}  {:8.1}  {:>9}  {:9.2}  {:16.3}  {:15.4}",
             if point.on_front { '*' } else { ' ' },
             name(&point.change),
             point.rel_rms_db,
             point.rel_rms_db_mean,
+            point.predicted_rel_rms_db.map_or("-".to_owned(), |db| format!("{db:.1}")),
             point.pulses_per_s,
             point.facet_pulses_per_s / 1e6,
             point.real_time_factor,
@@ -198,6 +215,8 @@ fn text(report: &Report) -> String {
                 writeln!(text, "none of these keeps {} dB: fidelity.echo = \"reference\"", report.error_db);
         }
     }
+    let predicted = report.predicted_rel_rms_db.map_or(String::new(), |db| format!("; {db:.1} dB predicted"));
+    let _ = writeln!(text, "the plan takes {}{predicted}", settings_text(&report.plan));
     if !report.sweep.models.is_empty() {
         let _ = writeln!(text, "choices of the model, apart from the scenario as written (no errors):");
     }

@@ -493,11 +493,12 @@ tables! {
     }
     fidelity "[fidelity]" "Speed against accuracy." {
         ECHO "echo", Choice(&["reference", "fast"]), Means("fast with a sea, reference without"), "reference: every pulse from its own contacts, in f64. fast: blocks of pulses, contacts at nodes, all between interpolated, in f32.";
-        NODE_PULSES "node_pulses", count(1, 21), Count(12), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself.";
-        SCATTER_PULSES "scatter_pulses", count(1, 21), Count(4), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
-        GAIN_PULSES "gain_pulses", count(1, 21), Count(4), "fast: pulses from one instant at which antenna gains are found to the next.";
-        KERNEL_WIDTH "kernel_width", count(4, 8), Count(5), "fast: cells over which a contact is spread; about 20 dB a cell.";
-        DOPPLER "doppler", Choice(&["mean", "shift", "taylor"]), Means("shift for a sweep, taylor for samples"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
+        ERROR_DB "error_db", number("dB", -120.0, -20.0), default(-60.0), "fast: error allowed against the reference, worst pulse and channel. The keys below are chosen to keep it, but for those that are given.";
+        NODE_PULSES "node_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact contacts.";
+        SCATTER_PULSES "scatter_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
+        GAIN_PULSES "gain_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which antenna gains are found to the next.";
+        KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a contact is spread; about 20 dB a cell.";
+        DOPPLER "doppler", Choice(&["mean", "shift", "taylor"]), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
     }
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";

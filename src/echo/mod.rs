@@ -12,15 +12,46 @@ pub enum Fidelity {
     /// Every pulse from its own contacts, in f64, by [`mod@reference`]: slow, and without error of its own.
     #[default]
     Reference,
-    /// Blocks of pulses: contacts at nodes, the rest interpolated, all of it in f32 by [`mod@synth`].
-    Fast {
-        /// Pulses from node to node.
-        node_pulses: u64,
-        /// Pulses from gain to gain.
-        gain_pulses: u64,
-        /// Pulses from scattering to scattering: as the nodes, or half or a third of it.
-        scatter_pulses: u64,
-        /// The knobs of the echo.
-        settings: synth::Settings,
-    },
+    /// By [`mod@synth`], with what was asked; the rest is chosen for the scene.
+    Fast(Asked),
+}
+
+/// What is asked of the fast echo. Knobs that are `None` are chosen so that the error is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Error against the reference that is allowed, worst pulse and channel, dB.
+    pub error_db: f64,
+    /// Pulses from node to node; 1: every pulse by itself, from exact contacts.
+    pub node_pulses: Option<u64>,
+    /// Pulses from scattering to scattering: as the nodes, or about half or a third of it.
+    pub scatter_pulses: Option<u64>,
+    /// Pulses from gain to gain.
+    pub gain_pulses: Option<u64>,
+    /// Cells that each contact is spread over.
+    pub kernel_width: Option<usize>,
+    /// Doppler within a pulse.
+    pub doppler: Option<synth::doppler::Doppler>,
+    /// Which instructions; `None` takes the fastest that this CPU has.
+    pub variant: Option<synth::Variant>,
+}
+
+impl Asked {
+    /// An error and nothing else.
+    pub fn error_db(error_db: f64) -> Self {
+        Self {
+            error_db,
+            node_pulses: None,
+            scatter_pulses: None,
+            gain_pulses: None,
+            kernel_width: None,
+            doppler: None,
+            variant: None,
+        }
+    }
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        Self::error_db(-60.0)
+    }
 }

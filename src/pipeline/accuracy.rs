@@ -22,7 +22,8 @@ use rand::{Rng, RngExt};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
-use super::build::{BuildErrors, available_bytes, factory_of, sea_bytes, tracks};
+use super::build::{BuildErrors, available_bytes, factory_of, tracks};
+use super::memory::sea_bytes;
 use super::stages::{PulseError, PulseFactory};
 use crate::config::Run;
 use crate::echo::Fidelity;

@@ -11,6 +11,7 @@
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use num_complex::Complex64;
 
@@ -19,52 +20,30 @@ use crate::cpu::Variant;
 use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
+use crate::plan::settle::{Settled, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::illumination::tiles::{
-    Instants, LOOKS, LOOKS_PER_NODE, NODES, Sample, TileWork, looks_about,
-};
+use crate::radar::illumination::tiles::sounding::nodes_within;
+use crate::radar::illumination::tiles::{Instants, LOOKS, NODES, Sample, TileWork, looks_about};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
-/// Power of a facet over the mean below which it is left out: all of them together stay below -75 dB.
-const LEAST_POWER: f64 = 3e-8;
-
-/// Pulses of a block whose nodes are so many pulses apart.
-fn block_pulses(spacing: u64) -> u64 {
-    (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
-}
-
-/// Pulses of the nodes within a block of so many pulses, rising, and how many there are.
-fn places(pulses: usize) -> ([usize; NODES], usize) {
-    let last = pulses.saturating_sub(1);
-    if last >= NODES - 1 {
-        (std::array::from_fn(|n| n * last / (NODES - 1)), NODES)
-    } else {
-        (std::array::from_fn(|n| n.min(last)), last + 1)
-    }
-}
-
-/// Looks of a block with these nodes, `each` from one to the next where there are as many pulses, and how many there are.
-fn looks(nodes: &[usize], each: usize) -> ([usize; LOOKS], usize) {
-    let (mut looks, mut count) = ([0; LOOKS], 0);
-    for (n, &node) in nodes.iter().enumerate() {
-        let next = nodes.get(n + 1).copied().unwrap_or(node);
-        let steps = each.clamp(1, LOOKS_PER_NODE).min((next - node).max(1));
-        for step in 0..if n + 1 < nodes.len() { steps } else { 1 } {
-            looks[count] = node + (next - node) * step / steps;
-            count += 1;
-        }
-    }
-    (looks, count)
+/// Pulses of a block: a patch that follows moves between blocks only.
+fn length_of(spacing: u64, hold_pulses: Option<u64>) -> u64 {
+    let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
+    hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1))
 }
 
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
-    synth: Synth<f32>,
+    synth: Arc<Synth<f32>>,
+    /// Pulses of a block.
     length: u64,
+    hold_pulses: Option<u64>,
     gain_pulses: usize,
     looks_per_node: usize,
+    /// Power of a facet over the mean below which it is left out.
+    least_power: f64,
     pulses: u64,
     interval_s: f64,
 }
@@ -89,31 +68,39 @@ pub(super) struct BlockWork {
 }
 
 impl BlockEcho {
-    /// For a run of so many pulses, with nodes `spacing` pulses apart, gains every `gain_pulses` and scattering every `scatter_pulses`, which is
-    /// as often as nodes, or twice or three times.
+    /// For a run of so many pulses.
     ///
     /// # Errors
     /// Blocks longer than the fast echo can hold.
     pub fn new(
         synth: Synth<f32>,
-        spacing: u64,
-        gain_pulses: u64,
-        scatter_pulses: u64,
+        settled: &Settled,
         pulses: u64,
         hold_pulses: Option<u64>,
         interval_s: f64,
     ) -> Result<Self, SynthError> {
-        let block = usize::try_from(block_pulses(spacing)).unwrap_or(usize::MAX);
+        let block = usize::try_from(block_pulses(settled.node_pulses)).unwrap_or(usize::MAX);
         if block > MAX_PULSES {
             return Err(SynthError::Pulses { pulses: block });
         }
-        // A patch that follows moves between blocks only.
-        let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
-        let length =
-            hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1));
-        let gain_pulses = usize::try_from(gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
-        let looks_per_node = spacing.div_ceil(scatter_pulses.max(1)).clamp(1, LOOKS_PER_NODE as u64) as usize;
-        Ok(Self { synth, length, gain_pulses, looks_per_node, pulses, interval_s })
+        let gain_pulses = usize::try_from(settled.gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
+        Ok(Self {
+            synth: Arc::new(synth),
+            length: length_of(settled.node_pulses, hold_pulses),
+            hold_pulses,
+            gain_pulses,
+            looks_per_node: settled.looks_per_node,
+            least_power: settled.least_power,
+            pulses,
+            interval_s,
+        })
+    }
+
+    /// The same echo with other nodes; `None` of blocks that are too long.
+    pub fn like(other: &Self, settled: &Settled) -> Option<Self> {
+        let block = usize::try_from(block_pulses(settled.node_pulses)).ok()?;
+        let (synth, length) = (Arc::clone(&other.synth), length_of(settled.node_pulses, other.hold_pulses));
+        (block <= MAX_PULSES).then_some(Self { synth, length, ..*other })
     }
 
     /// Pulses of a block.
@@ -186,11 +173,8 @@ impl BlockEcho {
         let first = index / len * len;
         let end = (first + len).min(self.pulses);
         let pulses = (end - first) as usize;
-        let (nodes, node_count) = places(pulses);
-        let (looks, look_count) = looks(&nodes[..node_count], self.looks_per_node);
-        work.instants =
-            Instants { first, pulses, nodes, node_count, looks, look_count, gain_pulses: self.gain_pulses };
-        let heard = nodes.map(|place| first + place as u64);
+        work.instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
+        let heard = work.instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
         if self.length == 1 || !illumination.hears_itself(&heard, light)? {
@@ -228,7 +212,7 @@ impl BlockEcho {
                 looks_about(&instants.looks[..instants.look_count], from..=to)
             });
             let tally =
-                illumination.visit_tiles(patch, samples, LEAST_POWER, tiles, &mut light.costs, |tile| {
+                illumination.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
                     for (pair, of_pair) in tile.pairs.iter().enumerate() {
                         let mut nodes = [None; NODES];
                         for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
@@ -312,7 +296,7 @@ impl BlockEcho {
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
         let BlockWork { nodes, frame, part, grids, .. } = work;
-        let (at, count) = places(pulses.len());
+        let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
             illumination.points(first + (pulses.start + place) as u64, light, node)?;
         }

@@ -22,11 +22,13 @@ use thread_priority::ThreadPriority;
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::echo::reference::ReferenceEcho;
-use crate::echo::synth::{Synth, SynthError};
+use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::frames::SceneFrame;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
 use crate::nav::{PlatformNav, TrackSource};
+use crate::plan::PlanError;
+use crate::plan::settle::{Plan, settle};
 use crate::pulse::costs::Costs;
 use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::{RadarError, RadarFault};
@@ -47,6 +49,8 @@ use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
 use super::block::BlockEcho;
+use super::memory::{PROGRAM_BYTES, sea_bytes};
+use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
@@ -157,6 +161,15 @@ impl From<PulseError> for BuildError {
     }
 }
 
+impl From<PlanError> for BuildError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Radar(error) => error.into(),
+            PlanError::Echo(error) => error.into(),
+        }
+    }
+}
+
 impl<E: Into<BuildError>> From<E> for BuildErrors {
     fn from(error: E) -> Self {
         Self(vec![error.into()])
@@ -232,28 +245,38 @@ pub fn factory_of(
 ) -> Result<PulseFactory, BuildErrors> {
     let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
-    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
     let radar = &scene.radar;
     let (carrier_hz, sample_rate_hz, samples) =
         (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
+    let plan = match fidelity {
+        Fidelity::Reference => None,
+        Fidelity::Fast(asked) => Some(settle(scene, &illumination, &waveform, asked)?),
+    };
     let of_channels = illumination.channel_pairs();
-    let echo = match *fidelity {
-        Fidelity::Reference => Echo::Reference(ReferenceEcho::new(
-            Arc::clone(&waveform),
-            carrier_hz,
-            sample_rate_hz,
-            samples,
-            of_channels.to_vec(),
-        )),
-        Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => {
+    let echo = match &plan {
+        None => {
             let waveform = Arc::clone(&waveform);
-            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settings)?;
+            Echo::Reference(ReferenceEcho::new(
+                waveform,
+                carrier_hz,
+                sample_rate_hz,
+                samples,
+                of_channels.to_vec(),
+            ))
+        }
+        Some(Plan { settled, .. }) if settled.precision == Precision::Double => {
+            let waveform = Arc::clone(&waveform);
+            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
+            Echo::Single(SingleEcho::new(synth))
+        }
+        Some(Plan { settled, .. }) => {
+            let waveform = Arc::clone(&waveform);
+            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
             let interval_s = radar.emissions.interval_s(0, 1);
             Echo::Fast(Box::new(BlockEcho::new(
                 synth,
-                node_pulses,
-                gain_pulses,
-                scatter_pulses,
+                settled,
                 scene.pulses,
                 illumination.hold_pulses(),
                 interval_s,
@@ -264,7 +287,7 @@ pub fn factory_of(
     let ships = ShipTracks::of(scene);
     let layout =
         Layout { ships: scene.ships.len(), ..scene.radar.layout(scene.platforms.len(), scene.targets.len()) };
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships })
+    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan })
 }
 
 /// A run that is ready to start.
@@ -358,20 +381,6 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         notes,
         sea_bytes: needed,
     })
-}
-
-/// Memory that one worker takes for a facet: fields of the surface and of the patch, phases, visibility, and contacts, of
-/// which a block has four lists and their polynomials. Found from the resident memory of the paper's first scene.
-const FACET_BYTES: [u64; 2] = [700, 1250];
-
-/// About what the sea of a scene takes, bytes.
-pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
-    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
-    let each = match fidelity {
-        Fidelity::Reference => FACET_BYTES[0],
-        Fidelity::Fast { .. } => FACET_BYTES[1],
-    };
-    facets.saturating_mul(each).saturating_mul(threads as u64)
 }
 
 /// Memory that the system says it can give, bytes; `None` where it does not say.
@@ -491,6 +500,13 @@ impl PulseStream {
     /// About what the sea takes in all workers, bytes.
     pub(super) fn sea_bytes(&self) -> u64 {
         self.sea_bytes
+    }
+
+    /// What the run takes of memory, bytes, as far as it is predicted.
+    pub fn predicted_bytes(&self) -> u64 {
+        let grids = self.factory.grid_bytes().saturating_mul(self.threads() as u64);
+        let waiting = (self.waiting_pulses() * self.factory.layout.slot_bytes()) as u64;
+        PROGRAM_BYTES.saturating_add(self.sea_bytes).saturating_add(grids).saturating_add(waiting)
     }
 
     /// Slots of the ring and of all queues.

@@ -5,8 +5,9 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::echo::Fidelity;
+use crate::echo::synth::Precision;
 use crate::echo::synth::doppler::Doppler;
+use crate::plan::settle::Settled;
 
 /// A key of the scenario and values to try.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +18,12 @@ pub struct Knob {
     pub values: &'static [&'static str],
 }
 
+/// The error that is asked: the other knobs are chosen for it.
+pub const ERROR_KEY: &str = "fidelity.error_db";
+
 /// What trades accuracy for speed.
 pub const KNOBS: &[Knob] = &[
+    Knob { key: ERROR_KEY, values: &["-30.0", "-45.0", "-60.0", "-75.0", "-90.0"] },
     Knob { key: "fidelity.node_pulses", values: &["1", "4", "8", "12", "16"] },
     Knob { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Knob { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
@@ -36,28 +41,26 @@ pub const MODELS: &[Knob] = &[
     Knob { key: "sea.shadow.update_ms", values: &["20.0", "45.0", "90.0", "180.0"] },
 ];
 
-/// What a fidelity is set to, by name.
-pub fn settings(fidelity: &Fidelity) -> Map<String, Value> {
+/// What an echo is set to, by name: that of a plan, or the reference.
+pub fn settings(settled: Option<&Settled>) -> Map<String, Value> {
     let mut map = Map::new();
     let mut set = |name: &str, value: Value| map.insert(name.to_owned(), value);
-    match fidelity {
-        Fidelity::Reference => {
-            set("echo", json!("reference"));
-        }
-        Fidelity::Fast { node_pulses, gain_pulses, scatter_pulses, settings } => {
-            set("echo", json!("fast"));
-            set("node_pulses", json!(node_pulses));
-            set("gain_pulses", json!(gain_pulses));
-            set("scatter_pulses", json!(scatter_pulses));
-            set("kernel_width", json!(settings.width));
-            set("oversampling", json!(settings.oversampling));
-            let doppler = match settings.doppler {
-                Doppler::Mean => "mean",
-                Doppler::Shift => "shift",
-                Doppler::Taylor => "taylor",
-            };
-            set("doppler", json!(doppler));
-        }
-    }
+    let Some(settled) = settled else {
+        set("echo", json!("reference"));
+        return map;
+    };
+    set("echo", json!("fast"));
+    set("node_pulses", json!(settled.node_pulses));
+    set("gain_pulses", json!(settled.gain_pulses));
+    set("scatter_pulses", json!(settled.scatter_pulses()));
+    set("kernel_width", json!(settled.echo.width));
+    set("oversampling", json!(settled.echo.oversampling));
+    let doppler = match settled.echo.doppler {
+        Doppler::Mean => "mean",
+        Doppler::Shift => "shift",
+        Doppler::Taylor => "taylor",
+    };
+    set("doppler", json!(doppler));
+    set("precision", json!(if settled.precision == Precision::Double { "f64" } else { "f32" }));
     map
 }

@@ -13,6 +13,7 @@ use crossbeam_channel::Sender;
 use thiserror::Error;
 
 use super::build::{BuildErrors, PulseStream, RunFailure};
+use crate::plan::settle::Plan;
 use crate::pulse::costs::Costs;
 use crate::transport::pacer::Status;
 
@@ -44,6 +45,8 @@ pub struct Speed {
     pub first_release: Option<Instant>,
     /// What the workers spent and counted.
     pub costs: Costs,
+    /// What was planned; `None` for the reference.
+    pub plan: Option<Plan>,
     /// Most memory that the program has had resident so far, bytes; `None` where the system does not say.
     pub peak_rss_bytes: Option<u64>,
 }
@@ -76,6 +79,7 @@ pub fn speed(
     let factory = stream.factory();
     let (facets, contacts, layout) = (factory.facets(), factory.contacts(), *factory.layout());
     let (block_pulses, threads) = (factory.block_pulses(), stream.threads());
+    let plan = factory.plan().copied();
     let prf_hz = stream.schedule().times.mean_prf_hz();
     let least = LEAST_BLOCKS.saturating_mul(block_pulses).saturating_mul(threads as u64);
     let stop = Arc::new(AtomicBool::new(false));
@@ -101,6 +105,7 @@ pub fn speed(
         real_time_factor,
         first_release,
         costs,
+        plan,
         peak_rss_bytes: peak_rss_bytes(),
     })
 }

@@ -15,8 +15,10 @@ use thiserror::Error;
 
 use super::aboard::ShipTracks;
 use super::block::{BlockEcho, BlockWork};
+use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::SynthError;
+use crate::plan::settle::Plan;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
 use crate::radar::fault::RadarError;
@@ -36,6 +38,7 @@ pub struct PulseFactory {
     pub(super) waveform: Arc<dyn Waveform>,
     pub(super) layout: Layout,
     pub(super) ships: ShipTracks,
+    pub(super) plan: Option<Plan>,
 }
 
 /// Why a pulse cannot be made.
@@ -62,6 +65,7 @@ pub enum PulseError {
 pub(super) enum Echo {
     Reference(ReferenceEcho),
     Fast(Box<BlockEcho>),
+    Single(SingleEcho),
 }
 
 impl Echo {
@@ -69,6 +73,7 @@ impl Echo {
         match self {
             Self::Reference(echo) => echo.fft_len(),
             Self::Fast(echo) => echo.fft_len(),
+            Self::Single(echo) => echo.fft_len(),
         }
     }
 }
@@ -78,6 +83,7 @@ pub struct Workspace {
     illumination: illumination::Workspace,
     contacts: Contacts,
     block: Option<BlockWork>,
+    single: Option<SingleWork>,
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
 }
@@ -93,6 +99,23 @@ impl PulseFactory {
     /// Sizes of the pulses made.
     pub fn layout(&self) -> &Layout {
         &self.layout
+    }
+
+    /// What was planned; `None` for the reference.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.plan.as_ref()
+    }
+
+    /// Grids of one worker, bytes.
+    pub(super) fn grid_bytes(&self) -> u64 {
+        let pulses = self.block_pulses();
+        let cells = 2 * self.echo.fft_len() as u64;
+        let bytes = match &self.echo {
+            Echo::Reference(_) => 0,
+            Echo::Fast(_) => 8,
+            Echo::Single(_) => 16,
+        };
+        pulses.saturating_mul(cells).saturating_mul(bytes * self.layout.channels as u64)
     }
 
     /// Facets of the patch of sea; 0 without one.
@@ -161,14 +184,16 @@ impl PulseFactory {
         let points = 3 * (self.layout.targets + 1);
         let contacts = points + self.illumination.facets();
         let (pairs, channels) = (self.layout.pairs, self.layout.channels);
-        let (block, contacts) = match &self.echo {
-            Echo::Reference(_) => (None, contacts),
-            Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, points)), 0),
+        let (block, single, contacts) = match &self.echo {
+            Echo::Reference(_) => (None, None, contacts),
+            Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, points)), None, 0),
+            Echo::Single(echo) => (None, Some(echo.work(pairs, channels, contacts)), 0),
         };
         Workspace {
             illumination: self.illumination.workspace(),
             contacts: Contacts::new(pairs, channels, contacts),
             block,
+            single,
             spectrum: vec![Complex64::ZERO; self.layout.channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
         }
@@ -178,20 +203,23 @@ impl PulseFactory {
     /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { illumination, contacts, block, spectrum, receiver } = work;
+        let Workspace { illumination, contacts, block, single, spectrum, receiver } = work;
         illumination.costs.begin();
-        match (&self.echo, block) {
-            (Echo::Reference(echo), _) => {
+        match (&self.echo, block, single) {
+            (Echo::Reference(echo), ..) => {
                 self.illumination.pulse(index, illumination, contacts, pulse)?;
                 echo.spectrum(contacts, pulse.window_start_s, spectrum);
                 illumination.costs.lap(Stage::Spread);
                 illumination.costs.accumulated(contacts.len() * self.layout.pairs);
             }
-            (Echo::Fast(echo), Some(block)) => {
+            (Echo::Fast(echo), Some(block), _) => {
                 echo.make(&self.illumination, index, pulse, illumination, block, spectrum)?;
             }
+            (Echo::Single(echo), _, Some(single)) => {
+                echo.make(&self.illumination, index, pulse, illumination, single, spectrum)?;
+            }
             // A workspace of another factory.
-            (Echo::Fast(_), None) => spectrum.fill(Complex64::ZERO),
+            (Echo::Fast(_) | Echo::Single(_), ..) => spectrum.fill(Complex64::ZERO),
         }
         self.ships.record(pulse);
         self.receiver.receive(spectrum, pulse, receiver);
@@ -203,7 +231,7 @@ impl PulseFactory {
     /// Pulses that are made together: 1, or those of a block.
     pub fn block_pulses(&self) -> u64 {
         match &self.echo {
-            Echo::Reference(_) => 1,
+            Echo::Reference(_) | Echo::Single(_) => 1,
             Echo::Fast(echo) => echo.block_pulses(),
         }
     }

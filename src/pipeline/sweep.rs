@@ -15,9 +15,10 @@ use serde_json::{Map, Value};
 
 use super::accuracy::{Judge, noiseless};
 use super::build::{self, BuildErrors};
-use super::knobs::{KNOBS, Knob, MODELS, settings};
+use super::knobs::{ERROR_KEY, KNOBS, Knob, MODELS, settings};
 use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
+use crate::plan::settle::Settled;
 
 /// How long the speed of a setting is tried.
 pub const TRIAL: Duration = Duration::from_millis(600);
@@ -42,6 +43,8 @@ pub struct Point {
     pub facet_pulses_per_s: f64,
     /// Pulses per second over those needed.
     pub real_time_factor: f64,
+    /// What was predicted, dB; `None` for the reference.
+    pub predicted_rel_rms_db: Option<f64>,
     /// Whether no other setting is both faster and better.
     pub on_front: bool,
 }
@@ -74,7 +77,8 @@ fn changed(knob: &Knob, value: &str) -> (String, String) {
 pub fn trials(grid: bool) -> Vec<Overrides> {
     let mut trials = vec![Vec::new()];
     if grid {
-        for knob in KNOBS {
+        // An error that is asked decides nothing where all knobs are given.
+        for knob in KNOBS.iter().filter(|knob| knob.key != ERROR_KEY) {
             trials = trials
                 .iter()
                 .flat_map(|before: &Overrides| {
@@ -103,22 +107,45 @@ pub fn name(change: &Overrides) -> String {
     if words.is_empty() { "as written".to_owned() } else { words.join(" ") }
 }
 
-/// Measures one setting.
-pub fn point(judge: &Judge, run: &Run, change: &Overrides) -> Result<Point, BuildErrors> {
+/// Measures one setting; `None` of one that is among those known.
+pub fn point(
+    judge: &Judge,
+    run: &Run,
+    change: &Overrides,
+    known: &[Point],
+) -> Result<Option<Point>, BuildErrors> {
     let run = noiseless(run);
     let stream = build::stream(&run, 0..run.scene.pulses)?;
+    let plan = stream.factory().plan();
+    let settings = settings(plan.map(|plan| &plan.settled));
+    if known.iter().any(|point| point.settings == settings) {
+        return Ok(None);
+    }
     let accuracy = judge.accuracy(&judge.make(stream.factory())?);
     let forecast = stream.forecast_over(TRIAL)?;
-    Ok(Point {
+    Ok(Some(Point {
         change: name(change),
-        settings: settings(&run.fidelity),
+        settings,
         rel_rms_db: accuracy.rel_rms_db,
         rel_rms_db_mean: accuracy.rel_rms_db_mean,
         pulses_per_s: forecast.pulses_per_s,
         facet_pulses_per_s: forecast.pulses_per_s * stream.factory().facets() as f64,
         real_time_factor: forecast.real_time_factor,
+        predicted_rel_rms_db: plan.map(|plan| plan.prediction.total_db()),
         on_front: false,
-    })
+    }))
+}
+
+/// The run with the knobs that it leaves open set as they were settled for another: so one knob changes at a time.
+fn filled(mut run: Run, settled: &Settled) -> Run {
+    if let Fidelity::Fast(asked) = &mut run.fidelity {
+        asked.node_pulses.get_or_insert(settled.node_pulses);
+        asked.scatter_pulses.get_or_insert(settled.scatter_pulses());
+        asked.gain_pulses.get_or_insert(settled.gain_pulses);
+        asked.kernel_width.get_or_insert(settled.echo.width);
+        asked.doppler.get_or_insert(settled.echo.doppler);
+    }
+    run
 }
 
 /// Marks the points that no other one beats in both speed and error. Of equals the first one stays.
@@ -192,20 +219,26 @@ pub fn sweep(
     let (trials, models) = (trials(grid), models());
     let all = trials.len() + models.len();
     let mut sweep = Sweep::default();
-    let mut tried: Vec<Fidelity> = Vec::new();
+    let settled = {
+        let run = noiseless(written_run);
+        build::stream(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.settled)
+    };
     for (done, change) in trials.iter().enumerate() {
         progress(done, all);
+        let open = change.iter().all(|(key, _)| key == ERROR_KEY);
         let run = if change.is_empty() { Ok(written_run.clone()) } else { load(change) };
         let measured = match run {
-            Ok(run) if tried.contains(&run.fidelity) => continue,
             Ok(run) => {
-                tried.push(run.fidelity);
-                point(judge, &run, change).map_err(|errors| errors.to_string())
+                let run = match &settled {
+                    Some(settled) if !open => filled(run, settled),
+                    _ => run,
+                };
+                point(judge, &run, change, &sweep.points).map_err(|errors| errors.to_string())
             }
             Err(error) => Err(error.to_string()),
         };
         match measured {
-            Ok(point) => sweep.points.push(point),
+            Ok(point) => sweep.points.extend(point),
             Err(why) => sweep.refused.push(Refused { change: name(change), why }),
         }
     }
@@ -242,6 +275,7 @@ mod tests {
             pulses_per_s: real_time_factor,
             facet_pulses_per_s: real_time_factor,
             real_time_factor,
+            predicted_rel_rms_db: None,
             on_front: false,
         }
     }
@@ -264,7 +298,8 @@ mod tests {
         let values: usize = KNOBS.iter().map(|knob| knob.values.len()).sum();
         assert_eq!(one_by_one.len(), 1 + values);
         let grid = trials(true);
-        let product: usize = KNOBS.iter().map(|knob| knob.values.len()).product();
+        let product: usize =
+            KNOBS.iter().filter(|knob| knob.key != ERROR_KEY).map(|knob| knob.values.len()).product();
         assert_eq!(grid.len(), 1 + product);
         let names: std::collections::BTreeSet<String> = grid.iter().map(name).collect();
         assert_eq!(names.len(), grid.len());

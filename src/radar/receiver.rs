@@ -43,6 +43,7 @@ pub fn thermal_noise_w(bandwidth_hz: f64, noise_figure: Decibels) -> f64 {
 }
 
 /// From the spectra of a pulse to its samples.
+#[derive(Clone)]
 pub struct Receiver {
     seed: u64,
     sample_rate_hz: f64,

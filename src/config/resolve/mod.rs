@@ -134,7 +134,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let targets = target::targets(&root, &ground);
     let stream =
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
-    let fidelity = stream::fidelity(&root, radar.as_ref(), root.has(&keys::root::SEA));
+    let fidelity = stream::fidelity(&root, root.has(&keys::root::SEA));
     let sinks =
         stream::sinks(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
     root.finish();

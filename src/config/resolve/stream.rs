@@ -5,11 +5,9 @@ use std::path::PathBuf;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
-use crate::echo::Fidelity;
-use crate::echo::synth::Settings;
 use crate::echo::synth::doppler::Doppler;
+use crate::echo::{Asked, Fidelity};
 use crate::scene::Radar;
-use crate::scene::radar::Waveform;
 use crate::sinks;
 use crate::transport::{self, Pace, Policy};
 
@@ -61,34 +59,32 @@ pub(super) fn stream(
 }
 
 /// `[fidelity]`; `with_sea` decides the default.
-pub(super) fn fidelity(root: &Section<'_>, radar: Option<&Radar>, with_sea: bool) -> Option<Fidelity> {
-    use keys::fidelity::{DOPPLER, ECHO, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES};
+pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
+    use keys::fidelity::{DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES};
     let section = root.section_or_empty(&keys::root::FIDELITY)?;
     let echo = section.choice(&ECHO);
-    let (node_pulses, width) = (section.count(&NODE_PULSES), section.count(&KERNEL_WIDTH));
-    let (gain_pulses, scatter_pulses) = (section.count(&GAIN_PULSES), section.count(&SCATTER_PULSES));
-    let written = section.choice(&DOPPLER);
+    let error_db = section.number(&ERROR_DB);
+    let width = section.count(&KERNEL_WIDTH);
+    let doppler = section.choice(&DOPPLER).map(|word| match word {
+        "mean" => Doppler::Mean,
+        "shift" => Doppler::Shift,
+        _ => Doppler::Taylor,
+    });
+    let asked = Asked {
+        node_pulses: section.count(&NODE_PULSES),
+        scatter_pulses: section.count(&SCATTER_PULSES),
+        gain_pulses: section.count(&GAIN_PULSES),
+        kernel_width: width.and_then(|width| usize::try_from(width).ok()),
+        doppler,
+        ..Asked::default()
+    };
     let fast = echo.map_or(with_sea && !section.has(&ECHO), |word| word == "fast");
     // Knobs of the fast echo may stand beside "reference": so one key switches a scenario.
     section.finish();
     if !fast {
         return Some(Fidelity::Reference);
     }
-    let sweeps = matches!(radar?.waveform, Waveform::Lfm { .. });
-    let doppler = match written {
-        Some("mean") => Doppler::Mean,
-        Some("shift") => Doppler::Shift,
-        Some(_) => Doppler::Taylor,
-        None if sweeps => Doppler::Shift,
-        None => Doppler::Taylor,
-    };
-    let settings = Settings { width: usize::try_from(width?).ok()?, doppler, ..Settings::default() };
-    Some(Fidelity::Fast {
-        node_pulses: node_pulses?,
-        gain_pulses: gain_pulses?,
-        scatter_pulses: scatter_pulses?,
-        settings,
-    })
+    Some(Fidelity::Fast(Asked { error_db: error_db?, ..asked }))
 }
 
 /// `[[sink]]`.

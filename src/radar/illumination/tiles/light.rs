@@ -90,7 +90,11 @@ impl Illumination {
 
     /// Leaves out facets that are hidden at every update, turned away at every node, or seen by no gain.
     fn keep_lit(&self, work: &mut TileWork) {
-        let TileWork { variant, batch, places_m, kept, slopes, gain_rows, shades, seen, tile, .. } = work;
+        let TileWork { variant, batch, places_m, whole, kept, slopes, gain_rows, shades, seen, tile, .. } =
+            work;
+        if *whole {
+            return;
+        }
         let count = tile.count;
         let mut lit = [0.0f32; LANES];
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
@@ -293,7 +297,7 @@ impl Illumination {
     }
 
     /// Products of gains at every gain instant.
-    fn gains(&self, pair: usize, work: &mut TileWork) {
+    pub(super) fn gains(&self, pair: usize, work: &mut TileWork) {
         let TileWork { variant, gains, gain_rows, tile, .. } = work;
         let plan = &self.plans[pair];
         let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);

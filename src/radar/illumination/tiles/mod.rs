@@ -24,6 +24,7 @@ mod factor;
 mod gain;
 mod light;
 mod look;
+pub mod sounding;
 mod tile;
 
 use std::ops::RangeInclusive;
@@ -60,7 +61,7 @@ pub const LOOK_POINTS: usize = 4;
 /// Gain instants that a pulse's gain is found from.
 const GAIN_POINTS: usize = 6;
 /// Tiles that are looked at to learn what a block returns.
-const SAMPLED: usize = 48;
+pub const SAMPLED: usize = 48;
 
 /// The instants of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -134,6 +135,8 @@ pub struct TileWork {
     drop_m: [f64; LANES],
     fall: [Row; 2],
     kinds: Vec<(usize, f32)>,
+    /// Whether facets that return nothing stay where they are.
+    whole: bool,
     /// Facets of the tile that may return something, by their place in it.
     kept: Vec<u16>,
     /// Slopes at every node.
@@ -319,6 +322,7 @@ impl SeaPlan {
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
             kinds: Vec::with_capacity(LANES),
+            whole: false,
             kept: Vec::with_capacity(LANES),
             slopes: [[[0.0; LANES]; 2]; NODES],
             gain_rows: vec![Vec::new(); channels.len()],

@@ -1,0 +1,33 @@
+//! What a run takes of memory, from the sizes of its parts.
+//!
+//! | part | bytes |
+//! | --- | --- |
+//! | the program and its libraries | [`PROGRAM_BYTES`] |
+//! | the sea that all workers share | [`SHARED_FACET_BYTES`] a facet |
+//! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
+//! | grids of a worker | pulses of a block x cells x 2 floats a channel |
+//! | ring and queues | pulses that wait x bytes of a pulse |
+//!
+//! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256 and 512 x 512 facets with one and
+//! two workers. Contacts of blocks of single pulses are in the bytes of the reference.
+
+use crate::echo::Fidelity;
+use crate::scene::Scene;
+
+/// The program, its libraries, stacks, tables.
+pub const PROGRAM_BYTES: u64 = 24 << 20;
+/// Shared, a facet: the reference's, the fast echo's.
+pub const SHARED_FACET_BYTES: [u64; 2] = [330, 330];
+/// Of each worker, a facet: the reference's, the fast echo's.
+pub const WORKER_FACET_BYTES: [u64; 2] = [700, 1250];
+
+/// About what the sea of a scene takes, bytes.
+pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
+    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
+    let n = match fidelity {
+        Fidelity::Reference => 0,
+        Fidelity::Fast(_) => 1,
+    };
+    let each = SHARED_FACET_BYTES[n].saturating_add(WORKER_FACET_BYTES[n].saturating_mul(threads as u64));
+    facets.saturating_mul(each)
+}

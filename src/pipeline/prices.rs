@@ -1,0 +1,112 @@
+//! What pieces of work take on this machine: a short calibration for the prediction of speed.
+//!
+//! All workers of a stream make blocks at once, with other settings than those planned (nodes half as far apart); what each stage took over
+//! what the price list says scales the prices of that stage. The median of [`ROUNDS`] rounds is taken.
+
+use rayon::prelude::*;
+
+use super::block::BlockEcho;
+use super::build::{BuildErrors, PulseStream};
+use super::stages::{Echo, PulseError, PulseFactory, Workspace};
+use crate::plan::cost::Prices;
+use crate::plan::settle::Settled;
+use crate::pulse::Pulse;
+use crate::pulse::costs::{Costs, Stage};
+
+/// Rounds of the calibration.
+pub const ROUNDS: usize = 5;
+/// Stages with prices.
+const PRICED: [Stage; 6] =
+    [Stage::Surface, Stage::Shadow, Stage::Contacts, Stage::Spread, Stage::Transform, Stage::Receive];
+
+impl PulseFactory {
+    /// The same with other nodes; `None` where pulses are made one by one.
+    fn with_nodes(&self, settled: &Settled) -> Option<Self> {
+        let Echo::Fast(echo) = &self.echo else { return None };
+        Some(Self {
+            illumination: self.illumination.clone(),
+            echo: Echo::Fast(Box::new(BlockEcho::like(echo, settled)?)),
+            sample_rate_hz: self.sample_rate_hz,
+            receiver: self.receiver.clone(),
+            waveform: self.waveform.clone(),
+            layout: self.layout,
+            ships: self.ships.clone(),
+            plan: self.plan,
+        })
+    }
+}
+
+impl PulseStream {
+    /// Real-time factor by the prices of a common machine, and as calibrated on this one; `None` for the reference.
+    pub fn priced(&self) -> Result<Option<[f64; 2]>, BuildErrors> {
+        let Some(plan) = self.factory().plan() else { return Ok(None) };
+        let prices = self.calibrated()?.unwrap_or(Prices::TABLE);
+        let prf_hz = self.schedule().times.mean_prf_hz();
+        let factor = |prices: Prices| self.threads() as f64 / prices.seconds(&plan.work) / prf_hz;
+        Ok(Some([factor(Prices::TABLE), factor(prices)]))
+    }
+
+    /// Prices of this machine; `None` for the reference.
+    pub fn calibrated(&self) -> Result<Option<Prices>, BuildErrors> {
+        let Some(plan) = self.factory().plan() else { return Ok(None) };
+        let settled = Settled { node_pulses: (plan.settled.node_pulses / 2).max(2), ..plan.settled };
+        let interpolates = plan.work.0[10] == 0.0;
+        let other = if interpolates { self.factory().with_nodes(&settled) } else { None };
+        let (factory, work) = match &other {
+            Some(other) => (other, plan.size.work(&settled, true)),
+            None => (self.factory(), plan.work),
+        };
+        let mut hands: Vec<(Pulse, Workspace)> =
+            (0..self.threads()).map(|_| (factory.slot(), factory.workspace())).collect();
+        let block = factory.block_pulses();
+        let blocks = (self.schedule().count / block).max(1);
+        let mut rounds = Vec::with_capacity(ROUNDS);
+        // The first round also takes memory into use.
+        for round in 0..=ROUNDS as u64 {
+            let spent = self.pool().install(|| {
+                hands
+                    .par_iter_mut()
+                    .enumerate()
+                    .map(|(hand, (slot, work))| {
+                        let at = (round * blocks / (ROUNDS as u64 + 1) + hand as u64) % blocks;
+                        let first = self.schedule().first + at * block;
+                        let before = *work.costs();
+                        for index in first..(first + block).min(self.schedule().end()) {
+                            factory.make(index, slot, work)?;
+                        }
+                        Ok(PRICED.map(|stage| per_pulse(&before, work.costs(), stage)))
+                    })
+                    .collect::<Result<Vec<_>, PulseError>>()
+            })?;
+            if round > 0 {
+                rounds.push(spent);
+            }
+        }
+        let mut prices = Prices::TABLE;
+        for (n, stage) in PRICED.into_iter().enumerate() {
+            let mut seconds: Vec<f64> = rounds
+                .iter()
+                .map(|hands| hands.iter().map(|own| own[n]).sum::<f64>() / hands.len().max(1) as f64)
+                .collect();
+            seconds.sort_by(f64::total_cmp);
+            let table = Prices::TABLE.stage_seconds(&work, stage);
+            let median = seconds.get(ROUNDS / 2).copied().unwrap_or(table);
+            if table > 0.0 {
+                prices = prices.scaled(stage, median / table);
+            }
+        }
+        Ok(Some(prices))
+    }
+}
+
+/// What a stage took for a pulse between two readings; records go with receiving, and filling with spreading.
+fn per_pulse(before: &Costs, after: &Costs, stage: Stage) -> f64 {
+    let pulses = (after.counts().pulses - before.counts().pulses).max(1) as f64;
+    let of = |stage| after.seconds(stage) - before.seconds(stage);
+    let more = match stage {
+        Stage::Receive => of(Stage::Record),
+        Stage::Spread => of(Stage::Fill),
+        _ => 0.0,
+    };
+    (of(stage) + more) / pulses
+}

@@ -1,0 +1,68 @@
+//! Pulses one by one, in f64: exact contacts, spread and transformed without a digit lost, for budgets that blocks cannot keep.
+
+use num_complex::Complex64;
+
+use super::stages::PulseError;
+use crate::echo::synth::block::{BlockContacts, Node};
+use crate::echo::synth::{Grids, Synth, SynthScratch};
+use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
+use crate::radar::illumination::{Illumination, Workspace};
+use crate::scattering::contact::Contacts;
+
+/// Makes echoes pulse by pulse. Immutable, shared by all threads.
+pub(super) struct SingleEcho {
+    synth: Synth<f64>,
+}
+
+/// Memory of one thread.
+pub(super) struct SingleWork {
+    contacts: Contacts,
+    block: BlockContacts<f64>,
+    grids: Grids<f64>,
+    scratch: SynthScratch<f64>,
+}
+
+impl SingleEcho {
+    pub fn new(synth: Synth<f64>) -> Self {
+        Self { synth }
+    }
+
+    pub fn fft_len(&self) -> usize {
+        self.synth.fft_len()
+    }
+
+    pub fn work(&self, pairs: usize, channels: usize, contacts: usize) -> SingleWork {
+        SingleWork {
+            contacts: Contacts::new(pairs, channels, contacts),
+            block: self.synth.block(),
+            grids: self.synth.grids(),
+            scratch: self.synth.scratch(),
+        }
+    }
+
+    /// Fills the record of a pulse and the spectrum of its echo.
+    pub fn make(
+        &self,
+        illumination: &Illumination,
+        index: u64,
+        pulse: &mut Pulse,
+        light: &mut Workspace,
+        work: &mut SingleWork,
+        spectrum: &mut [Complex64],
+    ) -> Result<(), PulseError> {
+        let SingleWork { contacts, block, grids, scratch } = work;
+        illumination.pulse(index, light, contacts, pulse)?;
+        self.synth.fill(&[Node { pulse: 0, contacts }], &[pulse.window_start_s], block)?;
+        if block.found().unplaced > 0 {
+            return Err(PulseError::Unplaced { unplaced: block.found().unplaced });
+        }
+        light.costs.lap(Stage::Fill);
+        self.synth.spread(block, grids);
+        light.costs.lap(Stage::Spread);
+        self.synth.spectrum(block, grids, 0, scratch, spectrum);
+        light.costs.lap(Stage::Transform);
+        light.costs.accumulated(block.found().sounding);
+        Ok(())
+    }
+}

@@ -1,0 +1,305 @@
+//! From what is asked to what is set: the cheapest settings whose predicted error keeps the budget.
+//!
+//! Knobs that are given stay. For the others there is a ladder, from far to close nodes; the error of each rung is sounded
+//! ([`sounding`](super::sounding)) until closer nodes cost more than what was found already. A budget at or below [`EXACT_DB`] takes pulses one by one with exact
+//! contacts in f64, and so does a scene that no rung serves. Facets may be left out while all of them together stay
+//! [`CULLED_DB`] below the budget.
+
+use std::sync::Arc;
+
+use super::cost::{Prices, Size, Work};
+use super::sounding::{Powers, Sounder};
+use super::{PlanError, Prediction};
+use crate::echo::Asked;
+use crate::echo::synth::doppler::Doppler;
+use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
+use crate::radar::illumination::Illumination;
+use crate::radar::illumination::tiles::{LOOKS_PER_NODE, NODES};
+use crate::radar::waveform::Waveform;
+use crate::scene::Scene;
+
+/// Budgets from here down are kept in f64, pulse by pulse, dB.
+pub const EXACT_DB: f64 = -90.0;
+/// What is left out because it is weak stays so far below the budget, dB.
+pub const CULLED_DB: f64 = 10.0;
+/// Longest spacing of the nodes, pulses.
+pub const LONGEST_SPACING: u64 = NODE_PULSES[0];
+/// Rungs of the nodes, pulses.
+const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
+/// Rungs of the gains, pulses.
+const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
+/// Widths of the kernel.
+const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
+/// What speckle adds to the mean error of a pulse in the worst of many, dB.
+const WORST_PULSE_DB: f64 = 1.5;
+
+/// What the fast echo is set to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settled {
+    /// Pulses from node to node; 1: every pulse by itself.
+    pub node_pulses: u64,
+    /// Looks from node to node.
+    pub looks_per_node: usize,
+    /// Pulses from gain to gain.
+    pub gain_pulses: u64,
+    /// Power of a facet over the mean below which it is left out.
+    pub least_power: f64,
+    /// Word length.
+    pub precision: Precision,
+    /// The knobs of the echo.
+    pub echo: Settings,
+}
+
+impl Settled {
+    /// Pulses of a block.
+    pub fn block_pulses(&self) -> u64 {
+        if self.precision == Precision::Double { 1 } else { block_pulses(self.node_pulses) }
+    }
+
+    /// Pulses from look to look.
+    pub fn scatter_pulses(&self) -> u64 {
+        self.node_pulses.div_ceil(self.looks_per_node.max(1) as u64)
+    }
+}
+
+/// Pulses of a block whose nodes are so many pulses apart.
+pub fn block_pulses(spacing: u64) -> u64 {
+    (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
+}
+
+/// Looks from node to node that come nearest to what is asked.
+fn looks_of(node_pulses: u64, scatter_pulses: u64) -> usize {
+    node_pulses.div_ceil(scatter_pulses.max(1)).clamp(1, LOOKS_PER_NODE as u64) as usize
+}
+
+/// What was planned for a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// What was asked.
+    pub asked: Asked,
+    /// What is set.
+    pub settled: Settled,
+    /// Its error.
+    pub prediction: Prediction,
+    /// What it has to do.
+    pub work: Work,
+    /// Sizes from which that follows.
+    pub size: Size,
+}
+
+impl Plan {
+    /// Whether the error that was asked is kept.
+    pub fn keeps(&self) -> bool {
+        self.prediction.total_db() <= self.asked.error_db
+    }
+}
+
+/// Relative to the channel's own power: the worst channel of a sum of powers.
+struct Judge<'a> {
+    power: &'a Powers,
+}
+
+impl Judge<'_> {
+    fn ratio(&self, of: &Powers, channel: usize) -> f64 {
+        if self.power[channel] > 0.0 { of[channel] / self.power[channel] } else { 0.0 }
+    }
+
+    /// Parts of the channel whose sum is the worst.
+    fn worst(&self, parts: [&Powers; 4]) -> [f64; 4] {
+        (0..self.power.len())
+            .map(|channel| parts.map(|part| self.ratio(part, channel)))
+            .max_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()))
+            .unwrap_or_default()
+    }
+}
+
+/// Chooses what is not given.
+pub fn settle(
+    scene: &Scene,
+    illumination: &Illumination,
+    waveform: &Arc<dyn Waveform>,
+    asked: &Asked,
+) -> Result<Plan, PlanError> {
+    let radar = &scene.radar;
+    let mut sounder = Sounder::new(illumination, radar, waveform.duration_s(), scene.pulses)?;
+    let power = sounder.power().clone();
+    let judge = Judge { power: &power };
+    // What is in proportion to a pulse weighs as the strongest one.
+    let peak = sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
+    let budget = 10f64.powf(asked.error_db / 10.0);
+    let worst_pulse = 10f64.powf(WORST_PULSE_DB / 10.0);
+    let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
+    let of_facets = illumination.facets() as f64;
+    let interval_s = radar.emissions.interval_s(0, 1);
+
+    let echo_of = |settings: Settings, precision: Precision, node_pulses: u64| {
+        echo_error(scene, illumination, waveform, &sounder, settings, precision, node_pulses, interval_s).map(
+            |of| PredictedError {
+                gridding: peak * of.gridding,
+                doppler: peak * of.doppler,
+                rounding: peak * of.rounding,
+            },
+        )
+    };
+    let doppler = asked.doppler.unwrap_or(match waveform.sweep_rate_hz_per_s() {
+        Some(_) => Doppler::Shift,
+        None => Doppler::Taylor,
+    });
+    let settings_of =
+        |width: usize| Settings { width, doppler, variant: asked.variant, ..Settings::default() };
+    let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |node_pulses| node_pulses <= 1);
+    let precision = if exact && asked.error_db <= EXACT_DB { Precision::Double } else { Precision::Single };
+    // Gridding and rounding take a tenth of the budget, or what there is.
+    let widths: Vec<usize> = asked.kernel_width.map_or(WIDTHS.collect(), |width| vec![width]);
+    let mut echo = None;
+    for width in widths {
+        let error = echo_of(settings_of(width), precision, 12)?;
+        let enough = error.gridding <= 0.1 * budget;
+        echo = Some((settings_of(width), error));
+        if enough {
+            break;
+        }
+    }
+    let (mut settings, mut error) = echo.unwrap_or((settings_of(8), PredictedError::default()));
+    if asked.doppler.is_none() && doppler != Doppler::Taylor && error.doppler > 0.3 * budget {
+        let with_moment = Settings { doppler: Doppler::Taylor, ..settings };
+        let other = echo_of(with_moment, precision, 12)?;
+        if other.doppler < 0.5 * error.doppler {
+            (settings, error) = (with_moment, other);
+        }
+    }
+    let kept = sounder.kept(least_power);
+    let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
+    let one_by_one = |gain_pulses: u64| {
+        let settled = Settled {
+            node_pulses: 1,
+            looks_per_node: 1,
+            gain_pulses,
+            least_power,
+            precision,
+            echo: settings,
+        };
+        let prediction = Prediction { echo: error, ..Prediction::default() };
+        Plan { asked: *asked, settled, prediction, work: size.work(&settled, false), size }
+    };
+    if exact || !sounder.interpolates() {
+        let gain_pulses = asked.gain_pulses.unwrap_or(1);
+        let mut plan = one_by_one(gain_pulses);
+        if !exact {
+            plan.settled.node_pulses = asked.node_pulses.unwrap_or(1);
+        }
+        return Ok(plan);
+    }
+
+    // What is the same at all rungs.
+    let surface = peak * super::surface_rounding(scene, illumination);
+    let culled = sounder.culled(least_power).clone();
+    let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
+    let gains = sounder.gains(&gain_rungs)?;
+    let rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+    let predict = |left: &super::sounding::Left, gain: &Powers| {
+        let [path, tilt, gain, culled] = judge.worst([&left.path, &left.tilt, gain, &culled]);
+        let scale = |part: f64| part * worst_pulse;
+        Prediction { echo: error, surface, path: scale(path), tilt: scale(tilt), gain: scale(gain), culled }
+    };
+    let prices = Prices::TABLE;
+    let mut best: Option<Plan> = None;
+    for &node_pulses in &rungs {
+        let mut left = sounder.left(0, node_pulses)?;
+        // Other places cost as much again: they are asked once the first allows.
+        let allows = left
+            .iter()
+            .any(|left| gains.iter().any(|gain| predict(left, gain).total() <= budget) || rungs.len() == 1);
+        if allows || of_facets == 0.0 {
+            for place in 1..sounder.places() {
+                for (worst, own) in left.iter_mut().zip(sounder.left(place, node_pulses)?) {
+                    worst.path.iter_mut().zip(&own.path).for_each(|(a, b)| *a = a.max(*b));
+                    worst.tilt.iter_mut().zip(&own.tilt).for_each(|(a, b)| *a = a.max(*b));
+                }
+            }
+        }
+        let mut cheapest_here = f64::INFINITY;
+        for (looks, left) in (1..=LOOKS_PER_NODE).zip(&left) {
+            if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
+                continue;
+            }
+            for (&gain_pulses, gain) in gain_rungs.iter().zip(&gains) {
+                let settled = Settled {
+                    node_pulses,
+                    looks_per_node: looks,
+                    gain_pulses,
+                    least_power,
+                    precision,
+                    echo: settings,
+                };
+                let prediction = predict(left, gain);
+                let work = size.work(&settled, true);
+                cheapest_here = cheapest_here.min(prices.seconds(&work));
+                let plan = Plan { asked: *asked, settled, prediction, work, size };
+                let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {
+                    (true, true) => prices.seconds(&plan.work) < prices.seconds(&held.work),
+                    (false, false) => plan.prediction.total() < held.prediction.total(),
+                    (keeps, _) => keeps,
+                });
+                if better {
+                    best = Some(plan);
+                }
+            }
+        }
+        // Closer nodes only cost more.
+        if best.as_ref().is_some_and(|held| held.keeps() && cheapest_here >= prices.seconds(&held.work))
+            && best.as_ref().is_some_and(|held| held.settled.node_pulses > node_pulses)
+        {
+            break;
+        }
+    }
+    let best = best.unwrap_or_else(|| one_by_one(1));
+    if !best.keeps() && asked.node_pulses.is_none() {
+        let plan = one_by_one(asked.gain_pulses.unwrap_or(1));
+        if plan.prediction.total() < best.prediction.total() {
+            return Ok(plan);
+        }
+    }
+    Ok(best)
+}
+
+/// Error of the echo itself, the worst pair.
+fn echo_error(
+    scene: &Scene,
+    illumination: &Illumination,
+    waveform: &Arc<dyn Waveform>,
+    sounder: &Sounder<'_>,
+    settings: Settings,
+    precision: Precision,
+    node_pulses: u64,
+    interval_s: f64,
+) -> Result<PredictedError, PlanError> {
+    let radar = &scene.radar;
+    let of_channels = illumination.channel_pairs();
+    let (waveform, samples) = (Arc::clone(waveform), radar.window.samples);
+    let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
+    let cells_per_s = settings.oversampling * rate_hz;
+    let half_s = 0.5 * node_pulses as f64 * interval_s;
+    let drift_cells =
+        if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
+    let of: Box<dyn Fn(f64, f64) -> PredictedError> = match precision {
+        Precision::Single => {
+            let synth = Synth::<f32>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+            Box::new(move |mean, off| synth.predicted_error_of(mean, off, drift_cells))
+        }
+        Precision::Double => {
+            let synth = Synth::<f64>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+            Box::new(move |mean, off| synth.predicted_error_of(mean, off, drift_cells))
+        }
+    };
+    let mut worst = of(0.0, 0.0);
+    for (mean, groups) in sounder.dopplers() {
+        let mut own = of(mean, 0.0);
+        let doppler: f64 = groups.iter().map(|off| of(mean, *off).doppler).sum();
+        own.doppler = doppler / groups.len().max(1) as f64;
+        if own.total_db() > worst.total_db() {
+            worst = own;
+        }
+    }
+    Ok(worst)
+}

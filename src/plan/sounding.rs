@@ -1,0 +1,634 @@
+//! What the fast echo will leave out, found on a sample of what a run returns.
+//!
+//! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
+//! sample of its facets, weighted by what they return. At a few **places** of the run some
+//! [`TILES`] tiles are lit twice: at the instants of a block, with all between interpolated as the echo does it, and at **probes**,
+//! pulses between two nodes, as if these were nodes themselves. With `a` the amplitude of a channel without gains, `G` the gains and
+//! shadows, `tau` the delay, and a hat for what is interpolated,
+//!
+//! ```text
+//! path = sum |a G|^2 (2 pi f0 (tau^ - tau))^2 ,   tilt = sum |a^ - a|^2 G^2 ,   gain = sum |a|^2 (G^ - G)^2   over  sum |a G|^2
+//! ```
+//!
+//! at the worst probe and place. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
+//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows.
+//!
+//! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
+//! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
+//!
+//! Targets and direct paths are few: all of them are followed, at every pulse.
+//!
+//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
+//! platforms between the places is not seen.
+
+use std::f64::consts::TAU;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::cpu::Variant;
+use crate::geometry::lanes::{LANES, Row};
+use crate::radar::fault::RadarError;
+use crate::radar::illumination::tiles::sounding::{Heard, Keep, gain_instants, gain_weights, nodes_within};
+use crate::radar::illumination::tiles::{Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, looks_about};
+use crate::radar::illumination::{Illumination, Workspace};
+use crate::scattering::contact::Contacts;
+use crate::scene::{Patch, Radar};
+
+/// Tiles of 256 facets of a sample.
+pub const TILES: usize = 64;
+/// Pulses of the run whose power is taken.
+pub const PROFILE: u64 = 48;
+/// Groups of equal power by Doppler.
+const GROUPS: usize = 6;
+/// Longest block, pulses.
+const LONGEST: u64 = 64;
+
+/// Powers by channel, W: the sum over a sample.
+pub type Powers = Vec<f64>;
+
+/// What interpolation between nodes leaves, at the worst probe of a place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Left {
+    /// Of delays.
+    pub path: Powers,
+    /// Of scattering.
+    pub tilt: Powers,
+}
+
+/// A block of the run.
+#[derive(Clone, Debug)]
+struct Place {
+    first: u64,
+    patch: Option<Patch>,
+}
+
+/// One tile and pair at a probe.
+struct Truth {
+    count: usize,
+    delay_s: Vec<f64>,
+    rate: Vec<f64>,
+    amplitude: Vec<[Row; 2]>,
+    gain: Row,
+    factor: Row,
+    heard: Vec<bool>,
+}
+
+impl Truth {
+    /// Power of a facet in all channels of the pair.
+    fn power(&self, i: usize) -> f64 {
+        self.amplitude.iter().map(|a| square(a, i)).sum::<f64>() * f64::from(self.factor[i]).powi(2)
+    }
+}
+
+/// Soundings of a run.
+pub struct Sounder<'a> {
+    illumination: &'a Illumination,
+    radar: &'a Radar,
+    pulse_s: f64,
+    pulses: u64,
+    light: Workspace,
+    tiles: Option<Box<TileWork>>,
+    places: Vec<Place>,
+    /// Place whose shadows are at hand.
+    shaded: Option<usize>,
+    /// Channels of each pair.
+    channels: Vec<Vec<usize>>,
+    interval_s: f64,
+    /// Whether blocks are interpolated at all.
+    interpolates: bool,
+    /// `(pair, Doppler Hz, power W)` of facets and points, all places.
+    dopplers: Vec<(usize, f64, f64)>,
+    /// Largest rate of a delay.
+    fastest: f64,
+    /// Mean power over the run, and the strongest pulse over that.
+    power: Powers,
+    peak: Powers,
+    /// Share of the facets, mean over the run, above each of [`LEASTS`] times the mean power and not dark.
+    kept: Vec<f64>,
+    /// Power of facets below each of [`LEASTS`] times the mean.
+    culled: Vec<Powers>,
+}
+
+/// Powers of a facet over the mean below which it may be left out.
+pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
+
+impl<'a> Sounder<'a> {
+    /// For a run of so many pulses; lights the sample once at every place.
+    pub fn new(
+        illumination: &'a Illumination,
+        radar: &'a Radar,
+        pulse_s: f64,
+        pulses: u64,
+    ) -> Result<Self, RadarError> {
+        let pairs = illumination.pairs().len();
+        let mut channels = vec![Vec::new(); pairs];
+        for (channel, pair) in illumination.channel_pairs().iter().enumerate() {
+            channels[*pair].push(channel);
+        }
+        let all = radar.channels.len();
+        let mut own = Self {
+            illumination,
+            radar,
+            pulse_s,
+            pulses,
+            light: illumination.workspace(),
+            tiles: illumination.tile_work(Variant::fastest()),
+            places: Vec::new(),
+            shaded: None,
+            channels,
+            interval_s: radar.emissions.interval_s(0, 1),
+            interpolates: true,
+            dopplers: Vec::new(),
+            fastest: 0.0,
+            power: vec![0.0; all],
+            peak: vec![1.0; all],
+            kept: vec![0.0; LEASTS.len()],
+            culled: vec![vec![0.0; all]; LEASTS.len()],
+        };
+        let strongest = own.profile()?;
+        let last = pulses.saturating_sub(LONGEST);
+        let mut firsts = vec![strongest.min(last), 0, last];
+        firsts.dedup();
+        if last < LONGEST {
+            firsts.truncate(1);
+        }
+        for first in firsts {
+            own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
+            own.open(own.places.len() - 1)?;
+        }
+        Ok(own)
+    }
+
+    /// Power over the run; tells the strongest pulse.
+    fn profile(&mut self) -> Result<u64, RadarError> {
+        let count = PROFILE.min(self.pulses);
+        let (mut strongest, mut most) = (0, 0.0);
+        let mut highest = vec![0.0f64; self.power.len()];
+        for step in 0..count {
+            let index =
+                (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
+            let patch = self.illumination.patch_of(index)?;
+            // The waves of the first stand for all.
+            let truths = self.light(index, patch.as_ref(), Keep { shadows: step > 0, surface: step > 0 })?;
+            let powers = self.powers(index, &truths)?;
+            self.count_kept(&truths, count as f64);
+            let all: f64 = powers.iter().sum();
+            if all > most {
+                (strongest, most) = (index, all);
+            }
+            for ((mean, highest), own) in self.power.iter_mut().zip(&mut highest).zip(powers) {
+                *mean += own / count as f64;
+                *highest = highest.max(own);
+            }
+        }
+        for ((peak, mean), highest) in self.peak.iter_mut().zip(&self.power).zip(highest) {
+            *peak = if *mean > 0.0 { highest / mean } else { 1.0 };
+        }
+        Ok(strongest)
+    }
+
+    /// Adds the shares of facets that are worth to be spread at one of `pulses` pulses.
+    fn count_kept(&mut self, truths: &[Truth], pulses: f64) {
+        let pairs = self.channels.len().max(1);
+        for pair in 0..pairs {
+            let sums: Vec<f64> = truths
+                .iter()
+                .skip(pair)
+                .step_by(pairs)
+                .flat_map(|truth| (0..truth.count).map(|i| truth.power(i)))
+                .collect();
+            let mean = sums.iter().sum::<f64>() / sums.len().max(1) as f64;
+            for (least, kept) in LEASTS.iter().zip(&mut self.kept) {
+                let above = sums.iter().filter(|sum| **sum > 0.0 && **sum >= least * mean).count();
+                *kept += above as f64 / (sums.len().max(1) * pairs) as f64 / pulses;
+            }
+        }
+    }
+
+    /// Share of the facets that is spread where those below a share of the mean power are left out.
+    pub fn kept(&self, least: f64) -> f64 {
+        self.kept[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
+    }
+
+    /// Powers of a sample and of the points of a pulse.
+    fn powers(&mut self, index: u64, truths: &[Truth]) -> Result<Powers, RadarError> {
+        let mut powers = vec![0.0; self.power.len()];
+        for (n, truth) in truths.iter().enumerate() {
+            for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
+                let heard = (0..truth.count).filter(|i| truth.heard[*i]);
+                powers[*channel] +=
+                    heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+            }
+        }
+        let weight = self.sampled();
+        for (_, channel, _, w) in self.points(index)? {
+            powers[channel] += w * weight;
+        }
+        Ok(powers)
+    }
+
+    /// Points of a pulse: `(pair, channel, delay rate, power)`.
+    fn points(&mut self, index: u64) -> Result<Vec<(usize, usize, f64, f64)>, RadarError> {
+        let mut found = Vec::new();
+        let points = self.illumination.point_count();
+        if points == 0 {
+            return Ok(found);
+        }
+        let mut contacts = Contacts::new(self.channels.len(), self.power.len(), points);
+        self.illumination.points(index, &mut self.light, &mut contacts)?;
+        for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+            for (a, rate) in contacts.amplitude[channel].iter().zip(&contacts.delay_rate[*pair]) {
+                let w = a.norm_sqr();
+                if w.is_finite() && w > 0.0 {
+                    found.push((*pair, channel, *rate, w));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether blocks are interpolated at all; if not, every pulse is made by itself.
+    pub fn interpolates(&self) -> bool {
+        self.interpolates
+    }
+
+    /// How many places there are.
+    pub fn places(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Mean power over the run.
+    pub fn power(&self) -> &Powers {
+        &self.power
+    }
+
+    /// Power of the strongest pulse over the mean.
+    pub fn peak(&self) -> &Powers {
+        &self.peak
+    }
+
+    /// Largest rate of a delay.
+    pub fn fastest(&self) -> f64 {
+        self.fastest
+    }
+
+    /// Power of facets that fall below a share of the mean power, at the worst place.
+    pub fn culled(&self, least: f64) -> &Powers {
+        &self.culled[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
+    }
+
+    /// Mean Doppler of each pair, and groups of equal power with the rms of what is off it, Hz.
+    pub fn dopplers(&self) -> Vec<(f64, Vec<f64>)> {
+        let mut of_pairs = Vec::new();
+        for pair in 0..self.channels.len() {
+            let mut own: Vec<(f64, f64)> =
+                self.dopplers.iter().filter(|(p, ..)| *p == pair).map(|(_, hz, w)| (*hz, *w)).collect();
+            let all: f64 = own.iter().map(|(_, w)| w).sum();
+            if all <= 0.0 {
+                continue;
+            }
+            let mean = own.iter().map(|(hz, w)| hz * w).sum::<f64>() / all;
+            own.sort_by(|a, b| (a.0 - mean).abs().total_cmp(&(b.0 - mean).abs()));
+            let (mut groups, mut sums, mut passed) = (Vec::new(), (0.0, 0.0), 0.0);
+            for (hz, w) in own {
+                sums = (sums.0 + w * (hz - mean).powi(2), sums.1 + w);
+                passed += w;
+                if passed >= all * (groups.len() + 1) as f64 / GROUPS as f64 * (1.0 - 1e-9) {
+                    groups.push((sums.0 / sums.1).sqrt());
+                    sums = (0.0, 0.0);
+                }
+            }
+            of_pairs.push((mean, groups));
+        }
+        of_pairs
+    }
+
+    fn open(&mut self, place: usize) -> Result<(), RadarError> {
+        let first = self.places[place].first;
+        let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
+        self.interpolates &= self.illumination.hears_itself(&heard, &mut self.light)?;
+        let truths = self.truths(place, 0)?;
+        let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
+        for (pair, channels) in self.channels.iter().enumerate() {
+            let own = || truths.iter().skip(pair).step_by(pairs.max(1));
+            let facets: usize = own().map(|truth| truth.count).sum();
+            let mut powers = vec![Vec::new(); channels.len()];
+            let mut sums = Vec::new();
+            for truth in own() {
+                for i in 0..truth.count {
+                    let mut sum = 0.0;
+                    for (power, a) in powers.iter_mut().zip(&truth.amplitude) {
+                        let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
+                        power.push(if truth.heard[i] { w } else { 0.0 });
+                        sum += w;
+                    }
+                    sums.push(sum);
+                    if truth.heard[i] && sum > 0.0 {
+                        self.dopplers.push((pair, scale * truth.rate[i], sum));
+                        self.fastest = self.fastest.max(truth.rate[i].abs());
+                    }
+                }
+            }
+            let mean = sums.iter().sum::<f64>() / facets.max(1) as f64;
+            for (power, channel) in powers.iter().zip(channels) {
+                for (least, culled) in LEASTS.iter().zip(&mut self.culled) {
+                    let weak = power.iter().zip(&sums).filter(|(_, sum)| **sum < least * mean);
+                    let weak: f64 = weak.map(|(w, _)| w).sum();
+                    culled[*channel] = culled[*channel].max(weak);
+                }
+            }
+        }
+        let weight = self.sampled();
+        for (pair, _, rate, w) in self.points(first)? {
+            self.dopplers.push((pair, scale * rate, w * weight));
+            self.fastest = self.fastest.max(rate.abs());
+        }
+        Ok(())
+    }
+
+    /// Share of the facets that is in the sample; 1 without a sea.
+    fn sampled(&self) -> f64 {
+        let all = self.illumination.facets().div_ceil(LANES);
+        if all == 0 { 1.0 } else { sample_of(all) as f64 / all as f64 }
+    }
+
+    /// The sample at a pulse of a place, `[tile x pair]`.
+    fn truths(&mut self, place: usize, pulse: usize) -> Result<Vec<Truth>, RadarError> {
+        let Place { first, patch } = self.places[place].clone();
+        let keep = Keep { shadows: self.shaded == Some(place), surface: false };
+        let truths = self.light(first + pulse as u64, patch.as_ref(), keep)?;
+        self.shaded = Some(place);
+        Ok(truths)
+    }
+
+    fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
+        let mut truths = Vec::new();
+        let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
+        let opens_s = self.illumination.window_start_of(at)?;
+        let closes_s = opens_s + self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let within = (opens_s - self.pulse_s)..closes_s;
+        let instants = Instants::of_block(at, 1, 1, 1);
+        self.illumination.sound(&instants, patch, TILES, keep, tiles, |heard| {
+            let (node, look) = (&heard.of.nodes[0].paths, &heard.of.looks[0]);
+            truths.push(Truth {
+                count: heard.count,
+                delay_s: node.delay_s.to_vec(),
+                rate: node.delay_rate.to_vec(),
+                amplitude: look.amplitude.clone(),
+                gain: heard.gains[0],
+                factor: heard.of.factor[0],
+                heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
+            });
+        })?;
+        Ok(truths)
+    }
+
+    /// What blocks with nodes so many pulses apart leave at a place, with 1, 2 and 3 looks from node to node.
+    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<[Left; LOOKS_PER_NODE], RadarError> {
+        let channels = self.radar.channels.len();
+        let nothing = Left { path: vec![0.0; channels], tilt: vec![0.0; channels] };
+        let mut left = std::array::from_fn(|_| nothing.clone());
+        let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(left) };
+        let pulses = (3 * node_pulses + 1).min(self.pulses - first) as usize;
+        let (nodes, count) = nodes_within(pulses);
+        if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
+            return Ok(left);
+        }
+        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
+        let mut probes = vec![(2 * nodes[1]).div_ceil(5), nodes[1].div_ceil(5)];
+        probes.dedup();
+        let mut truths = Vec::new();
+        for probe in &probes {
+            truths.push(self.truths(place, *probe)?);
+        }
+        let pairs = self.channels.len();
+        let Some(tiles) = &mut self.tiles else { return Ok(left) };
+        for (n, left) in left.iter_mut().enumerate() {
+            let instants = Instants::of_block(first, pulses, n + 1, pulses);
+            let looks = &instants.looks[..instants.look_count];
+            let from = looks_about(looks, 0..=nodes[1]);
+            let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
+            let mut sums = vec![nothing.clone(); probes.len()];
+            let facts = Interval { looks, from, nodes: [0, nodes[1]], interval_s: self.interval_s };
+            let keep = Keep { shadows: true, surface: n > 0 };
+            self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
+                for ((probe, truths), sum) in probes.iter().zip(&truths).zip(&mut sums) {
+                    let truth = &truths[heard.tile * pairs + heard.pair];
+                    let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
+                    facts.compare(*probe, heard, truth, waves, &self.channels[heard.pair], sum);
+                }
+            })?;
+            for sum in sums {
+                for (worst, own) in left.path.iter_mut().zip(&sum.path) {
+                    *worst = worst.max(*own);
+                }
+                for (worst, own) in left.tilt.iter_mut().zip(&sum.tilt) {
+                    *worst = worst.max(*own);
+                }
+            }
+        }
+        Ok(left)
+    }
+
+    /// What gains every so many pulses leave of the sample, and what cubics between them leave of points: worst of all places.
+    pub fn gains(&mut self, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
+        let channels = self.radar.channels.len();
+        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
+        for place in 0..self.places.len() {
+            let mut sums = self.gains_of_sea(place, steps)?;
+            let points = self.gains_of_points(place, steps)?;
+            for (sums, points) in sums.iter_mut().zip(&points) {
+                sums.iter_mut().zip(points).for_each(|(sum, own)| *sum += own);
+            }
+            for (worst, sums) in worst.iter_mut().zip(&sums) {
+                worst.iter_mut().zip(sums).for_each(|(worst, own)| *worst = worst.max(*own));
+            }
+        }
+        Ok(worst)
+    }
+
+    fn gains_of_sea(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
+        let channels = self.radar.channels.len();
+        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
+        let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
+        let Some(tiles) = &mut self.tiles else { return Ok(worst) };
+        let pulses = LONGEST.min(self.pulses - first) as usize;
+        let keep = Keep { shadows: self.shaded == Some(place), surface: false };
+        // Between the first two instants, the second two, and in the middle.
+        let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
+            .iter()
+            .map(|&step| {
+                let places = gain_instants(pulses, step as usize);
+                let half = (step / 2) as usize;
+                let probes =
+                    [half, step as usize + half, (pulses / 2).next_multiple_of(step as usize) + half];
+                let weights = |pulse: usize| {
+                    let (from, weights) = gain_weights(&places, pulse);
+                    (pulse, from, weights)
+                };
+                probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
+            })
+            .collect();
+        let mut sums: Vec<Vec<Powers>> =
+            probes.iter().map(|probes| vec![vec![0.0; channels]; probes.len()]).collect();
+        let instants = Instants::of_block(first, pulses, 1, 1);
+        self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
+            let (own, look) = (&self.channels[heard.pair], &heard.of.looks[0]);
+            for ((step, probes), sums) in steps.iter().zip(&probes).zip(&mut sums) {
+                let places = gain_instants(pulses, *step as usize);
+                for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
+                    for i in 0..heard.count {
+                        let exact = heard.gains[*pulse][i];
+                        let rows = places[*from..].iter().zip(weights);
+                        let found: f32 = rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
+                        // Shadows and facets that turn away.
+                        let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
+                        let off = f64::from((found - exact) * seen).powi(2);
+                        for (channel, a) in own.iter().zip(&look.amplitude) {
+                            sum[*channel] += square(a, i) * off;
+                        }
+                    }
+                }
+            }
+        })?;
+        self.shaded = Some(place);
+        for (worst, sums) in worst.iter_mut().zip(&sums) {
+            for sum in sums {
+                worst.iter_mut().zip(sum).for_each(|(worst, own)| *worst = worst.max(*own));
+            }
+        }
+        Ok(worst)
+    }
+
+    fn gains_of_points(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
+        let channels = self.radar.channels.len();
+        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
+        let points = self.illumination.point_count();
+        if points == 0 {
+            return Ok(worst);
+        }
+        let first = self.places[place].first;
+        let longest = 3 * steps.iter().max().copied().unwrap_or(1);
+        let pulses = longest.min(self.pulses - first).min(LONGEST) as usize;
+        let mut exact = Vec::with_capacity(pulses);
+        for pulse in 0..pulses {
+            let mut contacts = Contacts::new(self.channels.len(), channels, points);
+            self.illumination.points(first + pulse as u64, &mut self.light, &mut contacts)?;
+            exact.push(contacts);
+        }
+        let weight = self.sampled();
+        let turns_per_s = TAU * self.radar.carrier_hz;
+        for (worst, &step) in worst.iter_mut().zip(steps) {
+            let part = (3 * step as usize).min(pulses);
+            let (nodes, count) = nodes_within(part);
+            let nodes = &nodes[..count];
+            for pulse in 0..part {
+                let weights = through(nodes, pulse);
+                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+                    let mut sum = 0.0;
+                    for n in 0..exact[pulse].len() {
+                        let at = |m: usize| (&exact[m].delay_s[*pair][n], &exact[m].amplitude[channel][n]);
+                        let (delay_s, a) = at(pulse);
+                        let (mut late_s, mut found) = (0.0, Complex64::ZERO);
+                        for (m, weight) in nodes.iter().zip(weights) {
+                            let (delay_m_s, a) = at(*m);
+                            late_s += weight * (delay_m_s - delay_s);
+                            found += a * weight;
+                        }
+                        let off = (found * Complex64::cis(-turns_per_s * late_s) - a).norm_sqr() * weight;
+                        sum += if off.is_finite() { off } else { 0.0 };
+                    }
+                    worst[channel] = worst[channel].max(sum);
+                }
+            }
+        }
+        Ok(worst)
+    }
+}
+
+/// Tiles that a sample of all takes.
+fn sample_of(all: usize) -> usize {
+    match all / TILES {
+        0 | 1 => all,
+        step => all.div_ceil(step | 1),
+    }
+}
+
+fn square([re, im]: &[Row; 2], i: usize) -> f64 {
+    f64::from(re[i] * re[i] + im[i] * im[i])
+}
+
+/// Weights of the polynomial through values at some pulses, at a pulse.
+fn through(places: &[usize], pulse: usize) -> [f64; 4] {
+    let mut weights = [0.0; 4];
+    for (n, (weight, own)) in weights.iter_mut().zip(places).enumerate() {
+        let others = places.iter().enumerate().filter(|(m, _)| *m != n);
+        *weight = others.fold(1.0, |product, (_, other)| {
+            product * (pulse as f64 - *other as f64) / (*own as f64 - *other as f64)
+        });
+    }
+    weights
+}
+
+/// The first interval of a block.
+struct Interval<'a> {
+    /// Pulses of its looks.
+    looks: &'a [usize],
+    /// The first of them.
+    from: usize,
+    nodes: [usize; 2],
+    interval_s: f64,
+}
+
+impl Interval<'_> {
+    /// Adds what is left at a probe.
+    fn compare(
+        &self,
+        probe: usize,
+        heard: &Heard<'_>,
+        truth: &Truth,
+        (carrier_hz, half_pulse_s): (f64, f64),
+        channels: &[usize],
+        sum: &mut Left,
+    ) {
+        let [a, b] = [0, 1].map(|n| &heard.of.nodes[n].paths);
+        let length = (self.nodes[1] - self.nodes[0]) as f64;
+        let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
+        let weights = through(self.looks, probe);
+        let looks = &heard.of.looks[self.from..self.from + self.looks.len()];
+        let steps = gain_instants(heard.of.factor.len(), heard.of.factor.len());
+        let (first, gain_weights) = gain_weights(&steps, probe);
+        for i in 0..heard.count {
+            if !truth.heard[i] {
+                continue;
+            }
+            let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
+            let seen = if rough == 0.0 { 0.0 } else { heard.of.factor[probe][i] / rough };
+            let found = f64::from(truth.gain[i] * seen);
+            let exact = f64::from(truth.factor[i]);
+            if found == 0.0 && exact == 0.0 {
+                continue;
+            }
+            // Hermite's cubic, from the first node on.
+            let (d, v0, v1) =
+                (b.delay_s[i] - a.delay_s[i], a.delay_rate[i] * span_s, b.delay_rate[i] * span_s);
+            let late_s = (a.delay_s[i] - truth.delay_s[i])
+                + s * (v0 + s * ((3.0 * d - 2.0 * v0 - v1) + s * (v0 + v1 - 2.0 * d)));
+            let rate = a.delay_rate[i] + s * (b.delay_rate[i] - a.delay_rate[i]);
+            let late_s = late_s + half_pulse_s * (rate - truth.rate[i]);
+            let radians = (TAU * carrier_hz * late_s).powi(2).min(4.0);
+            for (at, channel) in channels.iter().enumerate() {
+                let mut value = Complex32::ZERO;
+                for (look, weight) in looks.iter().zip(weights) {
+                    let [re, im] = &look.amplitude[at];
+                    value += Complex32::new(re[i], im[i]) * weight as f32;
+                }
+                let [re, im] = &truth.amplitude[at];
+                let own = Complex64::new(re[i].into(), im[i].into()) * exact;
+                let value = Complex64::new(value.re.into(), value.im.into()) * found;
+                sum.tilt[*channel] += (value - own).norm_sqr();
+                sum.path[*channel] += own.norm_sqr() * radians;
+            }
+        }
+    }
+}
