@@ -30,8 +30,8 @@ const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
 const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
-/// What speckle adds to the mean error of a pulse in the worst of many, dB.
-const WORST_PULSE_DB: f64 = 1.5;
+/// What speckle of some hundred resolution cells adds to the error of a pulse in the worst of many, dB.
+const WORST_PULSE_DB: f64 = 2.0;
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,10 +124,10 @@ pub fn settle(
     let mut sounder = Sounder::new(illumination, radar, waveform.duration_s(), scene.pulses)?;
     let power = sounder.power().clone();
     let judge = Judge { power: &power };
-    // What is in proportion to a pulse weighs as the strongest one.
-    let peak = sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let budget = 10f64.powf(asked.error_db / 10.0);
     let worst_pulse = 10f64.powf(WORST_PULSE_DB / 10.0);
+    // What is in proportion to a pulse weighs as the strongest one.
+    let peak = worst_pulse * sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
     let of_facets = illumination.facets() as f64;
     let interval_s = radar.emissions.interval_s(0, 1);
@@ -194,6 +194,7 @@ pub fn settle(
     // What is the same at all rungs.
     let surface = peak * super::surface_rounding(scene, illumination);
     let culled = sounder.culled(least_power).clone();
+    let bounce = peak * super::bounce(scene, illumination);
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
     let gains = sounder.gains(&gain_rungs)?;
     let rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
@@ -207,6 +208,7 @@ pub fn settle(
             tilt: scale(tilt),
             gain: scale(gain),
             culled,
+            bounce,
         }
     };
     let prices = Prices::TABLE;

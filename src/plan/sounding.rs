@@ -10,7 +10,8 @@
 //! path = sum |a G|^2 (2 pi f0 (tau^ - tau))^2 ,   tilt = sum |a^ - a|^2 G^2 ,   gain = sum |a|^2 (G^ - G)^2   over  sum |a G|^2
 //! ```
 //!
-//! at the worst probe and place. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
+//! at the worst probe and place. Where few facets make most of an error it differs from pulse to pulse: with `e_i` the terms of a sum and
+//! `f` the share of the facets in the sample, `S = sum e_i` is told as `S + ` [`SIGMAS`] ` sqrt(f sum e_i^2)`. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
 //! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows.
 //!
 //! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
@@ -38,6 +39,8 @@ use crate::scene::{Patch, Radar};
 pub const TILES: usize = 64;
 /// Pulses of the run whose power is taken.
 pub const PROFILE: u64 = 48;
+/// Standard deviations of an error from pulse to pulse that are added: the worst of some hundred.
+pub const SIGMAS: f64 = 3.0;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
 /// Longest block, pulses.
@@ -45,6 +48,25 @@ const LONGEST: u64 = 64;
 
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
+
+/// A sum of terms, and of their squares.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    of: f64,
+    squares: f64,
+}
+
+impl Sum {
+    fn add(&mut self, term: f64) {
+        self.of += term;
+        self.squares += term * term;
+    }
+
+    /// With what the worst pulse has more, of a sample that is such a share of all.
+    fn worst(&self, share: f64) -> f64 {
+        self.of + SIGMAS * (share * self.squares).sqrt()
+    }
+}
 
 /// What interpolation between nodes leaves, at the worst probe of a place.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -146,11 +168,13 @@ impl<'a> Sounder<'a> {
             culled: vec![vec![0.0; all]; LEASTS.len()],
         };
         let strongest = own.profile()?;
-        let last = pulses.saturating_sub(LONGEST);
-        let mut firsts = vec![strongest.min(last), 0, last];
-        firsts.dedup();
-        if last < LONGEST {
-            firsts.truncate(1);
+        // The last block of a run may be cut short.
+        let last = pulses.saturating_sub(LONGEST / 2);
+        let mut firsts: Vec<u64> = Vec::new();
+        for first in [strongest.min(last), 0, last] {
+            if firsts.iter().all(|other| other.abs_diff(first) >= LONGEST / 4) {
+                firsts.push(first);
+            }
         }
         for first in firsts {
             own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
@@ -394,36 +418,44 @@ impl<'a> Sounder<'a> {
             return Ok(left);
         }
         // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
-        let mut probes = vec![(2 * nodes[1]).div_ceil(5), nodes[1].div_ceil(5)];
+        let within = |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
+        let last = count - 2;
+        let mut probes = vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
+        if last > 1 {
+            probes.push((1, within(1, 0.5)));
+        }
+        probes.retain(|(_, pulse)| !nodes[..count].contains(pulse));
         probes.dedup();
         let mut truths = Vec::new();
-        for probe in &probes {
+        for (_, probe) in &probes {
             truths.push(self.truths(place, *probe)?);
         }
+        let share = self.sampled();
         let pairs = self.channels.len();
         let Some(tiles) = &mut self.tiles else { return Ok(left) };
         for (n, left) in left.iter_mut().enumerate() {
             let instants = Instants::of_block(first, pulses, n + 1, pulses);
             let looks = &instants.looks[..instants.look_count];
-            let from = looks_about(looks, 0..=nodes[1]);
-            let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
-            let mut sums = vec![nothing.clone(); probes.len()];
-            let facts = Interval { looks, from, nodes: [0, nodes[1]], interval_s: self.interval_s };
+            let mut sums = vec![vec![[Sum::default(); 2]; channels]; probes.len()];
+            let interval_of = |n: usize| {
+                let from = looks_about(looks, nodes[n]..=nodes[n + 1]);
+                let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
+                Interval { at: n, looks, from, nodes: [nodes[n], nodes[n + 1]], interval_s: self.interval_s }
+            };
+            let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
             let keep = Keep { shadows: true, surface: n > 0 };
             self.illumination.sound(&instants, &patch, TILES, keep, &mut self.light, tiles, |heard| {
-                for ((probe, truths), sum) in probes.iter().zip(&truths).zip(&mut sums) {
+                for (((interval, (_, probe)), truths), sum) in
+                    intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
+                {
                     let truth = &truths[heard.tile * pairs + heard.pair];
                     let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-                    facts.compare(*probe, heard, truth, waves, &self.channels[heard.pair], sum);
+                    interval.compare(*probe, heard, truth, waves, &self.channels[heard.pair], sum);
                 }
             })?;
-            for sum in sums {
-                for (worst, own) in left.path.iter_mut().zip(&sum.path) {
-                    *worst = worst.max(*own);
-                }
-                for (worst, own) in left.tilt.iter_mut().zip(&sum.tilt) {
-                    *worst = worst.max(*own);
-                }
+            for (channel, [path, tilt]) in sums.iter().flat_map(|sums| sums.iter().enumerate()) {
+                left.path[channel] = left.path[channel].max(path.worst(share));
+                left.tilt[channel] = left.tilt[channel].max(tilt.worst(share));
             }
         }
         Ok(left)
@@ -467,8 +499,8 @@ impl<'a> Sounder<'a> {
                 probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
             })
             .collect();
-        let mut sums: Vec<Vec<Powers>> =
-            probes.iter().map(|probes| vec![vec![0.0; channels]; probes.len()]).collect();
+        let mut sums: Vec<Vec<Vec<Sum>>> =
+            probes.iter().map(|probes| vec![vec![Sum::default(); channels]; probes.len()]).collect();
         let instants = Instants::of_block(first, pulses, 1, 1);
         self.illumination.sound(&instants, &patch, TILES, keep, &mut self.light, tiles, |heard| {
             let (own, look) = (&self.channels[heard.pair], &heard.of.looks[0]);
@@ -483,16 +515,17 @@ impl<'a> Sounder<'a> {
                         let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
                         let off = f64::from((found - exact) * seen).powi(2);
                         for (channel, a) in own.iter().zip(&look.amplitude) {
-                            sum[*channel] += square(a, i) * off;
+                            sum[*channel].add(square(a, i) * off);
                         }
                     }
                 }
             }
         })?;
         self.shaded = Some(place);
+        let share = self.sampled();
         for (worst, sums) in worst.iter_mut().zip(&sums) {
             for sum in sums {
-                worst.iter_mut().zip(sum).for_each(|(worst, own)| *worst = worst.max(*own));
+                worst.iter_mut().zip(sum).for_each(|(worst, own)| *worst = worst.max(own.worst(share)));
             }
         }
         Ok(worst)
@@ -568,8 +601,10 @@ fn through(places: &[usize], pulse: usize) -> [f64; 4] {
     weights
 }
 
-/// The first interval of a block.
+/// From one node to the next.
 struct Interval<'a> {
+    /// Place of the first.
+    at: usize,
     /// Pulses of its looks.
     looks: &'a [usize],
     /// The first of them.
@@ -587,9 +622,9 @@ impl Interval<'_> {
         truth: &Truth,
         (carrier_hz, half_pulse_s): (f64, f64),
         channels: &[usize],
-        sum: &mut Left,
+        sum: &mut [[Sum; 2]],
     ) {
-        let [a, b] = [0, 1].map(|n| &heard.of.nodes[n].paths);
+        let [a, b] = [0, 1].map(|n| &heard.of.nodes[self.at + n].paths);
         let length = (self.nodes[1] - self.nodes[0]) as f64;
         let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
         let weights = through(self.looks, probe);
@@ -624,8 +659,8 @@ impl Interval<'_> {
                 let [re, im] = &truth.amplitude[at];
                 let own = Complex64::new(re[i].into(), im[i].into()) * exact;
                 let value = Complex64::new(value.re.into(), value.im.into()) * found;
-                sum.tilt[*channel] += (value - own).norm_sqr();
-                sum.path[*channel] += own.norm_sqr() * radians;
+                sum[*channel][0].add(own.norm_sqr() * radians);
+                sum[*channel][1].add((value - own).norm_sqr());
             }
         }
     }

@@ -80,6 +80,11 @@ impl Illumination {
         self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().variance_m2.sqrt())
     }
 
+    /// Rms slope that is expected of the waves, along and across together; 0 without a sea.
+    pub fn rms_slope(&self) -> f64 {
+        self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().slope_variance.iter().sum::<f64>().sqrt())
+    }
+
     /// Lights a sample of about so many tiles at some instants.
     pub fn sound(
         &self,
