@@ -213,7 +213,25 @@ pub fn settle(
     };
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
+    // The least that a rung may cost: one look a node, gains as far apart as they may be by themselves.
+    let farthest = gain_rungs.iter().zip(&gains);
+    let farthest = farthest.filter(|(_, gain)| predict(&sounder.nothing(), gain).total() <= budget);
+    let farthest = farthest.map(|(pulses, _)| *pulses).max();
+    let least = |node_pulses: u64| {
+        let settled = Settled {
+            node_pulses,
+            looks_per_node: asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses)),
+            gain_pulses: farthest.unwrap_or(1),
+            least_power,
+            precision,
+            echo: settings,
+        };
+        prices.seconds(&size.work(&settled, true))
+    };
     for &node_pulses in &rungs {
+        if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses)) {
+            break;
+        }
         let mut left = sounder.left(0, node_pulses)?;
         // Other places cost as much again: they are asked once the first allows.
         let allows = left.iter().any(|left| {
@@ -227,7 +245,6 @@ pub fn settle(
                 }
             }
         }
-        let mut cheapest_here = f64::INFINITY;
         for (looks, left) in (1..=LOOKS_PER_NODE).zip(&left) {
             if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
                 continue;
@@ -243,7 +260,6 @@ pub fn settle(
                 };
                 let prediction = predict(left, gain);
                 let work = size.work(&settled, true);
-                cheapest_here = cheapest_here.min(prices.seconds(&work));
                 let plan = Plan { asked: *asked, settled, prediction, work, size };
                 let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {
                     (true, true) => prices.seconds(&plan.work) < prices.seconds(&held.work),
@@ -254,12 +270,6 @@ pub fn settle(
                     best = Some(plan);
                 }
             }
-        }
-        // Closer nodes only cost more.
-        if best.as_ref().is_some_and(|held| held.keeps() && cheapest_here >= prices.seconds(&held.work))
-            && best.as_ref().is_some_and(|held| held.settled.node_pulses > node_pulses)
-        {
-            break;
         }
     }
     let best = best.unwrap_or_else(|| one_by_one(1));

@@ -19,7 +19,8 @@
 //!
 //! Targets and direct paths are few: all of them are followed, at every pulse.
 //!
-//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
+//! Limits: where an error is that of single facets, as at grazing incidence between far nodes, a small patch has pulses some 10 dB worse than any that
+//! was probed. [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
 //! platforms between the places is not seen.
 
 use std::f64::consts::TAU;
@@ -43,6 +44,8 @@ pub const PROFILE: u64 = 48;
 pub const SIGMAS: f64 = 3.0;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
+/// Patches up to so many facets are looked at in more places.
+const SMALL_FACETS: usize = 1 << 15;
 /// Longest block, pulses.
 const LONGEST: u64 = 64;
 
@@ -171,8 +174,9 @@ impl<'a> Sounder<'a> {
         // The last block of a run may be cut short.
         let last = pulses.saturating_sub(LONGEST / 2);
         let mut firsts: Vec<u64> = Vec::new();
-        for first in [strongest.min(last), 0, last] {
-            if firsts.iter().all(|other| other.abs_diff(first) >= LONGEST / 4) {
+        let between = (1..4).map(|n| last / 4 * n).filter(|_| own.is_small());
+        for first in [strongest.min(last), 0, last].into_iter().chain(between) {
+            if firsts.iter().all(|other| other.abs_diff(first) >= LONGEST / 8) {
                 firsts.push(first);
             }
         }
@@ -369,6 +373,11 @@ impl<'a> Sounder<'a> {
         Ok(())
     }
 
+    /// Whether the patch is so small that single facets count, and more instants cost little.
+    fn is_small(&self) -> bool {
+        self.illumination.facets() <= SMALL_FACETS
+    }
+
     /// Share of the facets that is in the sample; 1 without a sea.
     fn sampled(&self) -> f64 {
         let all = self.illumination.facets().div_ceil(LANES);
@@ -406,10 +415,16 @@ impl<'a> Sounder<'a> {
         Ok(truths)
     }
 
+    /// What blocks leave whose every pulse is a node.
+    pub fn nothing(&self) -> Left {
+        let none = vec![0.0; self.radar.channels.len()];
+        Left { path: none.clone(), tilt: none }
+    }
+
     /// What blocks with nodes so many pulses apart leave at a place, with 1, 2 and 3 looks from node to node.
     pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<[Left; LOOKS_PER_NODE], RadarError> {
         let channels = self.radar.channels.len();
-        let nothing = Left { path: vec![0.0; channels], tilt: vec![0.0; channels] };
+        let nothing = self.nothing();
         let mut left = std::array::from_fn(|_| nothing.clone());
         let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(left) };
         let pulses = (3 * node_pulses + 1).min(self.pulses - first) as usize;
@@ -423,6 +438,11 @@ impl<'a> Sounder<'a> {
         let mut probes = vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
         if last > 1 {
             probes.push((1, within(1, 0.5)));
+        }
+        if self.is_small() {
+            let more = (0..=last).flat_map(|n| [0.2, 0.4, 0.6, 0.8].map(|share| (n, within(n, share))));
+            probes.extend(more);
+            probes.sort_unstable();
         }
         probes.retain(|(_, pulse)| !nodes[..count].contains(pulse));
         probes.dedup();
