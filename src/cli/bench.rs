@@ -257,7 +257,9 @@ fn text(report: &Report) -> String {
     {
         row(
             "predicted",
-            format!("error {error_db:.1} dB, {factor:.3} times real time (calibrated), {mib:.0} MiB resident"),
+            format!(
+                "error {error_db:.1} dB, {factor:.3} times real time (calibrated), {mib:.0} MiB resident"
+            ),
         );
     }
     format!("{}\n{text}", report.scenario)

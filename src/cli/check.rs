@@ -427,7 +427,9 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         "echo",
         match run.fidelity {
             Fidelity::Reference => "the reference: every pulse from its own contacts, f64".to_owned(),
-            Fidelity::Fast(asked) => format!("fast, within {} dB of the reference; settings below", asked.error_db),
+            Fidelity::Fast(asked) => {
+                format!("fast, within {} dB of the reference; settings below", asked.error_db)
+            }
         },
     ));
     if run.scene.targets.is_empty() {

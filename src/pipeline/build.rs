@@ -275,14 +275,12 @@ pub fn factory_of(
         }
         Some(Plan { settled, .. }) if settled.precision == Precision::Double => {
             let waveform = Arc::clone(&waveform);
-            let synth =
-                Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
+            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
             Echo::Single(SingleEcho::new(synth))
         }
         Some(Plan { settled, .. }) => {
             let waveform = Arc::clone(&waveform);
-            let synth =
-                Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
+            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
             let interval_s = radar.emissions.interval_s(0, 1);
             Echo::Fast(BlockEcho::new(synth, settled, scene.pulses, interval_s)?)
         }

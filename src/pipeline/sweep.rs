@@ -298,7 +298,8 @@ mod tests {
         let values: usize = KNOBS.iter().map(|knob| knob.values.len()).sum();
         assert_eq!(one_by_one.len(), 1 + values);
         let grid = trials(true);
-        let product: usize = KNOBS.iter().filter(|knob| knob.key != ERROR_KEY).map(|knob| knob.values.len()).product();
+        let product: usize =
+            KNOBS.iter().filter(|knob| knob.key != ERROR_KEY).map(|knob| knob.values.len()).product();
         assert_eq!(grid.len(), 1 + product);
         let names: std::collections::BTreeSet<String> = grid.iter().map(name).collect();
         assert_eq!(names.len(), grid.len());

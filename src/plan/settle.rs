@@ -145,10 +145,10 @@ pub fn settle(
         Some(_) => Doppler::Shift,
         None => Doppler::Taylor,
     });
-    let settings_of = |width: usize| Settings { width, doppler, variant: asked.variant, ..Settings::default() };
+    let settings_of =
+        |width: usize| Settings { width, doppler, variant: asked.variant, ..Settings::default() };
     let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |node_pulses| node_pulses <= 1);
-    let precision =
-        if exact && asked.error_db <= EXACT_DB { Precision::Double } else { Precision::Single };
+    let precision = if exact && asked.error_db <= EXACT_DB { Precision::Double } else { Precision::Single };
     // Gridding and rounding take a tenth of the budget, or what there is.
     let widths: Vec<usize> = asked.kernel_width.map_or(WIDTHS.collect(), |width| vec![width]);
     let mut echo = None;
@@ -229,14 +229,15 @@ pub fn settle(
         prices.seconds(&size.work(&settled, true))
     };
     for &node_pulses in &rungs {
-        if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses)) {
+        if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses))
+        {
             break;
         }
         let mut left = sounder.left(0, node_pulses)?;
         // Other places cost as much again: they are asked once the first allows.
-        let allows = left.iter().any(|left| {
-            gains.iter().any(|gain| predict(left, gain).total() <= budget) || rungs.len() == 1
-        });
+        let allows = left
+            .iter()
+            .any(|left| gains.iter().any(|gain| predict(left, gain).total() <= budget) || rungs.len() == 1);
         if allows || of_facets == 0.0 {
             for place in 1..sounder.places() {
                 for (worst, own) in left.iter_mut().zip(sounder.left(place, node_pulses)?) {
@@ -299,7 +300,8 @@ fn echo_error(
     let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
     let cells_per_s = settings.oversampling * rate_hz;
     let half_s = 0.5 * node_pulses as f64 * interval_s;
-    let drift_cells = if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
+    let drift_cells =
+        if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
     let of: Box<dyn Fn(f64, f64) -> PredictedError> = match precision {
         Precision::Single => {
             let synth = Synth::<f32>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;

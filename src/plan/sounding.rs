@@ -193,7 +193,8 @@ impl<'a> Sounder<'a> {
         let (mut strongest, mut most) = (0, 0.0);
         let mut highest = vec![0.0f64; self.power.len()];
         for step in 0..count {
-            let index = (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
+            let index =
+                (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
             let patch = self.illumination.patch_of(index)?;
             // The waves of the first stand for all.
             let truths = self.light(index, patch.as_ref(), Keep { shadows: step > 0, surface: step > 0 })?;
@@ -433,9 +434,11 @@ impl<'a> Sounder<'a> {
             return Ok(left);
         }
         // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
-        let within = |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
+        let within =
+            |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
         let last = count - 2;
-        let mut probes = vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
+        let mut probes =
+            vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
         if last > 1 {
             probes.push((1, within(1, 0.5)));
         }
@@ -511,7 +514,8 @@ impl<'a> Sounder<'a> {
             .map(|&step| {
                 let places = gain_instants(pulses, step as usize);
                 let half = (step / 2) as usize;
-                let probes = [half, step as usize + half, (pulses / 2).next_multiple_of(step as usize) + half];
+                let probes =
+                    [half, step as usize + half, (pulses / 2).next_multiple_of(step as usize) + half];
                 let weights = |pulse: usize| {
                     let (from, weights) = gain_weights(&places, pulse);
                     (pulse, from, weights)

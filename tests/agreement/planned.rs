@@ -39,7 +39,9 @@ fn holds(path: &str, settings: &[(&str, &str)]) {
         let plan = plan(&run);
         let predicted_db = plan.prediction.total_db();
         let measured_db = judge.judge(&run).unwrap().rel_rms_db;
-        println!("{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
+        println!(
+            "{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}"
+        );
         assert!(plan.keeps(), "{path} {error_db}: {predicted_db}");
         assert!(measured_db <= predicted_db, "{path} {error_db}: {predicted_db} {measured_db}");
     }
@@ -106,7 +108,11 @@ fn gains_leave_what_the_closed_form_says() {
         let sweep = sweep_rad_s(4.0, 0.029_979_245_8, 222.0 / 3000f64.hypot(3000.0));
         let expected = error_power(&[sweep, sweep], &Nodes::evenly(6, step_s), 0.5 * step_s);
         let apart_db = 10.0 * (found / expected).log10();
-        println!("gains every {gain_pulses}: {:.1} dB, closed form {:.1} dB", 10.0 * found.log10(), 10.0 * expected.log10());
+        println!(
+            "gains every {gain_pulses}: {:.1} dB, closed form {:.1} dB",
+            10.0 * found.log10(),
+            10.0 * expected.log10()
+        );
         // The closed form is a mean over all water, here are 128 m of it (two widths of the main lobe, and slopes that weigh them), and the
         // prediction is that of the worst pulse: 1.5 dB more.
         assert!((-3.0..6.0).contains(&apart_db), "{gain_pulses}: {apart_db}");
