@@ -30,7 +30,9 @@ use num_complex::{Complex32, Complex64};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
-use crate::radar::illumination::tiles::sounding::{Heard, Keep, gain_instants, gain_weights, nodes_within};
+use crate::radar::illumination::tiles::sounding::{
+    Heard, Keep, Shadows, gain_instants, gain_weights, nodes_within,
+};
 use crate::radar::illumination::tiles::{Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, looks_about};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
@@ -93,7 +95,6 @@ struct Truth {
     delay_s: Vec<f64>,
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
-    gain: Row,
     factor: Row,
     heard: Vec<bool>,
 }
@@ -114,8 +115,6 @@ pub struct Sounder<'a> {
     light: Workspace,
     tiles: Option<Box<TileWork>>,
     places: Vec<Place>,
-    /// Place whose shadows are at hand.
-    shaded: Option<usize>,
     /// Channels of each pair.
     channels: Vec<Vec<usize>>,
     interval_s: f64,
@@ -159,7 +158,6 @@ impl<'a> Sounder<'a> {
             light: illumination.workspace(),
             tiles: illumination.tile_work(Variant::fastest()),
             places: Vec::new(),
-            shaded: None,
             channels,
             interval_s: radar.emissions.interval_s(0, 1),
             interpolates: true,
@@ -197,7 +195,11 @@ impl<'a> Sounder<'a> {
                 (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
             let patch = self.illumination.patch_of(index)?;
             // The waves of the first stand for all.
-            let truths = self.light(index, patch.as_ref(), Keep { shadows: step > 0, surface: step > 0 })?;
+            let truths = self.light(
+                index,
+                patch.as_ref(),
+                Keep { shadows: if step > 0 { Shadows::Keep } else { Shadows::Find }, surface: step > 0 },
+            )?;
             let powers = self.powers(index, &truths)?;
             self.count_kept(&truths, count as f64);
             let all: f64 = powers.iter().sum();
@@ -388,10 +390,7 @@ impl<'a> Sounder<'a> {
     /// The sample at a pulse of a place, `[tile x pair]`.
     fn truths(&mut self, place: usize, pulse: usize) -> Result<Vec<Truth>, RadarError> {
         let Place { first, patch } = self.places[place].clone();
-        let keep = Keep { shadows: self.shaded == Some(place), surface: false };
-        let truths = self.light(first + pulse as u64, patch.as_ref(), keep)?;
-        self.shaded = Some(place);
-        Ok(truths)
+        self.light(first + pulse as u64, patch.as_ref(), Keep::default())
     }
 
     fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
@@ -408,7 +407,6 @@ impl<'a> Sounder<'a> {
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
                 amplitude: look.amplitude.clone(),
-                gain: heard.gains[0],
                 factor: heard.of.factor[0],
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
             });
@@ -466,7 +464,7 @@ impl<'a> Sounder<'a> {
                 Interval { at: n, looks, from, nodes: [nodes[n], nodes[n + 1]], interval_s: self.interval_s }
             };
             let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
-            let keep = Keep { shadows: true, surface: n > 0 };
+            let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
             self.illumination.sound(&instants, &patch, TILES, keep, &mut self.light, tiles, |heard| {
                 for (((interval, (_, probe)), truths), sum) in
                     intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
@@ -507,7 +505,7 @@ impl<'a> Sounder<'a> {
         let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
         let Some(tiles) = &mut self.tiles else { return Ok(worst) };
         let pulses = LONGEST.min(self.pulses - first) as usize;
-        let keep = Keep { shadows: self.shaded == Some(place), surface: false };
+        let keep = Keep::default();
         // Between the first two instants, the second two, and in the middle.
         let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
             .iter()
@@ -545,7 +543,6 @@ impl<'a> Sounder<'a> {
                 }
             }
         })?;
-        self.shaded = Some(place);
         let share = self.sampled();
         for (worst, sums) in worst.iter_mut().zip(&sums) {
             for sum in sums {
@@ -659,11 +656,12 @@ impl Interval<'_> {
             if !truth.heard[i] {
                 continue;
             }
+            // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has turned away.
             let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
-            let seen = if rough == 0.0 { 0.0 } else { heard.of.factor[probe][i] / rough };
-            let found = f64::from(truth.gain[i] * seen);
+            let turned = rough != 0.0 && heard.of.factor[probe][i] == 0.0;
             let exact = f64::from(truth.factor[i]);
-            if found == 0.0 && exact == 0.0 {
+            let found = if turned { 0.0 } else { exact };
+            if exact == 0.0 {
                 continue;
             }
             // Hermite's cubic, from the first node on.
