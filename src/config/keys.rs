@@ -406,7 +406,7 @@ tables! {
         EDGE "edge", Choice(&["soft", "sharp"]), Word("soft"), "Whether visibility falls smoothly at the edge of a shadow, or at once as in the MaRS paper.";
         WIDTH_RAD "width_rad", above("rad", 0.0, 1000.0), Means("half the rms change of slope over a facet, from the map"), "soft: angle above the horizon, as a tangent, over which a facet comes into full view.";
         RAYS_PER_FACET "rays_per_facet", count(1, 64), Count(2), "Rays per facet across the look direction.";
-        UPDATE_MS "update_ms", number("ms", 0.1, 10_000.0), Means("the multiple of ten pulse intervals nearest to 20, at least ten"), "Time between updates; visibility is cross-faded in between. Where shadows fall, the fast echo interpolates only blocks (3 node_pulses + 1 pulses) that no update divides.";
+        UPDATE_MS "update_ms", number("ms", 0.1, 10_000.0), Means("the multiple of ten pulse intervals nearest to 20, at least ten"), "Time between updates; visibility is cross-faded in between.";
     }
     swell "[[swell]]" "A swell train. Exactly one direction." {
         SIGNIFICANT_HEIGHT_M "significant_height_m", number("m", 0.0, 30.0), Required, "Significant wave height.";

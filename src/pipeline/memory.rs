@@ -17,9 +17,9 @@ use crate::scene::Scene;
 /// The program, its libraries, stacks, tables.
 pub const PROGRAM_BYTES: u64 = 24 << 20;
 /// Shared, a facet: the reference's, the fast echo's.
-pub const SHARED_FACET_BYTES: [u64; 2] = [330, 330];
+pub const SHARED_FACET_BYTES: [u64; 2] = [330, 810];
 /// Of each worker, a facet: the reference's, the fast echo's.
-pub const WORKER_FACET_BYTES: [u64; 2] = [700, 1250];
+pub const WORKER_FACET_BYTES: [u64; 2] = [700, 1020];
 
 /// About what the sea of a scene takes, bytes.
 pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {

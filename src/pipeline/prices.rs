@@ -63,12 +63,16 @@ impl PulseStream {
         let mut rounds = Vec::with_capacity(ROUNDS);
         // The first round also takes memory into use.
         for round in 0..=ROUNDS as u64 {
+            if blocks == 1 && round > 0 {
+                hands.iter_mut().for_each(|(_, work)| *work = factory.workspace());
+            }
             let spent = self.pool().install(|| {
                 hands
                     .par_iter_mut()
                     .enumerate()
                     .map(|(hand, (slot, work))| {
-                        let at = (round * blocks / (ROUNDS as u64 + 1) + hand as u64) % blocks;
+                        // Never the block that is at hand.
+                        let at = (round + hand as u64) % blocks;
                         let first = self.schedule().first + at * block;
                         let before = *work.costs();
                         for index in first..(first + block).min(self.schedule().end()) {

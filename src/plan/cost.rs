@@ -60,7 +60,7 @@ pub struct Prices(pub [f64; PIECES]);
 impl Prices {
     /// Of a common machine: one core of a 2.5 GHz Xeon with AVX-512.
     pub const TABLE: Self =
-        Self([55e-9, 40e-9, 8e-9, 45e-9, 6e-9, 9e-9, 1.2e-9, 14e-9, 1.3e-9, 1.5e-9, 1000e-9, 3e-9]);
+        Self([55e-9, 40e-9, 11e-9, 62e-9, 8e-9, 12e-9, 1.7e-9, 14e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9]);
 
     /// Stage in which each piece is spent.
     pub const STAGES: [Stage; PIECES] = [

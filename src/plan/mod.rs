@@ -2,12 +2,13 @@
 //!
 //! Powers of independent errors add, relative to the echo:
 //!
-//! `e^2 = gridding + Doppler + rounding + surface + path + tilt + gain + culled`
+//! `e^2 = gridding + Doppler + rounding + surface + bounce + path + tilt + gain + culled`
 //!
 //! | part | what it is | found by |
 //! | --- | --- | --- |
 //! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
 //! | surface | heights in f32 | `(3e-7 x 2 pi/lambda x 2 x rms height)^2` |
+//! | bounce | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
 //! | path | delays between nodes: flight, waves that facets ride on | [`sounding`] |
 //! | tilt | scattering between looks: facets that the waves turn | [`sounding`] |
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`sounding`] |
@@ -43,6 +44,7 @@ use crate::echo::synth::{PredictedError, SynthError};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::Illumination;
 use crate::scene::Scene;
+use crate::sea::GRAVITY_MPS2;
 
 /// Error of heights in f32 over their rms.
 const HEIGHT_ROUNDING: f64 = 3e-7;
@@ -65,6 +67,8 @@ pub struct Prediction {
     pub echo: PredictedError,
     /// Heights in f32.
     pub surface: f64,
+    /// Acceleration of the water on the way to it.
+    pub bounce: f64,
     /// Delays between nodes.
     pub path: f64,
     /// Scattering between looks.
@@ -77,13 +81,14 @@ pub struct Prediction {
 
 impl Prediction {
     /// All parts with their names, ratios of powers.
-    pub fn parts(&self) -> [(&'static str, f64); 8] {
+    pub fn parts(&self) -> [(&'static str, f64); 9] {
         let PredictedError { gridding, doppler, rounding } = self.echo;
         [
             ("gridding", gridding),
             ("doppler", doppler),
             ("rounding", rounding),
             ("surface", self.surface),
+            ("bounce", self.bounce),
             ("path", self.path),
             ("tilt", self.tilt),
             ("gain", self.gain),
@@ -100,6 +105,14 @@ impl Prediction {
     pub fn total_db(&self) -> f64 {
         10.0 * self.total().log10()
     }
+}
+
+/// What the acceleration of the water leaves in the phase: `a tau^2/2` along a path of gradient 2 at most. In deep water `w^2 = g K`, so the
+/// rms of `a` is that of the slopes times g, along and up alike.
+fn bounce(scene: &Scene, illumination: &Illumination) -> f64 {
+    let one_way_s = 0.5 * illumination.light_time_s();
+    let path_m = GRAVITY_MPS2 * illumination.rms_slope() * one_way_s * one_way_s;
+    (TAU / scene.radar.wavelength_m() * path_m).powi(2)
 }
 
 /// What heights in f32 leave in the phase.

@@ -30,8 +30,8 @@ const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
 const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
-/// What speckle adds to the mean error of a pulse in the worst of many, dB.
-const WORST_PULSE_DB: f64 = 1.5;
+/// What speckle of some hundred resolution cells adds to the error of a pulse in the worst of many, dB.
+const WORST_PULSE_DB: f64 = 2.0;
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,10 +124,10 @@ pub fn settle(
     let mut sounder = Sounder::new(illumination, radar, waveform.duration_s(), scene.pulses)?;
     let power = sounder.power().clone();
     let judge = Judge { power: &power };
-    // What is in proportion to a pulse weighs as the strongest one.
-    let peak = sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let budget = 10f64.powf(asked.error_db / 10.0);
     let worst_pulse = 10f64.powf(WORST_PULSE_DB / 10.0);
+    // What is in proportion to a pulse weighs as the strongest one.
+    let peak = worst_pulse * sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
     let of_facets = illumination.facets() as f64;
     let interval_s = radar.emissions.interval_s(0, 1);
@@ -194,17 +194,45 @@ pub fn settle(
     // What is the same at all rungs.
     let surface = peak * super::surface_rounding(scene, illumination);
     let culled = sounder.culled(least_power).clone();
+    let bounce = peak * super::bounce(scene, illumination);
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
     let gains = sounder.gains(&gain_rungs)?;
     let rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
     let predict = |left: &super::sounding::Left, gain: &Powers| {
         let [path, tilt, gain, culled] = judge.worst([&left.path, &left.tilt, gain, &culled]);
         let scale = |part: f64| part * worst_pulse;
-        Prediction { echo: error, surface, path: scale(path), tilt: scale(tilt), gain: scale(gain), culled }
+        Prediction {
+            echo: error,
+            surface,
+            path: scale(path),
+            tilt: scale(tilt),
+            gain: scale(gain),
+            culled,
+            bounce,
+        }
     };
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
+    // The least that a rung may cost: one look a node, gains as far apart as they may be by themselves.
+    let farthest = gain_rungs.iter().zip(&gains);
+    let farthest = farthest.filter(|(_, gain)| predict(&sounder.nothing(), gain).total() <= budget);
+    let farthest = farthest.map(|(pulses, _)| *pulses).max();
+    let least = |node_pulses: u64| {
+        let settled = Settled {
+            node_pulses,
+            looks_per_node: asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses)),
+            gain_pulses: farthest.unwrap_or(1),
+            least_power,
+            precision,
+            echo: settings,
+        };
+        prices.seconds(&size.work(&settled, true))
+    };
     for &node_pulses in &rungs {
+        if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses))
+        {
+            break;
+        }
         let mut left = sounder.left(0, node_pulses)?;
         // Other places cost as much again: they are asked once the first allows.
         let allows = left
@@ -218,7 +246,6 @@ pub fn settle(
                 }
             }
         }
-        let mut cheapest_here = f64::INFINITY;
         for (looks, left) in (1..=LOOKS_PER_NODE).zip(&left) {
             if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
                 continue;
@@ -234,7 +261,6 @@ pub fn settle(
                 };
                 let prediction = predict(left, gain);
                 let work = size.work(&settled, true);
-                cheapest_here = cheapest_here.min(prices.seconds(&work));
                 let plan = Plan { asked: *asked, settled, prediction, work, size };
                 let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {
                     (true, true) => prices.seconds(&plan.work) < prices.seconds(&held.work),
@@ -245,12 +271,6 @@ pub fn settle(
                     best = Some(plan);
                 }
             }
-        }
-        // Closer nodes only cost more.
-        if best.as_ref().is_some_and(|held| held.keeps() && cheapest_here >= prices.seconds(&held.work))
-            && best.as_ref().is_some_and(|held| held.settled.node_pulses > node_pulses)
-        {
-            break;
         }
     }
     let best = best.unwrap_or_else(|| one_by_one(1));

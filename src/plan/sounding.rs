@@ -10,7 +10,8 @@
 //! path = sum |a G|^2 (2 pi f0 (tau^ - tau))^2 ,   tilt = sum |a^ - a|^2 G^2 ,   gain = sum |a|^2 (G^ - G)^2   over  sum |a G|^2
 //! ```
 //!
-//! at the worst probe and place. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
+//! at the worst probe and place. Where few facets make most of an error it differs from pulse to pulse: with `e_i` the terms of a sum and
+//! `f` the share of the facets in the sample, `S = sum e_i` is told as `S + ` [`SIGMAS`] ` sqrt(f sum e_i^2)`. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
 //! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows.
 //!
 //! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
@@ -18,7 +19,8 @@
 //!
 //! Targets and direct paths are few: all of them are followed, at every pulse.
 //!
-//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
+//! Limits: where an error is that of single facets, as at grazing incidence between far nodes, a small patch has pulses some 10 dB worse than any that
+//! was probed. [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
 //! platforms between the places is not seen.
 
 use std::f64::consts::TAU;
@@ -28,7 +30,9 @@ use num_complex::{Complex32, Complex64};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
-use crate::radar::illumination::tiles::sounding::{Heard, Keep, gain_instants, gain_weights, nodes_within};
+use crate::radar::illumination::tiles::sounding::{
+    Heard, Keep, Shadows, gain_instants, gain_weights, nodes_within,
+};
 use crate::radar::illumination::tiles::{Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, looks_about};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
@@ -38,13 +42,36 @@ use crate::scene::{Patch, Radar};
 pub const TILES: usize = 64;
 /// Pulses of the run whose power is taken.
 pub const PROFILE: u64 = 48;
+/// Standard deviations of an error from pulse to pulse that are added: the worst of some hundred.
+pub const SIGMAS: f64 = 3.0;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
+/// Patches up to so many facets are looked at in more places.
+const SMALL_FACETS: usize = 1 << 15;
 /// Longest block, pulses.
 const LONGEST: u64 = 64;
 
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
+
+/// A sum of terms, and of their squares.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    of: f64,
+    squares: f64,
+}
+
+impl Sum {
+    fn add(&mut self, term: f64) {
+        self.of += term;
+        self.squares += term * term;
+    }
+
+    /// With what the worst pulse has more, of a sample that is such a share of all.
+    fn worst(&self, share: f64) -> f64 {
+        self.of + SIGMAS * (share * self.squares).sqrt()
+    }
+}
 
 /// What interpolation between nodes leaves, at the worst probe of a place.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,7 +95,6 @@ struct Truth {
     delay_s: Vec<f64>,
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
-    gain: Row,
     factor: Row,
     heard: Vec<bool>,
 }
@@ -89,8 +115,6 @@ pub struct Sounder<'a> {
     light: Workspace,
     tiles: Option<Box<TileWork>>,
     places: Vec<Place>,
-    /// Place whose shadows are at hand.
-    shaded: Option<usize>,
     /// Channels of each pair.
     channels: Vec<Vec<usize>>,
     interval_s: f64,
@@ -134,7 +158,6 @@ impl<'a> Sounder<'a> {
             light: illumination.workspace(),
             tiles: illumination.tile_work(Variant::fastest()),
             places: Vec::new(),
-            shaded: None,
             channels,
             interval_s: radar.emissions.interval_s(0, 1),
             interpolates: true,
@@ -146,11 +169,14 @@ impl<'a> Sounder<'a> {
             culled: vec![vec![0.0; all]; LEASTS.len()],
         };
         let strongest = own.profile()?;
-        let last = pulses.saturating_sub(LONGEST);
-        let mut firsts = vec![strongest.min(last), 0, last];
-        firsts.dedup();
-        if last < LONGEST {
-            firsts.truncate(1);
+        // The last block of a run may be cut short.
+        let last = pulses.saturating_sub(LONGEST / 2);
+        let mut firsts: Vec<u64> = Vec::new();
+        let between = (1..4).map(|n| last / 4 * n).filter(|_| own.is_small());
+        for first in [strongest.min(last), 0, last].into_iter().chain(between) {
+            if firsts.iter().all(|other| other.abs_diff(first) >= LONGEST / 8) {
+                firsts.push(first);
+            }
         }
         for first in firsts {
             own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
@@ -169,7 +195,11 @@ impl<'a> Sounder<'a> {
                 (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
             let patch = self.illumination.patch_of(index)?;
             // The waves of the first stand for all.
-            let truths = self.light(index, patch.as_ref(), Keep { shadows: step > 0, surface: step > 0 })?;
+            let truths = self.light(
+                index,
+                patch.as_ref(),
+                Keep { shadows: if step > 0 { Shadows::Keep } else { Shadows::Find }, surface: step > 0 },
+            )?;
             let powers = self.powers(index, &truths)?;
             self.count_kept(&truths, count as f64);
             let all: f64 = powers.iter().sum();
@@ -346,6 +376,11 @@ impl<'a> Sounder<'a> {
         Ok(())
     }
 
+    /// Whether the patch is so small that single facets count, and more instants cost little.
+    fn is_small(&self) -> bool {
+        self.illumination.facets() <= SMALL_FACETS
+    }
+
     /// Share of the facets that is in the sample; 1 without a sea.
     fn sampled(&self) -> f64 {
         let all = self.illumination.facets().div_ceil(LANES);
@@ -355,10 +390,7 @@ impl<'a> Sounder<'a> {
     /// The sample at a pulse of a place, `[tile x pair]`.
     fn truths(&mut self, place: usize, pulse: usize) -> Result<Vec<Truth>, RadarError> {
         let Place { first, patch } = self.places[place].clone();
-        let keep = Keep { shadows: self.shaded == Some(place), surface: false };
-        let truths = self.light(first + pulse as u64, patch.as_ref(), keep)?;
-        self.shaded = Some(place);
-        Ok(truths)
+        self.light(first + pulse as u64, patch.as_ref(), Keep::default())
     }
 
     fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
@@ -375,7 +407,6 @@ impl<'a> Sounder<'a> {
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
                 amplitude: look.amplitude.clone(),
-                gain: heard.gains[0],
                 factor: heard.of.factor[0],
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
             });
@@ -383,10 +414,16 @@ impl<'a> Sounder<'a> {
         Ok(truths)
     }
 
+    /// What blocks leave whose every pulse is a node.
+    pub fn nothing(&self) -> Left {
+        let none = vec![0.0; self.radar.channels.len()];
+        Left { path: none.clone(), tilt: none }
+    }
+
     /// What blocks with nodes so many pulses apart leave at a place, with 1, 2 and 3 looks from node to node.
     pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<[Left; LOOKS_PER_NODE], RadarError> {
         let channels = self.radar.channels.len();
-        let nothing = Left { path: vec![0.0; channels], tilt: vec![0.0; channels] };
+        let nothing = self.nothing();
         let mut left = std::array::from_fn(|_| nothing.clone());
         let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(left) };
         let pulses = (3 * node_pulses + 1).min(self.pulses - first) as usize;
@@ -395,36 +432,51 @@ impl<'a> Sounder<'a> {
             return Ok(left);
         }
         // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
-        let mut probes = vec![(2 * nodes[1]).div_ceil(5), nodes[1].div_ceil(5)];
+        let within =
+            |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
+        let last = count - 2;
+        let mut probes =
+            vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
+        if last > 1 {
+            probes.push((1, within(1, 0.5)));
+        }
+        if self.is_small() {
+            let more = (0..=last).flat_map(|n| [0.2, 0.4, 0.6, 0.8].map(|share| (n, within(n, share))));
+            probes.extend(more);
+            probes.sort_unstable();
+        }
+        probes.retain(|(_, pulse)| !nodes[..count].contains(pulse));
         probes.dedup();
         let mut truths = Vec::new();
-        for probe in &probes {
+        for (_, probe) in &probes {
             truths.push(self.truths(place, *probe)?);
         }
+        let share = self.sampled();
         let pairs = self.channels.len();
         let Some(tiles) = &mut self.tiles else { return Ok(left) };
         for (n, left) in left.iter_mut().enumerate() {
             let instants = Instants::of_block(first, pulses, n + 1, pulses);
             let looks = &instants.looks[..instants.look_count];
-            let from = looks_about(looks, 0..=nodes[1]);
-            let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
-            let mut sums = vec![nothing.clone(); probes.len()];
-            let facts = Interval { looks, from, nodes: [0, nodes[1]], interval_s: self.interval_s };
-            let keep = Keep { shadows: true, surface: n > 0 };
+            let mut sums = vec![vec![[Sum::default(); 2]; channels]; probes.len()];
+            let interval_of = |n: usize| {
+                let from = looks_about(looks, nodes[n]..=nodes[n + 1]);
+                let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
+                Interval { at: n, looks, from, nodes: [nodes[n], nodes[n + 1]], interval_s: self.interval_s }
+            };
+            let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
+            let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
             self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
-                for ((probe, truths), sum) in probes.iter().zip(&truths).zip(&mut sums) {
+                for (((interval, (_, probe)), truths), sum) in
+                    intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
+                {
                     let truth = &truths[heard.tile * pairs + heard.pair];
                     let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-                    facts.compare(*probe, heard, truth, waves, &self.channels[heard.pair], sum);
+                    interval.compare(*probe, heard, truth, waves, &self.channels[heard.pair], sum);
                 }
             })?;
-            for sum in sums {
-                for (worst, own) in left.path.iter_mut().zip(&sum.path) {
-                    *worst = worst.max(*own);
-                }
-                for (worst, own) in left.tilt.iter_mut().zip(&sum.tilt) {
-                    *worst = worst.max(*own);
-                }
+            for (channel, [path, tilt]) in sums.iter().flat_map(|sums| sums.iter().enumerate()) {
+                left.path[channel] = left.path[channel].max(path.worst(share));
+                left.tilt[channel] = left.tilt[channel].max(tilt.worst(share));
             }
         }
         Ok(left)
@@ -453,7 +505,7 @@ impl<'a> Sounder<'a> {
         let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
         let Some(tiles) = &mut self.tiles else { return Ok(worst) };
         let pulses = LONGEST.min(self.pulses - first) as usize;
-        let keep = Keep { shadows: self.shaded == Some(place), surface: false };
+        let keep = Keep::default();
         // Between the first two instants, the second two, and in the middle.
         let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
             .iter()
@@ -469,8 +521,8 @@ impl<'a> Sounder<'a> {
                 probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
             })
             .collect();
-        let mut sums: Vec<Vec<Powers>> =
-            probes.iter().map(|probes| vec![vec![0.0; channels]; probes.len()]).collect();
+        let mut sums: Vec<Vec<Vec<Sum>>> =
+            probes.iter().map(|probes| vec![vec![Sum::default(); channels]; probes.len()]).collect();
         let instants = Instants::of_block(first, pulses, 1, 1);
         self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
             let (own, look) = (&self.channels[heard.pair], &heard.of.looks[0]);
@@ -485,16 +537,16 @@ impl<'a> Sounder<'a> {
                         let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
                         let off = f64::from((found - exact) * seen).powi(2);
                         for (channel, a) in own.iter().zip(&look.amplitude) {
-                            sum[*channel] += square(a, i) * off;
+                            sum[*channel].add(square(a, i) * off);
                         }
                     }
                 }
             }
         })?;
-        self.shaded = Some(place);
+        let share = self.sampled();
         for (worst, sums) in worst.iter_mut().zip(&sums) {
             for sum in sums {
-                worst.iter_mut().zip(sum).for_each(|(worst, own)| *worst = worst.max(*own));
+                worst.iter_mut().zip(sum).for_each(|(worst, own)| *worst = worst.max(own.worst(share)));
             }
         }
         Ok(worst)
@@ -570,8 +622,10 @@ fn through(places: &[usize], pulse: usize) -> [f64; 4] {
     weights
 }
 
-/// The first interval of a block.
+/// From one node to the next.
 struct Interval<'a> {
+    /// Place of the first.
+    at: usize,
     /// Pulses of its looks.
     looks: &'a [usize],
     /// The first of them.
@@ -589,9 +643,9 @@ impl Interval<'_> {
         truth: &Truth,
         (carrier_hz, half_pulse_s): (f64, f64),
         channels: &[usize],
-        sum: &mut Left,
+        sum: &mut [[Sum; 2]],
     ) {
-        let [a, b] = [0, 1].map(|n| &heard.of.nodes[n].paths);
+        let [a, b] = [0, 1].map(|n| &heard.of.nodes[self.at + n].paths);
         let length = (self.nodes[1] - self.nodes[0]) as f64;
         let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
         let weights = through(self.looks, probe);
@@ -602,11 +656,12 @@ impl Interval<'_> {
             if !truth.heard[i] {
                 continue;
             }
+            // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has turned away.
             let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
-            let seen = if rough == 0.0 { 0.0 } else { heard.of.factor[probe][i] / rough };
-            let found = f64::from(truth.gain[i] * seen);
+            let turned = rough != 0.0 && heard.of.factor[probe][i] == 0.0;
             let exact = f64::from(truth.factor[i]);
-            if found == 0.0 && exact == 0.0 {
+            let found = if turned { 0.0 } else { exact };
+            if exact == 0.0 {
                 continue;
             }
             // Hermite's cubic, from the first node on.
@@ -626,8 +681,8 @@ impl Interval<'_> {
                 let [re, im] = &truth.amplitude[at];
                 let own = Complex64::new(re[i].into(), im[i].into()) * exact;
                 let value = Complex64::new(value.re.into(), value.im.into()) * found;
-                sum.tilt[*channel] += (value - own).norm_sqr();
-                sum.path[*channel] += own.norm_sqr() * radians;
+                sum[*channel][0].add(own.norm_sqr() * radians);
+                sum[*channel][1].add((value - own).norm_sqr());
             }
         }
     }

@@ -4,6 +4,7 @@
 mod blocks;
 mod matched_filter;
 mod measured;
+mod planned;
 mod radar_equation;
 mod same_bits;
 mod scenes;

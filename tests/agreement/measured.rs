@@ -76,5 +76,5 @@ fn the_measured_error_is_that_of_the_stream() {
     assert!((measured.rel_rms_db - worst_db).abs() < 1e-9, "{measured:?} {worst:?}");
     assert_eq!((measured.worst_pulse, measured.worst_channel), (worst.1, worst.2));
     // An error that can be seen at all.
-    assert!((-70.0..-30.0).contains(&worst_db), "{worst_db}");
+    assert!((-90.0..-30.0).contains(&worst_db), "{worst_db}");
 }

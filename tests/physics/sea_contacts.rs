@@ -227,11 +227,12 @@ fn a_facet_is_the_same_through_any_patch() {
     moving.place = PatchPlace::Follow { aim, aim_from: AimFrom::True };
     let (still, moving) = (sea_scene(fixed), sea_scene(moving));
     let tracks = side_looking(&still);
-    for pulse in [0, 3, 7] {
+    for pulse in [0, 3, 7, 13] {
         let (here, there) = (contacts(&still, &tracks, pulse), contacts(&moving, &tracks, pulse));
         assert_eq!((here.len(), there.len()), (1024, 1024));
-        // Rows and columns by which the moving patch has gone, two along x and one along y per pulse.
-        let gone = pulse as usize;
+        // Rows and columns by which the moving patch has gone, two along x and one along y per pulse; it is held for 16 facets at 496 m/s, 7
+        // pulses, of which 6 have more divisors.
+        let gone = pulse as usize / 6 * 6;
         let mut shared = 0;
         for (i, delay) in there.delay_s[0].iter().enumerate() {
             if let Some(j) = here.delay_s[0].iter().position(|d| d == delay) {

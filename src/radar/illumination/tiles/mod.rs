@@ -125,6 +125,7 @@ pub struct TileWork {
     /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
     cosines: Vec<(usize, [f32; LOOK_POINTS])>,
     shades: Vec<Shade>,
+    spare: Vec<Shade>,
     maker: Option<Maker>,
     /// `[pulse]`: place of the update before in `shades`, and the share of the next.
     shares: Vec<(usize, f32)>,
@@ -314,6 +315,7 @@ impl SeaPlan {
             lagrange: Vec::new(),
             cosines: Vec::new(),
             shades: Vec::new(),
+            spare: Vec::new(),
             maker,
             shares: Vec::new(),
             phasors: Phasors::new(facets, mechanisms),
@@ -475,8 +477,13 @@ impl TileWork {
         let span = span_of(at(0), at(instants.pulses - 1));
         let lowest = *span.start();
         let count = (span.end() - lowest + 1) as usize;
-        self.shades.truncate(count);
-        self.shades.resize_with(count, Shade::default);
+        // Those not in use keep their room for the next block.
+        while self.shades.len() > count {
+            self.spare.extend(self.shades.pop());
+        }
+        while self.shades.len() < count {
+            self.shades.push(self.spare.pop().unwrap_or_default());
+        }
         let earth = of.frame.earth();
         let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
         let emission = &self.nodes[0].emission;

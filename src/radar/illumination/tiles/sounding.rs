@@ -1,7 +1,7 @@
 //! A sample of the facets of a block, at instants of one's own choice: for whoever wants to know what interpolation leaves.
 //!
 //! Tiles spread over the patch are lit as [`Illumination::visit_tiles`] lights all of them, but for two things: shadows are those of one
-//! pulse throughout (both sides of any comparison share them), and the product of gains is told apart from the factor.
+//! pulse throughout, or none (both sides of any comparison share them), and the product of gains is told apart from the factor.
 
 use super::{GAIN_POINTS, Instants, LOOKS, LOOKS_PER_NODE, NODES, Pair, TileWork, lagrange};
 use crate::geometry::lanes::Row;
@@ -23,11 +23,23 @@ pub struct Heard<'a> {
     pub gains: &'a [Row],
 }
 
+/// Which shadows a sounding has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shadows {
+    /// Those at its first pulse.
+    #[default]
+    Find,
+    /// Those found last.
+    Keep,
+    /// None.
+    Without,
+}
+
 /// What a sounding takes over from the one before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Keep {
     /// Shadows.
-    pub shadows: bool,
+    pub shadows: Shadows,
     /// The surface at the nodes, which must be as many.
     pub surface: bool,
 }
@@ -80,6 +92,11 @@ impl Illumination {
         self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().variance_m2.sqrt())
     }
 
+    /// Rms slope that is expected of the waves, along and across together; 0 without a sea.
+    pub fn rms_slope(&self) -> f64 {
+        self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().slope_variance.iter().sum::<f64>().sqrt())
+    }
+
     /// Lights a sample of about so many tiles at some instants.
     pub fn sound(
         &self,
@@ -96,7 +113,10 @@ impl Illumination {
         if !keep.surface {
             sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
         }
-        if !keep.shadows {
+        if keep.shadows == Shadows::Without {
+            work.shades.clear();
+        }
+        if keep.shadows == Shadows::Find {
             let at_once = Instants { pulses: 1, ..*instants };
             work.shade(self, sea, &at_once, patch).map_err(|failure| self.sea_error(first, failure))?;
         }
