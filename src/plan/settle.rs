@@ -28,6 +28,8 @@ pub const LONGEST_SPACING: u64 = NODE_PULSES[0];
 const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
 /// Rungs of the gains, pulses.
 const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
+/// Pulses over which places on the grid move in a common block, for their rounding.
+const DRIFT_PULSES: f64 = 12.0;
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
 /// What speckle of some hundred resolution cells adds to the error of a pulse in the worst of many, dB.
@@ -120,8 +122,7 @@ pub fn settle(
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, PlanError> {
-    let radar = &scene.radar;
-    let mut sounder = Sounder::new(illumination, radar, waveform.duration_s(), scene.pulses)?;
+    let mut sounder = Sounder::new(illumination, &scene.radar, waveform.duration_s(), scene.pulses)?;
     let power = sounder.power().clone();
     let judge = Judge { power: &power };
     let budget = 10f64.powf(asked.error_db / 10.0);
@@ -130,16 +131,13 @@ pub fn settle(
     let peak = worst_pulse * sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
     let of_facets = illumination.facets() as f64;
-    let interval_s = radar.emissions.interval_s(0, 1);
 
-    let echo_of = |settings: Settings, precision: Precision, node_pulses: u64| {
-        echo_error(scene, illumination, waveform, &sounder, settings, precision, node_pulses, interval_s).map(
-            |of| PredictedError {
-                gridding: peak * of.gridding,
-                doppler: peak * of.doppler,
-                rounding: peak * of.rounding,
-            },
-        )
+    let echo_of = |settings: Settings, precision: Precision| {
+        echo_error(scene, illumination, waveform, &sounder, settings, precision).map(|of| PredictedError {
+            gridding: peak * of.gridding,
+            doppler: peak * of.doppler,
+            rounding: peak * of.rounding,
+        })
     };
     let doppler = asked.doppler.unwrap_or(match waveform.sweep_rate_hz_per_s() {
         Some(_) => Doppler::Shift,
@@ -153,7 +151,7 @@ pub fn settle(
     let widths: Vec<usize> = asked.kernel_width.map_or(WIDTHS.collect(), |width| vec![width]);
     let mut echo = None;
     for width in widths {
-        let error = echo_of(settings_of(width), precision, 12)?;
+        let error = echo_of(settings_of(width), precision)?;
         let enough = error.gridding <= 0.1 * budget;
         echo = Some((settings_of(width), error));
         if enough {
@@ -163,7 +161,7 @@ pub fn settle(
     let (mut settings, mut error) = echo.unwrap_or((settings_of(8), PredictedError::default()));
     if asked.doppler.is_none() && doppler != Doppler::Taylor && error.doppler > 0.3 * budget {
         let with_moment = Settings { doppler: Doppler::Taylor, ..settings };
-        let other = echo_of(with_moment, precision, 12)?;
+        let other = echo_of(with_moment, precision)?;
         if other.doppler < 0.5 * error.doppler {
             (settings, error) = (with_moment, other);
         }
@@ -291,15 +289,13 @@ fn echo_error(
     sounder: &Sounder<'_>,
     settings: Settings,
     precision: Precision,
-    node_pulses: u64,
-    interval_s: f64,
 ) -> Result<PredictedError, PlanError> {
     let radar = &scene.radar;
     let of_channels = illumination.channel_pairs();
     let (waveform, samples) = (Arc::clone(waveform), radar.window.samples);
     let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
     let cells_per_s = settings.oversampling * rate_hz;
-    let half_s = 0.5 * node_pulses as f64 * interval_s;
+    let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
     let drift_cells =
         if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
     let of: Box<dyn Fn(f64, f64) -> PredictedError> = match precision {

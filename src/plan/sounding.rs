@@ -27,6 +27,7 @@ use std::f64::consts::TAU;
 
 use num_complex::{Complex32, Complex64};
 
+use super::settle::block_pulses;
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
@@ -42,8 +43,8 @@ use crate::scene::{Patch, Radar};
 pub const TILES: usize = 64;
 /// Pulses of the run whose power is taken.
 pub const PROFILE: u64 = 48;
-/// Standard deviations of an error from pulse to pulse that are added: the worst of some hundred.
-pub const SIGMAS: f64 = 3.0;
+/// Standard deviations of an error from pulse to pulse that are added: the worst of some ten thousand, were it Gaussian.
+pub const SIGMAS: f64 = 4.0;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
 /// Patches up to so many facets are looked at in more places.
@@ -337,7 +338,8 @@ impl<'a> Sounder<'a> {
         let first = self.places[place].first;
         let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
         self.interpolates &= self.illumination.hears_itself(&heard, &mut self.light)?;
-        let truths = self.truths(place, 0)?;
+        let patch = self.places[place].patch;
+        let truths = self.light(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
         for (pair, channels) in self.channels.iter().enumerate() {
             let own = || truths.iter().skip(pair).step_by(pairs.max(1));
@@ -387,12 +389,7 @@ impl<'a> Sounder<'a> {
         if all == 0 { 1.0 } else { sample_of(all) as f64 / all as f64 }
     }
 
-    /// The sample at a pulse of a place, `[tile x pair]`.
-    fn truths(&mut self, place: usize, pulse: usize) -> Result<Vec<Truth>, RadarError> {
-        let Place { first, patch } = self.places[place].clone();
-        self.light(first + pulse as u64, patch.as_ref(), Keep::default())
-    }
-
+    /// The sample at a pulse, `[tile x pair]`.
     fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
         let mut truths = Vec::new();
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
@@ -425,8 +422,10 @@ impl<'a> Sounder<'a> {
         let channels = self.radar.channels.len();
         let nothing = self.nothing();
         let mut left = std::array::from_fn(|_| nothing.clone());
-        let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(left) };
-        let pulses = (3 * node_pulses + 1).min(self.pulses - first) as usize;
+        // The block of the run that holds the place.
+        let first = self.places[place].first / block_pulses(node_pulses) * block_pulses(node_pulses);
+        let Some(patch) = self.illumination.patch_of(first)? else { return Ok(left) };
+        let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
         let (nodes, count) = nodes_within(pulses);
         if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
             return Ok(left);
@@ -449,7 +448,7 @@ impl<'a> Sounder<'a> {
         probes.dedup();
         let mut truths = Vec::new();
         for (_, probe) in &probes {
-            truths.push(self.truths(place, *probe)?);
+            truths.push(self.light(first + *probe as u64, Some(&patch), Keep::default())?);
         }
         let share = self.sampled();
         let pairs = self.channels.len();

@@ -25,7 +25,7 @@ fn plan(run: &Run) -> Plan {
     *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
 }
 
-/// Measures every error of the sweep; each within its prediction, and not by far.
+/// Measures every error of the sweep, each within its prediction.
 fn holds(path: &str, settings: &[(&str, &str)]) {
     let with = |error_db: f64| {
         let error_db = format!("{error_db:?}");
