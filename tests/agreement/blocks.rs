@@ -70,10 +70,12 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
     // The beam passes over the patch; two whole blocks and parts of two.
     let range = 236..262;
     let exact = samples(&scenario("mars-1.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
-    // Kernel width 5 and single precision leave -80 dB. Cubics through nodes a beam's hundredth of a lobe apart: the
-    // error grows with the fourth power of the spacing, 14 dB from 2 to 3 pulses.
-    for (spacing, allowed_db) in [("1", -75.0), ("2", -75.0), ("3", -60.0)] {
-        let run = scenario("mars-1.toml", &with(&[("fidelity.node_pulses", spacing)]));
+    // Nodes are given, the rest is chosen for an error. The beam passes, so
+    // that these pulses are the strongest: relative to them the error is less than to the mean of the run, which the plan takes.
+    for (spacing, allowed_db) in [("1", -75.0), ("2", -75.0), ("3", -75.0), ("12", -60.0)] {
+        let asked = format!("{allowed_db:?}");
+        let settings = [("fidelity.node_pulses", spacing), ("fidelity.error_db", &asked)];
+        let run = scenario("mars-1.toml", &with(&settings));
         let error_db = worst_db(&samples(&run, range.clone()), &exact);
         println!("mars-1, 64 x 64, nodes {spacing} pulses apart: worst pulse and channel {error_db:.1} dB");
         assert!(error_db < allowed_db);
