@@ -14,6 +14,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use crossbeam_channel::Sender;
+use num_complex::Complex32;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use thiserror::Error;
@@ -55,6 +56,9 @@ use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
 /// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
 const PULSES_PER_WORKER: usize = 4;
+
+/// Bytes of samples for which a ring is made longer than its latency asks.
+const RING_BYTES: usize = 256 << 20;
 
 /// Priority of a worker from 0 to 99, where 50 is that of an ordinary thread: nice 9.
 const WORKER_PRIORITY: u8 = 23;
@@ -371,9 +375,15 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let scene = aboard::with_scatterers(scene)?;
     let header = header(run, &scene, &factory, &schedule);
     header.check()?;
+    // Every worker has a block in hand while one waits to be released.
+    let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
+    let layout = factory.layout();
+    let slot_bytes = layout.channels * layout.samples * size_of::<Complex32>();
+    let wanted = block.saturating_mul(2 * threads + 1).min(RING_BYTES / slot_bytes.max(1));
+    let ring_slots = run.stream.ring_slots.max(wanted);
     Ok(PulseStream {
         factory,
-        settings: run.stream,
+        settings: transport::Settings { ring_slots, ..run.stream },
         schedule,
         header,
         sinks: run.sinks.clone(),
@@ -629,7 +639,8 @@ fn generate(
         let wanted = usize::try_from(end - next).unwrap_or(batch);
         let Some(slots) = source.reserve(wanted) else { return Ok(()) };
         let count = slots.len();
-        let share = count.div_ceil(work.len()).next_multiple_of(if count > block { block } else { 1 });
+        // A block is made by one worker: two would each make all of it.
+        let share = count.div_ceil(work.len()).next_multiple_of(block.max(1));
         slots.par_chunks_mut(share).zip(work.par_iter_mut()).enumerate().try_for_each(
             |(part, (slots, work))| {
                 let first = next + (part * share) as u64;

@@ -8,13 +8,13 @@
 use std::sync::Arc;
 
 use super::cost::{Prices, Size, Work};
-use super::sounding::{Powers, Sounder};
+use super::sounding::{LONGEST, Powers, Sounder};
 use super::{PlanError, Prediction};
 use crate::echo::Asked;
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::radar::illumination::Illumination;
-use crate::radar::illumination::tiles::{LOOKS_PER_NODE, NODES};
+use crate::radar::illumination::tiles::{GAIN_POINTS, LOOKS_PER_NODE, NODES};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
@@ -194,7 +194,7 @@ pub fn settle(
     let culled = sounder.culled(least_power).clone();
     let bounce = peak * super::bounce(scene, illumination);
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
-    let gains = sounder.gains(&gain_rungs)?;
+    let mut gains = sounder.gains(&gain_rungs, LONGEST)?;
     let rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
     let predict = |left: &super::sounding::Left, gain: &Powers| {
         let [path, tilt, gain, culled] = judge.worst([&left.path, &left.tilt, gain, &culled]);
@@ -231,6 +231,9 @@ pub fn settle(
         {
             break;
         }
+        if asked.gain_pulses.is_some() {
+            gains = sounder.gains(&gain_rungs, block_pulses(node_pulses))?;
+        }
         let mut left = sounder.left(0, node_pulses)?;
         // Other places cost as much again: they are asked once the first allows.
         let allows = left
@@ -249,6 +252,11 @@ pub fn settle(
                 continue;
             }
             for (&gain_pulses, gain) in gain_rungs.iter().zip(&gains) {
+                // What was found for long blocks holds where six instants of gain fit in.
+                let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain_pulses;
+                if few && gain_pulses > 1 && asked.gain_pulses.is_none() {
+                    continue;
+                }
                 let settled = Settled {
                     node_pulses,
                     looks_per_node: looks,

@@ -32,7 +32,7 @@ use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::tiles::sounding::{
-    Heard, Keep, Shadows, gain_instants, gain_weights, nodes_within,
+    Heard, Keep, Shadows, gain_instants, gain_step, gain_weights, nodes_within,
 };
 use crate::radar::illumination::tiles::{Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, looks_about};
 use crate::radar::illumination::{Illumination, Workspace};
@@ -50,7 +50,7 @@ const GROUPS: usize = 6;
 /// Patches up to so many facets are looked at in more places.
 const SMALL_FACETS: usize = 1 << 15;
 /// Longest block, pulses.
-const LONGEST: u64 = 64;
+pub const LONGEST: u64 = 64;
 
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
@@ -481,12 +481,13 @@ impl<'a> Sounder<'a> {
         Ok(left)
     }
 
-    /// What gains every so many pulses leave of the sample, and what cubics between them leave of points: worst of all places.
-    pub fn gains(&mut self, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
+    /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points: worst of all
+    /// places. Blocks with less than six instants of gain leave more than long ones.
+    pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Vec<Powers>, RadarError> {
         let channels = self.radar.channels.len();
         let mut worst = vec![vec![0.0f64; channels]; steps.len()];
         for place in 0..self.places.len() {
-            let mut sums = self.gains_of_sea(place, steps)?;
+            let mut sums = self.gains_of_sea(place, steps, block_pulses)?;
             let points = self.gains_of_points(place, steps)?;
             for (sums, points) in sums.iter_mut().zip(&points) {
                 sums.iter_mut().zip(points).for_each(|(sum, own)| *sum += own);
@@ -498,21 +499,26 @@ impl<'a> Sounder<'a> {
         Ok(worst)
     }
 
-    fn gains_of_sea(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
+    fn gains_of_sea(
+        &mut self,
+        place: usize,
+        steps: &[u64],
+        block_pulses: u64,
+    ) -> Result<Vec<Powers>, RadarError> {
         let channels = self.radar.channels.len();
         let mut worst = vec![vec![0.0f64; channels]; steps.len()];
         let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
         let Some(tiles) = &mut self.tiles else { return Ok(worst) };
-        let pulses = LONGEST.min(self.pulses - first) as usize;
+        let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
         let keep = Keep::default();
         // Between the first two instants, the second two, and in the middle.
         let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
             .iter()
             .map(|&step| {
-                let places = gain_instants(pulses, step as usize);
-                let half = (step / 2) as usize;
-                let probes =
-                    [half, step as usize + half, (pulses / 2).next_multiple_of(step as usize) + half];
+                let places = gain_instants(pulses, gain_step(pulses, step as usize));
+                let step = gain_step(pulses, step as usize);
+                let half = step / 2;
+                let probes = [half, step + half, (pulses / 2).next_multiple_of(step) + half];
                 let weights = |pulse: usize| {
                     let (from, weights) = gain_weights(&places, pulse);
                     (pulse, from, weights)
@@ -526,7 +532,7 @@ impl<'a> Sounder<'a> {
         self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
             let (own, look) = (&self.channels[heard.pair], &heard.of.looks[0]);
             for ((step, probes), sums) in steps.iter().zip(&probes).zip(&mut sums) {
-                let places = gain_instants(pulses, *step as usize);
+                let places = gain_instants(pulses, gain_step(pulses, *step as usize));
                 for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
                     for i in 0..heard.count {
                         let exact = heard.gains[*pulse][i];
@@ -649,7 +655,8 @@ impl Interval<'_> {
         let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
         let weights = through(self.looks, probe);
         let looks = &heard.of.looks[self.from..self.from + self.looks.len()];
-        let steps = gain_instants(heard.of.factor.len(), heard.of.factor.len());
+        let pulses = heard.of.factor.len();
+        let steps = gain_instants(pulses, gain_step(pulses, pulses));
         let (first, gain_weights) = gain_weights(&steps, probe);
         for i in 0..heard.count {
             if !truth.heard[i] {

@@ -42,7 +42,7 @@ fn the_measured_error_is_that_of_the_stream() {
     // With noise and a converter, which the figure must not see.
     let run = sea(&[
         ("scene.patch_size_m", "[24, 24]"),
-        ("fidelity.node_pulses", "4"),
+        ("fidelity.error_db", "-40.0"),
         ("radar.noise_figure_db", "30"),
         ("radar.adc", "{ bits = 4, full_scale_dbw = -180.0 }"),
     ]);

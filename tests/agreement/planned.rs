@@ -100,7 +100,7 @@ fn gains_leave_what_the_closed_form_says() {
             ("scene.patch_size_m", "[128, 32]"),
             ("scene.duration_s", "0.3"),
             ("platform.0.track.position_m", "[-33, -3000, 3000]"),
-            ("fidelity.node_pulses", "9"),
+            ("fidelity.node_pulses", "21"),
             ("fidelity.gain_pulses", &gain_pulses.to_string()),
         ];
         let found = plan(&scene("configs/mars-1.toml", &settings)).prediction.gain;
@@ -114,7 +114,7 @@ fn gains_leave_what_the_closed_form_says() {
             10.0 * expected.log10()
         );
         // The closed form is a mean over all water, here are 128 m of it (two widths of the main lobe, and slopes that weigh them), and the
-        // prediction is that of the worst pulse: 1.5 dB more.
+        // prediction is that of the worst pulse: 2 dB more, and four standard deviations over some hundred facets.
         assert!((-3.0..6.0).contains(&apart_db), "{gain_pulses}: {apart_db}");
     }
 }

@@ -59,7 +59,7 @@ pub const LOOKS: usize = (NODES - 1) * LOOKS_PER_NODE + 1;
 /// Looks that a polynomial goes through.
 pub const LOOK_POINTS: usize = 4;
 /// Gain instants that a pulse's gain is found from.
-const GAIN_POINTS: usize = 6;
+pub const GAIN_POINTS: usize = 6;
 /// Tiles that are looked at to learn what a block returns.
 pub const SAMPLED: usize = 48;
 

@@ -50,6 +50,7 @@ impl Instants {
     pub fn of_block(first: u64, pulses: usize, looks: usize, gain_pulses: usize) -> Self {
         let last = pulses.saturating_sub(1);
         let (nodes, node_count) = nodes_within(pulses);
+        let gain_pulses = gain_step(pulses, gain_pulses);
         let mut instants = Self { first, pulses, nodes, node_count, gain_pulses, ..Self::default() };
         for n in 0..node_count {
             let (node, next) = (nodes[n], if n + 1 < node_count { nodes[n + 1] } else { last });
@@ -71,6 +72,11 @@ pub fn nodes_within(pulses: usize) -> ([usize; NODES], usize) {
     } else {
         (std::array::from_fn(|n| n.min(last)), last + 1)
     }
+}
+
+/// Pulses from gain to gain that a block of so many pulses takes: not more than leave it all the instants of a polynomial.
+pub fn gain_step(pulses: usize, gain_pulses: usize) -> usize {
+    gain_pulses.min(pulses.saturating_sub(1) / (GAIN_POINTS - 1)).max(1)
 }
 
 /// Pulses of the gain instants of a block.
@@ -159,6 +165,9 @@ mod tests {
         let single = Instants::of_block(0, 1, 3, 4);
         assert_eq!((single.node_count, single.look_count), (1, 1));
         assert_eq!(gain_instants(10, 4), [0, 4, 8, 9]);
+        // Six instants of gain at least, where there are as many pulses.
+        assert_eq!([37, 21, 7, 3, 1].map(|pulses| gain_step(pulses, 4)), [4, 4, 1, 1, 1]);
+        assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4), [0]);
     }
 
