@@ -13,7 +13,7 @@
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
 //! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the looks, and one **factor** per pulse. The equations are those of
-//! [`facets`](super::facets); a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
+//! the exact contacts of [`super`]; a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
 //! surface are those at each node.
 //!
 //! **Errors** in f32, beside those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88 dB at `a/lambda` = 133);
