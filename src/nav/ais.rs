@@ -25,9 +25,9 @@
 
 use std::path::Path;
 
-use ::csv::{ByteRecord, ReaderBuilder, Trim};
+use ::csv::ByteRecord;
 
-use super::csv::{line_of, read_iso, read_number};
+use super::csv::{line_of, read_iso, read_number, reader_of};
 use super::faults::{FaultKind, Faults, NavError};
 use super::replay::{MAX_FIXES, read_bytes};
 use crate::time::TimeTag;
@@ -70,13 +70,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Report>, Faults> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut faults = Faults::default();
     let mut reports = Vec::new();
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .quoting(false)
-        .comment(Some(b'#'))
-        .trim(Trim::All)
-        .from_reader(bytes);
+    let mut reader = reader_of(bytes);
     let mut record = ByteRecord::new();
     let mut layout: Option<Layout> = None;
     while let Ok(true) = reader.read_byte_record(&mut record) {

@@ -34,7 +34,7 @@
 //! # Ok::<(), nereus::nav::NavError>(())
 //! ```
 
-use ::csv::{ByteRecord, ReaderBuilder, Trim};
+use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 
 use super::faults::{FaultKind, Faults, NavError, quote};
 use super::replay::{self, LoadReport, MAX_FIXES, Recording};
@@ -74,14 +74,7 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
             + u64::from(!bytes.is_empty() && !bytes.ends_with(b"\n")),
         ..LoadReport::default()
     };
-    // Without quotes a record is a line, whatever the bytes.
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .quoting(false)
-        .comment(Some(b'#'))
-        .trim(Trim::All)
-        .from_reader(bytes);
+    let mut reader = reader_of(bytes);
     let mut record = ByteRecord::new();
     let mut layout: Option<Layout> = None;
     let mut header_read = false;
@@ -116,6 +109,17 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     }
     report.lines = report.lines.max(1);
     replay::finish(fixes, report, faults, source)
+}
+
+/// A reader of lines with fields of any number, comments left out. Without quotes a record is a line, whatever the bytes.
+pub(super) fn reader_of(bytes: &[u8]) -> Reader<&[u8]> {
+    ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .quoting(false)
+        .comment(Some(b'#'))
+        .trim(Trim::All)
+        .from_reader(bytes)
 }
 
 /// The line of a record. The reader gives the place where it began to look, which is before the comments

@@ -23,8 +23,9 @@ use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::plan::settle::{Settled, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::illumination::tiles::sounding::nodes_within;
-use crate::radar::illumination::tiles::{Instants, LOOKS, NODES, Sample, TileWork, looks_about};
+use crate::radar::illumination::tiles::{
+    Instants, LOOKS, NODES, Sample, TileWork, looks_about, nodes_within,
+};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 

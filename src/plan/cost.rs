@@ -23,8 +23,8 @@ use crate::echo::synth::{Precision, Settings};
 use crate::geometry::lanes::LANES;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::Illumination;
-use crate::radar::illumination::tiles::sounding::{gain_instants, gain_step};
 use crate::radar::illumination::tiles::{NODES, SAMPLED};
+use crate::radar::illumination::tiles::{gain_instants, gain_step};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
@@ -171,7 +171,7 @@ impl Size {
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0) / update.max(1e-9) + 1.5);
         let looks = (3 * settled.looks_per_node + 1) as f64;
         let step = gain_step(block as usize, settled.gain_pulses as usize);
-        let instants = gain_instants(block as usize, step).len() as f64;
+        let instants = gain_instants(block as usize, step).count() as f64;
         let nodes = NODES as f64;
         Work([
             per_block(nodes),

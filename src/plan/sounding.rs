@@ -31,10 +31,11 @@ use super::settle::block_pulses;
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
-use crate::radar::illumination::tiles::sounding::{
-    Heard, Keep, Shadows, gain_instants, gain_step, gain_weights, nodes_within,
+use crate::radar::illumination::tiles::sounding::{Heard, Keep, Shadows};
+use crate::radar::illumination::tiles::{
+    Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, gain_instants, gain_step, gain_weights, looks_about,
+    nodes_within,
 };
-use crate::radar::illumination::tiles::{Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, looks_about};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 use crate::scene::{Patch, Radar};
@@ -515,7 +516,7 @@ impl<'a> Sounder<'a> {
         let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
             .iter()
             .map(|&step| {
-                let places = gain_instants(pulses, gain_step(pulses, step as usize));
+                let places: Vec<usize> = gain_instants(pulses, gain_step(pulses, step as usize)).collect();
                 let step = gain_step(pulses, step as usize);
                 let half = step / 2;
                 let probes = [half, step + half, (pulses / 2).next_multiple_of(step) + half];
@@ -532,7 +533,7 @@ impl<'a> Sounder<'a> {
         self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
             let (own, look) = (&self.channels[heard.pair], &heard.of.looks[0]);
             for ((step, probes), sums) in steps.iter().zip(&probes).zip(&mut sums) {
-                let places = gain_instants(pulses, gain_step(pulses, *step as usize));
+                let places: Vec<usize> = gain_instants(pulses, gain_step(pulses, *step as usize)).collect();
                 for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
                     for i in 0..heard.count {
                         let exact = heard.gains[*pulse][i];
@@ -656,7 +657,7 @@ impl Interval<'_> {
         let weights = through(self.looks, probe);
         let looks = &heard.of.looks[self.from..self.from + self.looks.len()];
         let pulses = heard.of.factor.len();
-        let steps = gain_instants(pulses, gain_step(pulses, pulses));
+        let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
         let (first, gain_weights) = gain_weights(&steps, probe);
         for i in 0..heard.count {
             if !truth.heard[i] {

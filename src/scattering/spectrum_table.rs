@@ -30,7 +30,9 @@ use std::f64::consts::{PI, SQRT_2};
 /// Share of `c_0` below which a harmonic is left out.
 pub const HARMONIC_FLOOR: f64 = 1e-9;
 /// Azimuths sampled over half a turn.
-const AZIMUTHS: usize = 32;
+pub(super) const AZIMUTHS: usize = 32;
+/// Coefficients on a circle: the mean, and cosine and sine of each harmonic.
+pub(super) const COEFFICIENTS: usize = 1 + 2 * (AZIMUTHS / 2 - 1);
 /// Nodes per factor e in wave number.
 const NODES_PER_E: f64 = 100.0;
 /// Most nodes of a table: bounds its memory whatever range is asked.
@@ -66,19 +68,13 @@ impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
         let nodes_per_unit = cells as f64 / span;
         // One node more on either side for the cubic.
         let nodes = cells + 3;
-        let width = 1 + 2 * (AZIMUTHS / 2 - 1);
+        let width = COEFFICIENTS;
         let mut full = Vec::with_capacity(nodes * width);
         for node in 0..nodes {
             let k = (log_from + (node as f64 - 1.0) / nodes_per_unit).exp();
             full.extend_from_slice(&harmonics_at(&psi, k));
         }
-        let harmonics = (1..AZIMUTHS / 2)
-            .rev()
-            .find(|n| {
-                full.chunks_exact(width)
-                    .any(|row| row[2 * n - 1].abs().max(row[2 * n].abs()) > HARMONIC_FLOOR * row[0].abs())
-            })
-            .unwrap_or(0);
+        let harmonics = harmonics_above(HARMONIC_FLOOR, &full);
         let rows =
             full.chunks_exact(width).flat_map(|row| row[..1 + 2 * harmonics].iter().copied()).collect();
         let mut table =
@@ -146,9 +142,16 @@ impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
     }
 }
 
+/// Highest harmonic that somewhere exceeds a share of the mean, in rows of [`COEFFICIENTS`].
+pub(super) fn harmonics_above(floor: f64, rows: &[f64]) -> usize {
+    let exceeds = |row: &[f64], n: usize| row[2 * n - 1].abs().max(row[2 * n].abs()) > floor * row[0].abs();
+    let somewhere = |n: &usize| rows.chunks_exact(COEFFICIENTS).any(|row| exceeds(row, *n));
+    (1..AZIMUTHS / 2).rev().find(somewhere).unwrap_or(0)
+}
+
 /// `c_0`, then `c_n, s_n`, of `K^4 Psi` on the circle of radius `k`.
-fn harmonics_at(psi: impl Fn(f64, f64) -> f64, k: f64) -> [f64; 1 + 2 * (AZIMUTHS / 2 - 1)] {
-    let mut row = [0.0; 1 + 2 * (AZIMUTHS / 2 - 1)];
+pub(super) fn harmonics_at(psi: impl Fn(f64, f64) -> f64, k: f64) -> [f64; COEFFICIENTS] {
+    let mut row = [0.0; COEFFICIENTS];
     let scale = k * k * k * k / AZIMUTHS as f64;
     for j in 0..AZIMUTHS {
         let azimuth = PI * j as f64 / AZIMUTHS as f64;

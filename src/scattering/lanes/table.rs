@@ -8,11 +8,10 @@
 use std::f64::consts::PI;
 
 use crate::geometry::lanes::{LANES, Row};
+use crate::scattering::spectrum_table::{AZIMUTHS, COEFFICIENTS, harmonics_above, harmonics_at};
 
 /// Rows of a table.
 pub const ROWS: usize = 4096;
-/// Azimuths over half a turn at which the spectrum is asked.
-const AZIMUTHS: usize = 32;
 /// Share of the mean below which a harmonic is nothing.
 const HARMONIC_FLOOR: f64 = 1e-7;
 /// Longest Bragg vector over twice the radar's wave number, with some grace for rounding.
@@ -44,25 +43,19 @@ impl BraggTable {
     /// Tabulates `psi(kx, ky)`, m^4, times `pass(K)` for a radar wave number.
     pub fn new(psi: impl Fn(f64, f64) -> f64, pass: impl Fn(f64) -> f64, wavenumber_radpm: f64) -> Self {
         let end_radpm = 2.0 * GRACE * wavenumber_radpm;
-        let full = 1 + 2 * (AZIMUTHS / 2 - 1);
-        let mut all = vec![0.0; (ROWS + 2) * full];
+        let mut all = vec![0.0; (ROWS + 2) * COEFFICIENTS];
         // At K = 0 nothing scatters.
-        for (row, out) in all.chunks_exact_mut(full).enumerate().skip(1) {
+        for (row, out) in all.chunks_exact_mut(COEFFICIENTS).enumerate().skip(1) {
             let k = row_radpm(end_radpm, row as f64);
             let passed = pass(k);
             if passed > 0.0 {
-                harmonics(&psi, k, passed, out);
+                out.copy_from_slice(&harmonics_at(|x, y| psi(x, y) * passed, k));
             }
         }
-        let kept = (1..AZIMUTHS / 2)
-            .rev()
-            .find(|n| {
-                all.chunks_exact(full)
-                    .any(|row| row[2 * n - 1].abs().max(row[2 * n].abs()) > HARMONIC_FLOOR * row[0].abs())
-            })
-            .unwrap_or(0);
+        let kept = harmonics_above(HARMONIC_FLOOR, &all);
         let width = 1 + 2 * kept;
-        let rows = all.chunks_exact(full).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
+        let rows =
+            all.chunks_exact(COEFFICIENTS).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
         let rows_per_root = (ROWS as f64 / end_radpm.sqrt()) as f32;
         let mut table = Self { rows_per_root, end_radpm, width, rows, worst_relative_error: 0.0 };
         table.worst_relative_error = table.measure(&psi, &pass);
@@ -156,21 +149,5 @@ impl BraggTable {
             }
         }
         worst
-    }
-}
-
-/// `c_0`, then `c_n, s_n`, of `K^4 Psi pass` on the circle of radius `k`.
-fn harmonics(psi: impl Fn(f64, f64) -> f64, k: f64, pass: f64, row: &mut [f64]) {
-    let scale = k * k * k * k * pass / AZIMUTHS as f64;
-    for j in 0..AZIMUTHS {
-        let azimuth = PI * j as f64 / AZIMUTHS as f64;
-        let (sin, cos) = azimuth.sin_cos();
-        let value = psi(k * cos, k * sin).max(0.0) * scale;
-        row[0] += value;
-        for n in 1..AZIMUTHS / 2 {
-            let (sin, cos) = (2.0 * n as f64 * azimuth).sin_cos();
-            row[2 * n - 1] += 2.0 * value * cos;
-            row[2 * n] += 2.0 * value * sin;
-        }
     }
 }

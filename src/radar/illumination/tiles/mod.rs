@@ -22,6 +22,7 @@
 
 mod factor;
 mod gain;
+mod instants;
 mod light;
 mod look;
 pub mod sounding;
@@ -47,40 +48,16 @@ use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection};
 use crate::sea::wake::course::Pose;
 
+use instants::through;
+pub use instants::{
+    GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, gain_instants, gain_step, gain_weights,
+    looks_about, nodes_within,
+};
 use look::View;
 pub use tile::{Look, Node, Pair};
 
-/// Most nodes of a block.
-pub const NODES: usize = 4;
-/// Most looks from one node to the next.
-pub const LOOKS_PER_NODE: usize = 3;
-/// Most looks of a block.
-pub const LOOKS: usize = (NODES - 1) * LOOKS_PER_NODE + 1;
-/// Looks that a polynomial goes through.
-pub const LOOK_POINTS: usize = 4;
-/// Gain instants that a pulse's gain is found from.
-pub const GAIN_POINTS: usize = 6;
 /// Tiles that are looked at to learn what a block returns.
 pub const SAMPLED: usize = 48;
-
-/// The instants of a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Instants {
-    /// First pulse of the block.
-    pub first: u64,
-    /// Pulses.
-    pub pulses: usize,
-    /// Pulses of the nodes within the block, rising, the first and the last among them.
-    pub nodes: [usize; NODES],
-    /// How many there are.
-    pub node_count: usize,
-    /// Pulses of the looks, rising: those of the nodes, and some between.
-    pub looks: [usize; LOOKS],
-    /// How many there are.
-    pub look_count: usize,
-    /// Pulses from gain to gain.
-    pub gain_pulses: usize,
-}
 
 /// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
 #[derive(Clone)]
@@ -228,11 +205,8 @@ impl Illumination {
         work.shade(self, sea, instants, patch).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
         let tiles = patch.len().div_ceil(LANES);
-        let step = (tiles / SAMPLED).max(1);
-        // An odd step: rows of a patch are often a power of two of tiles.
-        let step = if step > 1 { step | 1 } else { step };
         let mut facets = 0;
-        for tile in (0..tiles).step_by(step) {
+        for tile in sampled(tiles, SAMPLED) {
             self.light_tile(sea, patch, tile, work);
             facets += LANES.min(patch.len() - tile * LANES);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
@@ -416,12 +390,10 @@ impl TileWork {
             of.evaluate(instants.first + place as u64, &mut node.emission)?;
             node.elapsed_s = elapsed_s(place);
         }
-        let last = instants.pulses.saturating_sub(1);
         self.gain_places.clear();
-        self.gain_places.extend((0..last).step_by(instants.gain_pulses.max(1)));
-        self.gain_places.push(last);
+        self.gain_places.extend(gain_instants(instants.pulses, instants.gain_pulses));
         for (n, &place) in self.gain_places.iter().enumerate() {
-            let (_, weights) = through(places, 0, place);
+            let weights = through(places, place);
             if n == self.gains.len() {
                 self.gains.push(GainInstant { emission: Emission::default(), weights });
             }
@@ -431,7 +403,7 @@ impl TileWork {
         }
         let looks = &instants.looks[..instants.look_count];
         for (n, &place) in looks.iter().enumerate() {
-            let (_, weights) = through(places, 0, place);
+            let weights = through(places, place);
             if n == self.looks.len() {
                 self.looks.push(LookInstant { emission: Emission::default(), weights, poses: Vec::new() });
             }
@@ -447,10 +419,10 @@ impl TileWork {
         self.lagrange.clear();
         self.cosines.clear();
         for pulse in 0..instants.pulses {
-            self.lagrange.push(lagrange(&self.gain_places, pulse));
+            self.lagrange.push(gain_weights(&self.gain_places, pulse));
             let first = looks_about(looks, pulse..=pulse);
             let points = LOOK_POINTS.min(looks.len());
-            self.cosines.push(through(&looks[first..first + points], first, pulse));
+            self.cosines.push((first, through(&looks[first..first + points], pulse)));
         }
         for pair in &mut self.tile.pairs {
             pair.resize(places.len(), looks.len(), instants.pulses);
@@ -553,33 +525,11 @@ fn span_of((first, _): (u64, f64), (last, share): (u64, f64)) -> RangeInclusive<
     first..=if share > 0.0 { last + 1 } else { last }
 }
 
-/// The first of the [`LOOK_POINTS`] looks about some pulses: as many before as after, but within the block.
-pub fn looks_about(looks: &[usize], pulses: RangeInclusive<usize>) -> usize {
-    let from = looks.partition_point(|look| look <= pulses.start()).saturating_sub(1);
-    let to = looks.partition_point(|look| look < pulses.end()).min(looks.len().saturating_sub(1));
-    let points = LOOK_POINTS.min(looks.len());
-    (from + to).saturating_sub(points - 1).div_euclid(2).min(looks.len() - points)
-}
-
-/// Lagrange weights of the gain instants about a pulse: the first of them, and as many weights as count.
-fn lagrange(places: &[usize], pulse: usize) -> (usize, [f32; GAIN_POINTS]) {
-    let points = GAIN_POINTS.min(places.len());
-    // As many before as after, but within the block.
-    let after = places.partition_point(|place| *place <= pulse);
-    let first = after.saturating_sub(points / 2).min(places.len() - points);
-    let (_, weights) = through(&places[first..first + points], 0, pulse);
-    (first, weights)
-}
-
-/// Weights of the polynomial through values at `places`, at `pulse`.
-fn through<const N: usize>(places: &[usize], first: usize, pulse: usize) -> (usize, [f32; N]) {
-    let mut weights = [0.0; N];
-    for (n, (weight, own)) in weights.iter_mut().zip(places).enumerate() {
-        let others = places.iter().enumerate().filter(|(m, _)| *m != n);
-        let product = others.fold(1.0, |product, (_, other)| {
-            product * (pulse as f64 - *other as f64) / (*own as f64 - *other as f64)
-        });
-        *weight = product as f32;
-    }
-    (first, weights)
+/// About `wanted` of so many tiles. In odd steps: rows of a patch are often a power of two of tiles.
+fn sampled(tiles: usize, wanted: usize) -> impl Iterator<Item = usize> {
+    let step = match (tiles / wanted.max(1)).max(1) {
+        1 => 1,
+        step => step | 1,
+    };
+    (0..tiles).step_by(step)
 }
