@@ -19,6 +19,12 @@ pub mod flags {
     pub const ADC_SATURATED: u32 = 1 << 2;
     /// At least one contact's echo fell partly or wholly outside the receive window.
     pub const OUTSIDE_WINDOW: u32 = 1 << 3;
+    /// The true motion of a platform rests on navigation that had to be extrapolated.
+    pub const NAV_EXTRAPOLATED: u32 = 1 << 4;
+    /// The true motion of a platform rests on navigation older than may be extrapolated.
+    pub const NAV_STALE: u32 = 1 << 5;
+    /// A platform reported nothing new: its report is held or extrapolated over a dropout.
+    pub const REPORT_DROPOUT: u32 = 1 << 6;
 }
 
 /// Sizes of every field of a pulse.
@@ -79,11 +85,21 @@ pub struct PlatformRecord {
     pub velocity_mps: [f64; 3],
     /// Body (FRD) to ENU, Hamilton, scalar first.
     pub attitude_quat: [f64; 4],
+    /// Emission minus the epoch of the navigation that this rests on, s.
+    pub age_s: f64,
+    /// The bits of [`flags`] that concern this platform.
+    pub flags: u32,
 }
 
 impl Default for PlatformRecord {
     fn default() -> Self {
-        Self { position_m: [0.0; 3], velocity_mps: [0.0; 3], attitude_quat: [1.0, 0.0, 0.0, 0.0] }
+        Self {
+            position_m: [0.0; 3],
+            velocity_mps: [0.0; 3],
+            attitude_quat: [1.0, 0.0, 0.0, 0.0],
+            age_s: 0.0,
+            flags: 0,
+        }
     }
 }
 

@@ -81,6 +81,8 @@ pub fn fill(pulse: &mut Pulse, header: &Header, n: u64) {
         position_m: [value(base), value(base + 1), value(base + 2)],
         velocity_mps: [value(base + 3), value(base + 4), value(base + 5)],
         attitude_quat: [value(base + 6), value(base + 7), value(base + 8), value(base + 9)],
+        age_s: value(base + 10),
+        flags: base as u32,
     };
     for p in 0..pulse.nav_true.len() {
         pulse.nav_true[p] = record(100 + 20 * p);

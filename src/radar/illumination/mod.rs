@@ -725,6 +725,7 @@ fn navigation(state: &State) -> PlatformRecord {
         position_m: state.position.to_array(),
         velocity_mps: state.velocity.to_array(),
         attitude_quat: state.attitude.to_wxyz(),
+        ..PlatformRecord::default()
     }
 }
 
