@@ -27,7 +27,31 @@ use crate::units::SPEED_OF_LIGHT_MPS as C;
 /// Scatterers side by side.
 pub const LANES: usize = 256;
 /// Lanes that are looped over at least together.
-const GROUP: usize = 16;
+pub const GROUP: usize = 16;
+
+/// A group of a row.
+#[inline(always)]
+pub fn group(row: &Row, g: usize) -> Held {
+    row.as_chunks().0[g]
+}
+
+/// The same of three rows.
+#[inline(always)]
+pub fn groups(vectors: &[Row; 3], g: usize) -> [Held; 3] {
+    [group(&vectors[0], g), group(&vectors[1], g), group(&vectors[2], g)]
+}
+
+/// Where a group of a row stands.
+#[inline(always)]
+pub fn group_mut(row: &mut Row, g: usize) -> &mut Held {
+    &mut row.as_chunks_mut().0[g]
+}
+
+/// One vector of a group.
+#[inline(always)]
+pub fn lane(vectors: &[Held; 3], i: usize) -> [f32; 3] {
+    [vectors[0][i], vectors[1][i], vectors[2][i]]
+}
 
 /// Lanes to loop over for so many scatterers: whole groups, at most [`LANES`].
 #[inline(always)]
@@ -37,6 +61,8 @@ pub fn lanes_for(count: usize) -> usize {
 
 /// One quantity of all of them.
 pub type Row = [f32; LANES];
+/// One of a group, held in registers: rows that a task borrows are not known to lie apart, locals are.
+pub type Held = [f32; GROUP];
 /// The same in f64.
 pub type WideRow = [f64; LANES];
 

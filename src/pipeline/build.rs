@@ -1,10 +1,10 @@
 //! From a scene and settings to a running stream.
 //!
 //! ```text
-//! generation thread (a pool of workers fills a batch, one commit) -> ring -> pacer -> a queue per sink
+//! generation thread (workers of a pool claim pulses and deliver them) -> ring -> pacer -> a queue per sink
 //! ```
 //!
-//! The batch is bookkeeping only: a pulse depends on its number alone, so neither batch length nor
+//! Claims are bookkeeping only: a pulse depends on its number alone, so neither their length nor the
 //! thread count changes a bit of it.
 
 use std::fs;
@@ -54,8 +54,8 @@ use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
-/// Pulses of a batch per worker: enough to spread uneven pulses, few enough to keep the ring filled.
-const PULSES_PER_WORKER: usize = 4;
+/// Pulses that a worker takes at a time where pulses are made one by one.
+const PULSES_PER_WORKER: u64 = 4;
 
 /// Bytes of samples for which a ring is made longer than its latency asks.
 const RING_BYTES: usize = 256 << 20;
@@ -610,44 +610,25 @@ fn same_kind(a: &Kind, b: &Kind) -> bool {
     std::mem::discriminant(a) == std::mem::discriminant(b)
 }
 
-/// Fills batches of slots with the pulses of `range` until all are made or the stream ends.
+/// Makes the pulses of `range` until all are made or the stream ends. Workers take block by block, each at its own pace: a block is made by
+/// one worker, and two would each make all of it.
 fn generate(
     source: &mut Source,
     factory: &PulseFactory,
     range: Range<u64>,
     work: &mut [Workspace],
 ) -> Result<(), PulseError> {
-    // Whole blocks for every worker, unless the ring is too short for them.
-    let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
-    let each = PULSES_PER_WORKER.max(block);
-    let mut batch = (each * work.len()).min(source.slots().div_ceil(2));
-    let mut next = range.start;
-    loop {
-        let worth = source.next_worth();
-        if worth > next {
-            // Pulses were dropped: a batch is released only when all of it is made, so make shorter ones.
-            next = worth;
-            batch = (batch / 2).max(work.len()).min(batch);
+    let block = factory.block_pulses();
+    let length = if block > 1 { block } else { PULSES_PER_WORKER };
+    let crew = source.crew(range, work.len());
+    work.par_iter_mut().with_max_len(1).try_for_each(|work| {
+        while let Some(mut claim) = crew.claim(|first| first - first % length + length) {
+            let pulses = (claim.first..).zip(&mut claim.slots);
+            for (index, slot) in pulses {
+                factory.make(index, slot, work).inspect_err(|_| crew.call_off())?;
+            }
+            crew.deliver(claim);
         }
-        if next >= range.end {
-            return Ok(());
-        }
-        // Batches end with blocks where they are long enough to, so that no block is made twice.
-        let reach = next.saturating_add(batch as u64);
-        let whole = reach - reach % factory.block_pulses();
-        let end = if whole > next { whole } else { reach }.min(range.end);
-        let wanted = usize::try_from(end - next).unwrap_or(batch);
-        let Some(slots) = source.reserve(wanted) else { return Ok(()) };
-        let count = slots.len();
-        // A block is made by one worker: two would each make all of it.
-        let share = count.div_ceil(work.len()).next_multiple_of(block.max(1));
-        slots.par_chunks_mut(share).zip(work.par_iter_mut()).enumerate().try_for_each(
-            |(part, (slots, work))| {
-                let first = next + (part * share) as u64;
-                (first..).zip(slots).try_for_each(|(index, slot)| factory.make(index, slot, work))
-            },
-        )?;
-        source.commit(count);
-        next += count as u64;
-    }
+        Ok(())
+    })
 }

@@ -95,7 +95,10 @@ impl LaneLink {
     pub fn scattered(&self, tx_leg_m: f32, rx_leg_m: f32) -> f32 {
         let near = tx_leg_m < self.shortest_m || rx_leg_m < self.shortest_m;
         let spread = self.scale / (tx_leg_m.max(self.shortest_m) * rx_leg_m.max(self.shortest_m));
-        let air = exponential(-self.neper_per_m * (tx_leg_m + rx_leg_m));
+        let air = match self.neper_per_m {
+            0.0 => 1.0,
+            neper_per_m => exponential(-neper_per_m * (tx_leg_m + rx_leg_m)),
+        };
         if near { 0.0 } else { spread * air }
     }
 }

@@ -6,7 +6,8 @@
 //!
 //! The producer takes a batch of free slots ([`Producer::reserve`]), fills them in any order (in
 //! parallel, for example), and commits the batch in one step: the order in the ring is the order in
-//! the batch, whoever filled it. Order therefore belongs to the ring and not to the workers.
+//! the batch, whoever filled it. Where workers go at their own pace, slots are [taken](Producer::take) and
+//! [put](Producer::put) instead, and [`crew`](super::crew) keeps the order.
 //!
 //! Waiting is by sleeping [`NAP`] (no core is burnt). When one end is dropped, the other sees it: the
 //! consumer gets what was committed and then the end of the stream; the producer gets no more slots.
@@ -125,6 +126,24 @@ impl<T> Producer<T> {
             self.batch.extend(chunk);
         }
         self.batch.len() >= n
+    }
+
+    /// Moves `n` free slots (at most all of the ring) to an empty list if there are as many now.
+    pub fn take(&mut self, n: usize, slots: &mut Vec<Box<T>>) -> bool {
+        let n = n.min(self.slots);
+        let there = self.gather(n);
+        if there {
+            slots.extend(self.batch.drain(..n));
+        }
+        there
+    }
+
+    /// Hands over slots that were [taken](Self::take), in order and in one step.
+    pub fn put(&mut self, slots: &mut Vec<Box<T>>) {
+        // Room for every slot that exists.
+        if let Ok(chunk) = self.filled.write_chunk_uninit(slots.len()) {
+            chunk.fill_from_iter(slots.drain(..));
+        }
     }
 
     /// Hands the first `n` reserved slots to the consumer, in order and in one step.

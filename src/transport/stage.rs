@@ -40,6 +40,7 @@
 //! assert_eq!(outcome.reports, [("count".to_owned(), Some(19))]);
 //! ```
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
@@ -51,6 +52,7 @@ use thiserror::Error;
 
 use crate::pulse::{Layout, Pulse};
 
+use super::crew::Crew;
 use super::fanout::{FanOut, Feed, Outlet, outlet};
 use super::health::{Health, Snapshot};
 use super::pacer::{Pacer, PacerError, Status, Worth};
@@ -198,14 +200,15 @@ impl Source {
         self.busy_since = Instant::now();
     }
 
+    /// Workers who fill the ring with some pulses, each at its own pace.
+    pub fn crew(&mut self, pulses: Range<u64>, workers: usize) -> Crew<'_> {
+        let Self { ring, worth, stop, health, .. } = self;
+        Crew::new(ring, pulses, workers, worth, stop, health)
+    }
+
     /// The first pulse still worth making: blocks that end before it are skipped without being made.
     pub fn next_worth(&self) -> u64 {
         self.worth.next()
-    }
-
-    /// Slots of the ring: no batch can be longer.
-    pub fn slots(&self) -> usize {
-        self.ring.slots()
     }
 }
 

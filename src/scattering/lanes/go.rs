@@ -3,14 +3,16 @@
 use num_complex::Complex32;
 
 use super::spm::{inverse, refracted};
-use super::{Batch, LANES, LaneKind, LaneWater, Vectors, cross, dot, lanes_for, unit};
+use super::{Batch, LANES, LaneKind, LaneWater, cross, dot, lanes_for, unit};
+use crate::geometry::lanes::{GROUP, group, group_mut, groups, lane};
 use crate::scattering::kirchhoff::LEAST_BEND;
 use crate::scattering::slope_pdf::GramCharlier;
 
 /// Root of `sigma0` below which specular points are left out: -120 dB, far below any sea's Bragg scattering.
 const LEAST: f32 = 1e-6;
-/// Facets that are passed over together.
-const GROUP: usize = 16;
+/// Exponent beyond which a weight stays below [`LEAST`] whatever multiplies it: `e^-40` is 4e-18, the root of the density at most some
+/// 2e4 with its series, and the square of the secant goes with the exponent itself.
+const SILENT: f32 = 40.0;
 const PI: f32 = std::f32::consts::PI;
 const TAU: f32 = std::f32::consts::TAU;
 
@@ -33,44 +35,46 @@ impl Batch {
     fn reflections(&mut self, water: &LaneWater, first: usize, single: bool) {
         let contrast = water.contrast;
         let eps = contrast + 1.0;
-        let first = first.min(LANES - GROUP);
-        for i in first..first + GROUP {
-            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (ki, ks) = (at(&self.incident), at(&self.scattered));
-            let q = [0, 1, 2].map(|c| ks[c] - ki[c]);
+        let g = first.min(LANES - GROUP) / GROUP;
+        let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
+        let transmit = [groups(&self.transmit[0], g), groups(&self.transmit[1], g)];
+        let receive = [groups(&self.receive[0], g), groups(&self.receive[1], g)];
+        let gains = group(&self.gain, g);
+        let phasors = [group(&self.phasor[0][0], g), group(&self.phasor[0][1], g)];
+        let mut sums = [[[[0.0f32; GROUP]; 2]; 2]; 2];
+        for i in 0..GROUP {
+            let (ki, ks) = (lane(&incident, i), lane(&scattered, i));
+            let q = [ks[0] - ki[0], ks[1] - ki[1], ks[2] - ki[2]];
             let q_norm = dot(q, q).sqrt();
             let across = cross(q, ki);
             // Straight back: any vector normal to the ray will do.
             let straight = dot(across, across) < 1e-12 * q_norm * q_norm;
-            let other = if ki[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
-            let fallback = cross(other, ki);
-            let t = unit([0, 1, 2].map(|c| if straight { fallback[c] } else { across[c] }));
+            let steep = ki[2].abs() < 0.9;
+            let other = if steep { cross([0.0, 0.0, 1.0], ki) } else { cross([0.0, 1.0, 0.0], ki) };
+            let t = unit([0, 1, 2].map(|c| if straight { other[c] } else { across[c] }));
             let (w_i, w_s) = (cross(t, ki), cross(t, ks));
             let cosine = (0.5 * q_norm).min(1.0);
             let root = refracted(contrast, cosine);
             let r_v = (eps * cosine - root) * inverse(eps * cosine + root);
             let r_h = (-root + cosine) * inverse(root + cosine);
             let turned = if single {
-                Complex32::new(self.gain[i], 0.0)
+                Complex32::new(gains[i], 0.0)
             } else {
-                Complex32::new(self.phasor[0][0][i], self.phasor[0][1][i]) * self.gain[i]
+                Complex32::new(phasors[0][i], phasors[1][i]) * gains[i]
             };
             let (r_v, r_h) = (r_v * turned, r_h * turned);
             for r in 0..2 {
-                let p = at(&self.receive[r]);
+                let p = lane(&receive[r], i);
                 let (p_t, p_w) = (dot(p, t), dot(p, w_s));
-                for transmit in 0..2 {
-                    let e = at(&self.transmit[transmit]);
+                for column in 0..2 {
+                    let e = lane(&transmit[column], i);
                     let entry = r_h * (p_t * dot(e, t)) + r_v * (p_w * dot(e, w_i));
-                    if single {
-                        self.power[r][transmit][i] += entry.norm_sqr();
-                    } else {
-                        self.matrix[r][transmit][0][i] += entry.re;
-                        self.matrix[r][transmit][1][i] += entry.im;
-                    }
+                    sums[r][column][0][i] = if single { entry.norm_sqr() } else { entry.re };
+                    sums[r][column][1][i] = entry.im;
                 }
             }
         }
+        self.gather(g, &sums, single);
     }
 
     /// What multiplies the reflection, into `gain`; says whether there is anything.
@@ -81,37 +85,55 @@ impl Batch {
         let [cos, sin] = kind.downwind.map(|c| c as f32);
         let roughness = kind.roughness_m2.map(|s| s as f32);
         let least_bend = LEAST_BEND as f32;
-        let mut largest = 0.0f32;
-        for i in 0..lanes_for(self.count) {
-            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let n = at(&self.normal);
-            let (ki, ks) = (at(&self.incident), at(&self.scattered));
-            let q = [0, 1, 2].map(|c| ks[c] - ki[c]);
-            let (q_norm, q_n) = (dot(q, q).sqrt(), dot(q, n));
-            let there = q_norm >= least_bend && q_n >= least_bend * q_norm;
-            let inverse_n = 1.0 / q_n.max(1e-20);
-            let sx = -dot(q, at(&self.axes[0])) * inverse_n;
-            let sy = -dot(q, at(&self.axes[1])) * inverse_n;
-            let secant = q_norm * inverse_n;
-            let mix = |which: usize| slopes[0][which] + self.cover[i] * (slopes[1][which] - slopes[0][which]);
-            let (s_up, s_cross) = (1.0 / mix(0).sqrt(), 1.0 / mix(1).sqrt());
-            let e = -(cos * sx + sin * sy) * s_up;
-            let x = (cos * sy - sin * sx) * s_cross;
-            let phase = k * q_norm;
-            let calm = phase * phase * (roughness[0] + self.cover[i] * (roughness[1] - roughness[0]));
-            // Root of the density: half the exponent; the roughness' own factor with it.
-            let exponent = 0.25 * (e * e + x * x) + 0.5 * calm;
-            let series = match &kind.skew {
-                None => 1.0,
-                Some([clean, covered]) => series(clean, covered, self.cover[i], x, e),
-            };
-            let density = PI * s_up * s_cross * (1.0 / TAU) * series;
-            let weight = density.sqrt() * exponential(-exponent) * (secant * secant);
-            let weight = if there && weight > LEAST { weight } else { 0.0 };
-            self.gain[i] = weight;
-            largest = largest.max(weight);
+        let mut any = false;
+        for g in 0..lanes_for(self.count) / GROUP {
+            let (normal, x, y) =
+                (groups(&self.normal, g), groups(&self.axes[0], g), groups(&self.axes[1], g));
+            let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
+            let cover = group(&self.cover, g);
+            let zero = [0.0; GROUP];
+            let (mut secant, mut density, mut up, mut across) = (zero, zero, zero, zero);
+            let (mut exponent, mut least) = (zero, f32::INFINITY);
+            for i in 0..GROUP {
+                let (n, ki, ks) = (lane(&normal, i), lane(&incident, i), lane(&scattered, i));
+                let q = [ks[0] - ki[0], ks[1] - ki[1], ks[2] - ki[2]];
+                let (q_norm, q_n) = (dot(q, q).sqrt(), dot(q, n));
+                let there = (q_norm >= least_bend) & (q_n >= least_bend * q_norm);
+                let inverse_n = 1.0 / q_n.max(1e-20);
+                let sx = -dot(q, lane(&x, i)) * inverse_n;
+                let sy = -dot(q, lane(&y, i)) * inverse_n;
+                let mix = |which: usize| slopes[0][which] + cover[i] * (slopes[1][which] - slopes[0][which]);
+                let (s_up, s_cross) = (1.0 / mix(0).sqrt(), 1.0 / mix(1).sqrt());
+                let e = -(cos * sx + sin * sy) * s_up;
+                let x = (cos * sy - sin * sx) * s_cross;
+                let phase = k * q_norm;
+                let calm = phase * phase * (roughness[0] + cover[i] * (roughness[1] - roughness[0]));
+                // Root of the density: half the exponent; the roughness' own factor with it.
+                let half = 0.25 * (e * e + x * x) + 0.5 * calm;
+                exponent[i] = if there { half } else { f32::INFINITY };
+                (secant[i], up[i], across[i]) = (q_norm * inverse_n, e, x);
+                density[i] = PI * s_up * s_cross * (1.0 / TAU);
+            }
+            for value in exponent {
+                least = least.min(value);
+            }
+            let mut weights = zero;
+            if least < SILENT {
+                for i in 0..GROUP {
+                    let series = match &kind.skew {
+                        None => 1.0,
+                        Some([clean, covered]) => series(clean, covered, cover[i], across[i], up[i]),
+                    };
+                    let root = (density[i] * series).sqrt();
+                    let weight = root * exponential(-exponent[i].min(SILENT)) * (secant[i] * secant[i]);
+                    let heard = (exponent[i] < SILENT) & (weight > LEAST);
+                    weights[i] = if heard { weight } else { 0.0 };
+                }
+                any |= weights.iter().any(|weight| *weight > 0.0);
+            }
+            *group_mut(&mut self.gain, g) = weights;
         }
-        largest > 0.0
+        any
     }
 }
 

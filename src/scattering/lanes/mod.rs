@@ -29,6 +29,7 @@ use super::facets::Phases;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope};
 use super::two_scale::high_pass;
 use crate::cpu::{Task, Variant};
+use crate::geometry::lanes::{GROUP, Held, group, group_mut, groups, lane};
 pub use crate::geometry::lanes::{LANES, Row, lanes_for};
 pub use go::exponential;
 use table::{BraggTable, Damping};
@@ -201,17 +202,24 @@ impl Batch {
     /// Normals, axes and cosines of the facets.
     #[inline(always)]
     fn tangents(&mut self, axis: [f32; 2]) {
-        for i in 0..lanes_for(self.count) {
-            let n = unit([-self.slope[0][i], -self.slope[1][i], 1.0]);
-            let [x, y] = axes(n, axis);
-            let ki = self.incident.each_ref().map(|column| column[i]);
-            let ks = self.scattered.each_ref().map(|column| column[i]);
-            self.cosine[0][i] = -dot(ki, n);
-            self.cosine[1][i] = dot(ks, n);
-            for c in 0..3 {
-                self.normal[c][i] = n[c];
-                self.axes[0][c][i] = x[c];
-                self.axes[1][c][i] = y[c];
+        for g in 0..lanes_for(self.count) / GROUP {
+            let slope = [group(&self.slope[0], g), group(&self.slope[1], g)];
+            let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
+            let mut normal = [[0.0f32; GROUP]; 3];
+            let (mut x_axis, mut y_axis, mut cosine) = (normal, normal, [[0.0f32; GROUP]; 2]);
+            for i in 0..GROUP {
+                let n = unit([-slope[0][i], -slope[1][i], 1.0]);
+                let [x, y] = axes(n, axis);
+                (cosine[0][i], cosine[1][i]) = (-dot(lane(&incident, i), n), dot(lane(&scattered, i), n));
+                for c in 0..3 {
+                    (normal[c][i], x_axis[c][i], y_axis[c][i]) = (n[c], x[c], y[c]);
+                }
+            }
+            keep(&mut self.normal, g, &normal);
+            keep(&mut self.axes[0], g, &x_axis);
+            keep(&mut self.axes[1], g, &y_axis);
+            for (to, from) in self.cosine.iter_mut().zip(cosine) {
+                *group_mut(to, g) = from;
             }
         }
     }
@@ -222,37 +230,75 @@ impl Batch {
         let [clean, covered] = kind.slopes.map(|s| s.floored());
         let [clean, covered] = [clean, covered].map(|s| [s.up as f32, s.cross as f32]);
         let [cos, sin] = kind.downwind.map(|c| c as f32);
-        for i in 0..lanes_for(self.count) {
-            let mix = |which: usize| clean[which] + self.cover[i] * (covered[which] - clean[which]);
-            let (along, cross) = (up * mix(0).sqrt(), across * mix(1).sqrt());
-            let (sx, sy) = (cos * along - sin * cross, sin * along + cos * cross);
-            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (n, x, y) = (at(&self.normal), at(&self.axes[0]), at(&self.axes[1]));
-            let tilted = unit([0, 1, 2].map(|c| n[c] - x[c] * sx - y[c] * sy));
-            for c in 0..3 {
-                self.plane[c][i] = tilted[c];
+        for g in 0..lanes_for(self.count) / GROUP {
+            let (normal, x_axis, y_axis) =
+                (groups(&self.normal, g), groups(&self.axes[0], g), groups(&self.axes[1], g));
+            let cover = group(&self.cover, g);
+            let (mut plane, mut gain) = ([[0.0f32; GROUP]; 3], [0.0f32; GROUP]);
+            for i in 0..GROUP {
+                let mix = |which: usize| clean[which] + cover[i] * (covered[which] - clean[which]);
+                let (along, cross) = (up * mix(0).sqrt(), across * mix(1).sqrt());
+                let (sx, sy) = (cos * along - sin * cross, sin * along + cos * cross);
+                let (n, x, y) = (lane(&normal, i), lane(&x_axis, i), lane(&y_axis, i));
+                let tilted = unit([
+                    n[0] - x[0] * sx - y[0] * sy,
+                    n[1] - x[1] * sx - y[1] * sy,
+                    n[2] - x[2] * sx - y[2] * sy,
+                ]);
+                for c in 0..3 {
+                    plane[c][i] = tilted[c];
+                }
+                gain[i] = (weight * (1.0 + along * along + cross * cross).sqrt()).sqrt();
             }
-            self.gain[i] = (weight * (1.0 + along * along + cross * cross).sqrt()).sqrt();
+            keep(&mut self.plane, g, &plane);
+            *group_mut(&mut self.gain, g) = gain;
         }
     }
 
     /// Cosines and Bragg wave vectors on the plane at hand: the facet's own, or that of a sub-facet.
     #[inline(always)]
     fn bragg_vectors<const FLAT: bool>(&mut self, wavenumber_radpm: f32, axis: [f32; 2]) {
-        for i in 0..lanes_for(self.count) {
-            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (ki, ks) = (at(&self.incident), at(&self.scattered));
-            let q = [0, 1, 2].map(|c| wavenumber_radpm * (ks[c] - ki[c]));
-            let [x, y] = if FLAT {
-                [at(&self.axes[0]), at(&self.axes[1])]
-            } else {
-                let n = at(&self.plane);
-                self.local[0][i] = -dot(ki, n);
-                self.local[1][i] = dot(ks, n);
-                axes(n, axis)
-            };
-            self.bragg[0][i] = dot(q, x);
-            self.bragg[1][i] = dot(q, y);
+        for g in 0..lanes_for(self.count) / GROUP {
+            let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
+            let (x_axis, y_axis) = (groups(&self.axes[0], g), groups(&self.axes[1], g));
+            let plane = groups(&self.plane, g);
+            let (mut bragg, mut local) = ([[0.0f32; GROUP]; 2], [[0.0f32; GROUP]; 2]);
+            for i in 0..GROUP {
+                let (ki, ks) = (lane(&incident, i), lane(&scattered, i));
+                let k = wavenumber_radpm;
+                let q = [k * (ks[0] - ki[0]), k * (ks[1] - ki[1]), k * (ks[2] - ki[2])];
+                let [x, y] = if FLAT {
+                    [lane(&x_axis, i), lane(&y_axis, i)]
+                } else {
+                    let n = lane(&plane, i);
+                    (local[0][i], local[1][i]) = (-dot(ki, n), dot(ks, n));
+                    axes(n, axis)
+                };
+                (bragg[0][i], bragg[1][i]) = (dot(q, x), dot(q, y));
+            }
+            for part in 0..2 {
+                *group_mut(&mut self.bragg[part], g) = bragg[part];
+                if !FLAT {
+                    *group_mut(&mut self.local[part], g) = local[part];
+                }
+            }
+        }
+    }
+
+    /// Adds a group's entries `[receive][transmit][real, imaginary]`, or their powers, which stand where real parts do.
+    #[inline(always)]
+    fn gather(&mut self, g: usize, sums: &[[[Held; 2]; 2]; 2], powers: bool) {
+        for r in 0..2 {
+            for t in 0..2 {
+                for part in 0..if powers { 1 } else { 2 } {
+                    let row = if powers { &mut self.power[r][t] } else { &mut self.matrix[r][t][part] };
+                    let mut sum = group(row, g);
+                    for i in 0..GROUP {
+                        sum[i] += sums[r][t][part][i];
+                    }
+                    *group_mut(row, g) = sum;
+                }
+            }
         }
     }
 
@@ -284,6 +330,13 @@ impl Batch {
                 }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn keep(to: &mut Vectors, g: usize, from: &[Held; 3]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *group_mut(to, g) = *from;
     }
 }
 

@@ -5,10 +5,11 @@
 
 use glam::DVec3;
 
+use super::instants::NODES;
 use super::tile::Node;
 use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
-use crate::geometry::lanes::{LANES, Row, lanes_for};
+use crate::geometry::lanes::{GROUP, LANES, Row, group, group_mut, lanes_for};
 use crate::radar::antenna::{Antenna, Axes};
 use crate::units::SINE_OF_HALF_TURNS;
 
@@ -110,33 +111,46 @@ impl Task for Directions<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { count, end, sighted, nodes, weights, direction } = self;
-        let n = lanes_for(count);
-        let mut along = [[0.0f32; LANES]; 3];
-        let mut delay_s = [0.0f32; LANES];
         // From the receiver the facet lies against the way of the echo.
         let sign = if end == 0 { 1.0 } else { -1.0 };
-        for (node, weight) in nodes.iter().zip(weights) {
-            let from = if end == 0 { &node.paths.incident } else { &node.paths.scattered };
-            let weight = sign * weight;
-            for (to, from) in along.iter_mut().zip(from) {
-                for i in 0..n {
-                    to[i] += weight * from[i];
-                }
-            }
-        }
         let rows =
             |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
         let (axes, change) = (rows(sighted.axes), rows(sighted.change_per_s));
-        if let (1, Some(node)) = (end, nodes.first()) {
-            for i in 0..n {
-                delay_s[i] = node.paths.delay_s[i] as f32;
+        let turns = end == 1 && change.as_flattened().iter().any(|c| *c != 0.0);
+        let Some(last) = nodes.last() else { return };
+        // All four nodes at once: a sum that is carried from node to node does not stay in registers.
+        let nodes: [&Node; NODES] = std::array::from_fn(|n| nodes.get(n).unwrap_or(last));
+        let weights: [f32; NODES] = std::array::from_fn(|n| sign * weights.get(n).copied().unwrap_or(0.0));
+        let from = nodes.map(|node| if end == 0 { &node.paths.incident } else { &node.paths.scattered });
+        for g in 0..lanes_for(count) / GROUP {
+            let mut along = [[0.0f32; GROUP]; 3];
+            for axis in 0..3 {
+                let [a, b, c, d] =
+                    [&from[0][axis], &from[1][axis], &from[2][axis], &from[3][axis]].map(|row| group(row, g));
+                for i in 0..GROUP {
+                    along[axis][i] =
+                        weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
+                }
             }
-        }
-        for axis in 0..3 {
-            let (a, b) = (axes[axis], change[axis]);
-            for i in 0..n {
-                let a = [0, 1, 2].map(|c| a[c] + b[c] * delay_s[i]);
-                direction[axis][i] = along[0][i] * a[0] + along[1][i] * a[1] + along[2][i] * a[2];
+            let mut delay_s = [0.0f32; GROUP];
+            if turns {
+                for (to, from) in delay_s.iter_mut().zip(&nodes[0].paths.delay_s.as_chunks::<GROUP>().0[g]) {
+                    *to = *from as f32;
+                }
+            }
+            for axis in 0..3 {
+                let (a, b) = (axes[axis], change[axis]);
+                let mut out = [0.0f32; GROUP];
+                for i in 0..GROUP {
+                    out[i] = along[0][i] * a[0] + along[1][i] * a[1] + along[2][i] * a[2];
+                }
+                if turns {
+                    for i in 0..GROUP {
+                        let more = along[0][i] * b[0] + along[1][i] * b[1] + along[2][i] * b[2];
+                        out[i] += more * delay_s[i];
+                    }
+                }
+                *group_mut(&mut direction[axis], g) = out;
             }
         }
     }

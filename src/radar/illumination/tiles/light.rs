@@ -5,7 +5,7 @@ use num_complex::Complex32;
 use super::TileWork;
 use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
-use super::look::{Combine, Port, Sight, Solve, View};
+use super::look::{Combine, OntoAxes, Port, Scale, Sight, Solve, View};
 use super::tile::{Look, Pair, compact};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
@@ -208,20 +208,17 @@ impl Illumination {
         let beside: Option<Beside<'_>> = if sea.scattering.has_short_waves() { Some(&beside) } else { None };
         self.respond(sea, *variant, kinds, beside, batch);
         out.cosine = batch.cosine;
+        if single {
+            variant.run(OntoAxes { axes, rx_change, view, batch });
+        }
+        let mut scale = [0.0; LANES];
+        let (link, footprint_m2) = (plan.link.in_air(), footprint_m2 as f32);
+        variant.run(Scale { link, footprint_m2, view, batch, out: &mut scale });
         for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
             let tx_isolation_db = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
             let rx_isolation_db = self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db;
-            variant.run(Combine {
-                ports: [Port::new(*tx_port, tx_isolation_db), Port::new(*rx_port, rx_isolation_db)],
-                plan,
-                footprint_m2: footprint_m2 as f32,
-                single,
-                axes,
-                rx_change,
-                view,
-                batch,
-                out: amplitude,
-            });
+            let ports = [Port::new(*tx_port, tx_isolation_db), Port::new(*rx_port, rx_isolation_db)];
+            variant.run(Combine { ports, scale: &scale, batch, out: amplitude });
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !is_real(&self.antennas[antenna]) {

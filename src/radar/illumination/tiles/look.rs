@@ -7,9 +7,11 @@ use num_complex::{Complex32, Complex64};
 
 use super::tile::Node;
 use crate::cpu::Task;
-use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
+use crate::geometry::lanes::{
+    End, GROUP, Held, LANES, Paths, Row, group, group_mut, groups, lane, lanes_for,
+};
 use crate::radar::antenna::{Axes, port_shares};
-use crate::radar::illumination::PairPlan;
+use crate::radar::link::LaneLink;
 use crate::scattering::lanes::{Batch, Vectors};
 use crate::scene::radar::Polarisation;
 
@@ -23,14 +25,17 @@ impl Port {
         Self { shares: port_shares(port, isolation_db) }
     }
 
-    /// Inverse length of the field, given the squares of the axes normal to the ray and their product.
-    #[inline(always)]
-    fn inverse_norm(&self, yy: f32, zz: f32, yz: f32) -> f32 {
+    /// Weights of the squares of the axes normal to the ray, and of their product, in the square of the field's length.
+    fn lengths(&self) -> [f32; 3] {
         let [y, z] = self.shares;
-        let mixed = 2.0 * (y.re * z.re + y.im * z.im) as f32;
-        let square = y.norm_sqr() as f32 * yy + z.norm_sqr() as f32 * zz + mixed * yz;
-        if square > 1e-10 { 1.0 / square.sqrt() } else { 0.0 }
+        [y.norm_sqr() as f32, z.norm_sqr() as f32, 2.0 * (y.re * z.re + y.im * z.im) as f32]
     }
+}
+
+/// Inverse root of the square of a field's length; nothing where there is no field.
+#[inline(always)]
+fn inverse_root(square: f32) -> f32 {
+    if square > 1e-10 { 1.0 / square.sqrt() } else { 0.0 }
 }
 
 /// Light time.
@@ -155,23 +160,90 @@ impl Task for Sight<'_> {
     }
 }
 
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A matrix on the vertical and horizontal vectors of both rays becomes one on the axes of the antennas, which become the fields.
+pub(super) struct OntoAxes<'a> {
+    pub axes: [Axes; 2],
+    pub rx_change: Axes,
+    pub view: &'a View,
+    pub batch: &'a mut Batch,
+}
+
+impl Task for OntoAxes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { axes, rx_change, view, batch } = self;
+        let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
+        for i in 0..lanes_for(batch.count) {
+            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
+            let (ki, ks) = (at(&view.incident), at(&view.scattered));
+            let (v_h_in, v_h_out) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
+            let t = tx.map(|axis| normal_to(axis, ki));
+            let r = [0, 1].map(|axis| {
+                normal_to([0, 1, 2].map(|c| rx[axis][c] + change[axis][c] * view.delay_s[i]), ks)
+            });
+            let part = [0, 1]
+                .map(|r| [0, 1].map(|t| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i])));
+            for axis in 0..2 {
+                let b = r[axis];
+                for (of, a) in t.into_iter().enumerate() {
+                    let entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1]))
+                        * dot(b, v_h_out[0])
+                        + (part[1][0] * dot(a, v_h_in[0]) + part[1][1] * dot(a, v_h_in[1]))
+                            * dot(b, v_h_out[1]);
+                    batch.matrix[axis][of][0][i] = entry.re;
+                    batch.matrix[axis][of][1][i] = entry.im;
+                }
+                for c in 0..3 {
+                    batch.transmit[axis][c][i] = t[axis][c];
+                    batch.receive[axis][c][i] = r[axis][c];
+                }
+            }
+        }
+    }
+}
+
+/// What all channels share: the way there and back, and the area of the facet.
+pub(super) struct Scale<'a> {
+    pub link: LaneLink,
+    pub footprint_m2: f32,
+    pub view: &'a View,
+    pub batch: &'a Batch,
+    pub out: &'a mut Row,
+}
+
+impl Task for Scale<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { link, footprint_m2, view, batch, out } = self;
+        for g in 0..lanes_for(batch.count) / GROUP {
+            let [sx, sy] = [group(&batch.slope[0], g), group(&batch.slope[1], g)];
+            let legs_m = [group(&view.leg_m[0], g), group(&view.leg_m[1], g)];
+            let mut scale = [0.0; GROUP];
+            for i in 0..GROUP {
+                let root_area = (footprint_m2 * (1.0 + sx[i] * sx[i] + sy[i] * sy[i]).sqrt()).sqrt();
+                scale[i] = link.scattered(legs_m[0][i], legs_m[1][i]) * root_area;
+            }
+            *group_mut(out, g) = scale;
+        }
+    }
+}
+
 /// From the matrix to the amplitude of one channel.
 pub(super) struct Combine<'a> {
     /// Transmit, receive.
     pub ports: [Port; 2],
-    pub plan: &'a PairPlan,
-    pub footprint_m2: f32,
-    pub single: bool,
-    pub axes: [Axes; 2],
-    pub rx_change: Axes,
-    pub view: &'a View,
+    pub scale: &'a Row,
     pub batch: &'a Batch,
     pub out: &'a mut [Row; 2],
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl Task for Combine<'_> {
@@ -179,54 +251,41 @@ impl Task for Combine<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports: [tx_port, rx_port], plan, footprint_m2, single, axes, rx_change, view, batch, out } =
-            self;
-        let link = plan.link.in_air();
-        let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
+        let Self { ports: [tx_port, rx_port], scale, batch, out } = self;
         let single_precision = |port: &Port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32));
         let (c_t, c_r) = (single_precision(&tx_port), single_precision(&rx_port));
-        let n = lanes_for(batch.count);
-        for i in 0..n {
-            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let entry =
-                |r: usize, t: usize| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i]);
+        // Weights of the entries, receive then transmit.
+        let weights = [0, 1].map(|r| [0, 1].map(|t| c_r[r] * c_t[t]));
+        let (tx_lengths, rx_lengths) = (tx_port.lengths(), rx_port.lengths());
+        for g in 0..lanes_for(batch.count) / GROUP {
             // Axes normal to the rays.
-            let (mut t, mut r) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
-            let mut matrix = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
-            if single {
-                let (ki, ks) = (at(&view.incident), at(&view.scattered));
-                let delay_s = view.delay_s[i];
-                let (v_h_in, v_h_out) = (t, r);
-                for axis in 0..2 {
-                    t[axis] = normal_to(tx[axis], ki);
-                    r[axis] = normal_to([0, 1, 2].map(|c| rx[axis][c] + change[axis][c] * delay_s), ks);
-                }
-                let part = matrix;
-                for (row, b) in matrix.iter_mut().zip(r) {
-                    for (entry, a) in row.iter_mut().zip(t) {
-                        *entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1]))
-                            * dot(b, v_h_out[0])
-                            + (part[1][0] * dot(a, v_h_in[0]) + part[1][1] * dot(a, v_h_in[1]))
-                                * dot(b, v_h_out[1]);
+            let t = [groups(&batch.transmit[0], g), groups(&batch.transmit[1], g)];
+            let r = [groups(&batch.receive[0], g), groups(&batch.receive[1], g)];
+            let scale = group(scale, g);
+            let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
+            for row in 0..2 {
+                for column in 0..2 {
+                    let [a, b] = [0, 1].map(|part| group(&batch.matrix[row][column][part], g));
+                    let weight = weights[row][column];
+                    for i in 0..GROUP {
+                        re[i] += weight.re * a[i] - weight.im * b[i];
+                        im[i] += weight.re * b[i] + weight.im * a[i];
                     }
                 }
             }
-            let norm = tx_port.inverse_norm(dot(t[0], t[0]), dot(t[1], t[1]), dot(t[0], t[1]))
-                * rx_port.inverse_norm(dot(r[0], r[0]), dot(r[1], r[1]), dot(r[0], r[1]));
-            let (sx, sy) = (batch.slope[0][i], batch.slope[1][i]);
-            let root_area = (footprint_m2 * (1.0 + sx * sx + sy * sy).sqrt()).sqrt();
-            let (out_m, back_m) = (view.leg_m[0][i], view.leg_m[1][i]);
-            let scale = link.scattered(out_m, back_m) * root_area * norm;
-            let sum = c_r[0] * (matrix[0][0] * c_t[0] + matrix[0][1] * c_t[1])
-                + c_r[1] * (matrix[1][0] * c_t[0] + matrix[1][1] * c_t[1]);
-            out[0][i] = sum.re * scale;
-            out[1][i] = sum.im * scale;
-        }
-        // A product of lengths of rows is never asked to be large: what overflowed is silent.
-        for row in out {
-            for value in &mut row[..n] {
-                *value = if value.is_finite() { *value } else { 0.0 };
+            for i in 0..GROUP {
+                let inverse = |[yy, zz, yz]: [f32; 3], v: &[[Held; 3]; 2]| {
+                    let (y, z) = (lane(&v[0], i), lane(&v[1], i));
+                    inverse_root(yy * dot(y, y) + zz * dot(z, z) + yz * dot(y, z))
+                };
+                let all = scale[i] * inverse(tx_lengths, &t) * inverse(rx_lengths, &r);
+                let (a, b) = (re[i] * all, im[i] * all);
+                // A product of lengths of rows is never asked to be large: what overflowed is silent.
+                re[i] = if a.is_finite() { a } else { 0.0 };
+                im[i] = if b.is_finite() { b } else { 0.0 };
             }
+            *group_mut(&mut out[0], g) = re;
+            *group_mut(&mut out[1], g) = im;
         }
     }
 }
