@@ -40,8 +40,13 @@ impl Batch {
         let transmit = [groups(&self.transmit[0], g), groups(&self.transmit[1], g)];
         let receive = [groups(&self.receive[0], g), groups(&self.receive[1], g)];
         let gains = group(&self.gain, g);
-        let phasors = [group(&self.phasor[0][0], g), group(&self.phasor[0][1], g)];
-        let mut sums = [[[[0.0f32; GROUP]; 2]; 2]; 2];
+        let phasors = match self.phasor.first() {
+            Some(phasor) if !single => [group(&phasor[0], g), group(&phasor[1], g)],
+            _ => [[1.0; GROUP], [0.0; GROUP]],
+        };
+        let zero = [0.0f32; GROUP];
+        let (mut t, mut w_i, mut w_s) = ([zero; 3], [zero; 3], [zero; 3]);
+        let (mut vertical, mut horizontal) = ([zero; 2], [zero; 2]);
         for i in 0..GROUP {
             let (ki, ks) = (lane(&incident, i), lane(&scattered, i));
             let q = [ks[0] - ki[0], ks[1] - ki[1], ks[2] - ki[2]];
@@ -49,29 +54,38 @@ impl Batch {
             let across = cross(q, ki);
             // Straight back: any vector normal to the ray will do.
             let straight = dot(across, across) < 1e-12 * q_norm * q_norm;
-            let steep = ki[2].abs() < 0.9;
-            let other = if steep { cross([0.0, 0.0, 1.0], ki) } else { cross([0.0, 1.0, 0.0], ki) };
-            let t = unit([0, 1, 2].map(|c| if straight { other[c] } else { across[c] }));
-            let (w_i, w_s) = (cross(t, ki), cross(t, ks));
+            let steep = if ki[2].abs() < 0.9 { 1.0 } else { 0.0 };
+            let other = cross([0.0, 1.0 - steep, steep], ki);
+            let normal = unit([
+                if straight { other[0] } else { across[0] },
+                if straight { other[1] } else { across[1] },
+                if straight { other[2] } else { across[2] },
+            ]);
+            let (own_i, own_s) = (cross(normal, ki), cross(normal, ks));
+            for c in 0..3 {
+                (t[c][i], w_i[c][i], w_s[c][i]) = (normal[c], own_i[c], own_s[c]);
+            }
             let cosine = (0.5 * q_norm).min(1.0);
             let root = refracted(contrast, cosine);
-            let r_v = (eps * cosine - root) * inverse(eps * cosine + root);
-            let r_h = (-root + cosine) * inverse(root + cosine);
-            let turned = if single {
-                Complex32::new(gains[i], 0.0)
-            } else {
-                Complex32::new(phasors[0][i], phasors[1][i]) * gains[i]
-            };
-            let (r_v, r_h) = (r_v * turned, r_h * turned);
-            for r in 0..2 {
-                let p = lane(&receive[r], i);
-                let (p_t, p_w) = (dot(p, t), dot(p, w_s));
-                for column in 0..2 {
-                    let e = lane(&transmit[column], i);
-                    let entry = r_h * (p_t * dot(e, t)) + r_v * (p_w * dot(e, w_i));
-                    sums[r][column][0][i] = if single { entry.norm_sqr() } else { entry.re };
-                    sums[r][column][1][i] = entry.im;
+            let turned = Complex32::new(phasors[0][i], phasors[1][i]) * gains[i];
+            let r_v = (eps * cosine - root) * inverse(eps * cosine + root) * turned;
+            let r_h = (-root + cosine) * inverse(root + cosine) * turned;
+            (vertical[0][i], vertical[1][i]) = (r_v.re, r_v.im);
+            (horizontal[0][i], horizontal[1][i]) = (r_h.re, r_h.im);
+        }
+        let mut sums = [[[zero; 2]; 2]; 2];
+        for r in 0..2 {
+            for column in 0..2 {
+                let (mut re, mut im) = (zero, zero);
+                for i in 0..GROUP {
+                    let (p, e) = (lane(&receive[r], i), lane(&transmit[column], i));
+                    let along = dot(p, lane(&t, i)) * dot(e, lane(&t, i));
+                    let across = dot(p, lane(&w_s, i)) * dot(e, lane(&w_i, i));
+                    let entry = [0, 1].map(|part| horizontal[part][i] * along + vertical[part][i] * across);
+                    re[i] = if single { entry[0] * entry[0] + entry[1] * entry[1] } else { entry[0] };
+                    im[i] = entry[1];
                 }
+                sums[r][column] = [re, im];
             }
         }
         self.gather(g, &sums, single);

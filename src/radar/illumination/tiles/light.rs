@@ -44,7 +44,20 @@ impl Illumination {
 
     /// Places of the facets on the mean surface, random phases, slopes, visibility.
     fn place(&self, patch: &Patch, first: usize, work: &mut TileWork) {
-        let TileWork { nodes, phasors, batch, places_m, drop_m, fall, slopes, shades, seen, tile, .. } = work;
+        let TileWork {
+            nodes,
+            phasors,
+            batch,
+            places_m,
+            bounds_m,
+            drop_m,
+            fall,
+            slopes,
+            shades,
+            seen,
+            tile,
+            ..
+        } = work;
         let earth = self.frame.earth();
         let count = tile.count;
         let here = first..first + count;
@@ -59,6 +72,10 @@ impl Illumination {
                 (ix, iy) = (0, iy + 1);
             }
         }
+        *bounds_m = places_m.each_ref().map(|row| {
+            let of = &row[..count];
+            of.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+        });
         let flat = earth.drop_m(1.0, 1.0) == 0.0;
         for i in 0..if flat { 0 } else { LANES } {
             drop_m[i] = earth.drop_m(places_m[0][i], places_m[1][i]);
@@ -169,7 +186,7 @@ impl Illumination {
 
     /// Scattering at a look.
     fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
-        let TileWork { variant, looks, batch, view, places_m, kinds, slopes, tile, .. } = work;
+        let TileWork { variant, looks, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
         let instant = &looks[place];
         let count = tile.count;
         let Pair { nodes: paths, looks: seen, .. } = &mut tile.pairs[pair];
@@ -193,10 +210,7 @@ impl Illumination {
             batch,
         });
         kinds.clear();
-        let [x_m, y_m] = places_m.each_ref().map(|row| {
-            row[..count].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
-        });
-        if sea.scattering.kinds() > 1 && sea.scattering.kinds_within([x_m, y_m], &instant.poses) {
+        if sea.scattering.kinds() > 1 && sea.scattering.kinds_within(*bounds_m, &instant.poses) {
             kinds.extend((0..count).map(|i| {
                 let (kind, cover) = sea.scattering.kind_at([places_m[0][i], places_m[1][i]], &instant.poses);
                 (kind, cover as f32)

@@ -110,6 +110,8 @@ pub struct TileWork {
     batch: Box<Batch>,
     view: Box<View>,
     places_m: [[f64; LANES]; 2],
+    /// Least and largest of them.
+    bounds_m: [[f64; 2]; 2],
     drop_m: [f64; LANES],
     fall: [Row; 2],
     kinds: Vec<(usize, f32)>,
@@ -295,6 +297,7 @@ impl SeaPlan {
             phasors: Phasors::new(facets, mechanisms),
             batch: Batch::boxed(mechanisms),
             places_m: [[0.0; LANES]; 2],
+            bounds_m: [[0.0; 2]; 2],
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
             kinds: Vec::with_capacity(LANES),
