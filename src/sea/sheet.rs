@@ -38,9 +38,9 @@ pub struct Sheet<T: Real = f64> {
     grid: Grid,
     selection: Selection,
     evaluator: Evaluator<T>,
-    /// `[iy][ix]` over the grid.
+    /// `[iy][ix]` over the grid, for patches of another size; no room is taken before one is met.
     whole: Fields<T>,
-    /// Time at which `whole` stands.
+    /// Time at which `whole` stands; `None` before it has room.
     time_s: Option<f64>,
     wakes: Option<Wakes<T>>,
 }
@@ -56,8 +56,8 @@ impl<T: Real> Sheet<T> {
     /// For a surface, of which the selected fields are wanted.
     pub fn new(surface: &Surface, selection: Selection) -> Self {
         let grid = *surface.grid();
-        let whole = Fields::new(&grid, selection);
-        Self { grid, selection, evaluator: Evaluator::new(surface), whole, time_s: None, wakes: None }
+        let (evaluator, whole) = (Evaluator::new(surface), Fields::default());
+        Self { grid, selection, evaluator, whole, time_s: None, wakes: None }
     }
 
     /// The same with the waves of ships, over patches of the size of the given one.
@@ -77,19 +77,27 @@ impl<T: Real> Sheet<T> {
     /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have been made
     /// for as many facets, which with ships are those of the patch that they were given.
     pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
-        if self.time_s != Some(time_s) {
-            self.time_s = None;
-            self.evaluator.evaluate(time_s, &mut self.whole)?;
-            self.time_s = Some(time_s);
-        }
         let grid = &self.grid;
-        for (from, to) in self.whole.columns().into_iter().zip(out.columns_mut()) {
-            if to.len() != if from.is_empty() { 0 } else { patch.len() } {
-                return Err(SurfaceError::FieldSize { found: to.len(), needed: patch.len() }.into());
+        if patch.facets == [grid.nx(), grid.ny()] {
+            let first = grid.index(patch.first);
+            self.evaluator.evaluate_from([first % grid.nx(), first / grid.nx()], time_s, out)?;
+        } else {
+            if self.time_s.is_none() {
+                self.whole = Fields::new(grid, self.selection);
             }
-            for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {
-                let key = [patch.first[0], patch.first[1] + iy as i64];
-                go_round(grid, from, key, row, |to, from| to.copy_from_slice(from));
+            if self.time_s != Some(time_s) {
+                self.time_s = Some(f64::NAN);
+                self.evaluator.evaluate(time_s, &mut self.whole)?;
+                self.time_s = Some(time_s);
+            }
+            for (from, to) in self.whole.columns().into_iter().zip(out.columns_mut()) {
+                if to.len() != if from.is_empty() { 0 } else { patch.len() } {
+                    return Err(SurfaceError::FieldSize { found: to.len(), needed: patch.len() }.into());
+                }
+                for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {
+                    let key = [patch.first[0], patch.first[1] + iy as i64];
+                    go_round(grid, from, key, row, |to, from| to.copy_from_slice(from));
+                }
             }
         }
         match &mut self.wakes {

@@ -1,7 +1,7 @@
 //! The inner loop: contacts of a block onto the grids of its pulses.
 //!
 //! For `CHUNK` contacts at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
-//! of them, lane by lane; (2) amplitudes at this pulse; (3) each contact's `C` lanes, turned by its phasor, onto its `W` cells, two pulses by turns. The
+//! of them, lane by lane; (2) amplitudes at this pulse; (3) each contact's `C` lanes, turned by its phasor, onto its `W` cells, some pulses by turns. The
 //! chunk stays in the nearest cache for all pulses. Everything is safe code over slices; what CPU it is compiled for is
 //! decided by its callers.
 
@@ -9,9 +9,9 @@ use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
 
 /// Contacts that are kept close for all pulses of a share.
-pub(super) const CHUNK: usize = 128;
+pub(super) const CHUNK: usize = 64;
 /// Pulses that are spread by turns.
-const TOGETHER: usize = 2;
+const TOGETHER: usize = 4;
 
 /// Phases and places of the contacts of one pair over a block; polynomials in pulses from the middle.
 #[derive(Debug, Default)]
@@ -81,7 +81,7 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
     job: &Job<'_, T>,
     grids: &mut [T],
 ) {
-    let mut passes = [Passes::<T, W, C>::new(), Passes::new()];
+    let mut passes: [Passes<T, W, C>; TOGETHER] = std::array::from_fn(|_| Passes::new());
     let contacts = job.courses.base.len();
     let mut from = 0;
     while from < contacts {
@@ -96,13 +96,16 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
                 levels::<T, FUSED, W, C>(job, from, count, job.amplitude_first + pulse, passes);
                 pulse += 1;
             }
-            let (near, far) = grids.split_at_mut(job.stride.min(grids.len()));
-            let near = near.get_mut(job.offset..).unwrap_or_default();
-            match far.get_mut(job.offset..) {
-                Some(far) if shifts.len() == TOGETHER => {
-                    scatter_two::<T, FUSED, W, C>(&passes, count, near, far);
+            let mut parts = grids
+                .chunks_mut(job.stride)
+                .map(|part| part.get_mut(job.offset..).unwrap_or_default().as_chunks_mut::<C>().0);
+            if shifts.len() == TOGETHER {
+                let cells = std::array::from_fn(|_| parts.next().unwrap_or_default());
+                scatter::<T, FUSED, W, C, TOGETHER>(&passes, count, cells);
+            } else {
+                for (passes, cells) in passes.chunks(1).zip(parts) {
+                    scatter::<T, FUSED, W, C, 1>(passes, count, [cells]);
                 }
-                _ => scatter::<T, FUSED, W, C>(&passes[0], count, near),
             }
         }
         from += count;
@@ -302,30 +305,16 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     }
 }
 
-/// Contacts onto the cells of one pulse.
+/// Contacts onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums.
 #[inline(always)]
-fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
-    passes: &Passes<T, W, C>,
+fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const N: usize>(
+    passes: &[Passes<T, W, C>],
     count: usize,
-    grid: &mut [T],
+    cells: [&mut [[T; C]]; N],
 ) {
-    let cells = grid.as_chunks_mut::<C>().0;
     for i in 0..count {
-        add::<T, FUSED, W, C>(passes, i, cells);
-    }
-}
-
-/// Contacts onto the cells of two pulses by turns: neighbours often share cells, and would wait for each other's sums.
-#[inline(always)]
-fn scatter_two<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
-    passes: &[Passes<T, W, C>; TOGETHER],
-    count: usize,
-    near: &mut [T],
-    far: &mut [T],
-) {
-    let (near, far) = (near.as_chunks_mut::<C>().0, far.as_chunks_mut::<C>().0);
-    for i in 0..count {
-        add::<T, FUSED, W, C>(&passes[0], i, near);
-        add::<T, FUSED, W, C>(&passes[1], i, far);
+        for n in 0..N {
+            add::<T, FUSED, W, C>(&passes[n], i, cells[n]);
+        }
     }
 }

@@ -147,8 +147,10 @@ impl Visibility {
         update: &mut Update,
     ) -> Result<(), ShadowError> {
         let patch = &update.patch;
-        for (index, z) in heights_m.iter_mut().enumerate() {
-            *z -= lower(patch.centre_m(patch.key(index)));
+        for (row, heights_m) in heights_m.chunks_exact_mut(patch.facets[0]).enumerate() {
+            for (column, z) in heights_m.iter_mut().enumerate() {
+                *z -= lower(patch.centre_m([patch.first[0] + column as i64, patch.first[1] + row as i64]));
+            }
         }
         let map = Map::new(heights_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
         let relief = Relief::of(&map);
@@ -202,9 +204,23 @@ impl Update {
         if self.lit[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
     }
 
-    /// Weights from an antenna, facet by facet of the update's patch.
-    pub fn weights(&self, antenna: usize) -> &[f64] {
-        &self.weights[antenna]
+    /// Weights of all facets of a patch from an antenna, in its order.
+    pub fn weights_over(&self, antenna: usize, patch: &Patch, out: &mut Vec<f32>) {
+        out.clear();
+        let own = &self.weights[antenna];
+        let [width, first_x] = [patch.facets[0] as i64, patch.first[0]];
+        // Columns beyond the update's patch on either side take its edges.
+        let before = (self.patch.first[0] - first_x).clamp(0, width);
+        let end = (self.patch.first[0] + self.patch.facets[0] as i64 - first_x).clamp(before, width);
+        for row in 0..patch.facets[1] as i64 {
+            let at = |column: i64| self.patch.nearest_index([first_x + column, patch.first[1] + row]);
+            out.extend((0..before).map(|column| own[at(column)] as f32));
+            if before < end {
+                let from = at(before);
+                out.extend(own[from..from + (end - before) as usize].iter().map(|weight| *weight as f32));
+            }
+            out.extend((end..width).map(|column| own[at(column)] as f32));
+        }
     }
 
     /// Whether an antenna sees every facet whole.

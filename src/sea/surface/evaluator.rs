@@ -45,6 +45,17 @@ impl<T: Real> Evaluator<T> {
 
     /// Fills every field that is not empty, at a time in seconds from t = 0.
     pub fn evaluate(&mut self, time_s: f64, fields: &mut Fields<T>) -> Result<(), SurfaceError> {
+        self.evaluate_from([0; 2], time_s, fields)
+    }
+
+    /// The same with some column and row of the grid as the first of the fields, which go round it.
+    pub fn evaluate_from(
+        &mut self,
+        column_row: [usize; 2],
+        time_s: f64,
+        fields: &mut Fields<T>,
+    ) -> Result<(), SurfaceError> {
+        self.transform.begin_at(column_row);
         if !time_s.is_finite() || time_s.abs() > MAX_TIME_S {
             return Err(SurfaceError::Time { time_s });
         }

@@ -77,6 +77,8 @@ pub struct Transform<T: Real> {
     block: Vec<Complex<T>>,
     plane: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
+    /// First column and row of the fields.
+    begin: [usize; 2],
 }
 
 impl<T: Real> Transform<T> {
@@ -119,11 +121,16 @@ impl<T: Real> Transform<T> {
             block: vec![zero; BLOCK.min(nx) * ny],
             plane: vec![zero; nx * ny],
             scratch: vec![zero; scratch],
+            begin: [0; 2],
         }
     }
 
-    /// Fills a pair of fields (the second may be empty). Slices of another length than the grid are
-    /// filled as far as they go.
+    /// Which column and row of the grid come first in the fields from now on; those before them come last.
+    pub fn begin_at(&mut self, column_row: [usize; 2]) {
+        self.begin = [column_row[0] % self.nx, column_row[1] % self.ny];
+    }
+
+    /// Fills a pair of fields (the second may be empty). Of slices shorter than the grid whole rows are filled.
     pub fn run(&mut self, phasors: &Phasors<T>, pair: Pair, first: &mut [T], second: &mut [T]) {
         match (pair, self.gravity) {
             (Pair::HorizontalAcceleration, Some(gravity)) => {
@@ -170,15 +177,39 @@ impl<T: Real> Transform<T> {
     }
 
     fn separate(&mut self, first: &mut [T], second: &mut [T], factors: [T; 2]) {
-        for (iy, line) in self.plane.chunks_exact_mut(self.nx).enumerate() {
+        let (nx, ny) = (self.nx, self.ny);
+        let [from_x, from_y] = self.begin;
+        for (iy, line) in self.plane.chunks_exact_mut(nx).enumerate() {
             self.along_x.process_with_scratch(line, &mut self.scratch);
-            let start = iy * self.nx;
-            for (value, field) in line.iter().zip(first.iter_mut().skip(start)) {
-                *field = value.re * factors[0];
+            let start = (iy + ny - from_y) % ny * nx;
+            for (part, field) in [&mut *first, &mut *second].into_iter().enumerate() {
+                // Columns from the first one on, and those before it behind them.
+                let Some(row) = field.get_mut(start..start + nx) else { continue };
+                let (near, far) = row.split_at_mut(nx - from_x);
+                let factor = factors[part];
+                Variant::fastest().run(Separate { part, factor, from: &line[from_x..], to: near });
+                Variant::fastest().run(Separate { part, factor, from: &line[..from_x], to: far });
             }
-            for (value, field) in line.iter().zip(second.iter_mut().skip(start)) {
-                *field = value.im * factors[1];
-            }
+        }
+    }
+}
+
+/// Real or imaginary parts of a row, times a factor.
+struct Separate<'a, T> {
+    part: usize,
+    factor: T,
+    from: &'a [Complex<T>],
+    to: &'a mut [T],
+}
+
+impl<T: Real> Task for Separate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { part, factor, from, to } = self;
+        for (to, from) in to.iter_mut().zip(from) {
+            *to = if part == 0 { from.re } else { from.im } * factor;
         }
     }
 }

@@ -227,7 +227,12 @@ impl<T: Real> Map<T> {
                 }
             };
             if edge == Edge::OPEN {
-                let len = (1..room).find(|more| at(ix + more) != Edge::OPEN).unwrap_or(room);
+                // Along a row the distance astern rises or falls, so that what is open is in one piece.
+                let (mut len, mut beyond) = (1, room);
+                while len < beyond {
+                    let middle = len + (beyond - len) / 2;
+                    if at(ix + middle) == Edge::OPEN { len = middle + 1 } else { beyond = middle }
+                }
                 let planes = &self.planes;
                 Variant::fastest().run(Piece { planes, from, to, len, speed_mps, ahead, fields });
                 ix += len;

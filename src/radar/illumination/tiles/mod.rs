@@ -476,7 +476,7 @@ impl TileWork {
                         .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
                     shade.take(|antenna, weights| {
                         if !update.sees_all(antenna) {
-                            weights.extend(update.weights(antenna).iter().map(|weight| *weight as f32));
+                            update.weights_over(antenna, patch, weights);
                         }
                     });
                 }
@@ -486,8 +486,7 @@ impl TileWork {
                     let update = visibility.update(updates, number, scenery, lower)?;
                     shade.take(|antenna, weights| {
                         if !update.sees_all(antenna) {
-                            let keys = (0..patch.len()).map(|index| patch.key(index));
-                            weights.extend(keys.map(|key| update.weight(antenna, key) as f32));
+                            update.weights_over(antenna, patch, weights);
                         }
                     });
                 }

@@ -114,6 +114,9 @@ pub(super) fn compact<T: Copy>(row: &mut [T; LANES], kept: &[u16]) {
     }
 }
 
+/// Facets are left out where they are more than one in so many.
+const FEW: usize = 4;
+
 struct Bounds<'a>(&'a Pair, usize, &'a mut Row);
 
 impl Task for Bounds<'_> {
@@ -141,15 +144,17 @@ impl Tile {
         }
         let mut kept = [0u16; LANES];
         let mut count = 0;
+        let all_lit = lit[..self.count].iter().filter(|lit| **lit).count();
+        tally.lit += all_lit as u64;
         for i in 0..self.count {
-            tally.lit += u64::from(lit[i]);
-            tally.culled += u64::from(lit[i] && !wanted[i]);
             if wanted[i] {
                 kept[count] = i as u16;
                 count += 1;
             }
         }
-        if count < self.count {
+        // Moving those that stay takes as long as spreading some of the others.
+        if self.count - count > self.count / FEW {
+            tally.culled += all_lit.saturating_sub(count) as u64;
             for pair in &mut self.pairs {
                 pair.keep(&kept[..count]);
             }
