@@ -68,6 +68,13 @@ pub(super) struct BlockWork {
     spread: usize,
 }
 
+impl BlockWork {
+    /// The block at hand will be made again.
+    pub fn forget(&mut self) {
+        self.held = None;
+    }
+}
+
 impl BlockEcho {
     /// For a run of so many pulses.
     ///

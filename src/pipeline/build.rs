@@ -565,6 +565,9 @@ impl PulseStream {
         if let Some(status) = status {
             stream.status(status);
         }
+        let mut workspaces: Vec<Workspace> =
+            (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
+        pool.install(|| warm_up(&factory, &range, &mut workspaces));
         let opened = open_all(&sinks, &header)?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
@@ -586,8 +589,6 @@ impl PulseStream {
                 }
             })?;
         }
-        let mut workspaces: Vec<Workspace> =
-            (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
             pool.install(|| generate(source, &factory, range, &mut workspaces))
@@ -608,6 +609,16 @@ fn yield_to_pacer() {
 
 fn same_kind(a: &Kind, b: &Kind) -> bool {
     std::mem::discriminant(a) == std::mem::discriminant(b)
+}
+
+/// Lets every worker make a block before the clock starts, so that it has all the memory it will need. What fails here fails again in the
+/// run, which tells.
+fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
+    work.par_iter_mut().with_max_len(1).enumerate().for_each(|(place, work)| {
+        let index = range.start.saturating_add(place as u64 * factory.block_pulses()).min(range.end - 1);
+        let _ = factory.make(index, &mut Pulse::new(factory.layout()), work);
+        work.start_anew();
+    });
 }
 
 /// Makes the pulses of `range` until all are made or the stream ends. Workers take block by block, each at its own pace: a block is made by

@@ -5,6 +5,7 @@
 //! | the program and its libraries | [`PROGRAM_BYTES`] |
 //! | the sea that all workers share | [`SHARED_FACET_BYTES`] a facet |
 //! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
+//! | shadows of a patch that follows, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
 //! | grids of a worker | pulses of a block x cells x 2 floats a channel |
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
@@ -13,13 +14,16 @@
 
 use crate::echo::Fidelity;
 use crate::scene::Scene;
+use crate::scene::sea::PatchPlace;
 
 /// The program, its libraries, stacks, tables.
 pub const PROGRAM_BYTES: u64 = 24 << 20;
 /// Shared, a facet: the reference's, the fast echo's.
-pub const SHARED_FACET_BYTES: [u64; 2] = [330, 810];
+pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 /// Of each worker, a facet: the reference's, the fast echo's.
-pub const WORKER_FACET_BYTES: [u64; 2] = [700, 1020];
+pub const WORKER_FACET_BYTES: [u64; 2] = [700, 400];
+/// Of each worker of the fast echo, a facet, where the patch follows: a surface of its own for the shadows.
+pub const FOLLOW_FACET_BYTES: u64 = 160;
 
 /// About what the sea of a scene takes, bytes.
 pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
@@ -28,6 +32,8 @@ pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
         Fidelity::Reference => 0,
         Fidelity::Fast(_) => 1,
     };
-    let each = SHARED_FACET_BYTES[n].saturating_add(WORKER_FACET_BYTES[n].saturating_mul(threads as u64));
+    let follows = scene.sea.as_ref().is_some_and(|sea| sea.place != PatchPlace::Fixed);
+    let worker = WORKER_FACET_BYTES[n] + if follows && n == 1 { FOLLOW_FACET_BYTES } else { 0 };
+    let each = SHARED_FACET_BYTES[n].saturating_add(worker.saturating_mul(threads as u64));
     facets.saturating_mul(each)
 }

@@ -93,6 +93,12 @@ impl Workspace {
     pub fn costs(&self) -> &Costs {
         &self.illumination.costs
     }
+
+    /// Keeps the memory it has taken, but neither the block at hand nor what that has cost.
+    pub(super) fn start_anew(&mut self) {
+        self.illumination.costs = Costs::default();
+        self.block.iter_mut().for_each(BlockWork::forget);
+    }
 }
 
 impl PulseFactory {

@@ -58,9 +58,9 @@ pub struct Work(pub [f64; PIECES]);
 pub struct Prices(pub [f64; PIECES]);
 
 impl Prices {
-    /// Of a common machine: one core of a 2.5 GHz Xeon with AVX-512.
+    /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
     pub const TABLE: Self =
-        Self([55e-9, 40e-9, 11e-9, 62e-9, 8e-9, 12e-9, 1.7e-9, 14e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9]);
+        Self([50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9]);
 
     /// Stage in which each piece is spent.
     pub const STAGES: [Stage; PIECES] = [

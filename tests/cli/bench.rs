@@ -67,6 +67,38 @@ fn bench_tells_speed_memory_stages_and_error() {
     assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing is recorded");
 }
 
+/// Memory is what was predicted, from a fixed patch to one that follows, and not far below.
+#[test]
+fn memory_is_that_predicted() {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/mars-1.toml").display().to_string();
+    let follow = "scene.patch_follow={ kind = \"beside\", platform = \"aircraft\", across_m = -3000.0 }";
+    for more in [&[][..], &["--set", "scene.patch=\"follow\"", "--set", follow][..]] {
+        let arguments =
+            [
+                &[
+                    "bench",
+                    "configs/mars-1.toml",
+                    "--set",
+                    "scene.patch_size_m=[256, 256]",
+                    "--pulses",
+                    "100",
+                ][..],
+                &["--error-pulses", "0", "--threads", "2", "--json"][..],
+                more,
+            ]
+            .concat();
+        let report = json(&nereus(folder.path(), &arguments));
+        let (found, predicted) = (number(&report, "peak_rss_mib"), number(&report, "predicted_rss_mib"));
+        println!("{found:.0} MiB, predicted {predicted:.0}");
+        // The prediction is a bound; the program's own share is the largest part of what is not used.
+        assert!(found <= predicted && predicted <= 1.6 * found, "{found} {predicted}");
+    }
+}
+
 #[test]
 fn the_reference_has_no_error_and_coarse_nodes_have_one() {
     let folder = tempfile::tempdir().unwrap();
