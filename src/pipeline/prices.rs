@@ -42,7 +42,9 @@ impl PulseStream {
         let Some(plan) = self.factory().plan() else { return Ok(None) };
         let prices = self.calibrated()?.unwrap_or(Prices::TABLE);
         let prf_hz = self.schedule().times.mean_prf_hz();
-        let factor = |prices: Prices| self.threads() as f64 / prices.seconds(&plan.work) / prf_hz;
+        let workers =
+            busy_workers(self.schedule().count, self.factory().block_pulses(), self.threads() as u64);
+        let factor = |prices: Prices| workers / prices.seconds(&plan.work) / prf_hz;
         Ok(Some([factor(Prices::TABLE), factor(prices)]))
     }
 
@@ -103,6 +105,17 @@ impl PulseStream {
     }
 }
 
+/// Workers that are busy in the mean while some pulses are made block by block: at the end of a short run some have no block left. A block
+/// that is cut short takes its nodes all the same, half of the time of a whole one.
+fn busy_workers(pulses: u64, block: u64, threads: u64) -> f64 {
+    let (block, threads) = (block.max(1), threads.max(1));
+    let (whole, rest) = (pulses / block, pulses % block);
+    let last =
+        if rest > 0 && whole.is_multiple_of(threads) { 0.5 + 0.5 * rest as f64 / block as f64 } else { 0.0 };
+    let rounds = whole.div_ceil(threads) as f64 + last;
+    if rounds > 0.0 { pulses as f64 / block as f64 / rounds } else { threads as f64 }
+}
+
 /// What a stage took for a pulse between two readings; records go with receiving, and filling with spreading.
 fn per_pulse(before: &Costs, after: &Costs, stage: Stage) -> f64 {
     let pulses = (after.counts().pulses - before.counts().pulses).max(1) as f64;
@@ -113,4 +126,20 @@ fn per_pulse(before: &Costs, after: &Costs, stage: Stage) -> f64 {
         _ => 0.0,
     };
     (of(stage) + more) / pulses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn workers_that_have_a_block() {
+        assert_eq!(busy_workers(980, 49, 2), 2.0);
+        // Eleven blocks, the last of 10 pulses: five rounds of two, and some more.
+        let short = busy_workers(500, 49, 2);
+        assert!((short - 500.0 / 49.0 / (5.0 + 0.5 + 5.0 / 49.0)).abs() < 1e-12, "{short}");
+        // A single block is one worker's.
+        assert_eq!(busy_workers(49, 49, 8), 1.0);
+        assert_eq!(busy_workers(0, 49, 2), 2.0);
+    }
 }
