@@ -204,6 +204,6 @@ fn record_as_named(run: &mut Run, out: &Path) {
     }
 }
 
-fn names_hdf5(out: &Path) -> bool {
+pub(super) fn names_hdf5(out: &Path) -> bool {
     out.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
 }
