@@ -141,21 +141,17 @@ impl Receiver {
             }
             return true;
         };
-        let packets_by_count = &mut self.report.missing.packets_by_count;
         match known.judge(packet.count, packet.time_ps) {
-            Order::Next => {}
-            Order::After(missing) => *packets_by_count += u64::from(missing),
+            Order::Next => true,
             Order::Overtaken => {
-                // It had been counted as missing.
-                *packets_by_count = packets_by_count.saturating_sub(1);
                 self.report.overtaken += 1;
+                true
             }
             Order::Double => {
                 self.report.duplicates += 1;
-                return false;
+                false
             }
         }
-        true
     }
 
     fn look_ready(&mut self) {
@@ -220,6 +216,7 @@ impl Receiver {
 
     /// The end: gives up what is open, and reports.
     pub fn finish(mut self, outlet: &mut impl Outlet) -> Report {
+        self.report.missing.packets_by_count = self.streams.values().map(Stream::missing).sum();
         if let Some(assembly) = &mut self.assembly {
             assembly.finish(outlet);
             let pulses = assembly.pulses;

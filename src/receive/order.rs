@@ -1,20 +1,25 @@
 //! Packet counts: what was lost, doubled or overtaken in a stream.
+//!
+//! A count has four bits, so it alone cannot tell nine lost packets from seven that were overtaken; the time stamp does.
 
 /// The packets of one type in one stream.
 #[derive(Clone, Debug)]
 pub(super) struct Stream {
+    /// Count of the next packet.
     next: u8,
+    /// Latest time.
+    latest: Option<i128>,
     /// Times of the last packet of each count.
     seen: [Option<i128>; 16],
+    /// Packets that are missing.
+    missing: u64,
 }
 
 /// What a packet's count says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
-    /// As expected.
+    /// In order; some before it may be missing.
     Next,
-    /// After so many that are missing (at least: the count has four bits).
-    After(u8),
     /// Overtaken by later ones.
     Overtaken,
     /// Seen before.
@@ -26,7 +31,12 @@ impl Stream {
     pub(super) fn begin(count: u8, time_ps: Option<i128>) -> Self {
         let mut seen = [None; 16];
         seen[usize::from(count & 15)] = time_ps;
-        Self { next: (count + 1) & 15, seen }
+        Self { next: (count + 1) & 15, latest: time_ps, seen, missing: 0 }
+    }
+
+    /// Packets that are missing: at least, for sixteen in a row are not seen.
+    pub(super) fn missing(&self) -> u64 {
+        self.missing
     }
 
     /// Judges the next packet.
@@ -36,12 +46,15 @@ impl Stream {
             return Order::Double;
         }
         *seen = time_ps;
-        let ahead = count.wrapping_sub(self.next) & 15;
-        if ahead >= 8 {
+        if time_ps < self.latest {
+            // It had been counted as missing, unless the stream began after it.
+            self.missing = self.missing.saturating_sub(1);
             return Order::Overtaken;
         }
+        self.latest = time_ps;
+        self.missing += u64::from(count.wrapping_sub(self.next) & 15);
         self.next = (count + 1) & 15;
-        if ahead == 0 { Order::Next } else { Order::After(ahead) }
+        Order::Next
     }
 }
 
@@ -52,12 +65,15 @@ mod tests {
     #[test]
     fn counts_tell_losses_doubles_and_overtaking() {
         let mut stream = Stream::begin(14, Some(0));
-        assert_eq!(stream.judge(15, Some(1)), Order::Next);
-        assert_eq!(stream.judge(0, Some(2)), Order::Next);
-        assert_eq!(stream.judge(0, Some(2)), Order::Double);
-        assert_eq!(stream.judge(3, Some(5)), Order::After(2));
-        assert_eq!(stream.judge(2, Some(4)), Order::Overtaken);
-        assert_eq!(stream.judge(2, Some(4)), Order::Double);
-        assert_eq!(stream.judge(4, Some(6)), Order::Next);
+        let mut judge = |count, time| (stream.judge(count, Some(time)), stream.missing());
+        assert_eq!(judge(15, 1), (Order::Next, 0));
+        assert_eq!(judge(0, 2), (Order::Next, 0));
+        assert_eq!(judge(0, 2), (Order::Double, 0));
+        assert_eq!(judge(3, 5), (Order::Next, 2));
+        assert_eq!(judge(2, 4), (Order::Overtaken, 1));
+        assert_eq!(judge(2, 4), (Order::Double, 1));
+        assert_eq!(judge(4, 6), (Order::Next, 1));
+        // Eleven lost: a count of 0 after 4.
+        assert_eq!(judge(0, 18), (Order::Next, 12));
     }
 }
