@@ -15,8 +15,8 @@ use super::say;
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::outlook::outlook;
-use crate::sinks::{self, Kind};
 use crate::sinks::sink::SinkReport;
+use crate::sinks::{self, Kind};
 use crate::transport;
 use crate::transport::stage::Summary;
 

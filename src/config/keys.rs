@@ -557,7 +557,10 @@ impl Kind {
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
             Self::Output => "a path (relative to the working directory)".to_owned(),
-            Self::Address => "host:port with a port from 1 to 65535, such as \"127.0.0.1:4991\" or \"[::1]:4991\"".to_owned(),
+            Self::Address => {
+                "host:port with a port from 1 to 65535, such as \"127.0.0.1:4991\" or \"[::1]:4991\""
+                    .to_owned()
+            }
             Self::FileOr(word) => {
                 format!("\"{word}\", or a file that exists (relative to the scenario file)")
             }

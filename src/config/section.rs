@@ -269,7 +269,9 @@ impl<'a> Section<'a> {
         }
         let (text, node) = self.text(key)?;
         let legal = text.rsplit_once(':').is_some_and(|(host, port)| {
-            !host.is_empty() && !host.contains(char::is_whitespace) && port.parse::<u16>().is_ok_and(|p| p > 0)
+            !host.is_empty()
+                && !host.contains(char::is_whitespace)
+                && port.parse::<u16>().is_ok_and(|p| p > 0)
         });
         if !legal {
             self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use num_complex::Complex32;
 
-use crate::pulse::{PlatformRecord, Pulse, Samples, flags};
+use crate::pulse::{PlatformRecord, Pulse, SampleFormat, Samples, flags};
 use crate::sinks::sink::Header;
 use crate::time::TimeTag;
 
@@ -21,6 +21,8 @@ const OPEN_PULSES: usize = 8;
 const OPEN_SAMPLES: usize = 1 << 25;
 /// Closed pulses that are remembered, to know doubles when they come.
 const CLOSED_PULSES: usize = 64;
+/// Signal packets that may wait for a pulse that nothing has told of yet.
+const WAITING: usize = 64;
 /// How far a stamp may lie from the grid: half a picosecond for it and for the first sample's, and one more for the
 /// arithmetic of a window in f64.
 const GRID_PS: f64 = 2.0;
@@ -48,7 +50,9 @@ pub(super) enum Taken {
     Double,
     /// Its pulse has been given up.
     Late,
-    /// No pulse has such a time.
+    /// It waits for its pulse.
+    Waits,
+    /// No pulse can have it.
     Stray,
 }
 
@@ -62,6 +66,16 @@ pub(super) struct Pulses {
     pub(super) missing_by_index: u64,
     pub(super) missing_by_time: u64,
     pub(super) backwards: u64,
+    /// Signal packets that waited in vain.
+    pub(super) strays: u64,
+}
+
+/// Samples that came before anything told of their pulse.
+#[derive(Debug)]
+struct Early {
+    channel: usize,
+    time_ps: i128,
+    payload: Vec<u8>,
 }
 
 /// Puts pulses together and hands them on in the order of their emission.
@@ -71,6 +85,7 @@ pub(super) struct Assembly {
     open: VecDeque<Open>,
     most: usize,
     free: Vec<Open>,
+    early: VecDeque<Early>,
     closed: VecDeque<(i128, bool)>,
     /// Time of the first sample of the last pulse that was closed.
     last_ps: Option<i128>,
@@ -90,7 +105,8 @@ fn sample_at(time_ps: i128, first_ps: i128, rate_hz: f64) -> Option<usize> {
     let sample = (after_ps * rate_hz / SECOND_PS as f64).round();
     let off_ps = after_ps - sample / rate_hz * SECOND_PS as f64;
     // An f64 of the span itself is good to 2^-53 of it, twice.
-    (sample >= 0.0 && off_ps.abs() <= GRID_PS + after_ps.abs() * 2.0 * f64::EPSILON).then_some(sample as usize)
+    (sample >= 0.0 && off_ps.abs() <= GRID_PS + after_ps.abs() * 2.0 * f64::EPSILON)
+        .then_some(sample as usize)
 }
 
 impl Open {
@@ -136,7 +152,10 @@ impl Open {
             Samples::Cf32(all) => {
                 for (sample, bytes) in all.iter_mut().skip(at).zip(payload.chunks_exact(8)) {
                     let part = |from: usize| {
-                        bytes.get(from..from + 4).and_then(|b| b.try_into().ok()).map_or(0.0, f32::from_be_bytes)
+                        bytes
+                            .get(from..from + 4)
+                            .and_then(|b| b.try_into().ok())
+                            .map_or(0.0, f32::from_be_bytes)
                     };
                     *sample = Complex32::new(part(0), part(4));
                 }
@@ -144,7 +163,10 @@ impl Open {
             Samples::Ci16(all) => {
                 for (sample, bytes) in all.iter_mut().skip(at).zip(payload.chunks_exact(4)) {
                     let part = |from: usize| {
-                        bytes.get(from..from + 2).and_then(|b| b.try_into().ok()).map_or(0, i16::from_be_bytes)
+                        bytes
+                            .get(from..from + 2)
+                            .and_then(|b| b.try_into().ok())
+                            .map_or(0, i16::from_be_bytes)
                     };
                     *sample = [part(0), part(2)];
                 }
@@ -161,7 +183,9 @@ impl Open {
         pulse.tx_pol = state.tx_pol;
         self.known = true;
         let platform = state.platform[0] as usize;
-        if let (Some(record), Some(came)) = (pulse.nav_reported.get_mut(platform), self.states.get_mut(platform)) {
+        if let (Some(record), Some(came)) =
+            (pulse.nav_reported.get_mut(platform), self.states.get_mut(platform))
+        {
             *came = true;
             *record = PlatformRecord {
                 position_m: state.position_m,
@@ -182,11 +206,20 @@ impl Assembly {
             open: VecDeque::new(),
             most: (OPEN_SAMPLES / total).clamp(2, OPEN_PULSES),
             free: Vec::new(),
+            early: VecDeque::new(),
             closed: VecDeque::with_capacity(CLOSED_PULSES),
             last_ps: None,
             last_emission: None,
             gap: false,
             pulses: Pulses::default(),
+        }
+    }
+
+    /// Bytes of a sample.
+    fn width(&self) -> usize {
+        match self.header.layout.format {
+            SampleFormat::Cf32 => 8,
+            SampleFormat::Ci16 => 4,
         }
     }
 
@@ -228,45 +261,59 @@ impl Assembly {
         done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
     ) -> Taken {
         let samples = self.header.layout.samples;
-        let rate_hz = self.header.sample_rate_hz;
-        let width = match self.header.layout.format {
-            crate::pulse::SampleFormat::Cf32 => 8,
-            crate::pulse::SampleFormat::Ci16 => 4,
-        };
+        let width = self.width();
         let count = payload.len() / width;
         if count == 0 || count > samples || !payload.len().is_multiple_of(width) {
             return Taken::Stray;
         }
         let begins = matches!(frame, Some(Frame::First | Frame::Only));
-        let mut double = false;
+        if let Some(taken) = self.place(channel, time_ps, begins, count, payload) {
+            self.hand_on(done);
+            return taken;
+        }
+        if let Some(taken) = self.closed(time_ps, samples) {
+            return taken;
+        }
+        if begins {
+            // The first word of a pulse whose states are missing or still to come.
+            let place = self.begin(time_ps, done);
+            if let Some(open) = self.open.get_mut(place) {
+                open.fill(channel * samples, count, payload);
+            }
+            self.hand_on(done);
+            return Taken::Yes;
+        }
+        if self.early.len() >= WAITING {
+            self.early.pop_front();
+            self.pulses.strays += 1;
+        }
+        self.early.push_back(Early { channel, time_ps, payload: payload.to_vec() });
+        Taken::Waits
+    }
+
+    /// Puts samples into the open pulse on whose grid they lie.
+    fn place(
+        &mut self,
+        channel: usize,
+        time_ps: i128,
+        begins: bool,
+        count: usize,
+        payload: &[u8],
+    ) -> Option<Taken> {
+        let (samples, rate_hz) = (self.header.layout.samples, self.header.sample_rate_hz);
+        let mut double = None;
         for open in &mut self.open {
             let fits = |at: &usize| at + count <= samples && (!begins || *at == 0);
             let Some(at) = sample_at(time_ps, open.first_ps, rate_hz).filter(fits) else { continue };
             let at = channel * samples + at;
             if open.has(at) {
-                double = true;
+                double = Some(Taken::Double);
                 continue;
             }
             open.fill(at, count, payload);
-            self.hand_on(done);
-            return Taken::Yes;
+            return Some(Taken::Yes);
         }
-        if double {
-            return Taken::Double;
-        }
-        if let Some(taken) = self.closed(time_ps, samples) {
-            return taken;
-        }
-        if !begins {
-            return Taken::Stray;
-        }
-        // The first word of a pulse whose states are missing or still to come.
-        let place = self.begin(time_ps, done);
-        if let Some(open) = self.open.get_mut(place) {
-            open.fill(channel * samples, count, payload);
-        }
-        self.hand_on(done);
-        Taken::Yes
+        double
     }
 
     /// What a packet is whose time lies in a pulse that was closed, or before all that are open.
@@ -290,6 +337,15 @@ impl Assembly {
         let mut open = self.free.pop().unwrap_or_else(|| Open::new(&self.header));
         open.begin(first_ps, self.header.layout.channels * self.header.layout.samples);
         let place = self.open.partition_point(|other| other.first_ps < first_ps);
+        let (samples, width) = (self.header.layout.samples, self.width());
+        // What has waited for this pulse.
+        self.early.retain(|early| {
+            let count = early.payload.len() / width;
+            let at = sample_at(early.time_ps, first_ps, self.header.sample_rate_hz);
+            let Some(at) = at.filter(|at| at + count <= samples) else { return true };
+            open.fill(early.channel * samples + at, count, &early.payload);
+            false
+        });
         self.open.insert(place, open);
         place
     }
@@ -349,5 +405,7 @@ impl Assembly {
         while !self.open.is_empty() {
             self.close(done);
         }
+        self.pulses.strays += self.early.len() as u64;
+        self.early.clear();
     }
 }

@@ -245,8 +245,7 @@ impl Extension {
                 words.u32()?;
                 let adc = (words.f64()?, words.u32()?);
                 words.u32()?;
-                let names =
-                    [text(&mut words)?, text(&mut words)?, text(&mut words)?, text(&mut words)?];
+                let names = [text(&mut words)?, text(&mut words)?, text(&mut words)?, text(&mut words)?];
                 Self::Channel(ChannelDescription { number, samples, adc, names })
             }
             3 => Self::Platform([words.u32()?, words.u32()?], text(&mut words)?),
@@ -256,13 +255,28 @@ impl Extension {
     }
 }
 
+/// Farthest window from its pulse, s.
+const WINDOW_S: f64 = 1e6;
+/// Latest second of an instant: some 35,000 years.
+const SECONDS: i64 = 1 << 40;
+
+/// Whole seconds and a fraction that can be calculated with.
+fn check_instant((seconds, fraction_s): (i64, f64)) -> Result<(), Malformed> {
+    if (-SECONDS..=SECONDS).contains(&seconds) && (0.0..1.0).contains(&fraction_s) {
+        Ok(())
+    } else {
+        Err(Malformed::Value("such an instant"))
+    }
+}
+
 fn state(words: &mut Words<'_>) -> Result<State, Malformed> {
     let (index, flags, place) = (words.u64()?, words.u32()?, words.u32()?);
     let window_start_s = words.f64()?;
     let emission = (words.i64()?, words.f64()?);
     let (age_s, platform_flags, platforms) = (words.f64()?, words.u32()?, words.u32()?);
-    if !window_start_s.is_finite() || !(0.0..1.0).contains(&emission.1) {
-        return Err(Malformed::Value("a time that is not finite"));
+    check_instant(emission)?;
+    if !(-WINDOW_S..=WINDOW_S).contains(&window_start_s) {
+        return Err(Malformed::Value("a window so far from its pulse"));
     }
     Ok(State {
         index,
@@ -289,8 +303,9 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
     let (first_pulse, pulses, seed) = (words.u64()?, words.u64()?, words.u64()?);
     let software = text(words)?;
     let sane = |value: f64| value.is_finite() && value > 0.0;
-    if ![carrier_hz, sample_rate_hz, prf_hz].into_iter().all(sane) || !start.1.is_finite() {
-        return Err(Malformed::Value("a frequency or time that is not finite"));
+    check_instant(start)?;
+    if ![carrier_hz, sample_rate_hz, prf_hz].into_iter().all(sane) {
+        return Err(Malformed::Value("a frequency that is not finite"));
     }
     Ok(RunDescription {
         origin,

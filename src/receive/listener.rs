@@ -121,8 +121,11 @@ fn kernel_drops(address: &SocketAddr) -> Option<u64> {
     let text = fs::read_to_string(table).ok()?;
     let port = format!(":{:04X}", address.port());
     let of_port = |line: &&str| line.split_whitespace().nth(1).is_some_and(|local| local.ends_with(&port));
-    let drops: Vec<u64> =
-        text.lines().filter(of_port).filter_map(|line| line.split_whitespace().last()?.parse().ok()).collect();
+    let drops: Vec<u64> = text
+        .lines()
+        .filter(of_port)
+        .filter_map(|line| line.split_whitespace().last()?.parse().ok())
+        .collect();
     // Several sockets of one port cannot be told apart.
     if let [drops] = drops[..] { Some(drops) } else { None }
 }
@@ -193,7 +196,10 @@ impl Listener {
                     // An answer to something that another program sent from this port.
                     ErrorKind::ConnectionRefused | ErrorKind::ConnectionReset => {}
                     _ => {
-                        return Err(ReceiveError::Socket { address: self.address.to_string(), source: error });
+                        return Err(ReceiveError::Socket {
+                            address: self.address.to_string(),
+                            source: error,
+                        });
                     }
                 },
             }

@@ -48,8 +48,16 @@ pub use listener::{Listener, ReceiveError};
 const STREAMS: usize = 4096;
 
 /// What the wire does not carry.
-pub const NOT_CARRIED: &[&str] =
-    &["nav/*/true", "nav/*/phase_centre_m", "truth", "replica", "config", "pairs", "transmitters", "receivers"];
+pub const NOT_CARRIED: &[&str] = &[
+    "nav/*/true",
+    "nav/*/phase_centre_m",
+    "truth",
+    "replica",
+    "config",
+    "pairs",
+    "transmitters",
+    "receivers",
+];
 
 /// Takes whole pulses; what it gives back is used again.
 pub trait Outlet: FnMut(Box<Pulse>) -> Option<Box<Pulse>> {}
@@ -119,9 +127,14 @@ impl Receiver {
                 let body = packet.class.map(|class| Extension::parse(class, packet.payload)).transpose()?;
                 match body.flatten() {
                     None => self.report.unknown += 1,
-                    Some(_) if !self.in_order(stream, &packet) => {}
-                    Some(Extension::State(state)) => self.state(stream, &packet, &state, arrival, outlet),
+                    Some(Extension::State(state)) => {
+                        if self.in_order(stream, &packet) {
+                            self.state(stream, &packet, &state, arrival, outlet);
+                        }
+                    }
                     Some(description) => {
+                        // Looked at even when it comes again: another run may begin with the same count and time.
+                        self.in_order(stream, &packet);
                         self.roster.learn(stream, description);
                         self.look_ready();
                     }
@@ -225,6 +238,7 @@ impl Receiver {
             self.report.first_pulse = pulses.first;
             self.report.last_pulse = pulses.last;
             self.report.backwards = pulses.backwards;
+            self.report.stray += pulses.strays;
             self.report.missing = Missing {
                 pulses_by_index: pulses.missing_by_index,
                 pulses_by_time: pulses.missing_by_time,
@@ -266,7 +280,7 @@ fn timed<'a>(
 
 fn count(report: &mut Report, taken: Taken) {
     match taken {
-        Taken::Yes => {}
+        Taken::Yes | Taken::Waits => {}
         Taken::Double => report.duplicates += 1,
         Taken::Late => report.too_late += 1,
         Taken::Stray => report.stray += 1,

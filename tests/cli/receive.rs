@@ -33,7 +33,8 @@ fn stdout(mut child: Child) -> String {
 fn live_wire(folder: &Path, address: &str, out: &str) -> serde_json::Value {
     let config = package().join("configs/live-wire.toml").display().to_string();
     let address = format!("sink.0.address={address}");
-    let run = ["run", &config, "--duration-s", "1", "--set", &address, "--set", "stream.policy=slip", "--out", out];
+    let run =
+        ["run", &config, "--duration-s", "1", "--set", &address, "--set", "stream.policy=slip", "--out", out];
     let ended = nereus(folder, &[&run[..], &["--json"]].concat());
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     serde_json::from_str(ended.stdout.lines().last().unwrap()).unwrap()
@@ -52,7 +53,9 @@ fn a_run_is_received_as_it_is_recorded() {
     assert_eq!(wire["wire"]["datagrams"], report["datagrams"]);
     assert_eq!(wire["wire"]["refused"], 0);
     assert_eq!(report["pulses"], 222);
-    for nothing in ["incomplete", "malformed", "unknown", "duplicates", "overtaken", "stray", "contradictions"] {
+    for nothing in
+        ["incomplete", "malformed", "unknown", "duplicates", "overtaken", "stray", "contradictions"]
+    {
         assert_eq!(report[nothing], 0, "{nothing}");
     }
     assert_eq!(report["missing"]["pulses_by_index"], 0);
@@ -90,7 +93,11 @@ fn same(sent: &Path, got: &Path) {
     let iq = |file: &hdf5::File| file.dataset("iq").unwrap().read_raw::<num_complex::Complex32>().unwrap();
     let (a_iq, b_iq) = (iq(&a), iq(&b));
     assert_eq!(a_iq.len(), 222 * 4 * 384);
-    assert!(a_iq.iter().zip(&b_iq).all(|(x, y)| (x.re.to_bits(), x.im.to_bits()) == (y.re.to_bits(), y.im.to_bits())));
+    assert!(
+        a_iq.iter()
+            .zip(&b_iq)
+            .all(|(x, y)| (x.re.to_bits(), x.im.to_bits()) == (y.re.to_bits(), y.im.to_bits()))
+    );
     drop((a, b));
     let again = got.with_file_name("again.h5");
     let report = nereus::sinks::merge::merge(&[got.to_owned()], &again, false).unwrap();
@@ -99,7 +106,9 @@ fn same(sent: &Path, got: &Path) {
 
 #[cfg(not(feature = "hdf5"))]
 fn same(sent: &Path, got: &Path) {
-    for name in ["iq", "pulse/index", "pulse/time_ns", "pulse/window_start_s", "nav/aircraft/reported/position_m"] {
+    for name in
+        ["iq", "pulse/index", "pulse/time_ns", "pulse/window_start_s", "nav/aircraft/reported/position_m"]
+    {
         let read = |folder: &Path| std::fs::read(folder.join(format!("{name}.bin"))).unwrap();
         assert!(read(sent) == read(got), "{name}");
     }
@@ -147,7 +156,8 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
     told(&["--listen", &taken.local_addr().unwrap().to_string()], "cannot listen at 127.0.0.1");
     told(&["--listen", "127.0.0.1:0", "--out", "no/such/folder"], "no/such");
     told(&["--idle-s", "-1"], "allowed: a number of seconds above 0");
-    let ended = nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
+    let ended =
+        nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!((ended.code, &report["pulses"]), (0, &0.into()));
 }

@@ -257,12 +257,9 @@ fn the_ephemeris_is_the_state_to_half_its_least_bit() {
             assert!((found.unwrap() - exact).abs() <= 0.5 / f64::from(1u32 << bit), "{found:?} {exact}");
         }
         // Turned back about z, y and x by the three angles, the nose is the body's.
-        let [alpha, beta, phi] = [
-            ephemeris.attitude_alpha_deg(),
-            ephemeris.attitude_beta_deg(),
-            ephemeris.attitude_phi_deg(),
-        ]
-        .map(|angle| angle.unwrap().to_radians());
+        let [alpha, beta, phi] =
+            [ephemeris.attitude_alpha_deg(), ephemeris.attitude_beta_deg(), ephemeris.attitude_phi_deg()]
+                .map(|angle| angle.unwrap().to_radians());
         let turn = glam::DQuat::from_euler(glam::EulerRot::ZYX, alpha, beta, phi);
         for axis in [glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z] {
             let [bx, by, bz] = axis.to_array();
@@ -293,7 +290,9 @@ fn contexts_come_first_and_once_a_second() {
     let (all, _) = datagrams(&header_of(SampleFormat::Ci16, 50), 1500, 0, 700);
     assert_eq!((kind(&all[0]), word(&all[0], 4)), (EXTENSION, 0x4000_0000));
     let streams = by_stream(&all);
-    for (key, count) in [((CONTEXT, CHANNELS), 3), ((EXTENSION, CHANNELS + 1), 3), ((EXTENSION, 0x4000_0000), 3)] {
+    for (key, count) in
+        [((CONTEXT, CHANNELS), 3), ((EXTENSION, CHANNELS + 1), 3), ((EXTENSION, 0x4000_0000), 3)]
+    {
         assert_eq!(streams[&key].len(), count, "{key:?}");
     }
     let changed = |packet: &[u8]| word(packet, 20) >> 31;
@@ -315,9 +314,9 @@ fn outputs_that_cannot_be_sent_to_are_told() {
     assert!(mtu(575).unwrap_err().to_string().contains("576 to 65535"));
     assert!(mtu(65_536).is_err() && mtu(65_535).is_ok() && mtu(576).is_ok());
     let mut long = header.clone();
-    long.channels[0].name = "n".repeat(150);
-    long.channels[0].receiver = "r".repeat(150);
-    long.channels[0].transmitter = "t".repeat(150);
+    long.channels[0].name = "n".repeat(190);
+    long.channels[0].receiver = "r".repeat(190);
+    long.channels[0].transmitter = "t".repeat(190);
     let small = Settings { mtu_bytes: 576, ..Settings::default() };
     assert!(Vita49Sink::open(&small, &long).unwrap_err().to_string().contains("names that fit"));
     let mut sink = Box::new(Vita49Sink::open(&small, &header).unwrap());

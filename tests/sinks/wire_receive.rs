@@ -2,7 +2,7 @@
 
 use std::net::UdpSocket;
 use std::sync::atomic::AtomicBool;
-use std::sync::mpsc;
+use std::sync::{OnceLock, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -53,7 +53,9 @@ fn over_loopback(address: &str, format: SampleFormat, count: u64) -> (Vec<Pulse>
             duration: Some(Duration::from_secs(30)),
             idle: Some(Duration::from_secs(10)),
         };
-        listener.receive(until, &AtomicBool::new(false), None, |pulse| told.send(pulse.clone()).unwrap()).unwrap()
+        listener
+            .receive(until, &AtomicBool::new(false), None, |pulse| told.send(pulse.clone()).unwrap())
+            .unwrap()
     });
     let mut sink = Box::new(Vita49Sink::open(&settings, &header).unwrap());
     let mut pulses = Vec::new();
@@ -80,7 +82,10 @@ fn every_bit_of_a_run_arrives() {
         let last = &report.platforms[1];
         assert_eq!((last.name.as_str(), last.pulse), ("aircraft", 59));
         let record = pulse(&wide(format), 59).nav_reported[1];
-        assert_eq!((last.position_m, last.age_s, last.flags), (record.position_m, record.age_s, record.flags));
+        assert_eq!(
+            (last.position_m, last.age_s, last.flags),
+            (record.position_m, record.age_s, record.flags)
+        );
         let ephemeris = last.ephemeris.unwrap();
         for (found, exact) in ephemeris.position_m.iter().zip(last.ecef_position_m) {
             assert!((found.unwrap() - exact).abs() <= 2f64.powi(-6));
@@ -184,8 +189,7 @@ fn an_absent_receiver_costs_only_its_datagrams() {
     // A port that was free a moment ago.
     let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
     let header = wide(SampleFormat::Cf32);
-    let mut sink =
-        Box::new(Vita49Sink::open(&Settings { address, ..Settings::default() }, &header).unwrap());
+    let mut sink = Box::new(Vita49Sink::open(&Settings { address, ..Settings::default() }, &header).unwrap());
     for n in 0..50 {
         sink.write(&pulse(&header, n)).unwrap();
     }
@@ -271,10 +275,17 @@ fn a_plain_recording_can_be_made_of_it() {
     }
     assert_eq!(same, 10);
     assert!(!got.join("nav/aircraft/true").exists() && whole.join("nav/aircraft/true").exists());
-    let meta: serde_json::Value = serde_json::from_slice(&std::fs::read(got.join("meta.json")).unwrap()).unwrap();
+    let meta: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(got.join("meta.json")).unwrap()).unwrap();
     assert_eq!(meta["truth"], false);
     assert_eq!((&meta["seed"], &meta["adc_step"]), (&42.into(), &2.5e-8.into()));
     assert_eq!(meta["channel"][1]["receiver"], "pod");
+}
+
+/// The datagrams of twelve pulses.
+fn twelve() -> &'static [Vec<u8>] {
+    static ALL: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
+    ALL.get_or_init(|| datagrams(&wide(SampleFormat::Ci16), 1500, 0, 12).0)
 }
 
 proptest! {
@@ -285,7 +296,7 @@ proptest! {
         doubles in prop::collection::vec(0usize..1000, 0..20),
     ) {
         let header = wide(SampleFormat::Ci16);
-        let (all, _) = datagrams(&header, 1500, 0, 12);
+        let all = twelve();
         // The descriptions stay first: what comes before them cannot be understood.
         let (first, rest) = all.split_at(7);
         let mut rest: Vec<&Vec<u8>> = rest.iter().collect();
@@ -321,8 +332,7 @@ proptest! {
         spoils in prop::collection::vec((0usize..200, 0usize..1500, any::<u8>(), 0usize..40), 1..40),
         fix_size: bool,
     ) {
-        let header = wide(SampleFormat::Ci16);
-        let (mut all, _) = datagrams(&header, 1500, 0, 6);
+        let mut all = twelve().to_vec();
         for (which, at, value, cut) in spoils {
             let which = which % all.len();
             let datagram = &mut all[which];

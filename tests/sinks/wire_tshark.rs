@@ -55,8 +55,22 @@ fn tshark_finds_nothing_malformed() {
         };
         assert_eq!(tshark(&["-Y", "_ws.malformed"]), "");
         let fields = tshark(&[
-            "-Y", "vrt", "-T", "fields", "-e", "vrt.type", "-e", "vrt.seq", "-e", "vrt.len", "-e", "vrt.sid", "-e",
-            "vrt.ts_int", "-e", "vrt.ts_frac_picosecond",
+            "-Y",
+            "vrt",
+            "-T",
+            "fields",
+            "-e",
+            "vrt.type",
+            "-e",
+            "vrt.seq",
+            "-e",
+            "vrt.len",
+            "-e",
+            "vrt.sid",
+            "-e",
+            "vrt.ts_int",
+            "-e",
+            "vrt.ts_frac_picosecond",
         ]);
         let number = |text: &str| match text.strip_prefix("0x") {
             Some(hex) => u64::from_str_radix(hex, 16).unwrap(),

@@ -191,9 +191,10 @@ pub(super) fn run_description<'a>(
 /// Whether every description fits a datagram.
 pub(super) fn check(header: &Header, room: usize) -> Result<(), SinkError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
-    let channels = header.channels.iter().map(|row| {
-        32 + texts(&[&row.name, &row.transmitter, &row.receiver, &row.polarisations])
-    });
+    let channels = header
+        .channels
+        .iter()
+        .map(|row| 32 + texts(&[&row.name, &row.transmitter, &row.receiver, &row.polarisations]));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
     let longest = channels.chain(platforms).chain([104 + texts(&[&header.software])]).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {

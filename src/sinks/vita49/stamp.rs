@@ -83,10 +83,7 @@ mod tests {
         assert_eq!(stamp(0.0, 2, 3e6).picoseconds, 250_000_666_667);
         // Over the second, and before the emission.
         assert_eq!(stamp(0.75, 0, 1e8), Stamp { seconds: 1_527_711_301, picoseconds: 0 });
-        assert_eq!(
-            stamp(-0.5, 0, 1e8),
-            Stamp { seconds: 1_527_711_299, picoseconds: 750_000_000_000 }
-        );
+        assert_eq!(stamp(-0.5, 0, 1e8), Stamp { seconds: 1_527_711_299, picoseconds: 750_000_000_000 });
         // Half a picosecond below the second is the second.
         let last = Stamp::new(TimeTag::new(7, 1.0 - 1e-13), Span::default(), Span::default());
         assert_eq!(last, Stamp { seconds: 8, picoseconds: 0 });
