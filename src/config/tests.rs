@@ -385,6 +385,10 @@ platform.0.track.velocity_mps: has no meaning here (kind = "fixed")
 "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'plain', path = 'x' }, { kind = 'plain', path = 'x' }]")]), @r#"sink.1.path: "x" is already the name of another sink; allowed: unique names"#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'vita49', address = 'receiver', bind = '127.0.0.1:0', mtu_bytes = 500, path = 'x' }]")]), @r#"
+sink.0.address: "receiver" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.mtu_bytes: 500 is out of range; allowed: a whole number from 576 to 65535
+sink.0.bind: "127.0.0.1:0" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.path: has no meaning here (kind = "vita49")
 "#);
     insta::assert_snapshot!(faults_of(&[("platform", "[]"), ("sink", "3"), ("stream", "'fast'")]), @r#"
 transmitter.0.platform: there is no platform "coast"; allowed: none are defined

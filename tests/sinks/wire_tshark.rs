@@ -36,7 +36,7 @@ fn pcap(path: &Path, datagrams: &[Vec<u8>]) {
 #[test]
 fn tshark_finds_nothing_malformed() {
     if !Command::new("tshark").arg("--version").output().is_ok_and(|o| o.status.success()) {
-        println!("skipped: tshark is not installed (tools/setup --tests says how)");
+        println!("skipped: tshark is not installed (Debian: apt-get install tshark)");
         return;
     }
     let folder = tempfile::tempdir().unwrap();
