@@ -9,9 +9,10 @@ use super::args::ReceiveArgs;
 use super::error::CliError;
 use super::run::names_hdf5;
 use super::say;
+use crate::pipeline::build::BuildErrors;
+use crate::receive::Listener;
 use crate::receive::listener::{Opener, Until};
 use crate::receive::report::Report;
-use crate::receive::{Listener, ReceiveError};
 use crate::sinks::plain::PlainSink;
 use crate::sinks::sink::Sink;
 use crate::sinks::{self, Kind};
@@ -54,7 +55,7 @@ fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
         false => Kind::Plain { path: path.clone(), force },
     };
     if let Some(fault) = sinks::preflight(&[sinks::Settings { kind, queue_pulses: 1 }]).pop() {
-        return Err(ReceiveError::Record(fault).into());
+        return Err(BuildErrors::from(fault).into());
     }
     Ok(Box::new(move |header| {
         #[cfg(feature = "hdf5")]

@@ -152,7 +152,7 @@ fn states_may_come_after_the_samples_and_some_may_be_missing() {
     let (all, _) = datagrams(&header, 1500, 0, 4);
     let is_state = |d: &&Vec<u8>| kind(d) == 5 && word(d, 4) & 0xf000_0000 == 0x2000_0000;
     // All that is no state first: every pulse is opened by its samples.
-    let (states, others): (Vec<_>, Vec<_>) = all.iter().partition(|d| is_state(&d));
+    let (states, others): (Vec<_>, Vec<_>) = all.iter().partition(|d| is_state(d));
     let (pulses, report) = received(others.iter().copied().chain(states.iter().copied()));
     assert!(pulses == expected(&header, 0, 4));
     assert_eq!((report.pulses, report.incomplete, report.stray), (4, 0, 0));
@@ -255,7 +255,7 @@ fn a_plain_recording_can_be_made_of_it() {
     recording.finish().unwrap();
     sink.finish().unwrap();
     let report = receiving.join().unwrap();
-    assert_eq!(report.out, [got.clone()]);
+    assert_eq!(report.out, std::slice::from_ref(&got));
     let mut same = 0;
     for name in [
         "iq",
