@@ -155,7 +155,7 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
     let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     told(&["--listen", &taken.local_addr().unwrap().to_string()], "cannot listen at 127.0.0.1");
     told(&["--listen", "127.0.0.1:0", "--out", "no/such/folder"], "no/such");
-    told(&["--idle-s", "-1"], "allowed: a number of seconds above 0");
+    told(&["--idle-s", "0"], "allowed: a number of seconds above 0");
     let ended =
         nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
