@@ -7,9 +7,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use nereus::pulse::{Pulse, SampleFormat, flags};
-use nereus::receive::Listener;
 use nereus::receive::listener::Until;
 use nereus::receive::report::Report;
+use nereus::receive::{Listener, Receiver};
 use nereus::sinks::sink::{Header, Sink, SinkReport};
 use nereus::sinks::vita49::{Settings, Vita49Sink};
 use proptest::prelude::*;
@@ -181,6 +181,35 @@ fn another_run_on_the_same_address_is_told() {
     all.extend(datagrams(&second, 1500, 0, 1).0);
     let (pulses, report) = received(&all);
     assert_eq!((pulses.len(), report.contradictions), (3, 1));
+}
+
+/// Arrivals that are known: every second pulse 1 ms late, one 5 ms.
+#[test]
+fn lateness_is_that_of_the_arrivals() {
+    const DESCRIPTIONS: usize = 7;
+    const PER_PULSE: usize = 2 * 3 + 4;
+    let header = wide(SampleFormat::Ci16);
+    let (all, _) = datagrams(&header, 1500, 0, 100);
+    assert_eq!(all.len(), DESCRIPTIONS + 100 * PER_PULSE);
+    let begun = Instant::now();
+    let report = |arrival_s: &dyn Fn(usize) -> f64| {
+        let mut receiver = Receiver::new();
+        for (k, datagram) in all.iter().enumerate() {
+            let n = k.saturating_sub(DESCRIPTIONS) / PER_PULSE;
+            receiver.take(datagram, begun + Duration::from_secs_f64(arrival_s(n)), &mut Some);
+        }
+        receiver.finish(&mut Some)
+    };
+    let late = |n: usize| if n == 57 { 5e-3 } else { (n % 2) as f64 * 1e-3 };
+    let told = report(&|n| 0.1 + n as f64 / PRF_HZ + late(n)).lateness.unwrap();
+    // Instants count nanoseconds: two roundings.
+    for (found, exact) in [(told.p50_us, 0.0), (told.p99_us, 1000.0), (told.max_us, 5000.0)] {
+        assert!((found - exact).abs() < 3e-3, "{told:?}");
+    }
+    assert_eq!(told.pulses, 100);
+    // All at once, and at half the pace: not in real time.
+    assert_eq!(report(&|_| 0.0).lateness, None);
+    assert_eq!(report(&|n| 2.0 * n as f64 / PRF_HZ).lateness, None);
 }
 
 /// Nobody listens: every datagram is refused, and the sink ends well.
