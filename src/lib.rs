@@ -20,6 +20,7 @@
 //! | [`echo`] | contacts to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
 //! | [`sinks`] | where pulses go |
+//! | [`receive`] | a reference receiver of what the network sink sends |
 //! | [`imaging`] | pictures of maps and curves, files of maps |
 //! | [`config`] | a scenario as written, then as meant |
 //! | [`plan`] | an error that is wanted becomes settings; error and cost before a run |
@@ -46,6 +47,7 @@ pub mod radar;
 pub mod echo;
 pub mod transport;
 pub mod sinks;
+pub mod receive;
 pub mod imaging;
 pub mod config;
 pub mod plan;

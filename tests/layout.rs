@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in the order in which one may use another.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "cpu",
     "units",
     "frames",
@@ -23,6 +23,7 @@ const ROOMS: [&str; 20] = [
     "echo",
     "transport",
     "sinks",
+    "receive",
     "imaging",
     "config",
     "plan",

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
@@ -43,6 +44,8 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
+    /// Receive pulses that are sent as VITA 49.2, and tell gaps, lateness and navigation
+    Receive(ReceiveArgs),
 }
 
 /// `nereus run`
@@ -181,6 +184,42 @@ pub struct MergeArgs {
     /// Print a summary as one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// `nereus receive`
+#[derive(Debug, Args)]
+pub struct ReceiveArgs {
+    /// Address and port of this machine; port 0 takes a free one and says which
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4991")]
+    pub listen: String,
+    /// End after so many whole pulses
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub pulses: Option<u64>,
+    /// End after so long
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub duration_s: Option<Duration>,
+    /// End when nothing has come for so long, once something has
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub idle_s: Option<Duration>,
+    /// Record whole pulses: HDF5 (.h5, .hdf5), or else a folder of plain files
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Overwrite a recording that exists
+    #[arg(long)]
+    pub force: bool,
+    /// Print the report as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Not a span of time.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("allowed: a number of seconds above 0, up to 1e9")]
+pub struct NotASpan;
+
+fn seconds(text: &str) -> Result<Duration, NotASpan> {
+    let seconds: f64 = text.parse().map_err(|_| NotASpan)?;
+    if seconds > 0.0 && seconds <= 1e9 { Ok(Duration::from_secs_f64(seconds)) } else { Err(NotASpan) }
 }
 
 /// How pulses are released.

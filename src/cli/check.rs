@@ -358,6 +358,9 @@ fn sink_text(kind: &Kind) -> String {
             format!("HDF5 recordings {} of {segment_s} s each", path.display())
         }
         Kind::Plain { path, .. } => format!("plain folder {}", path.display()),
+        Kind::Vita49(settings) => {
+            format!("VITA 49.2 over UDP to {}, packets of {} bytes", settings.address, settings.mtu_bytes)
+        }
         Kind::Null => "none (pulses are counted)".to_owned(),
     }
 }

@@ -11,9 +11,9 @@ use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
 use crate::pipeline::speed::SpeedError;
 use crate::radar::pattern::PatternError;
+use crate::receive::ReceiveError;
 #[cfg(feature = "hdf5")]
 use crate::sinks::merge::MergeError;
-#[cfg(feature = "hdf5")]
 use crate::sinks::sink::SinkError;
 
 /// Why a command ends early.
@@ -65,6 +65,9 @@ pub enum CliError {
     /// No map of the sea.
     #[error(transparent)]
     Sea(#[from] SeaError),
+    /// Nothing can be received.
+    #[error(transparent)]
+    Receive(#[from] ReceiveError),
     /// No figures.
     #[error(transparent)]
     Speed(#[from] SpeedError),
@@ -81,6 +84,10 @@ impl CliError {
             | Self::NoHdf5 { .. }
             | Self::Table(_) => 2,
             Self::Sea(error) => error.exit_code(),
+            // A full disk is not wrong input, nor is a socket that breaks.
+            Self::Receive(ReceiveError::Record(SinkError::Io { .. } | SinkError::Hdf5 { .. }))
+            | Self::Receive(ReceiveError::Socket { .. }) => 1,
+            Self::Receive(_) => 2,
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,

@@ -10,6 +10,7 @@ mod error;
 mod merge;
 mod new;
 mod progress;
+mod receive;
 mod run;
 mod sea;
 mod table;
@@ -24,8 +25,8 @@ use std::time::Instant;
 use clap::Parser;
 
 pub use args::{
-    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, Pace, PulseRange, RunArgs, Setting,
-    Template, TradeoffArgs,
+    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotASpan, Pace, PulseRange, ReceiveArgs,
+    RunArgs, Setting, Template, TradeoffArgs,
 };
 pub use error::CliError;
 pub use sea::snapshot::SnapshotArgs;
@@ -79,5 +80,6 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Receive(args) => receive::receive(args, out),
     }
 }

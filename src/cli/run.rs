@@ -15,8 +15,8 @@ use super::say;
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::outlook::outlook;
-use crate::sinks::Kind;
 use crate::sinks::sink::SinkReport;
+use crate::sinks::{self, Kind};
 use crate::transport;
 use crate::transport::stage::Summary;
 
@@ -103,6 +103,18 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         for file in &report.files {
             say(format_args!("{}: {}", report.name, file.display()));
         }
+        if let Some(wire) = &report.wire {
+            say(format_args!("{}: {} datagrams to {}", report.name, wire.datagrams, wire.address));
+            if wire.lost() > 0 {
+                say(format_args!(
+                    "warning: {} datagrams were lost: {} refused by the receiver's machine, {} without room in the send buffer, {} for other reasons",
+                    wire.lost(),
+                    wire.refused,
+                    wire.blocked,
+                    wire.no_buffer + wire.failed
+                ));
+            }
+        }
     }
 }
 
@@ -146,7 +158,7 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         .iter_mut()
         .filter_map(|sink| match &mut sink.kind {
             Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } => Some(path),
-            Kind::Null => None,
+            Kind::Vita49(_) | Kind::Null => None,
         })
         .collect();
     match &mut paths[..] {
@@ -164,9 +176,13 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
                 true => Kind::Hdf5 { path, segment_s: None, force: false },
                 false => Kind::Plain { path, force: false },
             };
-            // A resolved run has at least one sink.
-            if let Some(sink) = run.sinks.first_mut() {
-                sink.kind = kind;
+            // A resolved run has at least one sink. One that sends goes on sending.
+            match run.sinks.iter_mut().find(|sink| sink.kind == Kind::Null) {
+                Some(sink) => sink.kind = kind,
+                None => {
+                    let queue_pulses = run.sinks.first().map_or(64, |sink| sink.queue_pulses);
+                    run.sinks.push(sinks::Settings { kind, queue_pulses });
+                }
             }
         }
         several => {
@@ -188,6 +204,6 @@ fn record_as_named(run: &mut Run, out: &Path) {
     }
 }
 
-fn names_hdf5(out: &Path) -> bool {
+pub(super) fn names_hdf5(out: &Path) -> bool {
     out.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
 }

@@ -95,6 +95,8 @@ pub enum Kind {
     File,
     /// A file or folder to be made, relative to the working directory.
     Output,
+    /// Host and port of the network.
+    Address,
     /// A file that exists, or one word.
     FileOr(&'static str),
     /// A table of its own.
@@ -507,9 +509,12 @@ tables! {
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {
-        KIND "kind", Choice(&["hdf5", "plain", "null"]), Required, "HDF5 recording; folder of plain files; nowhere.";
+        KIND "kind", Choice(&["hdf5", "plain", "vita49", "null"]), Required, "HDF5 recording; folder of plain files; VITA 49.2 over UDP (docs/wire.md); nowhere.";
         PATH "path", Output, Required, "hdf5: the file; plain: the folder.";
         SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
+        ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
+        BIND "bind", Kind::Address, Means("any free port"), "vita49: local address and port to send from.";
+        MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
         QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
     }
 }
@@ -552,6 +557,10 @@ impl Kind {
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
             Self::Output => "a path (relative to the working directory)".to_owned(),
+            Self::Address => {
+                "host:port with a port from 1 to 65535, such as \"127.0.0.1:4991\" or \"[::1]:4991\""
+                    .to_owned()
+            }
             Self::FileOr(word) => {
                 format!("\"{word}\", or a file that exists (relative to the scenario file)")
             }

@@ -261,6 +261,24 @@ impl<'a> Section<'a> {
         Some(PathBuf::from(text))
     }
 
+    /// Host and port; `None` when faulty, or absent without a default.
+    pub(super) fn address(&self, key: &'static Key) -> Option<String> {
+        if !self.has(key) {
+            self.ask(key);
+            return if let Absent::Word(word) = key.absent { Some(word.to_owned()) } else { None };
+        }
+        let (text, node) = self.text(key)?;
+        let legal = text.rsplit_once(':').is_some_and(|(host, port)| {
+            !host.is_empty()
+                && !host.contains(char::is_whitespace)
+                && port.parse::<u16>().is_ok_and(|p| p > 0)
+        });
+        if !legal {
+            self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
+        }
+        legal.then(|| text.to_owned())
+    }
+
     /// A file that exists; `None` when faulty.
     pub(super) fn file(&self, key: &'static Key) -> Option<PathBuf> {
         let path = self.reader.folder.join(self.output(key)?);

@@ -52,6 +52,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (COASTAL, &[("radar.waveform", "{ kind = 'file', path = 'README.md', rate_hz = 1e8 }")]),
         (COASTAL, &[("radar.channel", "[{ polarisation = 'HH', name = 'a' }]")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'isotropic', gain_dbi = 3 }")]),
+        (COASTAL, &[("sink.0", "{ kind = 'vita49', address = 'localhost:4991', bind = '127.0.0.1:4000' }")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'circle', diameter_m = 3 }")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'file', path = 'README.md', floor_dbi = -40 }")]),
         (COASTAL, &[(track, "{ kind = 'nmea', path = 'README.md', attitude = 'constant' }")]),
@@ -383,6 +384,12 @@ platform.0.track.yaw: unknown key; did you mean yaw_deg, in deg?
 platform.0.track.velocity_mps: has no meaning here (kind = "fixed")
 "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'plain', path = 'x' }, { kind = 'plain', path = 'x' }]")]), @r#"sink.1.path: "x" is already the name of another sink; allowed: unique names"#);
+    insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'vita49', address = 'receiver', bind = '127.0.0.1:0', mtu_bytes = 500, path = 'x' }]")]), @r#"
+sink.0.address: "receiver" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.mtu_bytes: 500 is out of range; allowed: a whole number from 576 to 65535
+sink.0.bind: "127.0.0.1:0" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.path: has no meaning here (kind = "vita49")
+"#);
     insta::assert_snapshot!(faults_of(&[("platform", "[]"), ("sink", "3"), ("stream", "'fast'")]), @r#"
 transmitter.0.platform: there is no platform "coast"; allowed: none are defined
 transmitter.0.pointing.platform: there is no platform "aircraft"; allowed: none are defined

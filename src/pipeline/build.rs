@@ -447,6 +447,7 @@ fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule)
         start: scene.start,
         first_pulse: schedule.first,
         pulses: schedule.count,
+        truth: true,
     }
 }
 
@@ -459,6 +460,7 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         #[cfg(not(feature = "hdf5"))]
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
+        Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
         Kind::Null => Box::new(sinks::null::NullSink::new()),
     })
 }

@@ -7,7 +7,7 @@
 //! | `pulse/time_ns`, `pulse/time_frac_ns` | i64, f64 | emission, UTC, floored to ns, and the rest |
 //! | `pulse/window_start_s` | f64 | first sample after the exact emission |
 //! | `pulse/flags`, `pulse/tx_pol` | u32, u8 | see [`crate::pulse`] |
-//! | `nav/<platform>/{true,reported}/position_m`, `velocity_mps` | f64 | ENU `[3]` |
+//! | `nav/<platform>/{true,reported}/position_m`, `velocity_mps` | f64 | ENU `[3]`; `true` is missing in what was received over the wire |
 //! | `nav/<platform>/{true,reported}/attitude_quat` | f64 | body to ENU `[4]`, scalar first |
 //! | `nav/<antenna>/phase_centre_m` | f64 | ENU `[3]` |
 //! | `truth/delay_s`, `truth/doppler_hz` | f64 | `[pair, target]`; only when there are targets |
@@ -129,6 +129,9 @@ pub fn columns(header: &Header) -> Vec<Column> {
     add("pulse/tx_pol".to_owned(), Element::U8, &[], From::TxPol);
     for (p, name) in header.platforms.iter().enumerate() {
         for (nav, kind) in [(Nav::True, "true"), (Nav::Reported, "reported")] {
+            if nav == Nav::True && !header.truth {
+                continue;
+            }
             add(format!("nav/{name}/{kind}/position_m"), Element::F64, &[3], From::Position(nav, p));
             add(format!("nav/{name}/{kind}/velocity_mps"), Element::F64, &[3], From::Velocity(nav, p));
             add(format!("nav/{name}/{kind}/attitude_quat"), Element::F64, &[4], From::Attitude(nav, p));

@@ -24,6 +24,7 @@ pub mod sink;
 pub mod columns;
 pub mod null;
 pub mod plain;
+pub mod vita49;
 #[cfg(feature = "hdf5")]
 pub mod hdf5;
 #[cfg(feature = "hdf5")]
@@ -57,6 +58,8 @@ pub enum Kind {
         /// Overwrite an existing folder.
         force: bool,
     },
+    /// VITA 49.2 over UDP.
+    Vita49(vita49::Settings),
     /// Counts pulses and forgets them.
     Null,
 }
@@ -66,9 +69,19 @@ pub enum Kind {
 pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     let mut faults = Vec::new();
     let mut seen: Vec<(PathBuf, bool)> = Vec::new();
+    let mut sent_to = Vec::new();
     for settings in sinks {
         let (path, segmented, result) = match &settings.kind {
             Kind::Null => continue,
+            Kind::Vita49(settings) => {
+                faults.extend(vita49::preflight(settings).err());
+                let to = vita49::resolve(&settings.address).ok();
+                if to.is_some() && sent_to.contains(&to) {
+                    faults.push(SinkError::SameAddress { address: settings.address.clone() });
+                }
+                sent_to.push(to);
+                continue;
+            }
             Kind::Plain { path, force } => (path, false, plain::preflight(path, *force)),
             Kind::Hdf5 { path, segment_s, force } => {
                 (path, segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))

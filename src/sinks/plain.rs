@@ -159,6 +159,7 @@ impl Sink for PlainSink {
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
             files: vec![self.path.clone()],
+            wire: None,
         })
     }
 }
@@ -203,6 +204,7 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         "start_time_ns": start_ns,
         "start_time_frac_ns": start_frac_ns,
         "first_pulse": header.first_pulse,
+        "truth": header.truth,
         "pulses": header.pulses,
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,

@@ -12,6 +12,8 @@ use crate::pulse::{Layout, Pulse, SampleFormat};
 use crate::time::TimeTag;
 use crate::transport::fanout::{Fed, Feed};
 
+use super::vita49::WireReport;
+
 /// Version of the recordings' structure (HDF5 and plain), attribute `version`.
 pub const FORMAT_VERSION: u32 = 1;
 
@@ -44,6 +46,9 @@ pub struct SinkReport {
     pub bytes: u64,
     /// What was written, in order.
     pub files: Vec<PathBuf>,
+    /// Of a sink that sends: what became of its datagrams.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wire: Option<WireReport>,
 }
 
 /// A row of the channel table.
@@ -135,6 +140,8 @@ pub struct Header {
     pub first_pulse: u64,
     /// Pulses of this run.
     pub pulses: u64,
+    /// Whether the true motion is recorded; what was received over the wire has the reported one only.
+    pub truth: bool,
 }
 
 /// Why a sink cannot be opened or has failed.
@@ -219,6 +226,28 @@ pub enum SinkError {
         action: &'static str,
         /// What the library said.
         detail: String,
+    },
+    /// An address of the network.
+    #[error("{address}: {action}: {source}; allowed: host:port of a machine that can be reached")]
+    Address {
+        /// The address.
+        address: String,
+        /// What was tried.
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Two sinks send to the same address.
+    #[error("{address}: two sinks send there, with the same stream identifiers; each needs its own address")]
+    SameAddress {
+        /// The address.
+        address: String,
+    },
+    /// A size of datagrams that cannot be sent.
+    #[error("mtu_bytes = {mtu_bytes}: allowed: 576 to 65535 bytes")]
+    Mtu {
+        /// What was asked.
+        mtu_bytes: usize,
     },
     /// Built without HDF5.
     #[error("{path}: this build has no HDF5 (feature hdf5); use kind = \"plain\"")]
@@ -315,6 +344,7 @@ impl Header {
             ("layout", self.layout == other.layout),
             ("adc", self.adc == other.adc),
             ("start time", self.start == other.start),
+            ("truth", self.truth == other.truth),
         ]
         .into_iter()
         .find_map(|(field, same)| (!same).then_some(field))

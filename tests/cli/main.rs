@@ -8,6 +8,7 @@ mod oracle;
 mod program;
 mod python_tools;
 mod readme;
+mod receive;
 mod running;
 mod sea;
 mod sea_check;

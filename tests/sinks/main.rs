@@ -1,9 +1,13 @@
-//! Recordings: what is in them, while they grow, after a kill, on a full disk, merged.
+//! Recordings: what is in them, while they grow, after a kill, on a full disk, merged. The wire: what is sent, and received.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod recording_fixture;
 mod recording_outputs;
 mod recording_plain;
+mod wire;
+mod wire_fixture;
+mod wire_receive;
+mod wire_tshark;
 
 #[cfg(feature = "hdf5")]
 mod recording_breakdowns;

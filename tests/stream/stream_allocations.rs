@@ -114,10 +114,29 @@ fn counted_pipeline() {
     counted_scenario("sea.toml", &small);
 }
 
+/// The wire: to a receiver that listens, and to none; descriptions once a second included.
+#[test]
+fn sending_pulses_allocates_nothing() {
+    in_a_process_of_its_own("counted_wire");
+}
+
+#[test]
+#[ignore = "run by sending_pulses_allocates_nothing in a process of its own"]
+fn counted_wire() {
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let set = |key: &str, value: String| (key.to_owned(), value);
+    let address = format!("\"{}\"", socket.local_addr().unwrap());
+    let settings = [set("sink.0.address", address), set("scene.duration_s", "6".to_owned())];
+    counted_scenario("live-wire.toml", &settings);
+    drop(socket);
+    counted_scenario("live-wire.toml", &settings);
+}
+
 fn counted_scenario(name: &str, settings: &[(String, String)]) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
     let mut run = nereus::config::load(&path, settings).unwrap();
-    run.sinks.clear();
+    // What sends stays.
+    run.sinks.retain(|sink| matches!(sink.kind, nereus::sinks::Kind::Vita49(_)));
     run.stream.threads = 2;
     run.stream.policy = Policy::Drop;
     for (pace, end, from, to) in [(Pace::Fast, 1200, 200, 1000), (Pace::Realtime, 400, 100, 350)] {

@@ -118,7 +118,7 @@ fn sink(
     default_queue: Option<u64>,
     taken: &mut Vec<PathBuf>,
 ) -> Option<sinks::Settings> {
-    use keys::sink::{KIND, PATH, QUEUE_PULSES as QUEUE, SEGMENT_S};
+    use keys::sink::{ADDRESS, BIND, KIND, MTU_BYTES, PATH, QUEUE_PULSES as QUEUE, SEGMENT_S};
     let kind = match section.choice(&KIND) {
         Some("hdf5") => {
             let has_segments = section.has(&SEGMENT_S);
@@ -127,6 +127,15 @@ fn sink(
             path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
         }
         Some("plain") => output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false }),
+        Some("vita49") => {
+            let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));
+            let bind = section.address(&BIND);
+            let fine = bind.is_some() || !section.has(&BIND);
+            address.zip(mtu_bytes).filter(|_| fine).and_then(|(address, mtu_bytes)| {
+                let mtu_bytes = usize::try_from(mtu_bytes).ok()?;
+                Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes }))
+            })
+        }
         Some(_) => Some(sinks::Kind::Null),
         None => None,
     };

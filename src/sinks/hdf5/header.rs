@@ -78,6 +78,10 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
     attribute(file, "start_time_fraction_s", &header.start.fraction_s())?;
     attribute(file, "first_pulse", &header.first_pulse)?;
     attribute(file, "pulses", &header.pulses)?;
+    if !header.truth {
+        // Absent in recordings that have it.
+        attribute(file, "truth", &0u8)?;
+    }
     for (name, values) in [
         ("platforms", &header.platforms),
         ("transmitters", &header.transmitters),
@@ -239,5 +243,6 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         start: TimeTag::new(value(file, "start_time_s")?, value(file, "start_time_fraction_s")?),
         first_pulse: value(file, "first_pulse")?,
         pulses: value(file, "pulses")?,
+        truth: optional::<u8>(file, "truth")?.is_none_or(|truth| truth != 0),
     })
 }

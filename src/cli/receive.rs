@@ -1,0 +1,145 @@
+//! `nereus receive`: the reference receiver of the wire.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::args::ReceiveArgs;
+use super::error::CliError;
+use super::run::names_hdf5;
+use super::say;
+use crate::pipeline::build::BuildErrors;
+use crate::receive::Listener;
+use crate::receive::listener::{Opener, Until};
+use crate::receive::report::Report;
+use crate::sinks::plain::PlainSink;
+use crate::sinks::sink::Sink;
+use crate::sinks::{self, Kind};
+
+/// Receives, and reports.
+pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let record = args.out.as_deref().map(|path| opener(path, args.force)).transpose()?;
+    let listener = Listener::bind(&args.listen)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::AcqRel) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(CliError::Signal)?;
+    say(format_args!(
+        "listening at {}, room for {} KiB of datagrams",
+        listener.address(),
+        listener.buffer_bytes() >> 10
+    ));
+    let until = Until { pulses: args.pulses, duration: args.duration_s, idle: args.idle_s };
+    let report = listener.receive(until, &stop, record, |_| {})?;
+    if args.json {
+        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
+        return writeln!(out, "{text}").map_err(CliError::Output);
+    }
+    tell(&report, out).map_err(CliError::Output)
+}
+
+/// What makes the recording, when what is allowed has been looked at.
+fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
+    let hdf5 = names_hdf5(path);
+    if hdf5 && !cfg!(feature = "hdf5") {
+        return Err(CliError::NoHdf5 { out: path.to_owned() });
+    }
+    let path = path.to_owned();
+    let kind = match hdf5 {
+        true => Kind::Hdf5 { path: path.clone(), segment_s: None, force },
+        false => Kind::Plain { path: path.clone(), force },
+    };
+    if let Some(fault) = sinks::preflight(&[sinks::Settings { kind, queue_pulses: 1 }]).pop() {
+        return Err(BuildErrors::from(fault).into());
+    }
+    Ok(Box::new(move |header| {
+        #[cfg(feature = "hdf5")]
+        if hdf5 {
+            let sink = sinks::hdf5::Hdf5Sink::create(&path, None, force, header)?;
+            return Ok(Box::new(sink) as Box<dyn Sink>);
+        }
+        Ok(Box::new(PlainSink::create(&path, force, header)?) as Box<dyn Sink>)
+    }))
+}
+
+/// The report for people.
+fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
+    let number = |pulse: Option<u64>| pulse.map_or("none".to_owned(), |pulse| pulse.to_string());
+    writeln!(
+        out,
+        "pulses      {} whole, {} incomplete; numbers {} to {}",
+        report.pulses,
+        report.incomplete,
+        number(report.first_pulse),
+        number(report.last_pulse)
+    )?;
+    writeln!(
+        out,
+        "gaps        {} pulses by number, {} by time stamps, {} packets by packet counts",
+        report.missing.pulses_by_index, report.missing.pulses_by_time, report.missing.packets_by_count
+    )?;
+    writeln!(
+        out,
+        "order       {} packets overtaken, {} twice, {} too late, {} on no pulse's grid; {} pulses backwards",
+        report.overtaken, report.duplicates, report.too_late, report.stray, report.backwards
+    )?;
+    writeln!(
+        out,
+        "datagrams   {} of {} bytes in all; {} malformed, {} unknown, {} before the description, {} contradictions",
+        report.datagrams,
+        report.bytes,
+        report.malformed,
+        report.unknown,
+        report.undescribed,
+        report.contradictions
+    )?;
+    if let Some(fault) = &report.first_fault {
+        writeln!(out, "            first malformed: {fault}")?;
+    }
+    let drops = report.kernel_drops.map_or("not told".to_owned(), |drops| drops.to_string());
+    writeln!(
+        out,
+        "socket      {} KiB of room; {drops} datagrams dropped by the system",
+        report.receive_buffer_bytes >> 10
+    )?;
+    writeln!(
+        out,
+        "time        {:.3} s of emissions came in {:.3} s",
+        report.emission_span_s, report.arrival_span_s
+    )?;
+    match &report.lateness {
+        Some(late) => writeln!(
+            out,
+            "lateness    p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; that one came {:.6} s after its emission by this clock",
+            late.p50_us, late.p99_us, late.max_us, late.least_offset_s
+        )?,
+        None => writeln!(out, "lateness    not told: the stream was not sent in real time")?,
+    }
+    for platform in &report.platforms {
+        let ([e, n, u], [ve, vn, vu]) = (platform.position_m, platform.velocity_mps);
+        writeln!(
+            out,
+            "platform    {} at pulse {}: {e:.3} m East, {n:.3} m North, {u:.3} m up; {ve:.3}, {vn:.3}, {vu:.3} m/s; report {:.3} s old, flags {:#x}",
+            platform.name, platform.pulse, platform.age_s, platform.flags
+        )?;
+        if let [x, y, z] = platform.ecef_position_m
+            && x.is_finite()
+        {
+            writeln!(out, "            ECEF {x:.3}, {y:.3}, {z:.3} m")?;
+        }
+    }
+    for file in &report.out {
+        writeln!(
+            out,
+            "recording   {}; the wire does not carry {}",
+            file.display(),
+            report.not_carried.join(", ")
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,79 @@
+//! Packet counts: what was lost, doubled or overtaken in a stream.
+//!
+//! A count has four bits, so it alone cannot tell nine lost packets from seven that were overtaken; the time stamp does.
+
+/// The packets of one type in one stream.
+#[derive(Clone, Debug)]
+pub(super) struct Stream {
+    /// Count of the next packet.
+    next: u8,
+    /// Latest time.
+    latest: Option<i128>,
+    /// Times of the last packet of each count.
+    seen: [Option<i128>; 16],
+    /// Packets that are missing.
+    missing: u64,
+}
+
+/// What a packet's count says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Order {
+    /// In order; some before it may be missing.
+    Next,
+    /// Overtaken by later ones.
+    Overtaken,
+    /// Seen before.
+    Double,
+}
+
+impl Stream {
+    /// A stream that begins with this packet.
+    pub(super) fn begin(count: u8, time_ps: Option<i128>) -> Self {
+        let mut seen = [None; 16];
+        seen[usize::from(count & 15)] = time_ps;
+        Self { next: (count + 1) & 15, latest: time_ps, seen, missing: 0 }
+    }
+
+    /// Packets that are missing: at least, for sixteen in a row are not seen.
+    pub(super) fn missing(&self) -> u64 {
+        self.missing
+    }
+
+    /// Judges the next packet.
+    pub(super) fn judge(&mut self, count: u8, time_ps: Option<i128>) -> Order {
+        let seen = &mut self.seen[usize::from(count & 15)];
+        if time_ps.is_some() && *seen == time_ps {
+            return Order::Double;
+        }
+        *seen = time_ps;
+        if time_ps < self.latest {
+            // It had been counted as missing, unless the stream began after it.
+            self.missing = self.missing.saturating_sub(1);
+            return Order::Overtaken;
+        }
+        self.latest = time_ps;
+        self.missing += u64::from(count.wrapping_sub(self.next) & 15);
+        self.next = (count + 1) & 15;
+        Order::Next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_tell_losses_doubles_and_overtaking() {
+        let mut stream = Stream::begin(14, Some(0));
+        let mut judge = |count, time| (stream.judge(count, Some(time)), stream.missing());
+        assert_eq!(judge(15, 1), (Order::Next, 0));
+        assert_eq!(judge(0, 2), (Order::Next, 0));
+        assert_eq!(judge(0, 2), (Order::Double, 0));
+        assert_eq!(judge(3, 5), (Order::Next, 2));
+        assert_eq!(judge(2, 4), (Order::Overtaken, 1));
+        assert_eq!(judge(2, 4), (Order::Double, 1));
+        assert_eq!(judge(4, 6), (Order::Next, 1));
+        // Eleven lost: a count of 0 after 4.
+        assert_eq!(judge(0, 18), (Order::Next, 12));
+    }
+}

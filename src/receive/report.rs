@@ -1,0 +1,172 @@
+//! What a receiver has to say in the end.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::context::{Context, Ephemeris};
+
+/// Counters and figures of a reception.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Where it listened.
+    pub listen: String,
+    /// Room for datagrams that wait to be read, bytes.
+    pub receive_buffer_bytes: usize,
+    /// Datagrams that the system dropped for want of that room, where it says so.
+    pub kernel_drops: Option<u64>,
+    /// Datagrams received.
+    pub datagrams: u64,
+    /// Bytes in them.
+    pub bytes: u64,
+    /// Datagrams that are no VITA 49.2 packets, or bad ones.
+    pub malformed: u64,
+    /// What was wrong with the first of them.
+    pub first_fault: Option<String>,
+    /// Packets of kinds, classes or streams that are not understood.
+    pub unknown: u64,
+    /// Signal packets and states that came before the run was described.
+    pub undescribed: u64,
+    /// Descriptions that contradict earlier ones: another run began, or two send here.
+    pub contradictions: u64,
+    /// Whole pulses.
+    pub pulses: u64,
+    /// Pulses of which something is missing.
+    pub incomplete: u64,
+    /// Number of the first pulse.
+    pub first_pulse: Option<u64>,
+    /// Number of the last.
+    pub last_pulse: Option<u64>,
+    /// Pulses of which nothing came.
+    pub missing: Missing,
+    /// Packets that came after later ones of their stream.
+    pub overtaken: u64,
+    /// Packets that came again.
+    pub duplicates: u64,
+    /// Packets that came when their pulse had been given up.
+    pub too_late: u64,
+    /// Signal packets that lie on no pulse's grid of samples.
+    pub stray: u64,
+    /// Pulses with a number not above that of the one before.
+    pub backwards: u64,
+    /// From the emission of the first whole pulse to that of the last, s.
+    pub emission_span_s: f64,
+    /// The same for their arrivals.
+    pub arrival_span_s: f64,
+    /// Arrivals against time stamps; none where the stream was not sent in real time.
+    pub lateness: Option<Lateness>,
+    /// What the standard contexts of the channels say, by channel.
+    pub contexts: Vec<Context>,
+    /// Where each platform said that it was last.
+    pub platforms: Vec<Platform>,
+    /// What was recorded.
+    pub out: Vec<PathBuf>,
+    /// What a recording of a run has and the wire does not carry.
+    pub not_carried: &'static [&'static str],
+}
+
+/// Gaps by three kinds of evidence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Missing {
+    /// Numbers that were skipped.
+    pub pulses_by_index: u64,
+    /// Pulse intervals without a pulse, by the time stamps and the mean PRF.
+    pub pulses_by_time: u64,
+    /// Packets, by the packet counts of all streams; sixteen in a row are not seen.
+    pub packets_by_count: u64,
+}
+
+/// Arrivals of whole pulses against their time stamps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Lateness {
+    /// Pulses that it is taken from.
+    pub pulses: usize,
+    /// Arrival minus emission by the clock of this machine, of the earliest pulse, s: the latency where the emission is
+    /// stamped with that clock, else the distance of the clocks.
+    pub least_offset_s: f64,
+    /// Beyond that offset: median, us.
+    pub p50_us: f64,
+    /// 99 of 100 are below, us.
+    pub p99_us: f64,
+    /// The latest, us.
+    pub max_us: f64,
+}
+
+/// What a platform said last.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Platform {
+    /// Its name.
+    pub name: String,
+    /// The pulse.
+    pub pulse: u64,
+    /// Position, ENU of the origin, metres.
+    pub position_m: [f64; 3],
+    /// Velocity, ENU, m/s.
+    pub velocity_mps: [f64; 3],
+    /// Body to ENU.
+    pub attitude_quat: [f64; 4],
+    /// Position, ECEF, metres; null where the scene lies nowhere.
+    pub ecef_position_m: [f64; 3],
+    /// Velocity, ECEF, m/s.
+    pub ecef_velocity_mps: [f64; 3],
+    /// Body to ECEF.
+    pub ecef_attitude_quat: [f64; 4],
+    /// Age of the report at the emission, s.
+    pub age_s: f64,
+    /// Flags of the platform.
+    pub flags: u32,
+    /// The standard's ephemeris.
+    pub ephemeris: Option<Ephemeris>,
+}
+
+/// Offsets of arrivals, as many as are kept.
+const KEPT: usize = 1 << 22;
+
+/// Arrivals and emissions of whole pulses.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Arrivals {
+    /// Arrival minus emission, relative to those of the first pulse, s.
+    offsets_s: Vec<f64>,
+    pub(super) emission_span_s: f64,
+    pub(super) arrival_span_s: f64,
+    /// Arrival minus emission of the first pulse, s.
+    pub(super) first_offset_s: f64,
+}
+
+impl Arrivals {
+    /// A pulse, by its emission and arrival after those of the first one, s.
+    pub(super) fn note(&mut self, emission_s: f64, arrival_s: f64) {
+        (self.emission_span_s, self.arrival_span_s) = (emission_s, arrival_s);
+        if self.offsets_s.len() < KEPT {
+            self.offsets_s.push(arrival_s - emission_s);
+        }
+    }
+
+    /// Lateness, if arrivals keep step with emissions: within 1 % and the time of a hiccup, 50 ms.
+    pub(super) fn lateness(&self) -> Option<Lateness> {
+        const STEP: f64 = 0.01;
+        const HICCUP_S: f64 = 0.05;
+        let drift_s = (self.arrival_span_s - self.emission_span_s).abs();
+        if self.offsets_s.len() < 2 || drift_s > STEP * self.emission_span_s + HICCUP_S {
+            return None;
+        }
+        // A burst is not real time either, however short.
+        if self.arrival_span_s < 0.5 * self.emission_span_s {
+            return None;
+        }
+        let mut sorted = self.offsets_s.clone();
+        sorted.sort_by(f64::total_cmp);
+        let least = *sorted.first()?;
+        let quantile = |share: f64| {
+            let rank = ((share * sorted.len() as f64).ceil() as usize).clamp(1, sorted.len());
+            sorted.get(rank - 1).map_or(f64::NAN, |offset| (offset - least) * 1e6)
+        };
+        Some(Lateness {
+            pulses: sorted.len(),
+            least_offset_s: self.first_offset_s + least,
+            p50_us: quantile(0.5),
+            p99_us: quantile(0.99),
+            max_us: quantile(1.0),
+        })
+    }
+}

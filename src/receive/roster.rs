@@ -1,0 +1,188 @@
+//! What has been learned of the run: once all is known, the header of a recording.
+
+use crate::pulse::{Layout, SampleFormat};
+use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin};
+use crate::time::TimeTag;
+
+use super::context::{ChannelDescription, Context, Extension, Format, RunDescription};
+
+/// Most channels and platforms that are taken.
+const CHANNELS: usize = 1024;
+const PLATFORMS: usize = 1024;
+/// Most samples of a pulse over all channels.
+const SAMPLES: usize = 1 << 24;
+
+/// The run as far as it is known.
+#[derive(Debug, Default)]
+pub(super) struct Roster {
+    run: Option<RunDescription>,
+    /// By number: the stream, and what it says of itself.
+    channels: Vec<Option<(u32, ChannelDescription)>>,
+    platforms: Vec<Option<String>>,
+    /// By stream.
+    contexts: Vec<(u32, Context)>,
+    /// The header, once it is complete.
+    known: Option<Known>,
+    /// Descriptions that contradict each other or what can be held.
+    pub(super) contradictions: u64,
+}
+
+/// A run of which everything is known.
+#[derive(Debug)]
+pub(super) struct Known {
+    /// As recordings have it; without truth.
+    pub(super) header: Header,
+    /// Stream of every channel.
+    pub(super) streams: Vec<u32>,
+}
+
+/// Entry `number` of `of` in a list that is bounded.
+fn entry<T>(list: &mut Vec<Option<T>>, [number, of]: [u32; 2], most: usize) -> Option<&mut Option<T>> {
+    let (number, of) = (number as usize, of as usize);
+    if number >= of || of > most || (!list.is_empty() && list.len() != of) {
+        return None;
+    }
+    list.resize_with(of, || None);
+    list.get_mut(number)
+}
+
+impl Roster {
+    /// The run, once everything is known of it.
+    pub(super) fn known(&self) -> Option<&Known> {
+        self.known.as_ref()
+    }
+
+    /// Takes a description. What differs from an earlier one is counted and left.
+    pub(super) fn learn(&mut self, stream: u32, extension: Extension) {
+        let agrees = match extension {
+            Extension::State(_) => true,
+            Extension::Run(run) => {
+                let fits = self.run.as_ref().is_none_or(|known| same_run(known, &run));
+                if fits {
+                    self.run = Some(*run);
+                }
+                fits
+            }
+            Extension::Platform(number, name) => match entry(&mut self.platforms, number, PLATFORMS) {
+                Some(entry) => *entry.get_or_insert_with(|| name.clone()) == name,
+                None => false,
+            },
+            Extension::Channel(channel) => match entry(&mut self.channels, channel.number, CHANNELS) {
+                Some(Some((known, of))) => {
+                    // The step is NaN without a converter.
+                    *known == stream && of.names == channel.names && of.samples == channel.samples
+                }
+                Some(entry) => {
+                    *entry = Some((stream, channel));
+                    true
+                }
+                None => false,
+            },
+        };
+        self.contradictions += u64::from(!agrees);
+        self.complete();
+    }
+
+    /// Takes the standard context of a stream.
+    pub(super) fn hear(&mut self, stream: u32, context: Context) {
+        let room = self.contexts.len() < CHANNELS + PLATFORMS;
+        match self.contexts.iter_mut().find(|(of, _)| *of == stream) {
+            Some((_, known)) => *known = context,
+            None if room => self.contexts.push((stream, context)),
+            None => {}
+        }
+        self.complete();
+    }
+
+    /// The standard context of a stream.
+    pub(super) fn context(&self, stream: u32) -> Option<&Context> {
+        self.contexts.iter().find(|(of, _)| *of == stream).map(|(_, context)| context)
+    }
+
+    fn complete(&mut self) {
+        if self.known.is_none() {
+            self.known = self.assemble();
+        }
+    }
+
+    fn assemble(&self) -> Option<Known> {
+        let run = self.run.as_ref()?;
+        let channels: Vec<&(u32, ChannelDescription)> =
+            self.channels.iter().map(Option::as_ref).collect::<Option<_>>()?;
+        let platforms: Vec<String> = self.platforms.iter().cloned().collect::<Option<_>>()?;
+        let (_, first) = channels.first()?;
+        let samples = first.samples as usize;
+        let total = samples.checked_mul(channels.len())?;
+        let format = self.context(channels.first()?.0)?.format?;
+        let alike = channels.iter().all(|(stream, channel)| {
+            self.context(*stream).is_some_and(|context| {
+                let rate = context.sample_rate_hz.unwrap_or(f64::NAN);
+                // The field has 20 bits below the point.
+                context.format == Some(format)
+                    && (rate - run.sample_rate_hz).abs() <= 2f64.powi(-20) + run.sample_rate_hz * f64::EPSILON
+                    && channel.samples == first.samples
+            })
+        });
+        if platforms.is_empty() || total == 0 || total > SAMPLES || !alike {
+            return None;
+        }
+        let layout = Layout {
+            channels: channels.len(),
+            samples,
+            format: match format {
+                Format::Cf32 => SampleFormat::Cf32,
+                Format::Ci16 => SampleFormat::Ci16,
+            },
+            platforms: platforms.len(),
+            phase_centres: 0,
+            targets: 0,
+            pairs: 0,
+            ships: 0,
+        };
+        let (step, bits) = first.adc;
+        let [lat_deg, lon_deg, h_m] = run.origin;
+        let (seconds, fraction_s) = run.start;
+        let header = Header {
+            software: run.software.clone(),
+            carrier_hz: run.carrier_hz,
+            sample_rate_hz: run.sample_rate_hz,
+            bandwidth_hz: run.bandwidth_hz,
+            pulse_s: run.pulse_s,
+            prf_hz: run.prf_hz,
+            channels: channels
+                .iter()
+                .map(|(_, channel)| {
+                    let [name, transmitter, receiver, polarisations] = channel.names.clone();
+                    ChannelRow { name, transmitter, receiver, polarisations }
+                })
+                .collect(),
+            pairs: Vec::new(),
+            origin: lat_deg.is_finite().then_some(Origin { lat_deg, lon_deg, h_m }),
+            seed: run.seed,
+            config: "# received over the wire, which does not carry the scenario\n".to_owned(),
+            replica: Vec::new(),
+            platforms,
+            transmitters: Vec::new(),
+            receivers: Vec::new(),
+            targets: Vec::new(),
+            ships: Vec::new(),
+            layout,
+            adc: (format == Format::Ci16).then_some(AdcRow { bits, step }),
+            start: TimeTag::new(seconds, fraction_s),
+            first_pulse: run.first_pulse,
+            pulses: run.pulses,
+            truth: false,
+        };
+        header.check().ok()?;
+        Some(Known { header, streams: channels.iter().map(|(stream, _)| *stream).collect() })
+    }
+}
+
+/// Whether two descriptions are of one run.
+fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
+    let bits = |run: &RunDescription| {
+        let [lat, lon, h] = run.origin;
+        [lat, lon, h, run.carrier_hz, run.sample_rate_hz, run.prf_hz, run.start.1].map(f64::to_bits)
+    };
+    bits(a) == bits(b) && (a.start.0, a.seed, a.first_pulse) == (b.start.0, b.seed, b.first_pulse)
+}

@@ -1,0 +1,303 @@
+//! The wire: VITA 49.2 over UDP.
+//!
+//! A pulse is sent as, in this order,
+//!
+//! 1. for each platform the standard ECEF ephemeris of its *reported* state (context packet, where the scene lies
+//!    somewhere on Earth) and the same state in f64 with what else is known of the pulse (extension context);
+//! 2. for each channel its samples, split over as many signal packets as the MTU asks for.
+//!
+//! Before the first pulse, and once every second of emission time, a description of the run, the platforms and the
+//! channels is sent, and the standard context of every channel. All bytes are in `docs/wire.md`.
+//!
+//! **Time.** The stamp of a signal packet is that of its first sample,
+//!
+//! ```text
+//! t = emission + window_start + n / fs
+//! ```
+//!
+//! in UTC seconds and picoseconds, n counted from the start of the window (samples), fs the sample rate (Hz). It is
+//! rounded once, to the nearest picosecond. Other packets bear the emission time.
+//!
+//! **Loss** shows in the packet counts (modulo 16, one for each stream and packet type), in the time stamps, in the
+//! sample frame of the trailer (first, middle, last packet of a pulse), and in the index of the pulse.
+//!
+//! Sending waits 20 ms at most for room in the socket's buffer. What the system refuses is counted
+//! ([`WireReport`]) and the stream goes on: a receiver that is absent or late costs its own datagrams only.
+//!
+//! Source: ANSI/VITA 49.2-2017, VITA Radio Transport. Limits: seconds turn over in 2106; the ephemeris holds
+//! 2^-5 m, 2^-16 m/s and 2^-22 degrees, which is why the state is sent in f64 too.
+//!
+//! ```
+//! use nereus::pulse::{Layout, Pulse, SampleFormat};
+//! use nereus::sinks::{sink::{ChannelRow, Header, Sink}, vita49::{Settings, Vita49Sink}};
+//! use nereus::time::TimeTag;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let layout = Layout { channels: 1, samples: 384, format: SampleFormat::Cf32, platforms: 1,
+//!     phase_centres: 0, targets: 0, pairs: 0, ships: 0 };
+//! let channel = ChannelRow { name: "HH".into(), transmitter: "tx".into(), receiver: "rx".into(), polarisations: "HH".into() };
+//! let header = Header { software: "example".into(), carrier_hz: 10e9, sample_rate_hz: 100e6, bandwidth_hz: 60e6,
+//!     pulse_s: 1e-6, prf_hz: 222.0, channels: vec![channel], pairs: vec![], origin: None, seed: 1, config: String::new(),
+//!     replica: vec![], platforms: vec!["aircraft".into()], transmitters: vec![], receivers: vec![], targets: vec![],
+//!     ships: vec![], layout, adc: None, start: TimeTag::default(), first_pulse: 0, pulses: 1, truth: false };
+//! let receiver = std::net::UdpSocket::bind("127.0.0.1:0")?;
+//! let settings = Settings { address: receiver.local_addr()?.to_string(), ..Settings::default() };
+//! let mut sink = Box::new(Vita49Sink::open(&settings, &header)?);
+//! sink.write(&Pulse::new(&layout))?;
+//! let sent = sink.finish()?.wire.unwrap_or_default();
+//! // Run, platform, channel (its description and its context); the platform's state; 384 samples of 8 bytes in three parts.
+//! assert_eq!(sent.datagrams, 4 + 1 + 3);
+//! # Ok(())
+//! # }
+//! ```
+
+mod datagram;
+mod link;
+mod packets;
+mod stamp;
+
+use crate::pulse::{Pulse, SampleFormat, Samples, flags};
+use crate::time::TimeTag;
+
+use super::sink::{Header, Sink, SinkError, SinkReport};
+use datagram::{Datagram, PROLOGUE, TRAILER, Type};
+use link::Link;
+use packets::{CHANNEL_STREAM, Globe, Part};
+use stamp::{Span, Stamp};
+
+pub use link::WireReport;
+pub(super) use link::resolve;
+
+/// Emission time between two descriptions, s.
+const DESCRIBE_S: f64 = 1.0;
+
+/// Smallest and greatest MTU, bytes: what every IPv4 host takes, and the greatest packet of IP.
+pub const MTU_BYTES: [u64; 2] = [576, 65_535];
+
+/// Where to, and in which pieces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Receiver, host and port.
+    pub address: String,
+    /// Local address and port; any of the machine's when there is none.
+    pub bind: Option<String>,
+    /// Greatest IP packet, bytes.
+    pub mtu_bytes: usize,
+}
+
+impl Default for Settings {
+    /// The standard's port on this machine, Ethernet's MTU.
+    fn default() -> Self {
+        Self { address: "127.0.0.1:4991".to_owned(), bind: None, mtu_bytes: 1500 }
+    }
+}
+
+/// Packet counts, modulo 16, of the streams of one kind.
+#[derive(Debug)]
+struct Counts(Vec<u8>);
+
+impl Counts {
+    fn new(streams: usize) -> Self {
+        Self(vec![0; streams])
+    }
+
+    /// The count of the next packet of a stream.
+    fn next(&mut self, stream: usize) -> u8 {
+        let Some(count) = self.0.get_mut(stream) else { return 0 };
+        let now = *count;
+        *count = (now + 1) % 16;
+        now
+    }
+}
+
+/// Sends pulses as VITA 49.2 datagrams.
+#[derive(Debug)]
+pub struct Vita49Sink {
+    link: Link,
+    header: Header,
+    globe: Option<Globe>,
+    datagram: Datagram,
+    /// Samples of a full signal packet.
+    piece: usize,
+    /// Time of the first sample of each piece after the window's start.
+    offsets: Vec<Span>,
+    /// Emission from which a description is due; none before the first pulse.
+    due: Option<TimeTag>,
+    signal: Counts,
+    context: Counts,
+    description: Counts,
+    ephemeris: Counts,
+    state: Counts,
+    names: Counts,
+    run: Counts,
+    pulses: u64,
+    bytes: u64,
+}
+
+/// Whether the sink could be opened as far as names go; nothing is sent.
+pub(super) fn preflight(settings: &Settings) -> Result<(), SinkError> {
+    settings.bind.iter().chain([&settings.address]).try_for_each(|address| resolve(address).map(|_| ()))
+}
+
+impl Vita49Sink {
+    /// Binds a socket and allocates everything; nothing is sent yet.
+    pub fn open(settings: &Settings, header: &Header) -> Result<Self, SinkError> {
+        header.check()?;
+        let to = resolve(&settings.address)?;
+        let room = link::payload_bytes(settings.mtu_bytes, &to);
+        let layout = &header.layout;
+        let sample = match layout.format {
+            SampleFormat::Cf32 => 8,
+            SampleFormat::Ci16 => 4,
+        };
+        let piece = room.saturating_sub(PROLOGUE + TRAILER) / sample;
+        let lowest = MTU_BYTES[0] as usize;
+        if settings.mtu_bytes < lowest || settings.mtu_bytes > MTU_BYTES[1] as usize || piece == 0 {
+            return Err(SinkError::Mtu { mtu_bytes: settings.mtu_bytes });
+        }
+        packets::check(header, room)?;
+        let first = |start: usize| u32::try_from(start).unwrap_or(u32::MAX);
+        let offsets = (0..layout.samples)
+            .step_by(piece)
+            .map(|start| Span::of_samples(first(start), header.sample_rate_hz))
+            .collect();
+        Ok(Self {
+            link: Link::open(to, settings.bind.as_deref())?,
+            header: header.clone(),
+            globe: Globe::new(header.origin),
+            datagram: Datagram::with_room(room),
+            piece,
+            offsets,
+            due: None,
+            signal: Counts::new(layout.channels),
+            context: Counts::new(layout.channels),
+            description: Counts::new(layout.channels),
+            ephemeris: Counts::new(layout.platforms),
+            state: Counts::new(layout.platforms),
+            names: Counts::new(layout.platforms),
+            run: Counts::new(1),
+            pulses: 0,
+            bytes: 0,
+        })
+    }
+
+    /// What does not change from pulse to pulse, for receivers that come in now.
+    fn describe_run(&mut self, at: Stamp, first: bool) {
+        let Self { link, header, datagram, bytes, .. } = self;
+        let mut send = |packet: &[u8]| {
+            *bytes += packet.len() as u64;
+            link.send(packet);
+        };
+        send(packets::run_description(datagram, header, self.run.next(0), at));
+        for platform in 0..header.platforms.len() {
+            let count = self.names.next(platform);
+            send(packets::platform_description(datagram, header, platform, count, at));
+        }
+        for channel in 0..header.layout.channels {
+            let count = self.description.next(channel);
+            send(packets::channel_description(datagram, header, channel, count, at));
+            let count = self.context.next(channel);
+            send(packets::channel_context(datagram, header, channel, count, at, first));
+        }
+    }
+
+    /// Where every platform says that it is.
+    fn send_states(&mut self, pulse: &Pulse, at: Stamp) {
+        let Self { link, globe, datagram, bytes, .. } = self;
+        let mut send = |packet: &[u8]| {
+            *bytes += packet.len() as u64;
+            link.send(packet);
+        };
+        for (platform, record) in pulse.nav_reported.iter().enumerate() {
+            let earth = globe.as_ref().and_then(|globe| globe.state(record));
+            if let Some(earth) = &earth {
+                let count = self.ephemeris.next(platform);
+                send(packets::ephemeris(datagram, platform, earth, count, at));
+            }
+            let count = self.state.next(platform);
+            send(packets::state(datagram, pulse, platform, earth.as_ref(), count, at));
+        }
+    }
+
+    /// Every channel, piece by piece.
+    fn send_samples(&mut self, pulse: &Pulse) {
+        let after = Span::of_seconds(pulse.window_start_s);
+        let saturated = pulse.flags & flags::ADC_SATURATED != 0;
+        let samples = self.header.layout.samples;
+        for channel in 0..self.header.layout.channels {
+            let stream = CHANNEL_STREAM + channel as u32;
+            for (piece, &offset) in self.offsets.iter().enumerate() {
+                let at = Stamp::new(pulse.time, after, offset);
+                let start = piece * self.piece;
+                let end = (start + self.piece).min(samples);
+                let range = channel * samples + start..channel * samples + end;
+                let packet = self.datagram.begin(Type::Signal, stream, self.signal.next(channel), at);
+                match &pulse.samples {
+                    Samples::Cf32(all) => packets::cf32(packet, all.get(range).unwrap_or(&[])),
+                    Samples::Ci16(all) => packets::ci16(packet, all.get(range).unwrap_or(&[])),
+                }
+                let part = Part::of(piece, self.offsets.len());
+                let packet = packet.u32(packets::trailer(part, saturated)).end();
+                self.bytes += packet.len() as u64;
+                self.link.send(packet);
+            }
+        }
+    }
+
+    /// Whether a pulse has the sizes announced.
+    fn check(&self, pulse: &Pulse) -> Result<(), SinkError> {
+        let layout = &self.header.layout;
+        let samples = match (&pulse.samples, layout.format) {
+            (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
+            (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
+            _ => 0,
+        };
+        for (column, found, expected) in [
+            ("iq", samples, layout.channels * layout.samples),
+            ("nav", pulse.nav_reported.len(), layout.platforms),
+        ] {
+            if found != expected {
+                let column = column.to_owned();
+                return Err(SinkError::Pulse { index: pulse.index, column, found, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Sink for Vita49Sink {
+    fn name(&self) -> &'static str {
+        "vita49"
+    }
+
+    fn describe(&self) -> String {
+        format!("VITA 49.2 over UDP to {}", self.link.address())
+    }
+
+    fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
+        self.check(pulse)?;
+        let emission = Stamp::new(pulse.time, Span::default(), Span::default());
+        if self.due.is_none_or(|due| pulse.time >= due) {
+            self.describe_run(emission, self.due.is_none());
+            self.due = Some(pulse.time.plus(DESCRIBE_S));
+        }
+        self.send_states(pulse, emission);
+        self.send_samples(pulse);
+        self.pulses += 1;
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<SinkReport, SinkError> {
+        let wire = Some(self.link.finish());
+        Ok(SinkReport {
+            name: "vita49".to_owned(),
+            pulses: self.pulses,
+            bytes: self.bytes,
+            wire,
+            ..SinkReport::default()
+        })
+    }
+}
