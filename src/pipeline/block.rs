@@ -20,7 +20,7 @@ use crate::cpu::Variant;
 use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
-use crate::plan::settle::{Settled, block_pulses};
+use crate::plan::settle::{Settled, block_length, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
@@ -28,12 +28,6 @@ use crate::radar::illumination::tiles::{
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
-
-/// Pulses of a block: a patch that follows moves between blocks only.
-fn length_of(spacing: u64, hold_pulses: Option<u64>) -> u64 {
-    let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
-    hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1))
-}
 
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
@@ -94,7 +88,7 @@ impl BlockEcho {
         let gain_pulses = usize::try_from(settled.gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
         Ok(Self {
             synth: Arc::new(synth),
-            length: length_of(settled.node_pulses, hold_pulses),
+            length: block_length(settled.node_pulses, hold_pulses),
             hold_pulses,
             gain_pulses,
             looks_per_node: settled.looks_per_node,
@@ -107,7 +101,8 @@ impl BlockEcho {
     /// The same echo with other nodes; `None` of blocks that are too long.
     pub fn like(other: &Self, settled: &Settled) -> Option<Self> {
         let block = usize::try_from(block_pulses(settled.node_pulses)).ok()?;
-        let (synth, length) = (Arc::clone(&other.synth), length_of(settled.node_pulses, other.hold_pulses));
+        let (synth, length) =
+            (Arc::clone(&other.synth), block_length(settled.node_pulses, other.hold_pulses));
         (block <= MAX_PULSES).then_some(Self { synth, length, ..*other })
     }
 

@@ -69,6 +69,17 @@ pub fn block_pulses(spacing: u64) -> u64 {
     (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
 }
 
+/// Pulses of a block whose nodes are about so many pulses apart, where a patch that follows is held for some pulses: a divisor of these.
+pub fn block_length(spacing: u64, hold_pulses: Option<u64>) -> u64 {
+    let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
+    hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1))
+}
+
+/// The spacing that nodes then have, pulses.
+fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
+    (block_length(spacing, hold_pulses) - 1).div_ceil(NODES as u64 - 1).max(1)
+}
+
 /// Looks from node to node that come nearest to what is asked.
 fn looks_of(node_pulses: u64, scatter_pulses: u64) -> usize {
     node_pulses.div_ceil(scatter_pulses.max(1)).clamp(1, LOOKS_PER_NODE as u64) as usize
@@ -195,7 +206,11 @@ pub fn settle(
     let bounce = peak * super::bounce(scene, illumination);
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
     let mut gains = sounder.gains(&gain_rungs, LONGEST)?;
-    let rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+    let hold_pulses = illumination.hold_pulses();
+    let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+    rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
+    rungs.dedup();
+    rungs.retain(|pulses| *pulses > 1);
     let predict = |left: &super::sounding::Left, gain: &Powers| {
         let [path, tilt, gain, culled] = judge.worst([&left.path, &left.tilt, gain, &culled]);
         let scale = |part: f64| part * worst_pulse;

@@ -77,20 +77,9 @@ fn memory_is_that_predicted() {
     let config = package().join("configs/mars-1.toml").display().to_string();
     let follow = "scene.patch_follow={ kind = \"beside\", platform = \"aircraft\", across_m = -3000.0 }";
     for more in [&[][..], &["--set", "scene.patch=\"follow\"", "--set", follow][..]] {
-        let arguments =
-            [
-                &[
-                    "bench",
-                    "configs/mars-1.toml",
-                    "--set",
-                    "scene.patch_size_m=[256, 256]",
-                    "--pulses",
-                    "100",
-                ][..],
-                &["--error-pulses", "0", "--threads", "2", "--json"][..],
-                more,
-            ]
-            .concat();
+        let patch = ["bench", &config, "--set", "scene.patch_size_m=[256, 256]"];
+        let short = ["--pulses", "100", "--error-pulses", "0", "--threads", "2", "--json"];
+        let arguments = [&patch[..], &short[..], more].concat();
         let report = json(&nereus(folder.path(), &arguments));
         let (found, predicted) = (number(&report, "peak_rss_mib"), number(&report, "predicted_rss_mib"));
         println!("{found:.0} MiB, predicted {predicted:.0}");
