@@ -13,6 +13,12 @@ use std::fmt;
 use hifitime::{Epoch, Unit};
 use thiserror::Error;
 
+/// Seconds of a week of GPS time.
+const WEEK_S: i64 = 604_800;
+/// Weeks are told in 13 bits by the newer satellites.
+const MOST_GPS_WEEK: u32 = 8191;
+/// A time beyond that week.
+const MOST_UNIX_S: i64 = 6_000_000_000;
 const ATTOSECONDS_PER_SECOND: u128 = 1_000_000_000_000_000_000;
 
 /// An instant: UTC seconds since 1970-01-01 (POSIX, no leap seconds) and a fraction in [0, 1).
@@ -74,6 +80,38 @@ impl TimeTag {
             Some(_) => return Err(bad()),
         };
         Ok(Self::new(seconds, fraction_s))
+    }
+
+    /// From a week of GPS time and seconds into it (which may run past the week). GPS time has no leap seconds: UTC is
+    /// behind by those that were in force then (16 in 2014, 18 since 2017), which `hifitime` knows. `None` outside
+    /// 0 to 8191 weeks or 0 to 1e8 s. A leap second itself has the label of the second after it.
+    ///
+    /// ```
+    /// use nereus::time::TimeTag;
+    /// let tag = TimeTag::from_gps(2000, 331_218.25).unwrap();
+    /// assert_eq!(tag.to_string(), "2018-05-09T20:00:00.250000Z");
+    /// assert_eq!(tag.to_gps(), Some((2000, 331_218.25)));
+    /// ```
+    pub fn from_gps(week: u32, seconds_of_week: f64) -> Option<Self> {
+        if week > MOST_GPS_WEEK || !(0.0..=1e8).contains(&seconds_of_week) {
+            return None;
+        }
+        let whole = seconds_of_week.floor();
+        let gps_s = i64::from(week) * WEEK_S + whole as i64;
+        let utc = Epoch::from_gpst_duration(gps_s * Unit::Second).to_unix_duration();
+        Some(Self::new(utc.to_seconds().round() as i64, seconds_of_week - whole))
+    }
+
+    /// Week and second of the week of GPS time; `None` before 1980-01-06 and after week 8191.
+    pub fn to_gps(self) -> Option<(u32, f64)> {
+        // Within what an epoch of hifitime holds.
+        if !(0..=MOST_UNIX_S).contains(&self.seconds) {
+            return None;
+        }
+        let gps = Epoch::from_unix_duration(self.seconds * Unit::Second).to_gpst_duration();
+        let gps_s = gps.to_seconds().round() as i64;
+        let week = u32::try_from(gps_s.div_euclid(WEEK_S)).ok().filter(|week| *week <= MOST_GPS_WEEK)?;
+        Some((week, gps_s.rem_euclid(WEEK_S) as f64 + self.fraction_s))
     }
 
     /// Whole UTC seconds since 1970-01-01.

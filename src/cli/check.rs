@@ -388,6 +388,8 @@ fn file_text(source: &FileSource) -> String {
     let format = match source.format {
         FileFormat::Csv => "CSV",
         FileFormat::Nmea => "NMEA",
+        FileFormat::Inspvax => "INSPVAX",
+        FileFormat::Sbet { .. } => "SBET",
     };
     let datum = match source.datum {
         VerticalDatum::Ellipsoid => "above the ellipsoid".to_owned(),

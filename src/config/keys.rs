@@ -304,21 +304,22 @@ tables! {
         REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it says it is, in the same form.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
-        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea"]), Required, "Stays; straight line at constant speed; recorded track.";
+        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet"]), Required, "Stays; straight line at constant speed; recorded track (docs/navigation.md).";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg, lon_deg and h_m are given"), "fixed, straight: East, North, up in the scene frame (tangent plane at the origin), at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "fixed, straight: latitude, WGS-84.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "fixed, straight: longitude.";
         H_M "h_m", number("m", -11_000.0, FAR_M), Means("position_m is given"), "fixed, straight: height above the datum.";
         VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Required, "straight: velocity East, North, up.";
-        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), Means("0; straight: along the velocity"), "Yaw clockwise from North. fixed, straight, and csv or nmea with attitude = \"constant\".";
+        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), Means("0; straight: along the velocity"), "Yaw clockwise from North. fixed, straight, and recordings with attitude = \"constant\".";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), Means("0; straight: along the velocity"), "Pitch, nose up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), Means("0"), "Roll, right wing down.";
-        PATH "path", File, Required, "csv, nmea: the recording.";
-        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m and for recordings in a scene without origin"), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings) standard pressure altitude.";
+        PATH "path", File, Required, "Recordings: the file.";
+        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings in a scene without origin, and for inspvax and sbet, which say it"), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings) standard pressure altitude.";
         BAROMETRIC_OFFSET_M "barometric_offset_m", number("m", -2000.0, 2000.0), default(0.0), "barometric: added to make a pressure altitude a height above mean sea level.";
-        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "csv, nmea: longest gap between fixes that is interpolated.";
-        SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "csv, nmea: how fixes become a smooth track.";
-        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "csv, nmea: where the attitude comes from. ADS-B records none.";
+        GPS_WEEK "gps_week", count(0, 8191), Required, "sbet: GPS week of the first record; the file has seconds of the week only. 2000 began on 2018-05-06.";
+        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings: longest gap between fixes that is interpolated.";
+        SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "Recordings: how fixes become a smooth track.";
+        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "Recordings: where the attitude comes from. ADS-B records none.";
     }
     smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {
         KIND "kind", Choice(&["off", "rts"]), Required, "Fixes are exact, or a Rauch-Tung-Striebel smoother.";

@@ -122,6 +122,8 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     match source.format {
         FileFormat::Csv => super::csv::parse(bytes, source),
         FileFormat::Nmea => super::nmea::parse(bytes, source),
+        FileFormat::Inspvax => super::inspvax::parse(bytes, source),
+        FileFormat::Sbet { gps_week } => super::sbet::parse(bytes, gps_week, source),
     }
 }
 

@@ -3,7 +3,10 @@
 
 mod converter;
 mod csv_tracks;
+mod decoding;
 mod flights;
+mod formats;
 mod nmea_logs;
+mod sentences;
 mod sources;
 mod tracks;
