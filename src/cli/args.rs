@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
 
+use super::nav::NavArgs;
 use super::sea::SeaArgs;
 use super::sea::snapshot::SnapshotArgs;
 use super::table::TableArgs;
@@ -43,6 +44,8 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
+    /// Inspect, convert, play and spoil recorded navigation
+    Nav(NavArgs),
 }
 
 /// `nereus run`

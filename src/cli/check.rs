@@ -358,6 +358,7 @@ fn sink_text(kind: &Kind) -> String {
             format!("HDF5 recordings {} of {segment_s} s each", path.display())
         }
         Kind::Plain { path, .. } => format!("plain folder {}", path.display()),
+        Kind::Nav(nav) => format!("navigation to {}, {} a second", nav.device, nav.rate_hz),
         Kind::Null => "none (pulses are counted)".to_owned(),
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
 use crate::config::ConfigError;
@@ -62,6 +63,9 @@ pub enum CliError {
     /// The keys of a table.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// Recorded navigation.
+    #[error(transparent)]
+    Nav(#[from] NavToolError),
     /// No map of the sea.
     #[error(transparent)]
     Sea(#[from] SeaError),
@@ -81,6 +85,7 @@ impl CliError {
             | Self::NoHdf5 { .. }
             | Self::Table(_) => 2,
             Self::Sea(error) => error.exit_code(),
+            Self::Nav(error) => error.exit_code(),
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,

@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod error;
 mod merge;
+mod nav;
 mod new;
 mod progress;
 mod run;
@@ -28,6 +29,9 @@ pub use args::{
     Template, TradeoffArgs,
 };
 pub use error::CliError;
+pub use nav::{
+    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInspectArgs, NavPlayArgs, NavToolError,
+};
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
 pub use table::{
@@ -79,5 +83,6 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Nav(args) => nav::nav(args, out),
     }
 }

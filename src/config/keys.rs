@@ -508,9 +508,16 @@ tables! {
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {
-        KIND "kind", Choice(&["hdf5", "plain", "null"]), Required, "HDF5 recording; folder of plain files; nowhere.";
+        KIND "kind", Choice(&["hdf5", "plain", "nav", "null"]), Required, "HDF5 recording; folder of plain files; what a platform reports, on a port (docs/navigation.md); nowhere.";
         PATH "path", Output, Required, "hdf5: the file; plain: the folder.";
         SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
+        DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, or tcp://ADDRESS:PORT.";
+        BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits a second.";
+        PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";
+        FORMAT "format", Choice(&["nmea", "inspvaxa", "inspvaxb"]), Word("nmea"), "nav: NMEA 0183; NovAtel INSPVAX, ASCII or binary.";
+        SENTENCES "sentences", Words { least: 1, most: 7, entry: "GGA, RMC, VTG, HDT, ZDA, GST or PASHR" }, Means("[\"GGA\", \"RMC\"]"), "nav, nmea: sentences, in this order. Readers such as gpsd expect GGA, then RMC, and others behind.";
+        RATE_HZ "rate_hz", above("Hz", 0.0, 1000.0), default(5.0), "nav: messages a second, one a pulse at most.";
+        LATENCY_S "latency_s", number("s", 0.0, 10.0), default(0.0), "nav: how much later than its emission time a message leaves, in emission time.";
         QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
     }
 }

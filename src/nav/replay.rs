@@ -105,7 +105,7 @@ pub fn load(source: &FileSource) -> Result<Recording, NavError> {
 }
 
 /// The bytes of a file.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
     let read_error = |error| NavError::Read { path: path.to_owned(), source: error };
     let file = File::open(path).map_err(read_error)?;
     let mut bytes = Vec::new();

@@ -75,3 +75,23 @@ impl Solution {
         })
     }
 }
+
+/// Gives a velocity to the states that have none: from the one before to the one after (`dp/dt`, in the frame of the
+/// place; at the ends from one neighbour). How many there were.
+pub fn derive_velocities(solutions: &mut [Solution]) -> usize {
+    let mut derived = 0;
+    for index in 0..solutions.len() {
+        if solutions[index].velocity_mps.is_some() {
+            continue;
+        }
+        let (from, to) = (&solutions[index.saturating_sub(1)], &solutions[(index + 1).min(solutions.len() - 1)]);
+        let step_s = to.time.since(from.time);
+        let local = SceneFrame::at(solutions[index].place, Earth::Flat);
+        let way = local.vector_from_ecef(to.place.to_ecef() - from.place.to_ecef());
+        if let Some(way) = way.filter(|_| step_s > 0.0) {
+            solutions[index].velocity_mps = Some((way * step_s.recip()).to_array());
+            derived += 1;
+        }
+    }
+    derived
+}

@@ -159,6 +159,7 @@ impl Sink for PlainSink {
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
             files: vec![self.path.clone()],
+            port: None,
         })
     }
 }

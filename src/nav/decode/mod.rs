@@ -246,15 +246,24 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
     };
     rest = &rest[start..];
     loop {
-        // Neither `$` nor `!` may stand within a sentence: there the end of one and the beginning of another are lost.
-        let next = rest[1..].iter().position(is_start).map(|at| at + 1);
-        match nmea::split_checksum(&rest[..next.unwrap_or(rest.len())]) {
-            None => counts.malformed += 1,
-            Some((body, given)) if nmea::checksum(body) != given => counts.bad_checksum += 1,
-            Some((body, _)) => told(nmea::sentence(body), counts, see),
+        let Some((body, given)) = nmea::split_checksum(rest) else {
+            counts.malformed += 1;
+            return;
+        };
+        // The end of one sentence and the beginning of another may be lost; but `$` within a sound one occurs.
+        let starts = std::iter::once(0).chain((1..=body.len()).filter(|&at| is_start(&rest[at])));
+        let mut found = starts.map(|at| (at, &body[at..])).filter(|(_, body)| nmea::checksum(body) == given);
+        match found.next() {
+            None => counts.bad_checksum += 1,
+            Some((at, body)) => {
+                counts.malformed += u64::from(at > 0);
+                told(nmea::sentence(body), counts, see);
+            }
         }
-        match next {
-            Some(next) => rest = &rest[next..],
+        // Behind the checksum another sentence may follow.
+        let behind = &rest[body.len() + 4..];
+        match behind.iter().position(is_start) {
+            Some(next) => rest = &behind[next..],
             None => return,
         }
     }

@@ -281,6 +281,7 @@ impl Sink for Hdf5Sink {
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
             files: std::mem::take(&mut self.files),
+            port: None,
         })
     }
 }
