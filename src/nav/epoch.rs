@@ -228,12 +228,7 @@ impl Assembler {
     }
 
     /// The open epoch of this time of day; another one is closed first. `None` if INSPVAX has completed it.
-    fn epoch(
-        &mut self,
-        time_of_day_ns: i64,
-        line: u64,
-        see: &mut impl FnMut(Epoch),
-    ) -> Option<&mut Epoch> {
+    fn epoch(&mut self, time_of_day_ns: i64, line: u64, see: &mut impl FnMut(Epoch)) -> Option<&mut Epoch> {
         if self.complete == Some(time_of_day_ns) {
             return None;
         }

@@ -66,7 +66,9 @@ pub enum CaptureError {
         found: String,
     },
     /// Not a link layer that is read.
-    #[error("link layer {found} is not read; allowed: Ethernet (1), loopback (0, 108), raw IP (12, 101, 228, 229), Linux cooked (113)")]
+    #[error(
+        "link layer {found} is not read; allowed: Ethernet (1), loopback (0, 108), raw IP (12, 101, 228, 229), Linux cooked (113)"
+    )]
     Link {
         /// Its number.
         found: u32,

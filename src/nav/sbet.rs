@@ -77,17 +77,10 @@ impl Record {
 }
 
 /// The records of a file with their times; all that is wrong with them goes to `faults`.
-pub(super) fn records(
-    bytes: &[u8],
-    gps_week: u32,
-    faults: &mut Faults,
-) -> Vec<(u64, TimeTag, Record)> {
+pub(super) fn records(bytes: &[u8], gps_week: u32, faults: &mut Faults) -> Vec<(u64, TimeTag, Record)> {
     let (whole, rest) = bytes.as_chunks::<RECORD_BYTES>();
     if !rest.is_empty() {
-        faults.push(
-            whole.len() as u64 + 1,
-            FaultKind::CutRecord { found: rest.len(), needed: RECORD_BYTES },
-        );
+        faults.push(whole.len() as u64 + 1, FaultKind::CutRecord { found: rest.len(), needed: RECORD_BYTES });
     }
     let mut records = Vec::with_capacity(whole.len().min(MAX_FIXES));
     let (mut weeks, mut before_s) = (0.0, 0.0);
@@ -133,12 +126,7 @@ pub(super) fn records(
             }
             None => faults.push(
                 number,
-                FaultKind::OutOfRange {
-                    column: "time",
-                    value: record.seconds,
-                    min: 0.0,
-                    max: 10.0 * WEEK_S,
-                },
+                FaultKind::OutOfRange { column: "time", value: record.seconds, min: 0.0, max: 10.0 * WEEK_S },
             ),
         }
     }
@@ -166,5 +154,5 @@ pub fn parse(bytes: &[u8], gps_week: u32, source: &FileSource) -> Result<Recordi
         }
     }
     let path = source.path.display().to_string();
-    replay::finish(fixes, LoadReport { path, lines, ..LoadReport::default() }, faults, source)
+    replay::finish(fixes, LoadReport { path, lines: lines.max(1), ..LoadReport::default() }, faults, source)
 }

@@ -84,7 +84,8 @@ pub fn derive_velocities(solutions: &mut [Solution]) -> usize {
         if solutions[index].velocity_mps.is_some() {
             continue;
         }
-        let (from, to) = (&solutions[index.saturating_sub(1)], &solutions[(index + 1).min(solutions.len() - 1)]);
+        let (from, to) =
+            (&solutions[index.saturating_sub(1)], &solutions[(index + 1).min(solutions.len() - 1)]);
         let step_s = to.time.since(from.time);
         let local = SceneFrame::at(solutions[index].place, Earth::Flat);
         let way = local.vector_from_ecef(to.place.to_ecef() - from.place.to_ecef());

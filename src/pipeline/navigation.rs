@@ -17,12 +17,9 @@ struct Reports {
 /// What speaks these words in the scene of a run; `None` if that lies nowhere on Earth.
 pub(super) fn speech(words: &Words, header: &Header) -> Option<Box<dyn Speech>> {
     let origin = header.origin?;
-    let frame =
-        SceneFrame::at(Geodetic::from_deg(origin.lat_deg, origin.lon_deg, origin.h_m), Earth::Flat);
+    let frame = SceneFrame::at(Geodetic::from_deg(origin.lat_deg, origin.lon_deg, origin.h_m), Earth::Flat);
     let format = match words {
-        Words::Nmea(names) => {
-            Format::Nmea(names.iter().filter_map(|name| Sentence::named(name)).collect())
-        }
+        Words::Nmea(names) => Format::Nmea(names.iter().filter_map(|name| Sentence::named(name)).collect()),
         Words::InspvaxAscii => Format::InspvaxAscii,
         Words::InspvaxBinary => Format::InspvaxBinary,
     };

@@ -73,10 +73,8 @@ impl NavSink {
     /// Opens the port.
     pub fn open(settings: &NavSettings, speech: Box<dyn Speech>, header: &Header) -> Result<Self, SinkError> {
         let device = settings.device.clone();
-        let port = Port::open(device, settings.force).map_err(|source| SinkError::Port {
-            device: settings.device.to_string(),
-            source,
-        })?;
+        let port = Port::open(device, settings.force)
+            .map_err(|source| SinkError::Port { device: settings.device.to_string(), source })?;
         Ok(Self {
             settings: settings.clone(),
             port,

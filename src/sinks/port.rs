@@ -56,7 +56,9 @@ pub enum Device {
 
 /// Not a device.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{text}' is no device; allowed: the path of a port, file:PATH, tcp://ADDRESS:PORT such as tcp://127.0.0.1:2947")]
+#[error(
+    "'{text}' is no device; allowed: the path of a port, file:PATH, tcp://ADDRESS:PORT such as tcp://127.0.0.1:2947"
+)]
 pub struct NotADevice {
     /// What was written.
     pub text: String,

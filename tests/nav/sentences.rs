@@ -157,7 +157,8 @@ fn states_of_a_scene_are_turned_to_their_place() {
     let tilt = 1f64.to_radians();
     // North and up of the place along the axes of the scene.
     let north = Vector::new(0.0, tilt.cos(), -tilt.sin());
-    let attitude = Rotation::from_axes(north, Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, -tilt.sin(), -tilt.cos()));
+    let attitude =
+        Rotation::from_axes(north, Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, -tilt.sin(), -tilt.cos()));
     let said = Solution::of_scene(&frame, TimeTag::default(), place, north * 100.0, attitude).unwrap();
     let [e, n, u] = said.velocity_mps.unwrap();
     assert!(e.abs() < 1e-10 && (n - 100.0).abs() < 1e-10 && u.abs() < 1e-10, "{e} {n} {u}");
@@ -170,11 +171,15 @@ fn states_of_a_scene_are_turned_to_their_place() {
 
 #[test]
 fn what_is_not_known_is_left_empty_or_refused() {
-    let bare = Solution { velocity_mps: None, yaw_pitch_roll_rad: None, sigma: Sigma::default(), ..solution_of(0) };
+    let bare =
+        Solution { velocity_mps: None, yaw_pitch_roll_rad: None, sigma: Sigma::default(), ..solution_of(0) };
     let mut out = Vec::new();
     Format::Nmea(Sentence::ALL.to_vec()).write(&bare, &mut out).unwrap();
     let text = String::from_utf8(out).unwrap();
-    assert!(text.contains("$GPVTG,,T,,M,,N,,K,A*") && text.contains("$GPHDT,,T*") && !text.contains("PASHR"), "{text}");
+    assert!(
+        text.contains("$GPVTG,,T,,M,,N,,K,A*") && text.contains("$GPHDT,,T*") && !text.contains("PASHR"),
+        "{text}"
+    );
     let epochs = assemble(text.as_bytes());
     assert_eq!((epochs[0].velocity_mps, epochs[0].yaw_pitch_roll_rad), (None, None));
     let write = |said: &Solution| Format::InspvaxAscii.write(said, &mut Vec::new());
@@ -278,5 +283,7 @@ for line in open(sys.argv[1]):
     assert!((figure(2, 1) * 1852.0 / 3600.0 - 13.5f64.hypot(111.2)).abs() < 1e-4);
     assert_eq!((figure(5, 1), figure(5, 2)), (0.25, 1.0));
     assert!((figure(6, 1).to_radians() - 6.2).abs() < 1e-6);
-    assert!((figure(6, 2).to_radians() + 0.03).abs() < 1e-6 && (figure(6, 3).to_radians() - 0.05).abs() < 1e-6);
+    assert!(
+        (figure(6, 2).to_radians() + 0.03).abs() < 1e-6 && (figure(6, 3).to_radians() - 0.05).abs() < 1e-6
+    );
 }

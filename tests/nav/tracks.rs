@@ -163,10 +163,7 @@ fn attitude_of_a_fix_is_relative_to_its_own_vertical() {
     let fixes: Vec<Fix> = (0..5)
         .map(|i| {
             let place = Place::Geodetic(Geodetic::from_deg(0.0, 4.5 + 1e-3 * f64::from(i), 1000.0));
-            Fix {
-                yaw_pitch_roll_rad: Some([0.0, 0.0, 0.0]),
-                ..Fix::at(start().plus(f64::from(i)), place)
-            }
+            Fix { yaw_pitch_roll_rad: Some([0.0, 0.0, 0.0]), ..Fix::at(start().plus(f64::from(i)), place) }
         })
         .collect();
     for attitude in [AttitudeSource::Recorded, AttitudeSource::Level] {

@@ -133,7 +133,11 @@ fn gpsd_reads_a_terminal_as_a_live_receiver() {
     for line in BufReader::new(client).lines() {
         let Ok(line) = line else { break };
         let report: serde_json::Value = serde_json::from_str(&line).unwrap();
-        if report["class"] == "TPV" && report["mode"].as_i64() >= Some(2) && report["lat"].is_f64() {
+        if report["class"] == "TPV"
+            && report["mode"].as_i64() >= Some(2)
+            && report["lat"].is_f64()
+            && report["time"].is_string()
+        {
             let time = TimeTag::from_iso8601(report["time"].as_str().unwrap()).unwrap();
             let wanted = place(time, start);
             // gpsd prints nine decimals of a degree.

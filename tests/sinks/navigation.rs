@@ -61,7 +61,8 @@ fn a_message_a_tick() {
     let device = format!("file:{}", path.display());
     // 333.3 pulses and 5 messages a second: the first pulse at or after k / 5 s is number ceil(66.66 k).
     let report = run(&settings(&device, 5.0, 0.0), 333.3, 0..1000);
-    let wanted: Vec<u64> = (0..).map(|k| (66.66 * f64::from(k)).ceil() as u64).take_while(|n| *n < 1000).collect();
+    let wanted: Vec<u64> =
+        (0..).map(|k| (66.66 * f64::from(k)).ceil() as u64).take_while(|n| *n < 1000).collect();
     assert_eq!(said(&path), wanted);
     let port = report.port.unwrap();
     assert_eq!((port.messages, port.lost_messages), (wanted.len() as u64, 0));

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::recorded::{KINDS, Recorded};
 use super::SourceArgs;
+use super::recorded::{KINDS, Recorded};
 use crate::cli::error::CliError;
 use crate::nav::decode::Counts;
 use crate::nav::{Fix, Place};
@@ -210,7 +210,8 @@ impl Report {
                      {malformed} malformed"
                 ),
             ));
-            let kinds: Vec<String> = self.kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+            let kinds: Vec<String> =
+                self.kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
             rows.push(("kinds", kinds.join(", ")));
         }
         if let Some(track) = &self.track {

@@ -50,7 +50,8 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
     let device = Device::of(&args.device, args.baud).map_err(NavToolError::from)?;
     let solutions = solutions(&args.file, &args.source)?;
     let target = args.target.to.unwrap_or(Target::Nmea);
-    let format = format_of(target, &args.target).unwrap_or_else(|| Format::Nmea(args.target.sentences.clone()));
+    let format =
+        format_of(target, &args.target).unwrap_or_else(|| Format::Nmea(args.target.sentences.clone()));
     let Some(first) = solutions.first() else { return Ok(()) };
     let mut message = Vec::new();
     // What cannot be told is known before the port is opened.

@@ -13,8 +13,7 @@ use crate::nav::{
 };
 
 /// Kinds of messages, by name.
-pub(super) const KINDS: [&str; 9] =
-    ["GGA", "RMC", "GLL", "VTG", "HDT", "ZDA", "GST", "PASHR", "INSPVAX"];
+pub(super) const KINDS: [&str; 9] = ["GGA", "RMC", "GLL", "VTG", "HDT", "ZDA", "GST", "PASHR", "INSPVAX"];
 
 /// What was read.
 pub(super) struct Recorded {
@@ -54,9 +53,14 @@ fn count(bytes: &[u8]) -> (Counts, [u64; KINDS.len()]) {
 /// The format of a file from its first bytes and its name.
 fn sniffed(bytes: &[u8], path: &Path) -> Source {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let is_pcap = [[0xD4, 0xC3, 0xB2, 0xA1], [0xA1, 0xB2, 0xC3, 0xD4], [0x4D, 0x3C, 0xB2, 0xA1], [0xA1, 0xB2, 0x3C, 0x4D]]
-        .iter()
-        .any(|magic| bytes.starts_with(magic));
+    let is_pcap = [
+        [0xD4, 0xC3, 0xB2, 0xA1],
+        [0xA1, 0xB2, 0xC3, 0xD4],
+        [0x4D, 0x3C, 0xB2, 0xA1],
+        [0xA1, 0xB2, 0x3C, 0x4D],
+    ]
+    .iter()
+    .any(|magic| bytes.starts_with(magic));
     if is_pcap || bytes.starts_with(&[0x1F, 0x8B]) {
         return Source::Pcap;
     }
@@ -100,8 +104,7 @@ impl Recorded {
             Source::Nmea => whole(format, Some(count(&bytes)), FileFormat::Nmea),
             Source::Inspvax => whole(format, Some(count(&bytes)), FileFormat::Inspvax),
             Source::Sbet => {
-                let gps_week =
-                    args.gps_week.ok_or_else(|| NavToolError::Week { path: path.to_owned() })?;
+                let gps_week = args.gps_week.ok_or_else(|| NavToolError::Week { path: path.to_owned() })?;
                 whole(format, None, FileFormat::Sbet { gps_week })
             }
             Source::Pcap => {

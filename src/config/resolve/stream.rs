@@ -111,8 +111,10 @@ pub(super) fn sinks(
         }]);
     }
     let mut taken = Vec::new();
-    let sinks: Vec<Option<sinks::Settings>> =
-        sections.into_iter().map(|section| sink(section, ground, platforms, default_queue, &mut taken)).collect();
+    let sinks: Vec<Option<sinks::Settings>> = sections
+        .into_iter()
+        .map(|section| sink(section, ground, platforms, default_queue, &mut taken))
+        .collect();
     sinks.into_iter().collect()
 }
 

@@ -110,7 +110,9 @@ pub enum EncodeError {
     #[error("INSPVAX needs a velocity and an attitude; allowed without: nmea")]
     Incomplete,
     /// A time or position that the format has no figures for.
-    #[error("the state cannot be written; allowed: 1980 to 2136, heights and speeds of what moves on or about Earth")]
+    #[error(
+        "the state cannot be written; allowed: 1980 to 2136, heights and speeds of what moves on or about Earth"
+    )]
     Range,
 }
 

@@ -35,8 +35,7 @@ pub(super) struct Said {
 
 impl Said {
     pub fn of(solution: &Solution) -> Result<Self, EncodeError> {
-        let (Some([east, north, up]), Some(angles)) =
-            (solution.velocity_mps, solution.yaw_pitch_roll_rad)
+        let (Some([east, north, up]), Some(angles)) = (solution.velocity_mps, solution.yaw_pitch_roll_rad)
         else {
             return Err(EncodeError::Incomplete);
         };
