@@ -239,11 +239,14 @@ fn segment(packet: &[u8]) -> Option<Segment<'_>> {
     }
 }
 
+/// Payloads, and at which byte of the stream they begin.
+type Parts<'a> = Vec<(i64, &'a [u8])>;
+
 /// The packets of every stream.
 #[derive(Default)]
 struct Flows<'a> {
     place: HashMap<Flow, usize>,
-    all: Vec<(Flow, Vec<(i64, &'a [u8])>)>,
+    all: Vec<(Flow, Parts<'a>)>,
 }
 
 impl<'a> Flows<'a> {

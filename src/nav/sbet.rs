@@ -106,9 +106,8 @@ pub(super) fn records(bytes: &[u8], gps_week: u32, faults: &mut Faults) -> Vec<(
             ("heading", 9, 4.0 * HALF_TURN_RAD),
             ("wander angle", 10, 4.0 * HALF_TURN_RAD),
         ] {
-            // Written so that NaN is out of range.
             let value = figures[index];
-            if !(value.abs() <= limit) {
+            if value.is_nan() || value.abs() > limit {
                 faults.push(number, FaultKind::OutOfRange { column, value, min: -limit, max: limit });
             }
         }

@@ -182,15 +182,7 @@ fn sentences_of_a_run_are_those_of_its_recording() {
     decoder.push(&bytes, &mut see);
     decoder.finish(&mut see);
     assert_eq!((decoder.counts().good, decoder.counts().bad_checksum), (240, 0));
-    let meta = fs::read_dir(folder.path().join("r.plain")).unwrap();
-    let file = meta
-        .map(|entry| entry.unwrap().path())
-        .find(|path| {
-            let name = path.to_string_lossy().into_owned();
-            name.contains("cart") && name.contains("reported") && name.contains("position")
-        })
-        .expect("the reported positions of the cart");
-    let column = fs::read(file).unwrap();
+    let column = fs::read(folder.path().join("r.plain/nav/cart/reported/position_m.bin")).unwrap();
     let positions_m: Vec<[f64; 3]> = column
         .as_chunks::<24>()
         .0

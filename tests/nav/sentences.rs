@@ -14,7 +14,7 @@ pub fn solution_of(second: u32) -> Solution {
     let s = f64::from(second);
     Solution {
         time: TimeTag::from_iso8601("2018-05-30T18:40:00.125Z").unwrap().plus(s),
-        place: Geodetic::from_deg(53.1 + 1e-3 * s, 4.6 - 2e-4 * s, 1234.567_89 + s),
+        place: Geodetic::from_deg(53.1 + 1e-3 * s, 4.6 - 2e-4 * s, 1_234.567_89 + s),
         undulation_m: 43.25,
         velocity_mps: Some([-13.5, 111.2, 1.0]),
         yaw_pitch_roll_rad: Some([6.2, 0.05, -0.1 + 0.01 * s]),

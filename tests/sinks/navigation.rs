@@ -67,7 +67,7 @@ fn a_message_a_tick() {
     let port = report.port.unwrap();
     assert_eq!((port.messages, port.lost_messages), (wanted.len() as u64, 0));
     assert_eq!((report.pulses, report.bytes), (1000, std::fs::metadata(&path).unwrap().len()));
-    assert_eq!(report.files, [path.clone()]);
+    assert_eq!(report.files, std::slice::from_ref(&path));
     // The time is that of the pulse, not of the tick.
     let first = std::fs::read_to_string(&path).unwrap().lines().nth(1).unwrap().to_owned();
     assert_eq!(first.split(' ').next().unwrap(), format!("{:.0}", 67.0 / 333.3 * 1e9));
