@@ -19,7 +19,7 @@
 //! let mut epochs = Vec::new();
 //! decoder.push(
 //!     b"$GPRMC,195719,A,5310.8115,N,00525.7025,E,0.0,0.0,160414,0.7,E,A*10\r\n\
-//!       $GPGGA,195719,5310.8115,N,00525.7025,E,8,10,0.9,-2.0,M,43.0,M,,*49\r\n",
+//!       $GPGGA,195719,5310.8115,N,00525.7025,E,8,10,0.9,-2.0,M,43.0,M,,*61\r\n",
 //!     &mut |message| assembler.push(&message, &mut |epoch| epochs.push(epoch)),
 //! );
 //! epochs.extend(assembler.finish());

@@ -26,7 +26,7 @@
 //!     }
 //! };
 //! decoder.push(b"noise\r\n$HEHDT,27", &mut see);
-//! decoder.push(b"4.5,T*29\r\n$HEHDT,275.0,T*00\r\n", &mut see);
+//! decoder.push(b"4.5,T*2B\r\n$HEHDT,275.0,T*00\r\n", &mut see);
 //! assert_eq!(headings, [274.5]);
 //! assert_eq!((decoder.counts().malformed, decoder.counts().bad_checksum), (1, 1));
 //! ```

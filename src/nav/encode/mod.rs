@@ -37,7 +37,7 @@
 //! Format::Nmea(vec![Sentence::Gga]).write(&solution, &mut out).unwrap();
 //! assert_eq!(
 //!     out,
-//!     b"$GPGGA,184000.250,5330.00000000,N,00415.00000000,W,1,10,1.0,100.00000,M,43.5000,M,,*60\r\n"
+//!     b"$GPGGA,184000.250,5330.00000000,N,00415.00000000,W,1,10,1.0,100.00000,M,43.5000,M,,*72\r\n"
 //! );
 //! assert!(Format::InspvaxBinary.write(&solution, &mut out).is_err());
 //! ```
