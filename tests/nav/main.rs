@@ -1,6 +1,7 @@
 //! Navigation: files to fixes, fixes to tracks.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+mod captures;
 mod converter;
 mod csv_tracks;
 mod decoding;
