@@ -12,6 +12,7 @@ use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
 mod ais;
+mod navigation;
 mod sea;
 mod ship;
 
