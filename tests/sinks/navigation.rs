@@ -188,11 +188,15 @@ mod terminals {
         let mut text = Vec::new();
         let _ = reader.read_to_end(&mut text);
         assert_eq!(text.len() as u64, port.bytes);
-        // Raw: line ends are not turned, and what came is a run of whole messages from the beginning.
+        // Raw: line ends are not turned. What came are whole messages, some of which may be missing between.
         let text = String::from_utf8(text).unwrap();
         assert!(!text.contains('\r'));
-        for (number, line) in text[..text.rfind('\n').unwrap()].lines().enumerate() {
+        let mut next = 0;
+        for line in text[..text.rfind('\n').unwrap()].lines() {
+            let number: u64 = line.split(' ').nth(1).unwrap().parse().unwrap();
             assert_eq!(line, format!("{} {number}", number * 1_000_000));
+            assert!(number >= next, "{number} after {next}");
+            next = number + 1;
         }
     }
 
