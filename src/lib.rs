@@ -12,7 +12,7 @@
 //! | [`pulse`] | one pulse under way: samples, time tag, navigation, flags |
 //! | [`scene`] | what there is, resolved, no physics |
 //! | [`sea`] | the water: wind, spectra, the synthesised surface |
-//! | [`nav`] | where platforms say they are: track files and NMEA logs |
+//! | [`nav`] | where platforms say they are: track files, NMEA and NovAtel messages, in and out |
 //! | [`motion`] | where everything is at an instant: tracks, attitude, pointing |
 //! | [`geometry`] | light time, delay rate, polarisation bases |
 //! | [`scattering`] | what each target and facet returns; the contact list |

@@ -27,6 +27,8 @@ pub enum Room {
     FacetPhase = 20,
     /// Loss of memory of a sea facet: as above.
     FacetDecorrelation = 21,
+    /// Bytes of a recording that are spoiled on purpose.
+    SpoiledBytes = 48,
     /// Pulses at which the error of an echo is measured.
     SampledPulses = 64,
 }

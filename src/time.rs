@@ -10,9 +10,20 @@
 
 use std::fmt;
 
+use hifitime::leap_seconds::LatestLeapSeconds;
 use hifitime::{Epoch, Unit};
 use thiserror::Error;
 
+/// Seconds of a week of GPS time.
+const WEEK_S: i64 = 604_800;
+/// Weeks are told in 13 bits by the newer satellites.
+const MOST_GPS_WEEK: u32 = 8191;
+/// 1980-01-06, in UTC seconds since 1970-01-01.
+const GPS_START_S: i64 = 315_964_800;
+/// 1900-01-01 to 1970-01-01, s.
+const NTP_TO_UNIX_S: f64 = 2_208_988_800.0;
+/// TAI minus GPS time, s.
+const TAI_GPS_S: f64 = 19.0;
 const ATTOSECONDS_PER_SECOND: u128 = 1_000_000_000_000_000_000;
 
 /// An instant: UTC seconds since 1970-01-01 (POSIX, no leap seconds) and a fraction in [0, 1).
@@ -76,6 +87,35 @@ impl TimeTag {
         Ok(Self::new(seconds, fraction_s))
     }
 
+    /// From a week of GPS time and seconds into it (which may run past the week). GPS time has no leap seconds: UTC is
+    /// behind by those that were in force then (16 in 2014, 18 since 2017), which `hifitime` lists. `None` outside
+    /// 0 to 8191 weeks or 0 to 1e8 s. A leap second itself has the label of the second after it.
+    ///
+    /// ```
+    /// use nereus::time::TimeTag;
+    /// let tag = TimeTag::from_gps(2000, 331_218.25).unwrap();
+    /// assert_eq!(tag.to_string(), "2018-05-09T20:00:00.250000Z");
+    /// assert_eq!(tag.to_gps(), Some((2000, 331_218.25)));
+    /// ```
+    pub fn from_gps(week: u32, seconds_of_week: f64) -> Option<Self> {
+        if week > MOST_GPS_WEEK || !(0.0..=1e8).contains(&seconds_of_week) {
+            return None;
+        }
+        let whole = seconds_of_week.floor();
+        let gps_s = i64::from(week) * WEEK_S + whole as i64;
+        // The last step of UTC that GPS time has passed.
+        let behind_s = leaps().filter(|(from_s, leap_s)| gps_s + GPS_START_S - leap_s >= *from_s).last()?.1;
+        Some(Self::new(gps_s + GPS_START_S - behind_s, seconds_of_week - whole))
+    }
+
+    /// Week and second of the week of GPS time; `None` before 1980-01-06 and after week 8191.
+    pub fn to_gps(self) -> Option<(u32, f64)> {
+        let behind_s = leaps().filter(|(from_s, _)| self.seconds >= *from_s).last()?.1;
+        let gps_s = self.seconds.checked_sub(GPS_START_S)?.checked_add(behind_s)?;
+        let week = u32::try_from(gps_s.div_euclid(WEEK_S)).ok().filter(|week| *week <= MOST_GPS_WEEK)?;
+        Some((week, gps_s.rem_euclid(WEEK_S) as f64 + self.fraction_s))
+    }
+
     /// Whole UTC seconds since 1970-01-01.
     pub fn seconds(self) -> i64 {
         self.seconds
@@ -112,6 +152,14 @@ impl fmt::Display for TimeTag {
         let (y, mo, d, h, mi, s, _) = epoch.to_gregorian_utc();
         write!(f, "{y:04}-{mo:02}-{d:02}T{h:02}:{mi:02}:{s:02}.{micros:06}Z")
     }
+}
+
+/// Since which UTC second GPS time is ahead by how many seconds, in order. The list is read here and not through epochs of the
+/// crate, which take its UTC labels for TAI and so change over half a minute early.
+fn leaps() -> impl Iterator<Item = (i64, i64)> {
+    LatestLeapSeconds::default()
+        .filter(|leap| leap.announced_by_iers && leap.delta_at >= TAI_GPS_S)
+        .map(|leap| ((leap.timestamp_tai_s - NTP_TO_UNIX_S) as i64, (leap.delta_at - TAI_GPS_S) as i64))
 }
 
 /// When pulses leave, as offsets from pulse 0.

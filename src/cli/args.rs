@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
 
+use super::nav::NavArgs;
 use super::sea::SeaArgs;
 use super::sea::snapshot::SnapshotArgs;
 use super::table::TableArgs;
@@ -46,6 +47,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// Receive pulses that are sent as VITA 49.2, and tell gaps, lateness and navigation
     Receive(ReceiveArgs),
+    /// Inspect, convert, play and spoil recorded navigation
+    Nav(NavArgs),
 }
 
 /// `nereus run`

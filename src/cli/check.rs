@@ -361,6 +361,7 @@ fn sink_text(kind: &Kind) -> String {
         Kind::Vita49(settings) => {
             format!("VITA 49.2 over UDP to {}, packets of {} bytes", settings.address, settings.mtu_bytes)
         }
+        Kind::Nav(nav) => format!("navigation to {}, {} a second", nav.device, nav.rate_hz),
         Kind::Null => "none (pulses are counted)".to_owned(),
     }
 }
@@ -391,6 +392,8 @@ fn file_text(source: &FileSource) -> String {
     let format = match source.format {
         FileFormat::Csv => "CSV",
         FileFormat::Nmea => "NMEA",
+        FileFormat::Inspvax => "INSPVAX",
+        FileFormat::Sbet { .. } => "SBET",
     };
     let datum = match source.datum {
         VerticalDatum::Ellipsoid => "above the ellipsoid".to_owned(),

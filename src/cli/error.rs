@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
 use crate::config::ConfigError;
@@ -62,6 +63,9 @@ pub enum CliError {
     /// The keys of a table.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// Recorded navigation.
+    #[error(transparent)]
+    Nav(#[from] NavToolError),
     /// No map of the sea.
     #[error(transparent)]
     Sea(#[from] SeaError),
@@ -88,6 +92,7 @@ impl CliError {
             Self::Receive(ReceiveError::Record(SinkError::Io { .. } | SinkError::Hdf5 { .. }))
             | Self::Receive(ReceiveError::Socket { .. }) => 1,
             Self::Receive(_) => 2,
+            Self::Nav(error) => error.exit_code(),
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,

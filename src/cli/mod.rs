@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod error;
 mod merge;
+mod nav;
 mod new;
 mod progress;
 mod receive;
@@ -29,6 +30,9 @@ pub use args::{
     RunArgs, Setting, Template, TradeoffArgs,
 };
 pub use error::CliError;
+pub use nav::{
+    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInspectArgs, NavPlayArgs, NavToolError,
+};
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
 pub use table::{
@@ -81,5 +85,6 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
         Command::Receive(args) => receive::receive(args, out),
+        Command::Nav(args) => nav::nav(args, out),
     }
 }

@@ -100,6 +100,12 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         }
     }
     for report in recordings {
+        if let Some(port) = report.port.filter(|port| port.lost_messages > 0 || port.vanished > 0) {
+            say(format_args!(
+                "warning: the port of sink '{}' did not take {} messages ({} bytes); it vanished {} times and was opened again {} times",
+                report.name, port.lost_messages, port.lost_bytes, port.vanished, port.reopened
+            ));
+        }
         for file in &report.files {
             say(format_args!("{}: {}", report.name, file.display()));
         }
@@ -142,8 +148,10 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     }
     if args.force {
         for sink in &mut run.sinks {
-            if let Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } = &mut sink.kind {
-                *force = true;
+            match &mut sink.kind {
+                Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } => *force = true,
+                Kind::Nav(settings) => settings.force = true,
+                Kind::Vita49(_) | Kind::Null => {}
             }
         }
     }
@@ -158,7 +166,7 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         .iter_mut()
         .filter_map(|sink| match &mut sink.kind {
             Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } => Some(path),
-            Kind::Vita49(_) | Kind::Null => None,
+            Kind::Vita49(_) | Kind::Nav(_) | Kind::Null => None,
         })
         .collect();
     match &mut paths[..] {

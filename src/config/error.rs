@@ -289,6 +289,15 @@ pub enum Problem {
         /// What is wrong with it.
         error: String,
     },
+    /// A port that is none.
+    #[error("{error}")]
+    Device {
+        /// What is wrong with it.
+        error: String,
+    },
+    /// Navigation out in a scene that lies nowhere.
+    #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
+    ReportNeedsOrigin,
     /// Positions of a log in a scene that lies nowhere.
     #[error("positions of a log need scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     LogNeedsOrigin,

@@ -306,21 +306,22 @@ tables! {
         REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it says it is, in the same form.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
-        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea"]), Required, "Stays; straight line at constant speed; recorded track.";
+        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet"]), Required, "Stays; straight line at constant speed; recorded track (docs/navigation.md).";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg, lon_deg and h_m are given"), "fixed, straight: East, North, up in the scene frame (tangent plane at the origin), at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "fixed, straight: latitude, WGS-84.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "fixed, straight: longitude.";
         H_M "h_m", number("m", -11_000.0, FAR_M), Means("position_m is given"), "fixed, straight: height above the datum.";
         VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Required, "straight: velocity East, North, up.";
-        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), Means("0; straight: along the velocity"), "Yaw clockwise from North. fixed, straight, and csv or nmea with attitude = \"constant\".";
+        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), Means("0; straight: along the velocity"), "Yaw clockwise from North. fixed, straight, and recordings with attitude = \"constant\".";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), Means("0; straight: along the velocity"), "Pitch, nose up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), Means("0"), "Roll, right wing down.";
-        PATH "path", File, Required, "csv, nmea: the recording.";
-        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m and for recordings in a scene without origin"), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings) standard pressure altitude.";
+        PATH "path", File, Required, "Recordings: the file.";
+        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings in a scene without origin, and for inspvax and sbet, which say it"), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings) standard pressure altitude.";
         BAROMETRIC_OFFSET_M "barometric_offset_m", number("m", -2000.0, 2000.0), default(0.0), "barometric: added to make a pressure altitude a height above mean sea level.";
-        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "csv, nmea: longest gap between fixes that is interpolated.";
-        SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "csv, nmea: how fixes become a smooth track.";
-        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "csv, nmea: where the attitude comes from. ADS-B records none.";
+        GPS_WEEK "gps_week", count(0, 8191), Required, "sbet: GPS week of the first record; the file has seconds of the week only. 2000 began on 2018-05-06.";
+        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings: longest gap between fixes that is interpolated.";
+        SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "Recordings: how fixes become a smooth track.";
+        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "Recordings: where the attitude comes from. ADS-B records none.";
     }
     smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {
         KIND "kind", Choice(&["off", "rts"]), Required, "Fixes are exact, or a Rauch-Tung-Striebel smoother.";
@@ -509,12 +510,19 @@ tables! {
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {
-        KIND "kind", Choice(&["hdf5", "plain", "vita49", "null"]), Required, "HDF5 recording; folder of plain files; VITA 49.2 over UDP (docs/wire.md); nowhere.";
+        KIND "kind", Choice(&["hdf5", "plain", "vita49", "nav", "null"]), Required, "HDF5 recording; folder of plain files; VITA 49.2 over UDP (docs/wire.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
         PATH "path", Output, Required, "hdf5: the file; plain: the folder.";
         SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
         ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
         BIND "bind", Kind::Address, Means("any free port"), "vita49: local address and port to send from.";
         MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
+        DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, or tcp://ADDRESS:PORT.";
+        BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits a second.";
+        PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";
+        FORMAT "format", Choice(&["nmea", "inspvaxa", "inspvaxb"]), Word("nmea"), "nav: NMEA 0183; NovAtel INSPVAX, ASCII or binary.";
+        SENTENCES "sentences", Words { least: 1, most: 7, entry: "GGA, RMC, VTG, HDT, ZDA, GST or PASHR" }, Means("[\"GGA\", \"RMC\"]"), "nav, nmea: sentences, in this order. Readers such as gpsd expect GGA, then RMC, and others behind.";
+        RATE_HZ "rate_hz", above("Hz", 0.0, 1000.0), default(5.0), "nav: messages a second, one a pulse at most.";
+        LATENCY_S "latency_s", number("s", 0.0, 10.0), default(0.0), "nav: how much later than its emission time a message leaves, in emission time.";
         QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
     }
 }

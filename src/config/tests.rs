@@ -12,6 +12,7 @@ use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
 mod ais;
+mod navigation;
 mod sea;
 mod ship;
 
@@ -55,6 +56,8 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (COASTAL, &[("sink.0", "{ kind = 'vita49', address = 'localhost:4991', bind = '127.0.0.1:4000' }")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'circle', diameter_m = 3 }")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'file', path = 'README.md', floor_dbi = -40 }")]),
+        (COASTAL, &[(track, "{ kind = 'sbet', path = 'README.md', gps_week = 2000 }")]),
+        (COASTAL, &[("sink", "[{ kind = 'nav', device = 'file:x' }]")]),
         (COASTAL, &[(track, "{ kind = 'nmea', path = 'README.md', attitude = 'constant' }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', lat_deg = 1, lon_deg = 2, lead_us = 1 }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', position_m = [0, 0, 0], lead_us = 1 }")]),

@@ -264,7 +264,7 @@ impl Layout {
             Time::Unix(index) => read_unix(&record[index]),
         };
         let time = time.map_err(|kind| faults.push(line, kind)).ok();
-        Some(Fix { time: time?, place: place?, yaw_pitch_roll_rad: attitude? })
+        Some(Fix { yaw_pitch_roll_rad: attitude?, ..Fix::at(time?, place?) })
     }
 }
 

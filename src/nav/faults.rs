@@ -40,7 +40,7 @@ pub enum NavError {
         /// All of them.
         faults: Faults,
     },
-    /// An NMEA log without a single usable fix.
+    /// A log of a receiver without a single usable fix.
     #[error("{}: no usable fix: {reason}\n  {report}", path.display())]
     NoFix {
         /// The file.
@@ -52,7 +52,7 @@ pub enum NavError {
     },
 }
 
-/// Why an NMEA log holds no usable fix.
+/// Why a log of a receiver holds no usable fix.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum NoFix {
     /// Nothing in the file is an NMEA sentence with a right checksum.
@@ -66,6 +66,9 @@ pub enum NoFix {
         "positions have a time of day but no date: no RMC sentence, and no ZDA sentence with its date filled in"
     )]
     NoDate,
+    /// Nothing in the file is an INSPVAX with a solution.
+    #[error("no INSPVAX message has a right checksum and a solution")]
+    NoInspvax,
 }
 
 /// All faults of one file: the first [`FAULTS_KEPT`] in full, the others counted.
@@ -235,6 +238,14 @@ pub enum FaultKind {
     TooManyFixes {
         /// The most that is read.
         allowed: usize,
+    },
+    /// The last record of a binary file is not whole.
+    #[error("the file ends {found} bytes into a record of {needed}")]
+    CutRecord {
+        /// Bytes that are there.
+        found: usize,
+        /// Bytes of a record.
+        needed: usize,
     },
     /// No header at all.
     #[error("the file is empty; needed: a header line and fixes")]

@@ -2,14 +2,25 @@
 //!
 //! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in
 //! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
-//! Formats: [`csv`] (documented columns) and [`nmea`] (NMEA 0183 logs). What becomes of the fixes is the
-//! business of `motion::track`. Reports of other vessels are read by [`ais`].
+//! Formats: [`csv`] (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
+//! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of other vessels are
+//! read by [`ais`].
+//!
+//! Bytes of a live receiver go through [`decode`] and [`epoch`], which know no files; [`encode`] writes what a receiver would
+//! send of a [`solution`].
 
 pub mod ais;
 pub mod csv;
+pub mod decode;
+pub mod encode;
+pub mod epoch;
 pub mod faults;
+pub mod inspvax;
 pub mod nmea;
+pub mod pcap;
 pub mod replay;
+pub mod sbet;
+pub mod solution;
 
 use std::path::PathBuf;
 
@@ -88,6 +99,13 @@ pub enum FileFormat {
     Csv,
     /// NMEA 0183 log.
     Nmea,
+    /// NovAtel INSPVAX, ASCII or binary, see `nav::inspvax`.
+    Inspvax,
+    /// Smoothed best estimate of trajectory, see `nav::sbet`.
+    Sbet {
+        /// GPS week of the first record.
+        gps_week: u32,
+    },
 }
 
 /// What heights are measured from.
@@ -142,4 +160,35 @@ pub struct Fix {
     pub place: Place,
     /// Yaw (clockwise from North), pitch, roll, radians, if the source has them.
     pub yaw_pitch_roll_rad: Option<[f64; 3]>,
+    /// Velocity East and North of the fix, m/s, if the source has it.
+    pub velocity_mps: Option<[f64; 2]>,
+    /// Velocity upward, m/s, if the source has it.
+    pub climb_mps: Option<f64>,
+    /// What the source says of its own accuracy.
+    pub sigma: Sigma,
+}
+
+impl Fix {
+    /// A fix of which nothing is known but its time and place.
+    pub fn at(time: TimeTag, place: Place) -> Self {
+        Self {
+            time,
+            place,
+            yaw_pitch_roll_rad: None,
+            velocity_mps: None,
+            climb_mps: None,
+            sigma: Sigma::default(),
+        }
+    }
+}
+
+/// Standard deviations as a source states them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sigma {
+    /// Of the position East, North, up, m.
+    pub position_m: Option<[f32; 3]>,
+    /// Of the velocity East, North, up, m/s.
+    pub velocity_mps: Option<[f32; 3]>,
+    /// Of yaw, pitch, roll, radians.
+    pub angles_rad: Option<[f32; 3]>,
 }

@@ -1,7 +1,7 @@
 //! NMEA 0183 logs.
 //!
 //! Positions come from GGA, RMC and GLL, dates from RMC and ZDA, heights from GGA, headings from HDT and
-//! the whole attitude from PASHR; sentences of one epoch (the same time of day) become one [`Fix`], GGA
+//! the whole attitude from PASHR; sentences of one epoch (the same time of day) become one [`Fix`](super::Fix), GGA
 //! before RMC before GLL. A sentence may have anything before its `$` on the line (a logger's time
 //! stamp). Sentences with a wrong checksum, without one, of other kinds, void or unreadable are
 //! skipped, counted in the [`LoadReport`] and never an error by themselves; a log that
@@ -24,8 +24,8 @@
 //! Resolution: a position of `ddmm.mmm` is quantised to 1.9 m, which used as truth without smoothing means
 //! accelerations of metres per second squared.
 //!
-//! Source of the sentence formats: <https://gpsd.gitlab.io/gpsd/NMEA.html>. Decoding is done by the crate
-//! `nmea`, but for PASHR, which it does not know.
+//! Sentences are read by [`decode`](super::decode) and joined by [`epoch`](super::epoch), as those of a live receiver are.
+//! Logs of NovAtel receivers in between are read too, see [`inspvax`](super::inspvax) for files of them alone.
 //!
 //! ```
 //! use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum, nmea};
@@ -46,292 +46,110 @@
 //! assert!(error.to_string().contains("usable fixes: 1, needed: at least 2"));
 //! ```
 
-use ::nmea::ParseResult;
-use ::nmea::sentences::FixType;
-use ::nmea::sentences::rmc::RmcStatusOfFix;
-
+use super::decode::{Content, Decoder};
+use super::epoch::{Assembler, DAY_NS, Epoch};
 use super::faults::{Faults, NavError, NoFix};
 use super::replay::{self, LoadReport, MAX_FIXES, Recording};
-use super::{FaultKind, FileSource, Fix, Place};
-use crate::frames::Geodetic;
+use super::{FaultKind, FileSource};
 use crate::time::TimeTag;
 
-const DAY_S: i64 = 86_400;
-const DAY_NS: i64 = DAY_S * 1_000_000_000;
-/// The step back that two talkers with different delays may cause, ns.
-const DISORDER_NS: i64 = 5_000_000_000;
+/// Bytes that are handed to the decoder at once.
+const PIECE_BYTES: usize = 1 << 20;
+/// The step back that two talkers with different delays may cause, s.
+const DISORDER_S: f64 = 5.0;
 
 /// Reads fixes from the bytes of an NMEA log.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
-    let mut log = Log {
-        report: LoadReport { path: source.path.display().to_string(), ..LoadReport::default() },
-        ..Log::default()
-    };
-    for line in bytes.split(|&b| b == b'\n') {
-        log.line(line, source);
-        if log.epochs.len() > MAX_FIXES {
+    let (mut decoder, mut assembler) = (Decoder::new(), Assembler::new());
+    let mut epochs: Vec<Epoch> = Vec::new();
+    // Whole pieces, so that a log of too many fixes need not be read to its end.
+    let mut unused = 0;
+    for piece in bytes.chunks(PIECE_BYTES) {
+        decoder.push(piece, &mut |message| {
+            unused += u64::from(matches!(message.content, Content::Vtg(_) | Content::Gst(_)));
+            assembler.push(&message, &mut |epoch| epochs.push(epoch));
+        });
+        if epochs.len() > MAX_FIXES {
             break;
         }
     }
-    // What follows the last newline is a line only if there is something.
-    if bytes.is_empty() || bytes.ends_with(b"\n") {
-        log.report.lines -= 1;
-    }
-    log.close_epoch();
-    log.finish(source)
+    decoder.finish(&mut |message| {
+        unused += u64::from(matches!(message.content, Content::Vtg(_) | Content::Gst(_)));
+        assembler.push(&message, &mut |epoch| epochs.push(epoch));
+    });
+    epochs.extend(assembler.finish());
+    let counts = decoder.counts();
+    let report = LoadReport {
+        path: source.path.display().to_string(),
+        lines: counts.lines,
+        bad_checksum: counts.bad_checksum,
+        unknown_sentences: counts.unknown + unused,
+        malformed: counts.malformed,
+        void_positions: counts.void,
+        ..LoadReport::default()
+    };
+    finish(epochs, report, counts.good + counts.unknown, source)
 }
 
-/// Everything said with one time of day.
-#[derive(Clone, Copy, Debug, Default)]
-struct Epoch {
-    line: u64,
-    time_of_day_ns: i64,
-    /// Days since 1970-01-01.
-    day: Option<i64>,
-    /// Latitude and longitude, degrees, and how good their source is.
-    position: Option<(f64, f64, u8)>,
-    height_m: Option<f64>,
-    yaw_pitch_roll_rad: Option<[f64; 3]>,
-}
-
-#[derive(Default)]
-struct Log {
-    report: LoadReport,
+fn finish(
+    mut epochs: Vec<Epoch>,
+    mut report: LoadReport,
     sentences: u64,
-    open: Option<Epoch>,
-    epochs: Vec<Epoch>,
+    source: &FileSource,
+) -> Result<Recording, NavError> {
+    let located = epochs.iter().any(|epoch| epoch.position_deg.is_some());
+    let reason = if sentences == 0 {
+        Some(NoFix::NoSentence)
+    } else if !located {
+        Some(NoFix::NoPosition)
+    } else if !date_first(&mut epochs) {
+        Some(NoFix::NoDate)
+    } else {
+        None
+    };
+    if let Some(reason) = reason {
+        let report = Box::new(report);
+        return Err(NavError::NoFix { path: source.path.clone(), reason, report });
+    }
+
+    let mut faults = Faults::default();
+    if epochs.len() > MAX_FIXES {
+        faults.push(report.lines, FaultKind::TooManyFixes { allowed: MAX_FIXES });
+    }
+    let mut kept: Vec<(TimeTag, Epoch)> = Vec::with_capacity(epochs.len());
+    for mut epoch in epochs {
+        let (Some(time), Some(_)) = (epoch.time(), epoch.position_deg) else { continue };
+        let step_s = kept.last().map_or(f64::INFINITY, |(before, _)| time.since(*before));
+        if (-DISORDER_S..=0.0).contains(&step_s) {
+            report.out_of_order += 1;
+            continue;
+        }
+        // From here on heights are above the ellipsoid.
+        epoch.altitude_m =
+            epoch.height_m(source.datum, source.undulation_m).filter(|height| height.abs() < 1e8);
+        epoch.separation_m = Some(0.0);
+        kept.push((time, epoch));
+    }
+    report.heights_filled = fill_heights(&mut kept, source.undulation_m);
+    report.headings_filled = fill_attitudes(&mut kept);
+
+    let mut fixes = Vec::with_capacity(kept.len());
+    for (_, epoch) in kept {
+        let Some(fix) = epoch.fix(source.datum, source.undulation_m) else { continue };
+        if replay::follows(&fixes, &fix, epoch.line, source, &mut faults) {
+            fixes.push(fix);
+        }
+    }
+    replay::finish(fixes, report, faults, source)
 }
 
-impl Log {
-    fn line(&mut self, line: &[u8], source: &FileSource) {
-        self.report.lines += 1;
-        let line = line.trim_ascii();
-        if line.is_empty() {
-            return;
-        }
-        let Some(start) = line.iter().position(|&b| b == b'$' || b == b'!') else {
-            self.report.malformed += 1;
-            return;
-        };
-        let line = &line[start..];
-        let Some((body, given)) = split_checksum(line) else {
-            self.report.malformed += 1;
-            return;
-        };
-        if body.iter().fold(0, |sum, byte| sum ^ byte) != given {
-            self.report.bad_checksum += 1;
-            return;
-        }
-        let Ok(text) = std::str::from_utf8(&line[..body.len() + 4]) else {
-            self.report.malformed += 1;
-            return;
-        };
-        self.sentences += 1;
-        let fields: Vec<&str> = text[1..=body.len()].split(',').collect();
-        if fields[0] == "PASHR" {
-            self.pashr(&fields);
-            return;
-        }
-        let time_field = match fields[0].get(2..) {
-            Some("GGA" | "RMC" | "ZDA") => fields.get(1),
-            Some("GLL") => fields.get(5),
-            Some("HDT") => None,
-            _ => {
-                self.report.unknown_sentences += 1;
-                return;
-            }
-        };
-        // Times are read from the text: the crate takes "nan" for a number, and rounds.
-        let time = time_field.and_then(|text| parse_time_of_day_ns(text));
-        if time.is_none() && time_field.is_some_and(|text| !text.is_empty()) {
-            self.report.malformed += 1;
-            return;
-        }
-        match ::nmea::parse_str(text) {
-            Ok(ParseResult::GGA(gga)) => {
-                let valid = gga.fix_type.is_some_and(|quality| quality != FixType::Invalid);
-                let height_m = gga.altitude.map(|altitude| match gga.geoid_separation {
-                    Some(separation) => f64::from(altitude) + f64::from(separation),
-                    None => replay::ellipsoidal_height_m(f64::from(altitude), source),
-                });
-                self.position(time, gga.latitude.zip(gga.longitude), valid, 3, |epoch| {
-                    epoch.height_m = height_m.filter(|h| h.is_finite() && h.abs() < 1e8);
-                });
-            }
-            Ok(ParseResult::RMC(rmc)) => {
-                let valid = rmc.status_of_fix != RmcStatusOfFix::Invalid;
-                let day = rmc.fix_date.map(|date| date.signed_duration_since(Default::default()).num_days());
-                self.position(time, rmc.lat.zip(rmc.lon), valid, 2, |epoch| {
-                    epoch.day = day.or(epoch.day);
-                });
-            }
-            Ok(ParseResult::GLL(gll)) => {
-                self.position(time, gll.latitude.zip(gll.longitude), gll.valid, 1, |_| {});
-            }
-            Ok(ParseResult::ZDA(zda)) => {
-                let day =
-                    zda.utc_date().map(|date| date.signed_duration_since(Default::default()).num_days());
-                if let (Some(time), Some(day)) = (time, day) {
-                    self.epoch(time).day = Some(day);
-                }
-            }
-            Ok(ParseResult::HDT(hdt)) => {
-                let yaw = hdt.heading.map(f64::from).filter(|yaw| (0.0..=360.0).contains(yaw));
-                if let (Some(yaw), Some(epoch)) = (yaw, self.open.as_mut()) {
-                    epoch.yaw_pitch_roll_rad.get_or_insert([yaw.to_radians(), 0.0, 0.0]);
-                }
-            }
-            Ok(_) => self.report.unknown_sentences += 1,
-            Err(_) => self.report.malformed += 1,
-        }
-    }
-
-    /// `PASHR,hhmmss.sss,heading,T,roll,pitch,heave,...`, degrees.
-    fn pashr(&mut self, fields: &[&str]) {
-        let number = |index: usize, limit: f64| {
-            let value: f64 = fields.get(index)?.parse().ok()?;
-            (value.abs() <= limit).then_some(value)
-        };
-        let time = fields.get(1).and_then(|text| parse_time_of_day_ns(text));
-        match (time, number(2, 360.0), number(5, 90.0), number(4, 180.0)) {
-            (Some(time), Some(yaw), Some(pitch), Some(roll)) => {
-                self.epoch(time).yaw_pitch_roll_rad = Some([yaw, pitch, roll].map(f64::to_radians));
-            }
-            _ => self.report.malformed += 1,
-        }
-    }
-
-    fn position(
-        &mut self,
-        time_of_day_ns: Option<i64>,
-        position_deg: Option<(f64, f64)>,
-        valid: bool,
-        rank: u8,
-        also: impl FnOnce(&mut Epoch),
-    ) {
-        let (Some(time), Some((lat, lon)), true) = (time_of_day_ns, position_deg, valid) else {
-            self.report.void_positions += 1;
-            return;
-        };
-        if !(lat.abs() <= 90.0 && lon.abs() <= 180.0) {
-            self.report.malformed += 1;
-            return;
-        }
-        let epoch = self.epoch(time);
-        also(epoch);
-        if epoch.position.is_none_or(|(_, _, held)| held < rank) {
-            epoch.position = Some((lat, lon, rank));
-        }
-    }
-
-    /// The open epoch of this time of day; another one is closed first.
-    fn epoch(&mut self, time_of_day_ns: i64) -> &mut Epoch {
-        if self.open.is_some_and(|epoch| epoch.time_of_day_ns != time_of_day_ns) {
-            self.close_epoch();
-        }
-        let line = self.report.lines;
-        self.open.get_or_insert(Epoch { line, time_of_day_ns, ..Epoch::default() })
-    }
-
-    fn close_epoch(&mut self) {
-        self.epochs.extend(self.open.take());
-    }
-
-    fn finish(mut self, source: &FileSource) -> Result<Recording, NavError> {
-        let located = self.epochs.iter().any(|epoch| epoch.position.is_some());
-        let reason = if self.sentences == 0 {
-            Some(NoFix::NoSentence)
-        } else if !located {
-            Some(NoFix::NoPosition)
-        } else if !date_all(&mut self.epochs) {
-            Some(NoFix::NoDate)
-        } else {
-            None
-        };
-        if let Some(reason) = reason {
-            let report = Box::new(self.report);
-            return Err(NavError::NoFix { path: source.path.clone(), reason, report });
-        }
-
-        let mut faults = Faults::default();
-        if self.epochs.len() > MAX_FIXES {
-            faults.push(self.report.lines, FaultKind::TooManyFixes { allowed: MAX_FIXES });
-        }
-        let mut kept: Vec<(TimeTag, Epoch)> = Vec::with_capacity(self.epochs.len());
-        for epoch in self.epochs {
-            let (Some(day), Some(_)) = (epoch.day, epoch.position) else { continue };
-            let (seconds, rest_ns) =
-                (epoch.time_of_day_ns / 1_000_000_000, epoch.time_of_day_ns % 1_000_000_000);
-            let time = TimeTag::new(day * DAY_S + seconds, rest_ns as f64 * 1e-9);
-            let step_s = kept.last().map_or(f64::INFINITY, |(before, _)| time.since(*before));
-            if step_s <= 0.0 && step_s >= -(DISORDER_NS as f64) * 1e-9 {
-                self.report.out_of_order += 1;
-                continue;
-            }
-            kept.push((time, epoch));
-        }
-        self.report.heights_filled = fill_heights(&mut kept, source.undulation_m);
-        self.report.headings_filled = fill_attitudes(&mut kept);
-
-        let mut fixes = Vec::with_capacity(kept.len());
-        for (time, epoch) in kept {
-            let (Some((lat, lon, _)), Some(h_m)) = (epoch.position, epoch.height_m) else { continue };
-            let fix = Fix {
-                time,
-                place: Place::Geodetic(Geodetic::from_deg(lat, lon, h_m)),
-                yaw_pitch_roll_rad: epoch.yaw_pitch_roll_rad,
-            };
-            if replay::follows(&fixes, &fix, epoch.line, source, &mut faults) {
-                fixes.push(fix);
-            }
-        }
-        replay::finish(fixes, self.report, faults, source)
-    }
-}
-
-/// What lies between `$` and `*`, and the two hexadecimal digits after it.
-fn split_checksum(line: &[u8]) -> Option<(&[u8], u8)> {
-    let star = line.iter().position(|&b| b == b'*')?;
-    let digits = line.get(star + 1..star + 3)?;
-    if !digits.iter().all(u8::is_ascii_hexdigit) {
-        return None;
-    }
-    let given = u8::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
-    Some((&line[1..star], given))
-}
-
-/// `hhmmss.sss` as nanoseconds since midnight.
-fn parse_time_of_day_ns(text: &str) -> Option<i64> {
-    let (whole, fraction) = text.split_once('.').unwrap_or((text, "0"));
-    if whole.len() != 6 || !whole.bytes().chain(fraction.bytes()).all(|b| b.is_ascii_digit()) {
-        return None;
-    }
-    let pair = |at: usize| whole[at..at + 2].parse::<i64>().ok();
-    let (hour, minute, second) = (pair(0)?, pair(2)?, pair(4)?);
-    if hour > 23 || minute > 59 || second > 59 {
-        return None;
-    }
-    let fraction_s: f64 = format!("0.{fraction}").parse().ok()?;
-    let ns = ((fraction_s * 1e9).round() as i64).min(999_999_999);
-    Some(((hour * 60 + minute) * 60 + second) * 1_000_000_000 + ns)
-}
-
-/// Gives every epoch its day; false if none has one.
-fn date_all(epochs: &mut [Epoch]) -> bool {
+/// Gives a day to the epochs before the first that has one; false if none has. Those after it have been given theirs.
+fn date_first(epochs: &mut [Epoch]) -> bool {
     let Some(first) = epochs.iter().position(|epoch| epoch.day.is_some()) else { return false };
     for index in (0..first).rev() {
         let (later_day, later_ns) = (epochs[index + 1].day, epochs[index + 1].time_of_day_ns);
         let passed = epochs[index].time_of_day_ns - later_ns > DAY_NS / 2;
         epochs[index].day = later_day.map(|day| day - i64::from(passed));
-    }
-    for index in first + 1..epochs.len() {
-        if epochs[index].day.is_none() {
-            let (before_day, before_ns) = (epochs[index - 1].day, epochs[index - 1].time_of_day_ns);
-            let step = epochs[index].time_of_day_ns - before_ns;
-            // A talker that lags may fall back over midnight.
-            let days = i64::from(step < -DAY_NS / 2) - i64::from(step > DAY_NS / 2);
-            epochs[index].day = before_day.map(|day| day + days);
-        }
     }
     true
 }
@@ -340,10 +158,10 @@ fn date_all(epochs: &mut [Epoch]) -> bool {
 fn fill_heights(kept: &mut [(TimeTag, Epoch)], sea_level_m: f64) -> u64 {
     fill(
         kept,
-        |epoch| epoch.height_m,
+        |epoch| epoch.altitude_m,
         |a, b, s| a + (b - a) * s,
         |epoch, height| {
-            epoch.height_m = Some(height.unwrap_or(sea_level_m));
+            epoch.altitude_m = Some(height.unwrap_or(sea_level_m));
         },
     )
 }

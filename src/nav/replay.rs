@@ -105,7 +105,7 @@ pub fn load(source: &FileSource) -> Result<Recording, NavError> {
 }
 
 /// The bytes of a file.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
     let read_error = |error| NavError::Read { path: path.to_owned(), source: error };
     let file = File::open(path).map_err(read_error)?;
     let mut bytes = Vec::new();
@@ -122,6 +122,8 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     match source.format {
         FileFormat::Csv => super::csv::parse(bytes, source),
         FileFormat::Nmea => super::nmea::parse(bytes, source),
+        FileFormat::Inspvax => super::inspvax::parse(bytes, source),
+        FileFormat::Sbet { gps_week } => super::sbet::parse(bytes, gps_week, source),
     }
 }
 

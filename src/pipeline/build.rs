@@ -51,6 +51,7 @@ use crate::transport::{self, StreamError};
 use super::aboard::{self, ShipTracks};
 use super::block::BlockEcho;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
+use super::navigation;
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
@@ -461,6 +462,10 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
         Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
+        Kind::Nav(settings) => {
+            let speech = navigation::speech(&settings.words, header).ok_or(SinkError::Nowhere)?;
+            Box::new(sinks::nav::NavSink::open(settings, speech, header)?)
+        }
         Kind::Null => Box::new(sinks::null::NullSink::new()),
     })
 }

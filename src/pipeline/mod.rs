@@ -10,6 +10,7 @@ pub mod build;
 pub mod forecast;
 pub mod knobs;
 pub mod memory;
+mod navigation;
 pub mod outlook;
 pub mod prices;
 mod single;

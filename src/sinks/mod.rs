@@ -22,6 +22,8 @@ use sink::SinkError;
 
 pub mod sink;
 pub mod columns;
+pub mod port;
+pub mod nav;
 pub mod null;
 pub mod plain;
 pub mod vita49;
@@ -60,6 +62,8 @@ pub enum Kind {
     },
     /// VITA 49.2 over UDP.
     Vita49(vita49::Settings),
+    /// What a platform reports, on a port.
+    Nav(nav::NavSettings),
     /// Counts pulses and forgets them.
     Null,
 }
@@ -70,6 +74,7 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     let mut faults = Vec::new();
     let mut seen: Vec<(PathBuf, bool)> = Vec::new();
     let mut sent_to = Vec::new();
+    let mut devices: Vec<&port::Device> = Vec::new();
     for settings in sinks {
         let (path, segmented, result) = match &settings.kind {
             Kind::Null => continue,
@@ -82,14 +87,25 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                 sent_to.push(to);
                 continue;
             }
-            Kind::Plain { path, force } => (path, false, plain::preflight(path, *force)),
+            Kind::Nav(settings) => match settings.device.file() {
+                Some(path) => (path, false, new_file(path, settings.force)),
+                None if !devices.contains(&&settings.device) => {
+                    devices.push(&settings.device);
+                    continue;
+                }
+                None => {
+                    faults.push(SinkError::Twice { path: settings.device.to_string().into() });
+                    continue;
+                }
+            },
+            Kind::Plain { path, force } => (path.as_path(), false, plain::preflight(path, *force)),
             Kind::Hdf5 { path, segment_s, force } => {
-                (path, segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))
+                (path.as_path(), segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))
             }
         };
         let place = (place(path), segmented);
         if seen.iter().any(|other| same_output(other, &place)) {
-            faults.push(SinkError::Twice { path: path.clone() });
+            faults.push(SinkError::Twice { path: path.to_owned() });
         }
         seen.push(place);
         faults.extend(result.err());
@@ -127,6 +143,16 @@ fn hdf5_preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Result<()
 #[cfg(not(feature = "hdf5"))]
 fn hdf5_preflight(path: &Path, _: Option<f64>, _: bool) -> Result<(), SinkError> {
     Err(SinkError::NoHdf5 { path: path.to_owned() })
+}
+
+/// A file is made anew, in a folder that is there.
+fn new_file(path: &Path, force: bool) -> Result<(), SinkError> {
+    parent_exists(path)?;
+    let exists = path.symlink_metadata().is_ok();
+    if exists && !(force && path.is_file()) {
+        return Err(SinkError::Exists { path: path.to_owned() });
+    }
+    Ok(())
 }
 
 /// The folder in which an output is to be made must be there.

@@ -160,6 +160,7 @@ impl Sink for PlainSink {
             bytes: self.pulses * self.row_bytes as u64,
             files: vec![self.path.clone()],
             wire: None,
+            port: None,
         })
     }
 }

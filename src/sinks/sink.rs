@@ -8,6 +8,7 @@ use num_complex::Complex32;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::port::PortCounts;
 use crate::pulse::{Layout, Pulse, SampleFormat};
 use crate::time::TimeTag;
 use crate::transport::fanout::{Fed, Feed};
@@ -49,6 +50,9 @@ pub struct SinkReport {
     /// Of a sink that sends: what became of its datagrams.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wire: Option<WireReport>,
+    /// What became of the messages, where the output is a port.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub port: Option<PortCounts>,
 }
 
 /// A row of the channel table.
@@ -217,6 +221,17 @@ pub enum SinkError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A port cannot be opened.
+    #[error("{device}: cannot open the port: {source}")]
+    Port {
+        /// The device.
+        device: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// States that cannot be told, because the scene lies nowhere on Earth.
+    #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
+    Nowhere,
     /// The HDF5 library refused.
     #[error("{path}: {action}: {detail}")]
     Hdf5 {

@@ -5,6 +5,7 @@ mod bench;
 mod inspection;
 #[cfg(feature = "hdf5")]
 mod oracle;
+mod nav;
 mod program;
 mod python_tools;
 mod readme;

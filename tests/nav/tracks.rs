@@ -33,7 +33,7 @@ fn helix_fixes(times_s: &[f64]) -> Vec<Fix> {
         .iter()
         .map(|&t| {
             let [x, y, z] = helix(t).0;
-            Fix { time: start().plus(t), place: Place::Local(Point::new(x, y, z)), yaw_pitch_roll_rad: None }
+            Fix::at(start().plus(t), Place::Local(Point::new(x, y, z)))
         })
         .collect()
 }
@@ -161,10 +161,9 @@ fn attitude_of_a_fix_is_relative_to_its_own_vertical() {
     // 500 km East of the origin the vertical leans by 4.5 deg; level there is level there.
     let frame = SceneFrame::at(Geodetic::from_deg(0.0, 0.0, 0.0), Earth::Flat);
     let fixes: Vec<Fix> = (0..5)
-        .map(|i| Fix {
-            time: start().plus(f64::from(i)),
-            place: Place::Geodetic(Geodetic::from_deg(0.0, 4.5 + 1e-3 * f64::from(i), 1000.0)),
-            yaw_pitch_roll_rad: Some([0.0, 0.0, 0.0]),
+        .map(|i| {
+            let place = Place::Geodetic(Geodetic::from_deg(0.0, 4.5 + 1e-3 * f64::from(i), 1000.0));
+            Fix { yaw_pitch_roll_rad: Some([0.0, 0.0, 0.0]), ..Fix::at(start().plus(f64::from(i)), place) }
         })
         .collect();
     for attitude in [AttitudeSource::Recorded, AttitudeSource::Level] {
@@ -278,11 +277,7 @@ fn states_do_not_depend_on_the_epoch() {
         let fixes: Vec<Fix> = (0..20)
             .map(|i| {
                 let [x, y, z] = helix(f64::from(i)).0;
-                Fix {
-                    time: zero.plus(f64::from(i)),
-                    place: Place::Local(Point::new(x, y, z)),
-                    yaw_pitch_roll_rad: None,
-                }
+                Fix::at(zero.plus(f64::from(i)), Place::Local(Point::new(x, y, z)))
             })
             .collect();
         Track::recorded(&fixes, &plain(), &source(AttitudeSource::Level)).unwrap().0
@@ -313,7 +308,7 @@ proptest! {
                 time = time.plus(10f64.powf(*log10_step));
                 let [x, y, z] = signs.map(|sign| if sign { 1.0 } else { -1.0 } * 10f64.powf(*log10_scale));
                 let yaw_pitch_roll_rad = Some(angles.map(|angle| f64::from(angle) / 40.0));
-                Fix { time, place: Place::Local(Point::new(x, y, z)), yaw_pitch_roll_rad }
+                Fix { yaw_pitch_roll_rad, ..Fix::at(time, Place::Local(Point::new(x, y, z))) }
             })
             .collect();
         let attitude = [

@@ -1,6 +1,9 @@
 //! Recordings: what is in them, while they grow, after a kill, on a full disk, merged. The wire: what is sent, and received.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+#[cfg(all(unix, feature = "serial"))]
+mod gpsd;
+mod navigation;
 mod recording_fixture;
 mod recording_outputs;
 mod recording_plain;

@@ -5,6 +5,7 @@
 
 mod ais;
 mod antenna;
+mod nav_out;
 mod patch;
 mod place;
 mod platform;
@@ -136,7 +137,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
     let fidelity = stream::fidelity(&root, root.has(&keys::root::SEA));
     let sinks =
-        stream::sinks(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+        stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
     root.finish();
 
     let radar = radar?;

@@ -25,6 +25,12 @@ fn track(section: Section<'_>, ground: &Ground) -> Option<TrackSource> {
         Some("fixed") => fixed(&section, ground),
         Some("straight") => straight(&section, ground),
         Some("csv") => file(&section, ground, FileFormat::Csv).map(TrackSource::File),
+        Some("inspvax") => file(&section, ground, FileFormat::Inspvax).map(TrackSource::File),
+        Some("sbet") => {
+            let week = section.count(&keys::track::GPS_WEEK).and_then(|week| u32::try_from(week).ok());
+            let source = file(&section, ground, FileFormat::Sbet { gps_week: week.unwrap_or(0) });
+            source.filter(|_| week.is_some()).map(TrackSource::File)
+        }
         Some(_) => file(&section, ground, FileFormat::Nmea).map(TrackSource::File),
         None => None,
     };
@@ -59,23 +65,11 @@ fn attitude(section: &Section<'_>) -> Option<Rotation<Body, Enu>> {
 }
 
 fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<FileSource> {
-    use keys::track::{ATTITUDE, BAROMETRIC_OFFSET_M, DATUM, MAX_GAP_S, PATH, SMOOTHING};
+    use keys::track::{ATTITUDE, MAX_GAP_S, PATH, SMOOTHING};
     let path = section.file(&PATH);
-    let datum = match section.choice(&DATUM) {
-        Some("ellipsoid") => Some(VerticalDatum::Ellipsoid),
-        Some("msl") => Some(VerticalDatum::MeanSeaLevel),
-        Some(_) => {
-            section.number(&BAROMETRIC_OFFSET_M).map(|offset_m| VerticalDatum::Barometric { offset_m })
-        }
-        // Without an origin a recording holds local coordinates, which have no datum.
-        None if !section.has(&DATUM) && ground.origin_h_m.is_none() => Some(VerticalDatum::Ellipsoid),
-        None => {
-            if !section.has(&DATUM) {
-                section.fault(&DATUM, Problem::Missing { allowed: DATUM.kind.allowed() });
-            }
-            None
-        }
-    };
+    // The format says what its heights are measured from.
+    let known = matches!(format, FileFormat::Inspvax | FileFormat::Sbet { .. });
+    let datum = if known { Some(VerticalDatum::Ellipsoid) } else { datum(section, ground) };
     let max_gap_s = section.number(&MAX_GAP_S);
     let smoothing = match section.has(&SMOOTHING) {
         true => section.section(&SMOOTHING).and_then(smoothing),
@@ -100,6 +94,25 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
         smoothing: smoothing?,
         attitude: attitude?,
     })
+}
+
+fn datum(section: &Section<'_>, ground: &Ground) -> Option<VerticalDatum> {
+    use keys::track::{BAROMETRIC_OFFSET_M, DATUM};
+    match section.choice(&DATUM) {
+        Some("ellipsoid") => Some(VerticalDatum::Ellipsoid),
+        Some("msl") => Some(VerticalDatum::MeanSeaLevel),
+        Some(_) => {
+            section.number(&BAROMETRIC_OFFSET_M).map(|offset_m| VerticalDatum::Barometric { offset_m })
+        }
+        // Without an origin a recording holds local coordinates, which have no datum.
+        None if !section.has(&DATUM) && ground.origin_h_m.is_none() => Some(VerticalDatum::Ellipsoid),
+        None => {
+            if !section.has(&DATUM) {
+                section.fault(&DATUM, Problem::Missing { allowed: DATUM.kind.allowed() });
+            }
+            None
+        }
+    }
 }
 
 fn smoothing(section: Section<'_>) -> Option<Smoothing> {

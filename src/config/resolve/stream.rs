@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::{Ground, Names, nav_out};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
@@ -91,10 +92,12 @@ pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
 pub(super) fn sinks(
     root: &Section<'_>,
     radar: Option<&Radar>,
-    platforms: usize,
+    ground: &Ground,
+    platforms: &Names,
     targets: usize,
 ) -> Option<Vec<sinks::Settings>> {
     let default_queue = radar.map(|radar| {
+        let platforms = platforms.names.len();
         let wanted = (QUEUE_S * radar.emissions.mean_prf_hz()).ceil() as u64;
         let fit = (QUEUE_BYTES / slot_bytes(radar, platforms, targets).max(1)).max(2);
         wanted.clamp(QUEUE_PULSES[0], QUEUE_PULSES[1]).min(fit)
@@ -108,13 +111,17 @@ pub(super) fn sinks(
         }]);
     }
     let mut taken = Vec::new();
-    let sinks: Vec<Option<sinks::Settings>> =
-        sections.into_iter().map(|section| sink(section, default_queue, &mut taken)).collect();
+    let sinks: Vec<Option<sinks::Settings>> = sections
+        .into_iter()
+        .map(|section| sink(section, ground, platforms, default_queue, &mut taken))
+        .collect();
     sinks.into_iter().collect()
 }
 
 fn sink(
     section: Section<'_>,
+    ground: &Ground,
+    platforms: &Names,
     default_queue: Option<u64>,
     taken: &mut Vec<PathBuf>,
 ) -> Option<sinks::Settings> {
@@ -126,6 +133,7 @@ fn sink(
             let path = output(&section, taken);
             path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
         }
+        Some("nav") => nav_out::nav(&section, ground, platforms).map(sinks::Kind::Nav),
         Some("plain") => output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false }),
         Some("vita49") => {
             let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));

@@ -282,6 +282,7 @@ impl Sink for Hdf5Sink {
             bytes: self.pulses * self.row_bytes as u64,
             files: std::mem::take(&mut self.files),
             wire: None,
+            port: None,
         })
     }
 }

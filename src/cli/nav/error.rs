@@ -1,0 +1,103 @@
+//! Why a tool for navigation ends early.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::nav::NavError;
+use crate::nav::encode::EncodeError;
+use crate::nav::pcap::CaptureError;
+use crate::sinks::port::NotADevice;
+
+/// Why a tool for navigation ends early.
+#[derive(Debug, Error)]
+pub enum NavToolError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Nav(#[from] NavError),
+    /// The capture cannot be read.
+    #[error("{}: {source}", path.display())]
+    Capture {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: CaptureError,
+    },
+    /// An SBET has no week of its own.
+    #[error("{}: an SBET says neither date nor week; needed: --gps-week, such as 2000 (from 2018-05-06)", path.display())]
+    Week {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A capture without navigation.
+    #[error("{}: no stream of this capture holds a message that is read", path.display())]
+    Silent {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Positions that lie nowhere on Earth.
+    #[error("{}: positions are in the frame of a scene (x_m, y_m, z_m); allowed: lat_deg, lon_deg, height_m", path.display())]
+    Local {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A state that the format cannot tell.
+    #[error("fix {number} at {time}: {source}")]
+    Encode {
+        /// Which fix, from 1.
+        number: usize,
+        /// When.
+        time: String,
+        /// Why.
+        source: EncodeError,
+    },
+    /// A name that says nothing of the format.
+    #[error("{}: its name says no format; allowed: .csv, .nmea, .inspvax, or --to", path.display())]
+    Target {
+        /// The output.
+        path: PathBuf,
+    },
+    /// The output is there.
+    #[error("{}: exists already; choose another name, or overwrite it with --force", path.display())]
+    Exists {
+        /// The output.
+        path: PathBuf,
+    },
+    /// The output cannot be written.
+    #[error("{}: cannot write: {source}", path.display())]
+    Write {
+        /// The output.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Not a device.
+    #[error(transparent)]
+    Device(#[from] NotADevice),
+    /// A port that cannot be opened.
+    #[error("{device}: cannot open the port: {source}")]
+    Port {
+        /// The device.
+        device: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A number that makes no sense.
+    #[error("--{key} {value}: allowed: {allowed}")]
+    Range {
+        /// The option.
+        key: &'static str,
+        /// As given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+impl NavToolError {
+    /// Exit code: 2 when the input is wrong, 1 otherwise.
+    pub fn exit_code(&self) -> u8 {
+        if matches!(self, Self::Write { .. } | Self::Port { .. }) { 1 } else { 2 }
+    }
+}

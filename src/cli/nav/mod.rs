@@ -1,0 +1,136 @@
+//! `nereus nav`: recorded navigation inspected, converted, played, spoiled.
+
+mod convert;
+mod corrupt;
+mod error;
+mod inspect;
+mod play;
+mod recorded;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::error::CliError;
+
+pub use convert::NavConvertArgs;
+pub use corrupt::NavCorruptArgs;
+pub use error::NavToolError;
+pub use inspect::NavInspectArgs;
+pub use play::NavPlayArgs;
+
+/// `nereus nav`
+#[derive(Debug, Args)]
+pub struct NavArgs {
+    /// What to do
+    #[command(subcommand)]
+    pub command: NavCommand,
+}
+
+/// Subcommands of `nereus nav`.
+#[derive(Debug, Subcommand)]
+pub enum NavCommand {
+    /// Tell what a recording holds: counts, span, gaps, rate, area, speeds
+    Inspect(NavInspectArgs),
+    /// Write a recording in another format
+    Convert(NavConvertArgs),
+    /// Send a recording to a port, in time
+    Play(NavPlayArgs),
+    /// Drop, flip and cut bytes of a file, to try readers on it
+    Corrupt(NavCorruptArgs),
+}
+
+/// Formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Source {
+    /// Comma-separated values
+    Csv,
+    /// NMEA 0183 log, NovAtel messages among it
+    Nmea,
+    /// NovAtel INSPVAX, ASCII or binary
+    Inspvax,
+    /// Smoothed best estimate of trajectory (needs --gps-week)
+    Sbet,
+    /// Capture of a receiver's messages on a network, gzipped or not
+    Pcap,
+}
+
+/// Formats that are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Target {
+    /// Comma-separated values
+    Csv,
+    /// NMEA 0183 sentences
+    Nmea,
+    /// NovAtel INSPVAX, ASCII
+    Inspvaxa,
+    /// NovAtel INSPVAX, binary
+    Inspvaxb,
+}
+
+/// What heights of a recording are measured from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Datum {
+    /// WGS-84 ellipsoid
+    Ellipsoid,
+    /// Mean sea level
+    Msl,
+}
+
+/// How a recording is read.
+#[derive(Clone, Debug, Args)]
+pub struct SourceArgs {
+    /// Format of the file [default: from what is in it, and its name]
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub from: Option<Source>,
+    /// GPS week of the first record of an SBET
+    #[arg(long, value_name = "WEEK")]
+    pub gps_week: Option<u32>,
+    /// What heights are measured from, where the file does not say (CSV, GGA without separation)
+    #[arg(long, value_enum, default_value = "ellipsoid")]
+    pub datum: Datum,
+    /// Height of mean sea level above the ellipsoid
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub undulation_m: f64,
+}
+
+/// How states are written.
+#[derive(Clone, Debug, Args)]
+pub struct TargetArgs {
+    /// Format to write [default: csv, nmea or inspvaxb, from the name of the output; nmea for ports]
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub to: Option<Target>,
+    /// NMEA sentences, in this order
+    #[arg(long, value_delimiter = ',', default_value = "GGA,RMC,VTG,HDT,ZDA,GST,PASHR", value_parser = sentence)]
+    pub sentences: Vec<crate::nav::encode::Sentence>,
+}
+
+fn sentence(text: &str) -> Result<crate::nav::encode::Sentence, &'static str> {
+    crate::nav::encode::Sentence::named(text).ok_or("allowed: GGA, RMC, VTG, HDT, ZDA, GST, PASHR")
+}
+
+/// Does what the arguments ask for.
+pub(super) fn nav(args: &NavArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    match &args.command {
+        NavCommand::Inspect(args) => inspect::inspect(args, out),
+        NavCommand::Convert(args) => convert::convert(args),
+        NavCommand::Play(args) => play::play(args),
+        NavCommand::Corrupt(args) => corrupt::corrupt(args),
+    }
+}
+
+/// A file to be made; one that exists is overwritten only by force.
+fn new_file(path: &PathBuf, force: bool) -> Result<std::fs::File, NavToolError> {
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true);
+    if force {
+        options.create(true).truncate(true);
+    } else {
+        options.create_new(true);
+    }
+    options.open(path).map_err(|source| match source.kind() {
+        std::io::ErrorKind::AlreadyExists => NavToolError::Exists { path: path.clone() },
+        _ => NavToolError::Write { path: path.clone(), source },
+    })
+}

@@ -1,0 +1,87 @@
+//! `nereus nav play`
+
+use std::path::PathBuf;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+
+use super::convert::format_of;
+use super::error::NavToolError;
+use super::recorded::solutions;
+use super::{SourceArgs, Target, TargetArgs};
+use crate::cli::error::CliError;
+use crate::cli::say;
+use crate::nav::encode::{EncodeError, Format};
+use crate::sinks::port::{Device, Port};
+
+/// How long the last bytes may take.
+const LAST_BYTES: Duration = Duration::from_secs(2);
+
+/// `nereus nav play`
+#[derive(Debug, Args)]
+pub struct NavPlayArgs {
+    /// The recording
+    pub file: PathBuf,
+    /// Path of a serial port or pseudo terminal, file:PATH, or tcp://ADDRESS:PORT
+    pub device: String,
+    /// How much faster than it was recorded
+    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    pub rate: f64,
+    /// Bits a second of a serial port
+    #[arg(long, default_value_t = 115_200)]
+    pub baud: u32,
+    /// How it is read
+    #[command(flatten)]
+    pub source: SourceArgs,
+    /// How it is sent
+    #[command(flatten)]
+    pub target: TargetArgs,
+    /// Overwrite a file that exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Sends a recording, every message at its time.
+pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
+    if !(1e-3..=1e6).contains(&args.rate) {
+        return Err(NavToolError::Range { key: "rate", value: args.rate, allowed: "0.001 to 1e6" }.into());
+    }
+    let device = Device::of(&args.device, args.baud).map_err(NavToolError::from)?;
+    let solutions = solutions(&args.file, &args.source)?;
+    let target = args.target.to.unwrap_or(Target::Nmea);
+    let format =
+        format_of(target, &args.target).unwrap_or_else(|| Format::Nmea(args.target.sentences.clone()));
+    let Some(first) = solutions.first() else { return Ok(()) };
+    let mut message = Vec::new();
+    // What cannot be told is known before the port is opened.
+    for (number, said) in (1..).zip(&solutions) {
+        message.clear();
+        format.write(said, &mut message).map_err(|source: EncodeError| NavToolError::Encode {
+            number,
+            time: said.time.to_string(),
+            source,
+        })?;
+    }
+    let mut port = Port::open(device.clone(), args.force)
+        .map_err(|source| NavToolError::Port { device: device.to_string(), source })?;
+    let begun = Instant::now();
+    for said in &solutions {
+        let due = Duration::from_secs_f64(said.time.since(first.time).max(0.0) / args.rate);
+        thread::sleep(due.saturating_sub(begun.elapsed()));
+        message.clear();
+        if format.write(said, &mut message).is_ok() {
+            port.send(&message);
+        }
+    }
+    let counts = port.finish(LAST_BYTES);
+    say(format_args!(
+        "{device}: {} messages of {} sent in {:.1} s, {} lost; vanished {} times",
+        counts.messages,
+        solutions.len(),
+        begun.elapsed().as_secs_f64(),
+        counts.lost_messages,
+        counts.vanished
+    ));
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! Navigation outputs.
+
+use super::{Ground, Names};
+use crate::config::error::Problem;
+use crate::config::keys;
+use crate::config::section::Section;
+use crate::nav::encode::Sentence;
+use crate::sinks::nav::{NavSettings, Words};
+use crate::sinks::port::Device;
+
+/// The keys of `kind = "nav"`.
+pub(super) fn nav(section: &Section<'_>, ground: &Ground, platforms: &Names) -> Option<NavSettings> {
+    use keys::sink::{BAUD, DEVICE, FORMAT, LATENCY_S, PLATFORM, RATE_HZ, SENTENCES};
+    if ground.sound && ground.origin_h_m.is_none() {
+        section.fault(&DEVICE, Problem::ReportNeedsOrigin);
+    }
+    let baud = section.count(&BAUD).and_then(|baud| u32::try_from(baud).ok());
+    let device = section.output(&DEVICE).and_then(|text| {
+        let device = Device::of(text.to_str().unwrap_or_default(), baud.unwrap_or_default());
+        device.map_err(|error| section.fault(&DEVICE, Problem::Device { error: error.to_string() })).ok()
+    });
+    let platform = match (section.has(&PLATFORM), &platforms.names[..]) {
+        (false, [_]) => {
+            // Told to be read, for the message about keys that are not.
+            section.name(&PLATFORM);
+            Some(0)
+        }
+        (false, _) => {
+            section.name(&PLATFORM);
+            section.fault(&PLATFORM, Problem::Missing { allowed: PLATFORM.kind.allowed() });
+            None
+        }
+        (true, _) => platforms.find(section, &PLATFORM),
+    };
+    let words = match section.choice(&FORMAT) {
+        Some("inspvaxa") => Some(Words::InspvaxAscii),
+        Some("inspvaxb") => Some(Words::InspvaxBinary),
+        Some(_) if section.has(&SENTENCES) => {
+            let named = |text: &str| Sentence::named(text).map(Sentence::name);
+            section.words(&SENTENCES, named).map(Words::Nmea)
+        }
+        Some(_) => {
+            section.words(&SENTENCES, |_| Some(""));
+            Some(Words::Nmea(vec!["GGA", "RMC"]))
+        }
+        None => None,
+    };
+    let rate_hz = section.number(&RATE_HZ);
+    let latency_s = section.number(&LATENCY_S);
+    Some(NavSettings {
+        device: device.filter(|_| baud.is_some())?,
+        platform: platform?,
+        words: words?,
+        rate_hz: rate_hz?,
+        latency_s: latency_s?,
+        force: false,
+    })
+}

@@ -1,0 +1,296 @@
+//! Bytes to messages: NMEA 0183 sentences and NovAtel logs, mixed, cut anywhere, with anything in between.
+//!
+//! | message | how it is found | checked by |
+//! | --- | --- | --- |
+//! | NMEA 0183 ([`nmea`]) | a line with `$...*hh`, whatever stands before the `$` | exclusive or of the bytes between `$` and `*` |
+//! | NovAtel ASCII ([`novatel`]) | a line with `#NAME,...;...*hhhhhhhh` | CRC-32 of the bytes between `#` and `*` |
+//! | NovAtel binary | `AA 44 12`, length of header and body, body; `AA 44 13` for the short header | CRC-32 of all before it |
+//!
+//! A [`Decoder`] knows no files and no ports: whoever has bytes pushes them, and is called with every message. What is decided
+//! about a byte depends on it and on those after it, never on how they were cut, so a stream gives the same messages in
+//! any pieces. Memory is bounded: lines of more than 4096 bytes and binary messages of more than 16 KiB are
+//! counted as malformed and left. After a wrong checksum the search goes on right behind the sync bytes, so a message
+//! that is hidden in what seemed another one is found. Nothing is allocated after [`Decoder::new`].
+//!
+//! Every message and everything that is none is counted in [`Counts`]. A message that says of itself that it holds no
+//! solution (void) is handed on like others, without a position.
+//!
+//! ```
+//! use nereus::nav::decode::{Content, Decoder};
+//!
+//! let mut decoder = Decoder::new();
+//! let mut headings = Vec::new();
+//! let mut see = |message: nereus::nav::decode::Message| {
+//!     if let Content::Hdt(hdt) = message.content {
+//!         headings.extend(hdt.heading_deg);
+//!     }
+//! };
+//! decoder.push(b"noise\r\n$HEHDT,27", &mut see);
+//! decoder.push(b"4.5,T*2B\r\n$HEHDT,275.0,T*00\r\n", &mut see);
+//! assert_eq!(headings, [274.5]);
+//! assert_eq!((decoder.counts().malformed, decoder.counts().bad_checksum), (1, 1));
+//! ```
+
+pub mod nmea;
+pub mod novatel;
+
+use serde::Serialize;
+
+pub use self::nmea::{Gga, Gll, Gst, Hdt, Pashr, Rmc, Vtg, Zda};
+pub use self::novatel::Inspvax;
+
+/// The longest line that is read, bytes.
+pub const MAX_LINE_BYTES: usize = 4096;
+/// The longest binary message that is read, bytes with header and checksum.
+pub const MAX_BINARY_BYTES: usize = 16 << 10;
+/// Bytes that are held: whatever is not yet decided, and room for more.
+const HELD_BYTES: usize = 2 * MAX_BINARY_BYTES;
+
+/// A message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Message {
+    /// Line of text on which it stands, from 1; a binary message stands on the line after the last one.
+    pub line: u64,
+    /// What it says.
+    pub content: Content,
+}
+
+/// What a message says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Content {
+    /// Position, quality and height.
+    Gga(Gga),
+    /// Position, speed, course and date.
+    Rmc(Rmc),
+    /// Position.
+    Gll(Gll),
+    /// Speed and course.
+    Vtg(Vtg),
+    /// Heading.
+    Hdt(Hdt),
+    /// Time and date.
+    Zda(Zda),
+    /// Standard deviations of the position.
+    Gst(Gst),
+    /// Heading, roll and pitch.
+    Pashr(Pashr),
+    /// All of it.
+    Inspvax(Inspvax),
+}
+
+/// What was found in a stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Lines of text, empty ones too.
+    pub lines: u64,
+    /// Messages handed on.
+    pub good: u64,
+    /// Messages whose checksum is wrong.
+    pub bad_checksum: u64,
+    /// Messages of kinds that are not read here, their checksum right.
+    pub unknown: u64,
+    /// Lines that are no sentence, and messages whose fields cannot be read.
+    pub malformed: u64,
+    /// Among the good ones: positions that say of themselves that there is none, or are empty.
+    pub void: u64,
+}
+
+/// Why a message with a right checksum is not handed on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unread {
+    /// Not a kind that is read here.
+    Unknown,
+    /// Its fields cannot be read.
+    Malformed,
+}
+
+/// Finds messages in a stream of bytes.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    held: Vec<u8>,
+    counts: Counts,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// A decoder that has seen nothing.
+    pub fn new() -> Self {
+        Self { held: Vec::with_capacity(HELD_BYTES), counts: Counts::default() }
+    }
+
+    /// Takes the next bytes of the stream, any number of them, and calls with every message that they complete.
+    pub fn push(&mut self, mut bytes: &[u8], see: &mut impl FnMut(Message)) {
+        while !bytes.is_empty() {
+            let taken = bytes.len().min(HELD_BYTES - self.held.len());
+            self.held.extend_from_slice(&bytes[..taken]);
+            bytes = &bytes[taken..];
+            self.decide(false, see);
+        }
+    }
+
+    /// Takes the end of the stream: a last line needs no line end. The decoder is as new but for its counts.
+    pub fn finish(&mut self, see: &mut impl FnMut(Message)) {
+        self.decide(true, see);
+        self.held.clear();
+    }
+
+    /// What was found so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    fn decide(&mut self, ended: bool, see: &mut impl FnMut(Message)) {
+        let mut at = 0;
+        loop {
+            let taken = step(&self.held[at..], ended, &mut self.counts, see);
+            if taken == 0 {
+                break;
+            }
+            at += taken;
+        }
+        self.held.drain(..at);
+    }
+}
+
+/// Whether sync bytes of a binary message stand at the beginning; `None`: they may, when more comes.
+fn sync(bytes: &[u8]) -> Option<bool> {
+    match bytes {
+        [0xAA, 0x44, 0x12 | 0x13, ..] => Some(true),
+        [0xAA] | [0xAA, 0x44] => None,
+        _ => Some(false),
+    }
+}
+
+/// Takes what stands at the beginning of some bytes; how many they were, 0 when more is needed to decide.
+/// Depends on nothing but these bytes and on whether more may come.
+fn step(bytes: &[u8], ended: bool, counts: &mut Counts, see: &mut impl FnMut(Message)) -> usize {
+    if sync(bytes) == Some(true) {
+        return binary(bytes, ended, counts, see);
+    }
+    let window = &bytes[..bytes.len().min(MAX_LINE_BYTES)];
+    for (i, &byte) in window.iter().enumerate() {
+        match byte {
+            b'\n' => {
+                counts.lines += 1;
+                line(&window[..i], counts, see);
+                return i + 1;
+            }
+            0xAA => match sync(&bytes[i..]) {
+                Some(true) => {
+                    counts.lines += 1;
+                    line(&window[..i], counts, see);
+                    return i;
+                }
+                None if !ended => return 0,
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+    if window.len() == MAX_LINE_BYTES {
+        counts.malformed += 1;
+        return MAX_LINE_BYTES;
+    }
+    if ended && !bytes.is_empty() {
+        counts.lines += 1;
+        line(bytes, counts, see);
+        return bytes.len();
+    }
+    0
+}
+
+/// A binary message; its sync bytes are there.
+fn binary(bytes: &[u8], ended: bool, counts: &mut Counts, see: &mut impl FnMut(Message)) -> usize {
+    const SYNC_BYTES: usize = 3;
+    let more = |counts: &mut Counts| {
+        counts.malformed += u64::from(ended);
+        if ended { SYNC_BYTES } else { 0 }
+    };
+    let Some(frame) = novatel::Frame::of(bytes) else { return more(counts) };
+    if frame.header_bytes < frame.least_header_bytes || frame.all_bytes() > MAX_BINARY_BYTES {
+        counts.malformed += 1;
+        return SYNC_BYTES;
+    }
+    let Some(message) = bytes.get(..frame.all_bytes()) else { return more(counts) };
+    if !novatel::is_intact(message) {
+        counts.bad_checksum += 1;
+        return SYNC_BYTES;
+    }
+    told(novatel::binary(&frame, message), counts, see);
+    frame.all_bytes()
+}
+
+/// A line of text without its end.
+fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
+    let mut rest = line.trim_ascii();
+    if rest.is_empty() {
+        return;
+    }
+    let is_start = |byte: &u8| matches!(byte, b'$' | b'!');
+    let start = rest.iter().position(is_start);
+    if let Some(at) = novatel::ascii_start(&rest[..start.unwrap_or(rest.len())]) {
+        match novatel::ascii(&rest[at..]) {
+            None => counts.bad_checksum += 1,
+            Some(content) => told(content, counts, see),
+        }
+        return;
+    }
+    let Some(start) = start else {
+        counts.malformed += 1;
+        return;
+    };
+    rest = &rest[start..];
+    loop {
+        let Some((body, given)) = nmea::split_checksum(rest) else {
+            counts.malformed += 1;
+            return;
+        };
+        // The end of one sentence and the beginning of another may be lost; but `$` within a sound one occurs.
+        let starts = std::iter::once(0).chain((1..=body.len()).filter(|&at| is_start(&rest[at])));
+        let mut found = starts.map(|at| (at, &body[at..])).filter(|(_, body)| nmea::checksum(body) == given);
+        match found.next() {
+            None => counts.bad_checksum += 1,
+            Some((at, body)) => {
+                counts.malformed += u64::from(at > 0);
+                told(nmea::sentence(body), counts, see);
+            }
+        }
+        // Behind the checksum another sentence may follow.
+        let behind = &rest[body.len() + 4..];
+        match behind.iter().position(is_start) {
+            Some(next) => rest = &behind[next..],
+            None => return,
+        }
+    }
+}
+
+/// Counts a message and hands it on.
+fn told(content: Result<Content, Unread>, counts: &mut Counts, see: &mut impl FnMut(Message)) {
+    match content {
+        Err(Unread::Unknown) => counts.unknown += 1,
+        Err(Unread::Malformed) => counts.malformed += 1,
+        Ok(content) => {
+            counts.good += 1;
+            counts.void += u64::from(content.is_void());
+            see(Message { line: counts.lines, content });
+        }
+    }
+}
+
+impl Content {
+    /// Whether this is a position that says of itself that there is none.
+    pub fn is_void(&self) -> bool {
+        match self {
+            Self::Gga(gga) => gga.fix.is_none(),
+            Self::Rmc(rmc) => rmc.fix.is_none(),
+            Self::Gll(gll) => gll.fix.is_none(),
+            Self::Inspvax(inspvax) => !inspvax.is_solution(),
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! NovAtel logs: frames, checksum, and INSPVAX, position, velocity and attitude of an inertial system with their deviations.
+//!
+//! **Binary**, little-endian: `AA 44 12`, header of 28 bytes (its length at 3, id at 4, length of the body at 8, status of
+//! the time at 13, GPS week at 14, ms of the week at 16), body, CRC. The short header `AA 44 13` has 12 bytes; no message
+//! with it is read. **ASCII**: `#INSPVAXA,port,sequence,idle,status,week,seconds,...;fields*crc`.
+//!
+//! | INSPVAX (id 1465) | binary, at | unit |
+//! | --- | --- | --- |
+//! | status of the solution, type of the position | u32 0, u32 4 | |
+//! | latitude, longitude | f64 8, 16 | deg |
+//! | height above mean sea level, undulation | f64 24, f32 32 | m; their sum is above the ellipsoid |
+//! | velocity North, East, up | f64 36, 44, 52 | m/s |
+//! | roll, pitch, azimuth | f64 60, 68, 76 | deg |
+//! | deviations of latitude, longitude, height | f32 84, 88, 92 | m |
+//! | of velocity North, East, up | f32 96, 100, 104 | m/s |
+//! | of roll, pitch, azimuth | f32 108, 112, 116 | deg |
+//! | extended status, time since the last update | u32 120, u16 124 | s |
+//!
+//! **Angles.** The body axes of the receiver are x to the right, y ahead, z up. Roll turns about y and pitch about x, both
+//! right-handed, azimuth about z left-handed (clockwise from North): body to ENU is `Rz(-azimuth) Rx(pitch) Ry(roll)`.
+//! Right wing down and nose up are positive, and azimuth comes first: the same three angles as those of
+//! [`Rotation::from_yaw_pitch_roll`](crate::frames::Rotation::from_yaw_pitch_roll) for forward, starboard, down.
+//!
+//! **CRC-32**: polynomial 0xEDB88320 (reflected), begun with 0, not inverted; a message with its CRC behind it gives 0.
+//!
+//! Source: NovAtel OEM7 Commands and Logs Reference Manual, "Message formats", "32-Bit CRC", log 1465.
+//!
+//! ```
+//! use nereus::nav::decode::novatel::crc32;
+//! // The check value of CRC-32 without inversion, 0x2DFD2D88, is that of 123456789.
+//! assert_eq!(crc32(b"123456789"), 0x2DFD_2D88);
+//! ```
+
+use super::nmea::number;
+use super::{Content, Unread};
+use crate::time::TimeTag;
+
+/// Id of INSPVAX.
+pub const INSPVAX_ID: u16 = 1465;
+/// Bytes of its body.
+pub const INSPVAX_BYTES: usize = 126;
+/// Bytes of the long header.
+pub const HEADER_BYTES: usize = 28;
+/// Status of a solution that is good, as sent.
+pub const SOLUTION_GOOD: u32 = 3;
+
+/// Names of the states of a solution, and their numbers.
+const STATUS: [(&str, u32); 12] = [
+    ("INS_INACTIVE", 0),
+    ("INS_ALIGNING", 1),
+    ("INS_HIGH_VARIANCE", 2),
+    ("INS_SOLUTION_GOOD", SOLUTION_GOOD),
+    ("INS_SOLUTION_FREE", 6),
+    ("INS_ALIGNMENT_COMPLETE", 7),
+    ("DETERMINING_ORIENTATION", 8),
+    ("WAITING_INITIALPOS", 9),
+    ("WAITING_AZIMUTH", 10),
+    ("INITIALIZING_BIASES", 11),
+    ("MOTION_DETECT", 12),
+    ("WAITING_ALIGNMENTORIENTATION", 14),
+];
+/// States in which position, velocity and attitude are told: alignment done, whatever the variance.
+const SOLVED: [u32; 4] = [2, SOLUTION_GOOD, 6, 7];
+/// Status of a time that is not known.
+const TIME_UNKNOWN: u8 = 20;
+
+/// Position, velocity and attitude with their standard deviations, in the units of the message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inspvax {
+    /// GPS week.
+    pub week: u32,
+    /// Seconds of the week.
+    pub seconds: f64,
+    /// Whether the time is known.
+    pub timed: bool,
+    /// Status of the solution; 3 is good.
+    pub status: u32,
+    /// Latitude, degrees.
+    pub lat_deg: f64,
+    /// Longitude, degrees.
+    pub lon_deg: f64,
+    /// Height above mean sea level, m.
+    pub altitude_m: f64,
+    /// Height of mean sea level above the ellipsoid, m.
+    pub undulation_m: f64,
+    /// Velocity North, East, up, m/s.
+    pub velocity_mps: [f64; 3],
+    /// Roll, pitch, azimuth, degrees.
+    pub angles_deg: [f64; 3],
+    /// Standard deviations of latitude, longitude, height, m.
+    pub sigma_position_m: [f32; 3],
+    /// Standard deviations of the velocity, m/s.
+    pub sigma_velocity_mps: [f32; 3],
+    /// Standard deviations of roll, pitch, azimuth, degrees.
+    pub sigma_angles_deg: [f32; 3],
+}
+
+impl Inspvax {
+    /// Whether time, position, velocity and attitude are there.
+    pub fn is_solution(&self) -> bool {
+        self.timed && SOLVED.contains(&self.status) && self.time().is_some()
+    }
+
+    /// When, UTC.
+    pub fn time(&self) -> Option<TimeTag> {
+        TimeTag::from_gps(self.week, self.seconds)
+    }
+
+    /// Itself, if every figure is in its range.
+    fn checked(self) -> Result<Content, Unread> {
+        let Self { lat_deg, lon_deg, altitude_m, undulation_m, .. } = self;
+        let [roll, pitch, azimuth] = self.angles_deg;
+        let sigmas = [self.sigma_position_m, self.sigma_velocity_mps, self.sigma_angles_deg];
+        // A receiver without a solution fills in zeros.
+        let sound = lat_deg.abs() <= 90.0
+            && lon_deg.abs() <= 180.0
+            && altitude_m.abs() <= 1e8
+            && undulation_m.abs() <= 1e4
+            && self.velocity_mps.iter().all(|v| v.abs() <= 1e5)
+            && roll.abs() <= 180.0
+            && pitch.abs() <= 90.0
+            && azimuth.abs() <= 360.0
+            && sigmas.iter().flatten().all(|sigma| sigma.is_finite() && *sigma >= 0.0);
+        if sound { Ok(Content::Inspvax(self)) } else { Err(Unread::Malformed) }
+    }
+}
+
+/// CRC-32 of a message.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    const TABLE: [u32; 256] = table();
+    bytes.iter().fold(0, |crc, byte| TABLE[((crc ^ u32::from(*byte)) & 0xFF) as usize] ^ (crc >> 8))
+}
+
+const fn table() -> [u32; 256] {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        let mut crc = i as u32;
+        let mut bit = 0;
+        while bit < 8 {
+            crc = if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 };
+            bit += 1;
+        }
+        table[i] = crc;
+        i += 1;
+    }
+    table
+}
+
+/// Sizes of a binary message.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub header_bytes: usize,
+    pub least_header_bytes: usize,
+    body_bytes: usize,
+}
+
+impl Frame {
+    /// From the beginning of a message; `None` when more of it is needed.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        if bytes[2] == 0x13 {
+            let body_bytes = usize::from(*bytes.get(3)?);
+            return Some(Self { header_bytes: 12, least_header_bytes: 12, body_bytes });
+        }
+        let body_bytes = usize::from(u16_at(bytes.get(..10)?, 8));
+        Some(Self { header_bytes: usize::from(bytes[3]), least_header_bytes: HEADER_BYTES, body_bytes })
+    }
+
+    pub fn all_bytes(&self) -> usize {
+        self.header_bytes + self.body_bytes + 4
+    }
+}
+
+/// Whether the CRC behind a message is right.
+pub(super) fn is_intact(message: &[u8]) -> bool {
+    crc32(message) == 0
+}
+
+/// Reads a binary message whose checksum is right.
+pub(super) fn binary(frame: &Frame, message: &[u8]) -> Result<Content, Unread> {
+    // The highest bit of the type marks the answer to a command.
+    if message[2] != 0x12 || u16_at(message, 4) != INSPVAX_ID || message[6] & 0x80 != 0 {
+        return Err(Unread::Unknown);
+    }
+    let body = &message[frame.header_bytes..message.len() - 4];
+    if body.len() < INSPVAX_BYTES {
+        return Err(Unread::Malformed);
+    }
+    let [double, single] = [f64_at, |body: &[u8], at| f64::from(f32_at(body, at))];
+    Inspvax {
+        week: u32::from(u16_at(message, 14)),
+        seconds: f64::from(u32_at(message, 16)) / 1e3,
+        timed: message[13] > TIME_UNKNOWN,
+        status: u32_at(body, 0),
+        lat_deg: double(body, 8),
+        lon_deg: double(body, 16),
+        altitude_m: double(body, 24),
+        undulation_m: single(body, 32),
+        velocity_mps: [36, 44, 52].map(|at| double(body, at)),
+        angles_deg: [60, 68, 76].map(|at| double(body, at)),
+        sigma_position_m: [84, 88, 92].map(|at| f32_at(body, at)),
+        sigma_velocity_mps: [96, 100, 104].map(|at| f32_at(body, at)),
+        sigma_angles_deg: [108, 112, 116].map(|at| f32_at(body, at)),
+    }
+    .checked()
+}
+
+/// Where an ASCII log begins in a line: `#`, a name, a comma, and later a `;`.
+pub(super) fn ascii_start(line: &[u8]) -> Option<usize> {
+    let at = line.iter().position(|&b| b == b'#')?;
+    let rest = &line[at + 1..];
+    let name = rest.iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
+    let named = rest.first()?.is_ascii_uppercase() && rest.get(name) == Some(&b',');
+    (named && rest.contains(&b';')).then_some(at)
+}
+
+/// Reads an ASCII log from its `#` on; `None` if its checksum is wrong or missing.
+pub(super) fn ascii(line: &[u8]) -> Option<Result<Content, Unread>> {
+    let star = line.iter().rposition(|&b| b == b'*')?;
+    let digits = line.get(star + 1..star + 9).filter(|d| d.iter().all(u8::is_ascii_hexdigit))?;
+    let given = u32::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
+    let text = &line[1..star];
+    (crc32(text) == given)
+        .then(|| std::str::from_utf8(text).map_err(|_| Unread::Malformed).and_then(ascii_fields))
+}
+
+fn ascii_fields(text: &str) -> Result<Content, Unread> {
+    let (header, body) = text.split_once(';').ok_or(Unread::Malformed)?;
+    if header.split(',').next() != Some("INSPVAXA") {
+        return Err(Unread::Unknown);
+    }
+    let header_field = |index: usize| header.split(',').nth(index).ok_or(Unread::Malformed);
+    let mut fields = body.split(',');
+    let mut next = || fields.next().ok_or(Unread::Malformed);
+    let status = next()?;
+    next()?;
+    let mut figures = [0.0; 19];
+    for place in &mut figures {
+        *place = number(next()?).ok_or(Unread::Malformed)?;
+    }
+    let three = |first: usize| [figures[first], figures[first + 1], figures[first + 2]];
+    let [lat_deg, lon_deg, altitude_m] = three(0);
+    let single = |first: usize| three(first).map(|figure| figure as f32);
+    Inspvax {
+        week: header_field(5)?.parse().map_err(|_| Unread::Malformed)?,
+        seconds: number(header_field(6)?).filter(|s| *s >= 0.0).ok_or(Unread::Malformed)?,
+        timed: header_field(4)? != "UNKNOWN",
+        status: STATUS.iter().find(|(name, _)| *name == status).map_or(u32::MAX, |(_, number)| *number),
+        lat_deg,
+        lon_deg,
+        altitude_m,
+        undulation_m: figures[3],
+        velocity_mps: three(4),
+        angles_deg: three(7),
+        sigma_position_m: single(10),
+        sigma_velocity_mps: single(13),
+        sigma_angles_deg: single(16),
+    }
+    .checked()
+}
+
+fn bytes_at<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    std::array::from_fn(|i| bytes[at + i])
+}
+
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes(bytes_at(bytes, at))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(bytes_at(bytes, at))
+}
+
+fn f32_at(bytes: &[u8], at: usize) -> f32 {
+    f32::from_le_bytes(bytes_at(bytes, at))
+}
+
+fn f64_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from_le_bytes(bytes_at(bytes, at))
+}

@@ -1,0 +1,148 @@
+//! Sentences.
+
+use std::io::Write;
+
+use hifitime::{Epoch, Unit};
+
+use super::super::decode::nmea::checksum;
+use super::super::epoch::KNOT_MPS;
+use super::super::solution::Solution;
+use super::{Sentence, lon_deg, tidy, turn_deg};
+
+/// Steps of a position in a degree: 60 minutes of 1e8.
+const STEPS_PER_DEG: f64 = 60e8;
+/// The resolution of angles, degrees.
+const UNIT_DEG: f64 = 1e-4;
+
+/// Appends a sentence with checksum and line end.
+pub(super) fn write(sentence: Sentence, said: &Solution, out: &mut Vec<u8>) {
+    let start = out.len();
+    // Writing to memory does not fail.
+    let _ = fields(sentence, said, out);
+    if out.len() > start {
+        let sum = checksum(&out[start + 1..]);
+        let _ = write!(out, "*{sum:02X}\r\n");
+    }
+}
+
+fn fields(sentence: Sentence, said: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
+    let stamp = Stamp::of(said);
+    let angles = said.yaw_pitch_roll_rad.map(tidy);
+    let heading = angles.map(|[yaw, ..]| turn_deg(yaw, UNIT_DEG));
+    match sentence {
+        Sentence::Gga => {
+            write!(out, "$GPGGA,{},", stamp.time)?;
+            position(said, out)?;
+            // The altitude takes up the rounding of the separation.
+            let separation_m = (said.undulation_m * 1e4).round() / 1e4;
+            let altitude_m = said.place.h_m - separation_m;
+            write!(out, ",1,10,1.0,{altitude_m:.5},M,{separation_m:.4},M,,")
+        }
+        Sentence::Rmc => {
+            write!(out, "$GPRMC,{},A,", stamp.time)?;
+            position(said, out)?;
+            write!(out, ",")?;
+            let (speed_knots, course_deg) = ground(said);
+            figure(out, speed_knots)?;
+            write!(out, ",")?;
+            figure(out, course_deg)?;
+            write!(out, ",{:02}{:02}{:02},,,A", stamp.day, stamp.month, stamp.year % 100)
+        }
+        Sentence::Vtg => {
+            let (speed_knots, course_deg) = ground(said);
+            write!(out, "$GPVTG,")?;
+            figure(out, course_deg)?;
+            write!(out, ",T,,M,")?;
+            figure(out, speed_knots)?;
+            write!(out, ",N,")?;
+            figure(out, speed_knots.map(|knots| knots * 1.852))?;
+            write!(out, ",K,A")
+        }
+        Sentence::Hdt => {
+            write!(out, "$GPHDT,")?;
+            figure(out, heading)?;
+            write!(out, ",T")
+        }
+        Sentence::Zda => {
+            let Stamp { time, day, month, year } = stamp;
+            write!(out, "$GPZDA,{time},{day:02},{month:02},{year:04},00,00")
+        }
+        Sentence::Gst => {
+            write!(out, "$GPGST,{},,,,", stamp.time)?;
+            let [east, north, up] = match said.sigma.position_m {
+                Some(sigma) => sigma.map(|m| Some(f64::from(m))),
+                None => [None; 3],
+            };
+            for sigma in [north, east, up] {
+                write!(out, ",")?;
+                figure(out, sigma)?;
+            }
+            Ok(())
+        }
+        Sentence::Pashr => {
+            let (Some([_, pitch, roll]), Some(heading)) = (angles, heading) else { return Ok(()) };
+            let (roll, pitch) = (roll.to_degrees(), pitch.to_degrees());
+            write!(out, "$PASHR,{},{heading:.4},T,{roll:+.4},{pitch:+.4},+0.00", stamp.time)?;
+            let [yaw, pitch, roll] = match said.sigma.angles_rad {
+                Some(sigma) => sigma.map(|rad| Some(f64::from(rad).to_degrees())),
+                None => [None; 3],
+            };
+            for sigma in [roll, pitch, yaw] {
+                write!(out, ",")?;
+                figure(out, sigma)?;
+            }
+            write!(out, ",1,1")
+        }
+    }
+}
+
+/// A figure of four decimals, or nothing.
+fn figure(out: &mut Vec<u8>, value: Option<f64>) -> std::io::Result<()> {
+    value.map_or(Ok(()), |value| write!(out, "{value:.4}"))
+}
+
+/// Speed, knots, and course, degrees.
+fn ground(said: &Solution) -> (Option<f64>, Option<f64>) {
+    let Some([east, north, _]) = said.velocity_mps else { return (None, None) };
+    (Some(east.hypot(north) / KNOT_MPS), Some(turn_deg(east.atan2(north), UNIT_DEG)))
+}
+
+fn position(said: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
+    let lat = (said.place.lat_rad.to_degrees().clamp(-90.0, 90.0) * STEPS_PER_DEG).round();
+    let lon = (lon_deg(said.place.lon_rad) * STEPS_PER_DEG).round();
+    let split = |steps: f64| {
+        let (all, degree) = (steps.abs() as u64, STEPS_PER_DEG as u64);
+        let minutes = all % degree;
+        (all / degree, minutes / 100_000_000, minutes % 100_000_000)
+    };
+    let ((d, m, f), half) = (split(lat), if lat < 0.0 { 'S' } else { 'N' });
+    write!(out, "{d:02}{m:02}.{f:08},{half},")?;
+    let ((d, m, f), half) = (split(lon), if lon < 0.0 { 'W' } else { 'E' });
+    write!(out, "{d:03}{m:02}.{f:08},{half}")
+}
+
+/// Time of day as written, and the date.
+struct Stamp {
+    time: String,
+    day: u8,
+    month: u8,
+    year: i32,
+}
+
+impl Stamp {
+    fn of(said: &Solution) -> Self {
+        let mut seconds = said.time.seconds();
+        let mut ns = (said.time.fraction_s() * 1e9).round() as u64;
+        if ns >= 1_000_000_000 {
+            (seconds, ns) = (seconds + 1, 0);
+        }
+        let epoch = Epoch::from_unix_duration(seconds * Unit::Second);
+        let (year, month, day, hour, minute, second, _) = epoch.to_gregorian_utc();
+        let mut time = format!("{hour:02}{minute:02}{second:02}.{ns:09}");
+        // Zeros beyond the third decimal say nothing.
+        while time.len() > "hhmmss.sss".len() && time.ends_with('0') {
+            time.pop();
+        }
+        Self { time, day, month, year }
+    }
+}

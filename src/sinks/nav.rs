@@ -1,0 +1,159 @@
+//! Navigation out: what a platform reports, on a port, in step with the pulses.
+//!
+//! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it tells the reported state at
+//! the first pulse at or after the tick, and bears the emission time of that pulse. With `latency_s` it leaves with the first pulse
+//! emitted that much later, as from a receiver that thinks for a while. With a rate above the PRF there is one message a pulse.
+//!
+//! The sink does not wait for its port ([`Port`]). What a message says is the business of a [`Speech`]; rooms above give it.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use super::port::{Device, Port};
+use super::sink::{Header, Sink, SinkError, SinkReport};
+use crate::pulse::{PlatformRecord, Pulse};
+use crate::time::TimeTag;
+
+/// How long the last bytes may take.
+const LAST_BYTES: Duration = Duration::from_millis(500);
+/// Share of a tick by which a pulse may be early and still be at the tick: rounding of times.
+const ROUNDING: f64 = 1e-9;
+
+/// Which messages are sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Words {
+    /// NMEA 0183 sentences of these names, in this order.
+    Nmea(Vec<&'static str>),
+    /// NovAtel INSPVAX, ASCII.
+    InspvaxAscii,
+    /// NovAtel INSPVAX, binary.
+    InspvaxBinary,
+}
+
+/// What is asked of a navigation output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NavSettings {
+    /// The port.
+    pub device: Device,
+    /// Place of the platform in the navigation record.
+    pub platform: usize,
+    /// Messages.
+    pub words: Words,
+    /// Messages a second.
+    pub rate_hz: f64,
+    /// Delay of a message in emission time, s.
+    pub latency_s: f64,
+    /// Overwrite a file that exists.
+    pub force: bool,
+}
+
+/// Turns states into messages.
+pub trait Speech: Send {
+    /// Appends what is said of a state; false if there are no words for it.
+    fn say(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool;
+}
+
+/// Sends what a platform reports.
+pub struct NavSink {
+    settings: NavSettings,
+    port: Port,
+    speech: Box<dyn Speech>,
+    start: TimeTag,
+    interval_s: f64,
+    /// The last tick that has passed.
+    tick: Option<i64>,
+    pulses: u64,
+    /// Messages that are not yet due: when they are, and their length.
+    due: VecDeque<(TimeTag, usize)>,
+    waiting: VecDeque<u8>,
+    message: Vec<u8>,
+}
+
+impl NavSink {
+    /// Opens the port.
+    pub fn open(settings: &NavSettings, speech: Box<dyn Speech>, header: &Header) -> Result<Self, SinkError> {
+        let device = settings.device.clone();
+        let port = Port::open(device, settings.force)
+            .map_err(|source| SinkError::Port { device: settings.device.to_string(), source })?;
+        Ok(Self {
+            settings: settings.clone(),
+            port,
+            speech,
+            start: header.start,
+            interval_s: header.prf_hz.recip(),
+            tick: None,
+            pulses: 0,
+            due: VecDeque::new(),
+            waiting: VecDeque::new(),
+            message: Vec::new(),
+        })
+    }
+
+    fn tick_at(&self, time_s: f64) -> i64 {
+        (time_s * self.settings.rate_hz + ROUNDING).floor() as i64
+    }
+
+    /// Sends what is due at a time, or all of it.
+    fn release(&mut self, now: Option<TimeTag>) {
+        while let Some((due, length)) = self.due.front().copied() {
+            if now.is_some_and(|now| now.since(due) < 0.0) {
+                return;
+            }
+            self.due.pop_front();
+            self.message.clear();
+            self.message.extend(self.waiting.drain(..length));
+            self.port.send(&self.message);
+        }
+    }
+}
+
+impl Sink for NavSink {
+    fn name(&self) -> &'static str {
+        "nav"
+    }
+
+    fn describe(&self) -> String {
+        format!("navigation to {}", self.settings.device)
+    }
+
+    fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
+        self.pulses += 1;
+        let since_s = pulse.time.since(self.start);
+        let tick = self.tick_at(since_s);
+        // Part of a run begins where the whole would be.
+        let before = self.tick.unwrap_or_else(|| self.tick_at(since_s - self.interval_s));
+        self.tick = Some(tick);
+        if tick > before
+            && let Some(record) = pulse.nav_reported.get(self.settings.platform)
+        {
+            self.message.clear();
+            if self.speech.say(pulse.time, record, &mut self.message) {
+                self.due.push_back((pulse.time.plus(self.settings.latency_s), self.message.len()));
+                self.waiting.extend(&self.message);
+            } else {
+                self.port.unsaid();
+            }
+        }
+        self.release(Some(pulse.time));
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        self.port.flush();
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
+        self.release(None);
+        let files = self.settings.device.file().map(|path| path.to_owned()).into_iter().collect();
+        let port = self.port.finish(LAST_BYTES);
+        Ok(SinkReport {
+            name: "nav".to_owned(),
+            pulses: self.pulses,
+            bytes: port.bytes,
+            files,
+            port: Some(port),
+            wire: None,
+        })
+    }
+}

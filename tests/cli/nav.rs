@@ -1,0 +1,207 @@
+//! `nereus nav`, and navigation out of a run.
+
+use std::fs;
+use std::path::Path;
+
+use nereus::nav::decode::{Content, Decoder};
+
+use crate::program::{nereus, package};
+
+fn cart() -> String {
+    package().join("configs/tracks/cart.inspvax").display().to_string()
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> String {
+    let ended = nereus(folder, arguments);
+    assert_eq!(ended.code, 0, "{arguments:?}: {}", ended.stderr);
+    ended.stdout
+}
+
+/// What follows the line with the name of the file.
+fn behind_the_name(text: &str) -> &str {
+    text.split_once('\n').unwrap().1
+}
+
+#[test]
+fn inspect_tells_what_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = run(folder.path(), &["nav", "inspect", &cart()]);
+    insta::assert_snapshot!(behind_the_name(&text), @r"
+    format    inspvax, 47400 bytes
+    messages  300 good (0 void), 0 with a wrong checksum, 0 of other kinds, 0 malformed
+    kinds     300 INSPVAX
+    fixes     300
+    time      2014-11-24T20:30:19.900000Z to 2014-11-24T20:30:34.850000Z (GPS week 1820)
+    span      14.950 s, 20.000 a second
+    gaps      0, longest interval 0.050 s
+    area      43.404059 .. 43.404103 deg N, -80.470327 .. -80.470223 deg E
+    height    289.62 .. 289.84 m
+    speed     0.66 .. 1.69 m/s, mean 0.87
+    said      300 velocities, 300 attitudes, 300 deviations
+    worst     0.047 m East, 0.059 m North, 0.100 m up
+    ");
+    let json = run(folder.path(), &["nav", "inspect", &cart(), "--json"]);
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&report["messages"]["good"], &report["track"]["fixes"]), (&300.into(), &300.into()));
+    assert_eq!(report["track"]["gps_week"], 1820);
+    // A capture: the messages among its packets.
+    let capture = package().join("tests/data/nav/span_90.pcap").display().to_string();
+    let text = run(folder.path(), &["nav", "inspect", &capture]);
+    insta::assert_snapshot!(behind_the_name(&text), @r"
+    format    pcap, 10058 bytes
+    capture   90 packets, 0 left; tcp 192.168.1.28:3001 > 192.168.1.21:35711, 0 bytes missing
+    messages  26 good (0 void), 0 with a wrong checksum, 56 of other kinds, 26 malformed
+    kinds     26 INSPVAX
+    fixes     26
+    time      2014-11-24T20:29:49.900000Z to 2014-11-24T20:29:51.150000Z (GPS week 1820)
+    span      1.250 s, 20.000 a second
+    gaps      0, longest interval 0.050 s
+    area      43.404089 .. 43.404089 deg N, -80.470247 .. -80.470247 deg E
+    height    289.71 .. 289.71 m
+    speed     0.00 .. 0.00 m/s, mean 0.00
+    said      26 velocities, 26 attitudes, 26 deviations
+    worst     0.022 m East, 0.023 m North, 0.038 m up
+    ");
+    // A log without any date has counts, and says why it has no track.
+    let plaka = package().join("tests/data/nav/plaka_700.nmea").display().to_string();
+    let text = run(folder.path(), &["nav", "inspect", &plaka]);
+    assert!(text.contains("no date") && text.contains("219 good"), "{text}");
+}
+
+/// From one format to the next and back, nothing is lost but digits.
+#[test]
+fn convert_goes_around() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let steps = [
+        (cart(), "a.csv"),
+        (cart(), "b.nmea"),
+        (cart(), "c.inspvaxa"),
+        ("c.inspvaxa".to_owned(), "d.inspvax"),
+        ("d.inspvax".to_owned(), "e.csv"),
+        ("b.nmea".to_owned(), "f.csv"),
+    ];
+    for (from, to) in &steps {
+        run(folder, &["nav", "convert", from, to, "--undulation-m", "-36.5"]);
+    }
+    let rows = |name: &str| -> Vec<Vec<f64>> {
+        let text = fs::read_to_string(folder.join(name)).unwrap();
+        assert!(text.starts_with("unix_s,lat_deg,lon_deg,height_m,yaw_deg,pitch_deg,roll_deg\n"));
+        text.lines().skip(1).map(|line| line.split(',').map(|f| f.parse().unwrap()).collect()).collect()
+    };
+    let wanted = rows("a.csv");
+    assert_eq!(wanted.len(), 300);
+    // Half a digit of each file on the way: degrees, metres, degrees of angles.
+    for (name, deg, height_m, angle_deg) in [("e.csv", 2e-11, 2e-5, 3e-9), ("f.csv", 2e-10, 3e-5, 1e-4)] {
+        let found = rows(name);
+        assert_eq!(found.len(), 300);
+        for (a, b) in wanted.iter().zip(&found) {
+            let allowed = [1e-6, deg, deg, height_m, angle_deg, angle_deg, angle_deg];
+            for ((a, b), allowed) in a.iter().zip(b).zip(allowed) {
+                assert!((a - b).abs() <= allowed, "{name}: {a} {b}");
+            }
+        }
+    }
+    // What is there is not overwritten; a name without a format is refused; so is an attitude that nobody knows.
+    let again = nereus(folder, &["nav", "convert", &cart(), "a.csv"]);
+    assert_eq!(again.code, 2);
+    assert!(again.stderr.contains("exists already"), "{}", again.stderr);
+    let odd = nereus(folder, &["nav", "convert", &cart(), "a.what"]);
+    assert!(odd.code == 2 && odd.stderr.contains("says no format"), "{}", odd.stderr);
+    let flight = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
+    let refused = nereus(folder, &["nav", "convert", &flight, "x.inspvax"]);
+    assert!(
+        refused.code == 2 && refused.stderr.contains("needs a velocity and an attitude"),
+        "{}",
+        refused.stderr
+    );
+    assert!(!folder.join("x.inspvax").exists());
+    let told = nereus(folder, &["nav", "convert", &flight, "x.nmea"]);
+    assert!(told.code == 0 && told.stderr.contains("velocities of 877 fixes derived"), "{}", told.stderr);
+    let sbet = nereus(folder, &["nav", "inspect", "a.csv", "--from", "sbet"]);
+    assert!(sbet.code == 2 && sbet.stderr.contains("--gps-week"), "{}", sbet.stderr);
+}
+
+#[test]
+fn play_keeps_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = std::time::Instant::now();
+    let to = ["--sentences", "GGA,RMC", "--rate", "30"];
+    let ended = nereus(folder.path(), &[&["nav", "play", &cart(), "file:out.nmea"], &to[..]].concat());
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    // 14.95 s thirty times as fast; no message is sent early.
+    assert!(begun.elapsed().as_secs_f64() > 14.95 / 30.0);
+    let text = fs::read_to_string(folder.path().join("out.nmea")).unwrap();
+    assert_eq!(text.lines().count(), 600);
+    let odd = nereus(folder.path(), &["nav", "play", &cart(), "udp://x"]);
+    assert!(odd.code == 2 && odd.stderr.contains("is no device"), "{}", odd.stderr);
+}
+
+#[test]
+fn corrupt_is_the_same_for_a_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let spoil = |out: &str, seed: &str| {
+        let chances = ["--drop", "1e-3", "--flip", "1e-3", "--cut", "1e-4", "--seed", seed];
+        run(folder.path(), &[&["nav", "corrupt", &cart(), out], &chances[..]].concat());
+        fs::read(folder.path().join(out)).unwrap()
+    };
+    let (a, b, c) = (spoil("a", "1"), spoil("b", "1"), spoil("c", "2"));
+    assert!(a == b && a != c);
+    // Every message that is still whole is found: of 158 bytes each some 30 % are hit by a drop or a flip.
+    let mut decoder = Decoder::new();
+    decoder.push(&a, &mut |_| {});
+    decoder.finish(&mut |_| {});
+    let sound = fs::read(package().join("configs/tracks/cart.inspvax")).unwrap();
+    let whole = sound.chunks(158).filter(|message| a.windows(158).any(|window| window == *message)).count();
+    assert!(whole < 300);
+    assert_eq!(decoder.counts().good, whole as u64);
+}
+
+/// The sentences of a run are the reported states of its pulses, as the recording has them.
+#[test]
+fn sentences_of_a_run_are_those_of_its_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/cart.toml").display().to_string();
+    let plain = ["--set", "sink.0.kind=\"plain\"", "--set", "sink.0.path=\"r.plain\"", "--json"];
+    let pace = ["run", &config, "--pace", "fast", "--pulses", "0..400"];
+    let json = run(folder.path(), &[&pace[..], &plain[..]].concat());
+    let report: serde_json::Value = serde_json::from_str(json.trim()).unwrap();
+    let port = &report["out"][1]["port"];
+    // 200 pulses and 20 ticks a second.
+    assert_eq!((&port["messages"], &port["lost_messages"]), (&40.into(), &0.into()), "{report}");
+    let bytes = fs::read(folder.path().join("cart.nmea")).unwrap();
+    let mut positions = Vec::new();
+    let mut decoder = Decoder::new();
+    let mut see = |message: nereus::nav::decode::Message| {
+        if let Content::Gga(gga) = message.content {
+            let fix = gga.fix.unwrap();
+            let height_m = gga.altitude_m.unwrap() + gga.separation_m.unwrap();
+            positions.push((fix.time_of_day_ns, fix.lat_deg, fix.lon_deg, height_m));
+        }
+    };
+    decoder.push(&bytes, &mut see);
+    decoder.finish(&mut see);
+    assert_eq!((decoder.counts().good, decoder.counts().bad_checksum), (240, 0));
+    let column = fs::read(folder.path().join("r.plain/nav/cart/reported/position_m.bin")).unwrap();
+    let positions_m: Vec<[f64; 3]> = column
+        .as_chunks::<24>()
+        .0
+        .iter()
+        .map(|row| {
+            let bytes = row.as_chunks::<8>().0;
+            std::array::from_fn(|i| f64::from_le_bytes(bytes[i]))
+        })
+        .collect();
+    assert_eq!(positions_m.len(), 400);
+    let origin = nereus::frames::Geodetic::from_deg(43.40408, -80.47022, 288.2);
+    let frame = nereus::frames::SceneFrame::at(origin, nereus::frames::Earth::Flat);
+    for (tick, (ns, lat_deg, lon_deg, height_m)) in positions.into_iter().enumerate() {
+        // 20:30:21 and a tick of 50 ms each.
+        assert_eq!(ns, ((20 * 3600 + 30 * 60 + 21) * 1000 + 50 * tick as i64) * 1_000_000);
+        let place = nereus::frames::Geodetic::from_deg(lat_deg, lon_deg, height_m);
+        let [x, y, z] = frame.from_geodetic(place).unwrap().to_array();
+        let [a, b, c] = positions_m[10 * tick];
+        let apart_m = (x - a).hypot(y - b).hypot(z - c);
+        assert!(apart_m < 1e-4, "{apart_m}");
+    }
+}
