@@ -114,6 +114,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 attitude: Some(Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)),
             },
             reported: None,
+            errors: None,
+            gusts: None,
         }],
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {

@@ -3,11 +3,13 @@
 //! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in
 //! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
 //! Formats: [`csv`] (documented columns) and [`nmea`] (NMEA 0183 logs). What becomes of the fixes is the
-//! business of `motion::track`. Reports of other vessels are read by [`ais`].
+//! business of `motion::track`. Reports of other vessels are read by [`ais`]. What is wrong with the report of a platform is said in [`errors`].
 
 pub mod ais;
 pub mod csv;
+pub mod errors;
 pub mod faults;
+pub mod gusts;
 pub mod nmea;
 pub mod replay;
 
@@ -16,7 +18,9 @@ use std::path::PathBuf;
 use crate::frames::{Body, Enu, Geodetic, Point, Rotation, Vector};
 use crate::time::TimeTag;
 
+pub use errors::ErrorModel;
 pub use faults::{Fault, FaultKind, Faults, NavError};
+pub use gusts::Gusts;
 pub use replay::{LoadReport, Recording, load};
 
 /// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
@@ -27,6 +31,10 @@ pub struct PlatformNav {
     pub truth: TrackSource,
     /// What the platform reports, where it differs from the truth.
     pub reported: Option<TrackSource>,
+    /// What is wrong with the report.
+    pub errors: Option<ErrorModel>,
+    /// Turbulence that it flies through.
+    pub gusts: Option<Gusts>,
 }
 
 /// A source of one trajectory.

@@ -24,9 +24,9 @@ use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
-use crate::frames::SceneFrame;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
+use crate::nav::errors::Circumstances;
 use crate::nav::{PlatformNav, TrackSource};
 use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
@@ -37,11 +37,11 @@ use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
+use crate::scene::radar::Pointing;
 use crate::sea::fleet::{self, FleetError, FleetErrors};
 use crate::sea::realise::{RealiseError, realise};
 use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain};
 use crate::sinks::{self, Kind};
-use crate::time::TimeTag;
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
@@ -197,19 +197,23 @@ pub struct TrackNote {
     pub report: SourceReport,
 }
 
-/// Loads every platform's tracks. Their faults are collected.
+/// Loads the tracks of every platform of a scene. Their faults are collected.
 pub fn tracks(
     nav: &[PlatformNav],
-    names: &[String],
-    frame: &SceneFrame,
-    start: TimeTag,
+    scene: &Scene,
 ) -> Result<(Vec<PlatformTracks>, Vec<TrackNote>), BuildErrors> {
+    let Scene { frame, start, radar, .. } = scene;
+    let pointings = radar.transmitters.iter().map(|t| &t.antenna.pointing);
+    let before_s = pointings
+        .chain(radar.receivers.iter().map(|r| &r.antenna.pointing))
+        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
+        .fold(0.0, f64::max);
     let mut tracks = Vec::with_capacity(nav.len());
     let mut notes = Vec::new();
     let mut faults = Vec::new();
-    for (source, platform) in nav.iter().zip(names) {
+    for (place, (source, platform)) in nav.iter().zip(&scene.platforms).enumerate() {
         let mut load = |role: &'static str, source: &TrackSource| -> Option<Track> {
-            match Track::from_source(source, frame, start) {
+            match Track::from_source(source, frame, *start) {
                 Ok((track, report)) => {
                     notes.extend(report.map(|report| TrackNote { platform: platform.clone(), role, report }));
                     Some(track)
@@ -224,11 +228,18 @@ pub fn tracks(
         let reported = source.reported.as_ref().map(|source| load("reported", source));
         if let Some(truth) = truth {
             let reported = match reported {
-                None => truth.clone(),
-                Some(Some(reported)) => reported,
                 Some(None) => continue,
+                Some(reported) => reported,
+                None => None,
             };
-            tracks.push(PlatformTracks { truth, reported });
+            let (seed, times, pulses) = (scene.seed, &radar.emissions, scene.pulses);
+            let of = Circumstances { seed, platform: place, times, pulses, before_s };
+            match PlatformTracks::of(truth, reported, source, frame, &of, *start) {
+                Ok(both) => tracks.push(both),
+                Err(source) => {
+                    faults.push(BuildError::Track { platform: platform.clone(), role: "true", source });
+                }
+            }
         }
     }
     if faults.is_empty() { Ok((tracks, notes)) } else { Err(BuildErrors(faults)) }
@@ -336,7 +347,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         });
         return Err(BuildErrors(faults));
     }
-    let built = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)
+    let built = tracks(&run.nav, scene)
         .and_then(|(tracks, notes)| Ok((factory_of(scene, tracks, &run.fidelity)?, notes)));
     let (factory, notes) = match built {
         Ok(built) if faults.is_empty() => built,

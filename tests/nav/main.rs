@@ -5,5 +5,6 @@ mod converter;
 mod csv_tracks;
 mod flights;
 mod nmea_logs;
+mod report_errors;
 mod sources;
 mod tracks;

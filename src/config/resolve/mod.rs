@@ -5,6 +5,7 @@
 
 mod ais;
 mod antenna;
+mod errors;
 mod patch;
 mod place;
 mod platform;

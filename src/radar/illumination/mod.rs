@@ -447,10 +447,11 @@ impl Illumination {
         }
         for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {
             let which = TrackUse::Reported;
-            let state = self.tracks[platform].reported.state(t);
-            let state =
-                state.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
-            *slot = navigation(&state);
+            let report = self.tracks[platform].reported.report(t);
+            let report =
+                report.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
+            *slot = PlatformRecord { age_s: report.age_s, flags: report.flags, ..navigation(&report.state) };
+            record.flags |= report.flags;
         }
         for (slot, centre) in record.phase_centre_m.iter_mut().zip(&own.centres) {
             *slot = centre.position.to_array();
