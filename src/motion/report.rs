@@ -66,8 +66,7 @@ impl Reports {
         let moving = [0, 1, 2].map(|axis| errors.known(axis, t_s)[1]);
         let arm = state.attitude * model.lever_arm_error;
         let offset = vector(error(0)) + arm;
-        let drift =
-            vector(error(VELOCITY)) + vector(moving) + state.angular_rate.cross(arm);
+        let drift = vector(error(VELOCITY)) + vector(moving) + state.angular_rate.cross(arm);
         let [q_m, q_mps, q_rad] = model.quantisation;
         let [x, y, z] = rounded((state.position + offset).to_array(), q_m);
         let (mut attitude, angular_rate) =

@@ -284,10 +284,21 @@ pub struct Track(Kind);
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Straight { position: Point<Enu>, at: TimeTag, velocity: Vector<Enu>, attitude: Rotation<Body, Enu> },
-    Recorded { nodes: Arc<[Node]>, attitude: Attitude },
+    Straight {
+        position: Point<Enu>,
+        at: TimeTag,
+        velocity: Vector<Enu>,
+        attitude: Rotation<Body, Enu>,
+    },
+    Recorded {
+        nodes: Arc<[Node]>,
+        attitude: Attitude,
+    },
     /// Another track with motion beside it.
-    Moved { base: Arc<Track>, by: Arc<Deviation> },
+    Moved {
+        base: Arc<Track>,
+        by: Arc<Deviation>,
+    },
     /// Another track as it is reported.
     Reported(Arc<Reports>),
 }

@@ -8,3 +8,4 @@ mod nmea_logs;
 mod report_errors;
 mod sources;
 mod tracks;
+mod turbulence;

@@ -65,13 +65,13 @@ fn gauss_markov_has_its_variance_and_its_correlation_time() {
 
 #[test]
 fn a_walk_grows_as_the_root_of_time() {
-    let mut model = ErrorModel { rate_hz: Some(0.5), ..ErrorModel::default() };
+    let mut model = ErrorModel { rate_hz: Some(2.0), ..ErrorModel::default() };
     model.axes[ATTITUDE].walk = 1e-3;
     let values = drawn(&model, ATTITUDE);
     assert_eq!(values[0], 0.0);
     for lag in [1usize, 100] {
         let steps: Vec<f64> = values.windows(lag + 1).step_by(lag).map(|w| w[lag] - w[0]).collect();
-        let ratio = power(&steps) / (1e-6 * 2.0 * lag as f64);
+        let ratio = power(&steps) / (1e-6 * 0.5 * lag as f64);
         assert!((ratio - 1.0).abs() < SIGMAS * (2.0 / steps.len() as f64).sqrt(), "{lag}: {ratio}");
     }
 }
@@ -101,7 +101,8 @@ fn dropouts_come_as_often_and_last_as_long_as_asked() {
     let lost: Vec<bool> = (0..1_000_000).map(|k| errors.heard(f64::from(k) * 0.1).dropout).collect();
     assert!(!lost[0]);
     let falls = lost.windows(2).filter(|w| !w[0] && w[1]).count() as f64;
-    let (down, up) = (lost.iter().filter(|l| **l).count() as f64, lost.iter().filter(|l| !**l).count() as f64);
+    let (down, up) =
+        (lost.iter().filter(|l| **l).count() as f64, lost.iter().filter(|l| !**l).count() as f64);
     // Chances of a step: 1 - e^(-dt r), e^(-dt/m). Runs are geometric: their number is near Poisson, the mean of n lengths
     // spreads by sqrt(1 - p)/(p sqrt(n)).
     let fall = -(-0.1f64 * 0.05).exp_m1();
@@ -167,7 +168,7 @@ fn late_reports_are_those_that_have_arrived() {
     model.axes[0].white = 1.0;
     let (tracks, times, start) = flight(&model, 50.0, 3000);
     let mut seen = [0u32; 3];
-    let mut held = None;
+    let mut held: Option<(f64, f64)> = None;
     for n in 0..3000 {
         let t = times.emission(start, n);
         let said = tracks.reported.report(t).unwrap();
@@ -187,11 +188,11 @@ fn late_reports_are_those_that_have_arrived() {
         }
         let white = east - if lost { 0.0 } else { 120.0 * said.age_s };
         // One report has one error, whatever pulse it is used for.
-        if let Some((before, error)) = held {
-            if before == epoch.round() {
-                assert!((white - error as f64).abs() < 1e-6);
-                seen[2] += 1;
-            }
+        if let Some((before, error)) = held
+            && before == epoch.round()
+        {
+            assert!((white - error).abs() < 1e-6);
+            seen[2] += 1;
         }
         held = Some((epoch.round(), white));
     }
@@ -284,8 +285,9 @@ fn a_recorded_report_leaves_the_truth_beside_it() {
     let both = PlatformTracks::of(track.clone(), None, &nav(model), &frame, &of, start).unwrap();
     let mut north = Vec::new();
     for n in (0..22_200).step_by(111) {
-        let t = times.emission(start, n);
-        let t_s = n as f64 / 222.0;
+        // Between nodes, where third derivatives do not jump.
+        let t = times.emission(start, n).plus(0.217);
+        let t_s = n as f64 / 222.0 + 0.217;
         assert_eq!(both.reported.state(t).unwrap(), track.state(t).unwrap());
         let (said, truth) = (track.state(t).unwrap(), both.truth.state(t).unwrap());
         let error = said.position - truth.position;
@@ -339,7 +341,7 @@ fn series_have_a_limit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
     fn every_legal_report_is_finite(
         seed: u64, rate in 0.0f64..1e3, latency in 0.0f64..60.0, jitter in 0.0f64..10.0,

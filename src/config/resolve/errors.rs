@@ -119,7 +119,10 @@ pub(super) fn errors(section: Section<'_>, has_report: bool) -> Option<ErrorMode
         }
     }
     if said {
-        section.idle(&[&k::VELOCITY, &k::LEVER_ARM_ERROR_M], "recorded = \"reported\": the truth must be smooth");
+        section.idle(
+            &[&k::VELOCITY, &k::LEVER_ARM_ERROR_M],
+            "recorded = \"reported\": the truth must be smooth",
+        );
     }
     section.finish();
     model.recorded = recorded?;
@@ -202,7 +205,8 @@ pub(super) fn gusts(section: Section<'_>) -> Option<Gusts> {
         .into_iter()
         .all(|(key, value)| value.is_some() || !section.has(key));
     let cutoff_hz = section.number(&k::CUTOFF_HZ);
-    let (velocity_gain, attitude_gain) = (section.number(&k::VELOCITY_GAIN), section.number(&k::ATTITUDE_GAIN));
+    let (velocity_gain, attitude_gain) =
+        (section.number(&k::VELOCITY_GAIN), section.number(&k::ATTITUDE_GAIN));
     let hold_s = section.number(&k::TRACK_HOLD_S);
     section.finish();
     written?;

@@ -176,8 +176,7 @@ fn transposed(a: &Matrix, order: usize) -> Matrix {
 
 /// e^A by scaling and squaring.
 fn exponential(a: &Matrix, order: usize) -> Matrix {
-    let norm =
-        a.iter().take(order).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+    let norm = a.iter().take(order).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
     let halvings = (norm / 0.5).log2().ceil().clamp(0.0, 60.0) as i32;
     let small = scaled(a, 0.5f64.powi(halvings), order);
     let mut sum = [[0.0; 2 * MOST]; 2 * MOST];

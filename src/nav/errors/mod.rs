@@ -243,7 +243,8 @@ impl ErrorModel {
             }
         }
         for axis in &self.axes {
-            let any = [axis.bias, axis.sinusoid, axis.sinusoid_phase_rad, axis.step, axis.step_at_s, axis.ramp];
+            let any =
+                [axis.bias, axis.sinusoid, axis.sinusoid_phase_rad, axis.step, axis.step_at_s, axis.ramp];
             if let Some(value) = any.into_iter().find(|value| !value.is_finite()) {
                 return refuse("a known error", value, "a finite number");
             }

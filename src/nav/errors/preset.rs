@@ -50,7 +50,8 @@ impl Class {
     /// Its errors.
     pub fn model(self) -> ErrorModel {
         // Horizontal and vertical position, velocity; roll and pitch, heading (deg); rate, latency.
-        let (position_m, velocity_mps, attitude_deg, rate_hz, latency_s): (_, _, [f64; 2], _, _) = match self {
+        let (position_m, velocity_mps, attitude_deg, rate_hz, latency_s): (_, _, [f64; 2], _, _) = match self
+        {
             Self::Sps => ([1.5, 3.0], 0.05, [0.0, 0.0], 1.0, 0.1),
             Self::Rtk => ([0.015, 0.03], 0.03, [0.0, 0.0], 10.0, 0.05),
             Self::Tactical => ([1.5, 1.5], 0.03, [0.02, 0.08], 100.0, 0.02),
