@@ -117,6 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             errors: None,
             gusts: None,
         }],
+        clocks: nereus::scene::clock::Clocks::default(),
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
             pace: Pace::Realtime,

@@ -32,11 +32,13 @@ use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
 use crate::pulse::costs::Costs;
 use crate::pulse::{Layout, Pulse};
+use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
+use crate::scene::clock::Clocks;
 use crate::scene::radar::Pointing;
 use crate::sea::fleet::{self, FleetError, FleetErrors};
 use crate::sea::realise::{RealiseError, realise};
@@ -108,6 +110,9 @@ pub enum BuildError {
     /// The instrument or its way through the scene.
     #[error(transparent)]
     Radar(#[from] RadarError),
+    /// A clock.
+    #[error(transparent)]
+    Clock(#[from] ClockFault),
     /// The fast echo.
     #[error(transparent)]
     Echo(#[from] SynthError),
@@ -258,12 +263,26 @@ pub fn factory_of(
     tracks: Vec<PlatformTracks>,
     fidelity: &Fidelity,
 ) -> Result<PulseFactory, BuildErrors> {
+    factory_by(scene, tracks, fidelity, &Clocks::default())
+}
+
+/// The same with clocks that are wrong.
+pub fn factory_by(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    fidelity: &Fidelity,
+    clocks: &Clocks,
+) -> Result<PulseFactory, BuildErrors> {
     let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let radar = &scene.radar;
     let (carrier_hz, sample_rate_hz, samples) =
         (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
     let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
+    let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
+    let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
+    let clocks = clocks.map(Arc::new);
+    let illumination = illumination.with_clocks(clocks.clone());
     let plan = match fidelity {
         Fidelity::Reference => None,
         Fidelity::Fast(asked) => Some(settle(scene, &illumination, &waveform, asked)?),
@@ -300,9 +319,12 @@ pub fn factory_of(
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let ships = ShipTracks::of(scene);
-    let layout =
-        Layout { ships: scene.ships.len(), ..scene.radar.layout(scene.platforms.len(), scene.targets.len()) };
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan })
+    let layout = Layout {
+        ships: scene.ships.len(),
+        clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
+        ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
+    };
+    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan, clocks })
 }
 
 /// A run that is ready to start.
@@ -348,7 +370,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         return Err(BuildErrors(faults));
     }
     let built = tracks(&run.nav, scene)
-        .and_then(|(tracks, notes)| Ok((factory_of(scene, tracks, &run.fidelity)?, notes)));
+        .and_then(|(tracks, notes)| Ok((factory_by(scene, tracks, &run.fidelity, &run.clocks)?, notes)));
     let (factory, notes) = match built {
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
@@ -453,6 +475,7 @@ fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule)
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
         targets: scene.targets.iter().map(|t| t.name.clone()).collect(),
         ships: scene.ships.iter().map(|s| s.name.clone()).collect(),
+        clocks: run.clocks.clocks.iter().map(|c| c.name.clone()).collect(),
         layout: *factory.layout(),
         adc: radar.adc.map(|adc| AdcRow { bits: adc.bits, step: adc.step() }),
         start: scene.start,

@@ -14,6 +14,7 @@
 //! | `truth/delay_s`, `truth/doppler_hz` | f64 | `[pair, target]`; only when there are targets |
 //! | `truth/ship_position_m`, `truth/ship_velocity_mps` | f64 | ENU `[ship, 3]`, midship at the waterline; only when there are ships |
 //! | `truth/ship_heading_deg` | f64 | `[ship]`, clockwise from the North of the scene |
+//! | `truth/clock/<name>/x_s` | f64 | reading less time of the clock of an antenna, at the emission |
 //! | `pulse/index` | u64 | always last: it is written after all others |
 
 use bytemuck::cast_slice;
@@ -96,6 +97,7 @@ enum From {
     ShipPosition,
     ShipVelocity,
     ShipHeading,
+    Clock(usize),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,6 +154,9 @@ pub fn columns(header: &Header) -> Vec<Column> {
         add("truth/ship_position_m".to_owned(), Element::F64, &each, From::ShipPosition);
         add("truth/ship_velocity_mps".to_owned(), Element::F64, &each, From::ShipVelocity);
         add("truth/ship_heading_deg".to_owned(), Element::F64, &[layout.ships], From::ShipHeading);
+    }
+    for (c, name) in header.clocks.iter().enumerate() {
+        add(format!("truth/clock/{name}/x_s"), Element::F64, &[], From::Clock(c));
     }
     add(INDEX.to_owned(), Element::U64, &[], From::Index);
     list
@@ -312,6 +317,7 @@ impl From {
             Self::ShipPosition => pulse.ship_position_m.as_flattened(),
             Self::ShipVelocity => pulse.ship_velocity_mps.as_flattened(),
             Self::ShipHeading => &pulse.ship_heading_deg,
+            Self::Clock(c) => pulse.clock_x_s.get(c).map_or(&[], std::slice::from_ref),
             _ => &[],
         }
     }
