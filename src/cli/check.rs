@@ -368,6 +368,7 @@ fn platforms(run: &Run) -> Vec<Described> {
         let truth = source_text(&nav.truth);
         match &nav.reported {
             Some(reported) => format!("{truth}; reports: {}", source_text(reported)),
+            None if nav.errors.is_some() => format!("{truth}; reports with errors"),
             None => format!("{truth}; reports where it is"),
         }
     };

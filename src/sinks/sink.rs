@@ -286,7 +286,11 @@ impl Header {
                 }
             }
         }
-        let texts = [&self.config, &self.software].into_iter().chain(&self.targets).chain(&self.ships).chain(&self.clocks);
+        let texts = [&self.config, &self.software]
+            .into_iter()
+            .chain(&self.targets)
+            .chain(&self.ships)
+            .chain(&self.clocks);
         for text in texts.chain(self.channels.iter().flat_map(|c| [&c.name, &c.polarisations])) {
             if text.contains('\0') {
                 return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");

@@ -312,9 +312,11 @@ fn a_recorded_report_leaves_the_truth_beside_it() {
     assert!((0.1..1.5).contains(&rms), "{rms}");
 }
 
+type Change = fn(&mut ErrorModel);
+
 #[test]
 fn jumps_of_the_truth_are_refused() {
-    let jumpy: [(&str, fn(&mut ErrorModel)); 5] = [
+    let jumpy: [(&str, Change); 5] = [
         ("white noise", |m| m.axes[0].white = 1.0),
         ("a step", |m| m.axes[0].step = 1.0),
         ("quantisation", |m| m.quantisation[0] = 1.0),

@@ -8,7 +8,7 @@ use nereus::pipeline::build::{factory_by, tracks};
 use nereus::pulse::{Pulse, Samples};
 use nereus::radar::clock::{ClockFault, RunningClocks, adev, preset};
 use nereus::scene::clock::{Clock, Clocks, NamedClock};
-use num_complex::Complex64;
+use num_complex::{Complex32, Complex64};
 use proptest::prelude::*;
 
 const CARRIER_HZ: f64 = 10e9;
@@ -56,9 +56,8 @@ fn scenario(tx: &str, rx: &str, more: &str) -> config::Run {
     config::parse(&text, Path::new("clocks.toml"), &[]).unwrap()
 }
 
-/// Peak of the matched filter of some pulses: delay (s) by the phase of the spectrum, and phase (turns), with the recorded window.
+/// A pulse, and the phase of the peak of its matched filter, turns.
 struct Seen {
-    delay_s: f64,
     turns: f64,
     pulse: Pulse,
 }
@@ -75,16 +74,35 @@ fn seen(run: &config::Run, pulses: &[u64]) -> Vec<Seen> {
             let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
             let at = |j: usize| -> Complex64 {
                 iq[j..].iter().zip(&replica).fold(Complex64::ZERO, |sum, (s, q)| {
-                    sum + Complex64::new(s.re.into(), s.im.into()) * Complex64::new(q.re.into(), -f64::from(q.im))
+                    sum + Complex64::new(s.re.into(), s.im.into())
+                        * Complex64::new(q.re.into(), -f64::from(q.im))
                 })
             };
-            let peak = (0..iq.len() - replica.len()).max_by(|a, b| at(*a).norm().total_cmp(&at(*b).norm())).unwrap();
-            let [low, top, high] = [peak - 1, peak, peak + 1].map(|j| at(j).norm());
-            let place = peak as f64 + 0.5 * (low - high) / (low - 2.0 * top + high);
-            let delay_s = slot.window_start_s + place / 100e6;
-            Seen { delay_s, turns: at(peak).arg() / TAU, pulse: slot.clone() }
+            let peak =
+                (0..iq.len() - replica.len()).max_by(|a, b| at(*a).norm().total_cmp(&at(*b).norm())).unwrap();
+            Seen { turns: at(peak).arg() / TAU, pulse: slot.clone() }
         })
         .collect()
+}
+
+/// One bin of a transform of 512 samples.
+fn spectrum(samples: &[Complex32], k: usize) -> Complex64 {
+    samples.iter().enumerate().fold(Complex64::ZERO, |sum, (i, s)| {
+        let turn = Complex64::cis(-TAU * (i * k % 512) as f64 / 512.0);
+        sum + Complex64::new(s.re.into(), s.im.into()) * turn
+    })
+}
+
+/// How far the second signal is from the first delayed by `delay_s` with its carrier, and `turns` more: the worst of some
+/// frequencies of the band, turns.
+fn worst_phase(first: &[Complex32], second: &[Complex32], delay_s: f64, turns: f64) -> f64 {
+    let mut worst = 0f64;
+    for k in [0usize, 20, 50, 100, 412, 450, 500] {
+        let f_hz = if k < 256 { k as f64 } else { k as f64 - 512.0 } * 100e6 / 512.0;
+        let found = (spectrum(second, k) / spectrum(first, k)).arg() / TAU;
+        worst = worst.max(apart(found, turns - (CARRIER_HZ + f_hz) * delay_s).abs());
+    }
+    worst
 }
 
 /// Difference of turns, within half a turn.
@@ -111,25 +129,28 @@ fn offset_and_drift_are_a_delay_and_a_phase() {
         assert!((off.pulse.clock_x_s[0] - x_t).abs() < 1e-18 && (off.pulse.clock_x_s[1] - x_r).abs() < 1e-18);
         assert_eq!(off.pulse.window_start_s, 18e-6);
         assert_eq!(off.pulse.target_delay_s, calm.pulse.target_delay_s);
-        // A parabola through three samples of the peak, the same error of which is there without clocks but for
-        // the place between samples: 1/20 of a sample.
-        let found_s = off.delay_s - calm.delay_s;
-        assert!((found_s - delay_s).abs() < 0.05 / 100e6, "{found_s:e} {delay_s:e}");
-        // Phase at the scatterer's own place in the window: beside it runs on by y_R.
+        // To the scatterer's place in the window the receiver's oscillator turns on.
         let within_s = calm.pulse.target_delay_s[0] - 18e-6;
-        let turns = -CARRIER_HZ * (delay_s + y_r * within_s);
-        let error = apart(off.turns - calm.turns, turns);
-        // The chirp's peak between samples has a phase of its own that is stationary: 1e-3 of a turn; f32 samples 1e-6.
-        println!("pulse {}: delay {found_s:e} of {delay_s:e} s, phase off by {error:.2e} turns", calm.pulse.index);
-        assert!(error.abs() < 2e-3, "{error}");
+        let turns = -CARRIER_HZ * y_r * within_s;
+        let (Samples::Cf32(a), Samples::Cf32(b)) = (&calm.pulse.samples, &off.pulse.samples) else {
+            panic!("codes")
+        };
+        // Lost at the ends of the window: below 1e-3 of the signal. A delay of 1e-3/(2 pi) turns of 10 GHz is 16 fs, of
+        // the band of 60 MHz 3 ps.
+        let worst = worst_phase(a, b, delay_s, turns);
+        println!("pulse {}: {delay_s:e} s, worst phase {worst:.2e} turns", calm.pulse.index);
+        assert!(worst < 1e-3 / TAU, "{worst}");
     }
 }
 
 #[test]
 fn a_delay_of_whole_samples_is_exact() {
     // 3 whole samples and whole turns: the same samples, three later. 30 ns is 300 turns.
-    let [calm, off] = ["", "clock = { offset_s = 30e-9 }"].map(|rx| seen(&scenario("", rx, ""), &[7]).remove(0));
-    let (Samples::Cf32(a), Samples::Cf32(b)) = (&calm.pulse.samples, &off.pulse.samples) else { panic!("codes") };
+    let [calm, off] =
+        ["", "clock = { offset_s = 30e-9 }"].map(|rx| seen(&scenario("", rx, ""), &[7]).remove(0));
+    let (Samples::Cf32(a), Samples::Cf32(b)) = (&calm.pulse.samples, &off.pulse.samples) else {
+        panic!("codes")
+    };
     let peak = a.iter().map(|s| s.norm()).fold(0.0, f32::max);
     for (one, other) in a.iter().zip(&b[3..]) {
         // f32, and 300 turns of which f64 holds 1e-13.
@@ -140,8 +161,8 @@ fn a_delay_of_whole_samples_is_exact() {
 #[test]
 fn one_clock_for_both_leaves_only_what_it_does_in_between() {
     let tx = "clock = { offset_s = 0.01, drift = 1e-7 }";
-    let [calm, shared] =
-        [("", ""), (tx, "clock = { same_as = \"tx\" }")].map(|(tx, rx)| seen(&scenario(tx, rx, ""), &[40]).remove(0));
+    let [calm, shared] = [("", ""), (tx, "clock = { same_as = \"tx\" }")]
+        .map(|(tx, rx)| seen(&scenario(tx, rx, ""), &[40]).remove(0));
     // y tau: 1e-7 of 20 us, 2e-12 s: 0.02 turns.
     let delay_s = calm.pulse.target_delay_s[0];
     let error = apart(shared.turns - calm.turns, -CARRIER_HZ * 1e-7 * delay_s);
@@ -163,19 +184,9 @@ fn pairs_with_clocks_of_their_own_are_apart_by_them() {
     factory.make(3, &mut slot, &mut work).unwrap();
     let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
     let (first, second) = iq.split_at(512);
-    // By transforms of 512: the linear phase of the delay, where there is a signal.
-    let spectrum = |x: &[num_complex::Complex32], k: usize| {
-        x.iter().enumerate().fold(Complex64::ZERO, |sum, (i, s)| {
-            sum + Complex64::new(s.re.into(), s.im.into()) * Complex64::cis(-TAU * (i * k % 512) as f64 / 512.0)
-        })
-    };
-    for k in [0usize, 20, 50, 100, 412, 450, 500] {
-        let f_hz = if k < 256 { k as f64 } else { k as f64 - 512.0 } * 100e6 / 512.0;
-        let turns = (spectrum(second, k) / spectrum(first, k)).arg() / TAU;
-        let error = apart(turns, -(CARRIER_HZ + f_hz) * 45.6e-9);
-        // What the filter rings beyond the window is lost at its ends: 1e-4 of the signal.
-        assert!(error.abs() < 1e-3, "{k}: {error}");
-    }
+    // What the filter rings beyond the window is lost at its ends: below 1e-3 of the signal.
+    let worst = worst_phase(first, second, 45.6e-9, 0.0);
+    assert!(worst < 1e-3 / TAU, "{worst}");
     // Farther apart than half the guard of 32 samples: refused.
     let run = scenario("", &with.replace("45.6e-9", "161e-9"), "");
     let (tracks, _) = nereus::pipeline::build::tracks(&run.nav, &run.scene).unwrap();
@@ -217,14 +228,17 @@ fn allan_deviations_are_those_asked() {
             let square = second.iter().map(|d| d * d).sum::<f64>() / second.len() as f64;
             let found = (square / 2.0).sqrt() / tau_s;
             let wanted = adev(&noise, tau_s, 50.0);
-            // Flicker of phase: the closed form is one for 2 pi f_h tau >> 1, and the sum of processes ends softly at f_h: 10 %
-            // of the variance at m of 10 and more. Sums of processes ripple by 0.3 %.
+            // Flicker of phase: the closed form is one for 2 pi f_h tau >> 1, here 31 at m of 10: terms of its inverse are left
+            // out, 3 % of a deviation. Sums of processes ripple by 0.3 %.
             if name == "flicker of phase" && m < 10 {
                 continue;
             }
-            let model = if name == "flicker of phase" { 0.05 } else { 0.003 };
+            let model = if name == "flicker of phase" { 0.03 } else { 0.003 };
             let allowed = 5.0 * k / (second.len() as f64).sqrt() + model;
-            println!("{name}, {tau_s} s: {found:.4e} of {wanted:.4e}, {:+.4} (allowed {allowed:.4})", found / wanted - 1.0);
+            println!(
+                "{name}, {tau_s} s: {found:.4e} of {wanted:.4e}, {:+.4} (allowed {allowed:.4})",
+                found / wanted - 1.0
+            );
             assert!((found / wanted - 1.0).abs() < allowed, "{name} {m}: {found:e} {wanted:e}");
         }
     }

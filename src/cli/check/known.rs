@@ -2,7 +2,9 @@
 
 use super::{Described, described, neat};
 use crate::config::Run;
-use crate::nav::errors::{AXES, ErrorModel, Recorded, VELOCITY};
+use crate::nav::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
+use crate::radar::clock::adev;
+use crate::scene::clock::{Clock, NamedClock};
 
 /// Adds what is modelled, and what not.
 pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Described>) {
@@ -31,6 +33,17 @@ pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Des
     } else {
         with.push(described("turbulence", gusts.join("; ")));
     }
+    let told = |named: &NamedClock| {
+        let Clock { offset_s, drift, noise, .. } = named.clock;
+        let noise = adev(&noise, 1.0, 0.5 * run.scene.radar.emissions.mean_prf_hz());
+        format!("{}: {offset_s:e} s, {drift:e} at pulse 0, Allan deviation {noise:.2e} at 1 s", named.name)
+    };
+    let clocks: Vec<String> = run.clocks.clocks.iter().map(told).collect();
+    if clocks.is_empty() {
+        without.push(described("clocks", "no [transmitter.clock], no [receiver.clock]: they are right"));
+    } else {
+        with.push(described("clocks", clocks.join("; ")));
+    }
 }
 
 fn model_text(model: &ErrorModel) -> String {
@@ -52,9 +65,8 @@ fn model_text(model: &ErrorModel) -> String {
         [("position", 0..VELOCITY), ("velocity", VELOCITY..2 * VELOCITY), ("attitude", 2 * VELOCITY..AXES)];
     for (kind, axes) in kinds {
         let axes = &model.axes[axes];
-        let known = |a: &crate::nav::errors::AxisErrors| {
-            [a.bias, a.bias_sigma, a.sinusoid, a.step, a.ramp].iter().any(|x| *x != 0.0)
-        };
+        let known =
+            |a: &AxisErrors| [a.bias, a.bias_sigma, a.sinusoid, a.step, a.ramp].iter().any(|x| *x != 0.0);
         let of = match (axes.iter().any(|axis| axis.is_random()), axes.iter().any(known)) {
             (true, true) => "noise and known errors",
             (true, false) => "noise",

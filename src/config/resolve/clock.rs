@@ -18,7 +18,13 @@ pub(super) struct Given {
 
 impl Given {
     /// Takes the clock of the next antenna.
-    pub(super) fn take(&mut self, antenna: &Section<'_>, key: &'static Key, name: Option<String>, receives: bool) {
+    pub(super) fn take(
+        &mut self,
+        antenna: &Section<'_>,
+        key: &'static Key,
+        name: Option<String>,
+        receives: bool,
+    ) {
         let written = antenna.has(key);
         let place = antenna.section(key).and_then(|section| self.read(section, name));
         self.faulty |= written && place.is_none();
@@ -40,14 +46,7 @@ impl Given {
         let of_kind = section.choice(&k::PRESET).and_then(preset);
         let noise = section.vector::<5>(&k::NOISE_H);
         let bandwidth_hz = section.number(&k::BANDWIDTH_HZ);
-        let own = [
-            &k::OFFSET_S,
-            &k::DRIFT,
-            &k::AGEING_PER_DAY,
-            &k::PRESET,
-            &k::NOISE_H,
-            &k::BANDWIDTH_HZ,
-        ];
+        let own = [&k::OFFSET_S, &k::DRIFT, &k::AGEING_PER_DAY, &k::PRESET, &k::NOISE_H, &k::BANDWIDTH_HZ];
         if shares {
             section.idle(&own, "with same_as");
         } else {
@@ -64,7 +63,8 @@ impl Given {
                 let found = self.clocks.clocks.iter().position(|clock| clock.name == other);
                 if found.is_none() {
                     let known: Vec<&str> = self.clocks.clocks.iter().map(|c| c.name.as_str()).collect();
-                    let known = if known.is_empty() { "none are defined".to_owned() } else { known.join(", ") };
+                    let known =
+                        if known.is_empty() { "none are defined".to_owned() } else { known.join(", ") };
                     let what = "antenna with a clock of its own above";
                     section.fault(&k::SAME_AS, Problem::NoSuch { name: other, what, known });
                 }

@@ -58,7 +58,9 @@ const BETWEEN: u64 = 1 << 32;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ClockFault {
     /// Too much noise to hold.
-    #[error("noise of {clocks} clocks over {pulses} pulses; allowed: at most {MOST_VALUES} values in all; a shorter run")]
+    #[error(
+        "noise of {clocks} clocks over {pulses} pulses; allowed: at most {MOST_VALUES} values in all; a shorter run"
+    )]
     TooLong {
         /// Noisy clocks.
         clocks: usize,

@@ -11,8 +11,8 @@
 //! | `h_1` flicker of x up to `f_h` | the same sum, of x | each `h_1 ln 4/(4 pi^2)` |
 //! | `h_2` white x up to `f_h` | x, new at every pulse | `h_2 f_h/(4 pi^2)` |
 //!
-//! Such a sum with processes `r` apart is flicker with a ripple of `2 sech(pi^2/ln r)`, 0.3 % for 4. Its times run from 1/64 of the mean interval (1/(2 pi `f_h`) for
-//! `h_1`) over 17 processes and more, to 1e6 s at least, whatever the length of the run. Walk and flicker begin at zero: offset and drift are those of
+//! Such a sum with processes `r` apart is flicker with a ripple of `2 sech(pi^2/ln r)`, 0.3 % for 4. Its times run from 1/64 of the mean interval (1/(pi `f_h`) for
+//! `h_1`) by as many processes as it takes reach 1e6 s, whatever the length of the run. Walk and flicker begin at zero: offset and drift are those of
 //! pulse 0.
 //!
 //! Allan variance (D. W. Allan, *Proc. IEEE* 54 (1966) 221; IEEE 1139):
@@ -87,7 +87,7 @@ pub(super) fn check(named: &NamedClock) -> Result<Clock, ClockFault> {
     }
 }
 
-/// A process of flicker: its rate, its value, its value at pulse 0.
+/// A process of flicker: its rate (1/s) and its value.
 #[derive(Clone, Copy, Debug)]
 struct Relaxing {
     rate: f64,
@@ -116,13 +116,7 @@ fn added(rate: f64, dt: f64) -> [f64; 3] {
 }
 
 /// Noise of `x` (s) and `y` at every pulse, from pulse 0; empty without noise.
-pub(super) fn series(
-    clock: &Clock,
-    times: &PulseTimes,
-    pulses: u64,
-    seed: u64,
-    place: u64,
-) -> Vec<[f64; 2]> {
+pub(super) fn series(clock: &Clock, times: &PulseTimes, pulses: u64, seed: u64, place: u64) -> Vec<[f64; 2]> {
     if clock.noise == [0.0; 5] {
         return Vec::new();
     }
@@ -131,7 +125,8 @@ pub(super) fn series(
     let band_hz = clock.bandwidth_hz.unwrap_or(0.5 / mean_s);
     let of = |h: f64, shortest_s: f64| if h > 0.0 { relaxing(shortest_s) } else { Vec::new() };
     let mut frequency = of(flicker, SHORTEST * mean_s);
-    let mut phase = of(flicker_phase, 1.0 / (TAU * band_hz));
+    // So the sum has the variance of flicker that is cut at the bandwidth.
+    let mut phase = of(flicker_phase, RATIO.sqrt() / (TAU * band_hz));
     let sigma_y = (flicker * RATIO.ln()).sqrt();
     let sigma_x = (flicker_phase * RATIO.ln()).sqrt() / TAU;
     let sigma_new = (white_phase * band_hz).sqrt() / TAU;
