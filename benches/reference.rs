@@ -87,6 +87,7 @@ fn receive(c: &mut Criterion) {
         targets: 0,
         pairs: 0,
         ships: 0,
+        clocks: 0,
     });
     let mut spectrum = vec![Complex64::ZERO; 4 * BINS];
     c.bench_function("receive_384_bins_4_channels_with_noise", |b| {

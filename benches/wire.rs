@@ -42,6 +42,7 @@ fn header(format: SampleFormat) -> Header {
         receivers: Vec::new(),
         targets: Vec::new(),
         ships: Vec::new(),
+        clocks: Vec::new(),
         layout: Layout {
             channels: 4,
             samples: 384,
@@ -51,6 +52,7 @@ fn header(format: SampleFormat) -> Header {
             targets: 0,
             pairs: 0,
             ships: 0,
+            clocks: 0,
         },
         adc: (format == SampleFormat::Ci16).then_some(AdcRow { bits: 12, step: 1e-8 }),
         start: TimeTag::default(),

@@ -114,7 +114,10 @@ fn main() -> Result<(), Box<dyn Error>> {
                 attitude: Some(Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)),
             },
             reported: None,
+            errors: None,
+            gusts: None,
         }],
+        clocks: nereus::scene::clock::Clocks::default(),
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
             pace: Pace::Realtime,

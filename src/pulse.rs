@@ -46,6 +46,8 @@ pub struct Layout {
     pub pairs: usize,
     /// Ships in the truth record.
     pub ships: usize,
+    /// Clocks in the truth record.
+    pub clocks: usize,
 }
 
 /// How a complex sample is held.
@@ -134,6 +136,8 @@ pub struct Pulse {
     pub ship_velocity_mps: Vec<[f64; 3]>,
     /// Truth: heading of each ship, clockwise from the North of the scene, 0 to 360 degrees.
     pub ship_heading_deg: Vec<f64>,
+    /// Truth: reading less time of each clock at the emission, s.
+    pub clock_x_s: Vec<f64>,
 }
 
 impl Pulse {
@@ -158,6 +162,7 @@ impl Pulse {
             ship_position_m: vec![[0.0; 3]; layout.ships],
             ship_velocity_mps: vec![[0.0; 3]; layout.ships],
             ship_heading_deg: vec![0.0; layout.ships],
+            clock_x_s: vec![0.0; layout.clocks],
         }
     }
 
@@ -181,6 +186,7 @@ impl Pulse {
         self.ship_position_m.clone_from(&other.ship_position_m);
         self.ship_velocity_mps.clone_from(&other.ship_velocity_mps);
         self.ship_heading_deg.clone_from(&other.ship_heading_deg);
+        self.clock_x_s.clone_from(&other.clock_x_s);
     }
 }
 
@@ -197,5 +203,6 @@ impl Layout {
             + self.phase_centres * 24
             + 16 * self.targets * self.pairs
             + 56 * self.ships
+            + 8 * self.clocks
     }
 }

@@ -29,6 +29,12 @@ pub enum Room {
     FacetDecorrelation = 21,
     /// Bytes of a recording that are spoiled on purpose.
     SpoiledBytes = 48,
+    /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's complement).
+    ReportErrors = 32,
+    /// Gusts: index = platform * 256 + axis, part = step (two's complement).
+    Turbulence = 33,
+    /// Noise of a clock: index = clock, part = step of its series.
+    Clock = 34,
     /// Pulses at which the error of an echo is measured.
     SampledPulses = 64,
 }

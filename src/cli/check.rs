@@ -1,5 +1,6 @@
 //! `nereus check`: validate, explain, predict.
 
+mod known;
 pub(super) mod plan;
 mod sea;
 pub(super) mod ships;
@@ -371,6 +372,7 @@ fn platforms(run: &Run) -> Vec<Described> {
         let truth = source_text(&nav.truth);
         match &nav.reported {
             Some(reported) => format!("{truth}; reports: {}", source_text(reported)),
+            None if nav.errors.is_some() => format!("{truth}; reports with errors"),
             None => format!("{truth}; reports where it is"),
         }
     };
@@ -456,12 +458,7 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         Some(adc) => with.push(described("converter", format!("{} bits", adc.bits))),
         None => without.push(described("converter", "no [radar.adc]: floating-point samples")),
     }
-    let errors = run.nav.iter().filter(|nav| nav.reported.is_some()).count();
-    if errors > 0 {
-        with.push(described("navigation errors", format!("{errors} platforms report another track")));
-    } else {
-        without.push(described("navigation errors", "no [platform.reported]: platforms report the truth"));
-    }
+    known::models(run, &mut with, &mut without);
     sea::models(&run.scene, &mut with, &mut without);
     ships::models(&run.scene, &mut with, &mut without);
     (with, without)

@@ -138,6 +138,9 @@ const fn above(unit: &'static str, min: f64, max: f64) -> Kind {
 const fn vector(unit: &'static str, entries: usize, limit: f64) -> Kind {
     Kind::Numbers { unit, least: entries, most: entries, min: -limit, max: limit }
 }
+const fn sizes(unit: &'static str, limit: f64) -> Kind {
+    Kind::Numbers { unit, least: 3, most: 3, min: 0.0, max: limit }
+}
 const fn count(min: u64, max: u64) -> Kind {
     Kind::Count { min, max }
 }
@@ -304,6 +307,81 @@ tables! {
         NAME "name", Name, Required, "Its name, unique among platforms.";
         TRACK "track", Section(&track::TABLE), Required, "Where it is: drives delays, phases and gains.";
         REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it says it is, in the same form.";
+        ERRORS "errors", Section(&errors::TABLE), Means("none"), "What is wrong with what it says.";
+        TURBULENCE "turbulence", Section(&turbulence::TABLE), Means("still air"), "Gusts that it flies through: true motion beside its track.";
+    }
+    errors "[platform.errors]" "Known errors of what a platform reports: report less truth. The same seed gives the same errors, in whole runs and in parts." {
+        PRESET "preset", Choice(&["sps", "rtk", "tactical", "navigation"]), Means("no errors but those below"), "Class of navigation to start from: satellites, with carrier phase, aided tactical or navigation-grade inertial unit. The keys below stand above it.";
+        RECORDED "recorded", Choice(&["truth", "reported"]), Word("truth"), "What the track is. truth: what happened, errors are added to the report. reported: what was said, the true motion lies beside it; errors must then be smooth (bias, sinusoid, ramp, walk, Gauss-Markov of position and attitude).";
+        RATE_HZ "rate_hz", number("Hz", 0.0, 1e5), Means("that of the preset, or 0: a report at every pulse"), "Reports per second from pulse 0 on.";
+        LATENCY_S "latency_s", number("s", 0.0, 60.0), Means("that of the preset, or 0"), "From the epoch of a report to its arrival.";
+        JITTER_S "jitter_s", number("s", 0.0, 10.0), default(0.0), "Standard deviation of the arrival (Gaussian). Time stamps are right.";
+        BETWEEN "between", Choice(&["extrapolate", "hold"]), Word("extrapolate"), "Until the next report arrives: moved on with the reported velocity, or held.";
+        DROPOUTS "dropouts", Section(&dropouts::TABLE), Means("none"), "Reports that are lost for a while.";
+        LEVER_ARM_ERROR_M "lever_arm_error_m", vector("m", 3, 1e4), Zeros, "Error of the lever arm: forward, starboard, down.";
+        POSITION "position", Section(&error_m::TABLE), Means("that of the preset, or none"), "Errors of the position.";
+        VELOCITY "velocity", Section(&error_mps::TABLE), Means("that of the preset, or none"), "Errors of the velocity, beside the derivative of sinusoid and ramp of the position.";
+        ATTITUDE "attitude", Section(&error_deg::TABLE), Means("that of the preset, or none"), "Errors of roll, pitch and heading.";
+    }
+    dropouts "[platform.errors.dropouts]" "Reports that are lost for a while: good reception and dropouts last for exponentially distributed times. Pulse 0 finds reception good." {
+        PER_HOUR "per_hour", number("1/h", 0.0, 1e6), Required, "Dropouts per hour of good reception.";
+        MEAN_S "mean_s", above("s", 0.0, 1e6), Required, "Mean length.";
+        DURING "during", Choice(&["extrapolate", "hold"]), Word("extrapolate"), "What is reported meanwhile: the last report moved on with its velocity, or held.";
+    }
+    error_m "[platform.errors.position]" "Errors of the position: East, North, up." {
+        BIAS_M "bias_m", vector("m", 3, FAR_M), Zeros, "Constant, exactly.";
+        BIAS_SIGMA_M "bias_sigma_m", sizes("m", 1e6), Zeros, "Standard deviation of a constant that is drawn once.";
+        WHITE_M "white_m", sizes("m", 1e6), Zeros, "Standard deviation of noise that is new in every report.";
+        WALK_M_PER_ROOT_S "walk_m_per_root_s", sizes("m/sqrt(s)", 1e6), Zeros, "Random walk.";
+        GM_SIGMA_M "gm_sigma_m", sizes("m", 1e6), Zeros, "Standard deviation of a first-order Gauss-Markov process.";
+        GM_TAU_S "gm_tau_s", above("s", 0.0, 1e7), default(100.0), "Its correlation time.";
+        SINUSOID_M "sinusoid_m", vector("m", 3, 1e6), Zeros, "Amplitude of a sinusoid.";
+        SINUSOID_HZ "sinusoid_hz", number("Hz", 0.0, 1e4), default(0.1), "Its frequency.";
+        SINUSOID_DEG "sinusoid_deg", number("deg", -360.0, 360.0), default(0.0), "Its phase at pulse 0.";
+        STEP_M "step_m", vector("m", 3, FAR_M), Zeros, "Size of a step.";
+        STEP_AT_S "step_at_s", number("s", -1e7, 1e7), default(0.0), "When, after pulse 0.";
+        RAMP_MPS "ramp_mps", vector("m/s", 3, FAST_MPS), Zeros, "Growth from pulse 0 on.";
+        QUANTISATION_M "quantisation_m", number("m", 0.0, 1e4), default(0.0), "What reported coordinates are whole multiples of; 0: nothing.";
+    }
+    error_mps "[platform.errors.velocity]" "Errors of the velocity: East, North, up." {
+        BIAS_MPS "bias_mps", vector("m/s", 3, FAST_MPS), Zeros, "Constant, exactly.";
+        BIAS_SIGMA_MPS "bias_sigma_mps", sizes("m/s", 1e4), Zeros, "Standard deviation of a constant that is drawn once.";
+        WHITE_MPS "white_mps", sizes("m/s", 1e4), Zeros, "Standard deviation of noise that is new in every report.";
+        WALK_MPS_PER_ROOT_S "walk_mps_per_root_s", sizes("m/s/sqrt(s)", 1e4), Zeros, "Random walk.";
+        GM_SIGMA_MPS "gm_sigma_mps", sizes("m/s", 1e4), Zeros, "Standard deviation of a first-order Gauss-Markov process.";
+        GM_TAU_S "gm_tau_s", above("s", 0.0, 1e7), default(100.0), "Its correlation time.";
+        SINUSOID_MPS "sinusoid_mps", vector("m/s", 3, 1e4), Zeros, "Amplitude of a sinusoid.";
+        SINUSOID_HZ "sinusoid_hz", number("Hz", 0.0, 1e4), default(0.1), "Its frequency.";
+        SINUSOID_DEG "sinusoid_deg", number("deg", -360.0, 360.0), default(0.0), "Its phase at pulse 0.";
+        STEP_MPS "step_mps", vector("m/s", 3, FAST_MPS), Zeros, "Size of a step.";
+        STEP_AT_S "step_at_s", number("s", -1e7, 1e7), default(0.0), "When, after pulse 0.";
+        RAMP_MPS2 "ramp_mps2", vector("m/s^2", 3, FAST_MPS), Zeros, "Growth from pulse 0 on.";
+        QUANTISATION_MPS "quantisation_mps", number("m/s", 0.0, 1e3), default(0.0), "What reported components are whole multiples of; 0: nothing.";
+    }
+    error_deg "[platform.errors.attitude]" "Errors of the attitude: roll, pitch, heading (clockwise)." {
+        BIAS_DEG "bias_deg", vector("deg", 3, 360.0), Zeros, "Constant, exactly.";
+        BIAS_SIGMA_DEG "bias_sigma_deg", sizes("deg", 360.0), Zeros, "Standard deviation of a constant that is drawn once.";
+        WHITE_DEG "white_deg", sizes("deg", 360.0), Zeros, "Standard deviation of noise that is new in every report.";
+        WALK_DEG_PER_ROOT_S "walk_deg_per_root_s", sizes("deg/sqrt(s)", 360.0), Zeros, "Random walk.";
+        GM_SIGMA_DEG "gm_sigma_deg", sizes("deg", 360.0), Zeros, "Standard deviation of a first-order Gauss-Markov process.";
+        GM_TAU_S "gm_tau_s", above("s", 0.0, 1e7), default(100.0), "Its correlation time.";
+        SINUSOID_AMPLITUDE_DEG "sinusoid_amplitude_deg", vector("deg", 3, 360.0), Zeros, "Amplitude of a sinusoid.";
+        SINUSOID_HZ "sinusoid_hz", number("Hz", 0.0, 1e4), default(0.1), "Its frequency.";
+        SINUSOID_DEG "sinusoid_deg", number("deg", -360.0, 360.0), default(0.0), "Its phase at pulse 0.";
+        STEP_DEG "step_deg", vector("deg", 3, 360.0), Zeros, "Size of a step.";
+        STEP_AT_S "step_at_s", number("s", -1e7, 1e7), default(0.0), "When, after pulse 0.";
+        RAMP_DEGPS "ramp_degps", vector("deg/s", 3, 360.0), Zeros, "Growth from pulse 0 on.";
+        QUANTISATION_DEG "quantisation_deg", number("deg", 0.0, 90.0), default(0.0), "What reported angles are whole multiples of; 0: nothing.";
+    }
+    turbulence "[platform.turbulence]" "Gusts of the Dryden model and an aircraft's answer. Exactly one of level and wind20_mps." {
+        LEVEL "level", Choice(&["light", "moderate", "severe"]), Means("wind20_mps is given"), "A wind of 15, 30 or 45 knots at 20 ft.";
+        WIND20_MPS "wind20_mps", number("m/s", 0.0, 100.0), Means("level is given"), "Wind at 20 ft (6.1 m) above the sea.";
+        HEIGHT_M "height_m", number("m", 0.0, 1e5), Means("that of the platform at pulse 0"), "Height above the sea for which gusts are taken.";
+        AIRSPEED_MPS "airspeed_mps", number("m/s", 5.0, 1e4), Means("the speed of the platform at pulse 0"), "Speed at which gusts are met.";
+        CUTOFF_HZ "cutoff_hz", number("Hz", 0.05, 5.0), default(0.5), "Cut-off of the aircraft's answer: a low pass of second order.";
+        VELOCITY_GAIN "velocity_gain", number("", 0.0, 10.0), default(1.0), "Velocity of the aircraft over that of slow gusts.";
+        ATTITUDE_GAIN "attitude_gain", number("", 0.0, 10.0), default(1.0), "Angle by which the nose turns into slow gusts, over gust by airspeed.";
+        TRACK_HOLD_S "track_hold_s", number("s", 0.0, 1e5), default(30.0), "Time in which it is steered back to its track; 0: it drifts.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
         KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet"]), Required, "Stays; straight line at constant speed; recorded track (docs/navigation.md).";
@@ -337,6 +415,7 @@ tables! {
         ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
+        CLOCK "clock", Section(&clock::TABLE), Means("a clock that is right"), "What is wrong with its clock.";
     }
     receiver "[[receiver]]" "An antenna that receives." {
         NAME "name", Name, Required, "Its name, unique among transmitters and receivers.";
@@ -345,6 +424,7 @@ tables! {
         ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
+        CLOCK "clock", Section(&clock::TABLE), Means("a clock that is right"), "What is wrong with its clock.";
     }
     antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
         KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly lit.";
@@ -354,6 +434,15 @@ tables! {
         DIAMETER_M "diameter_m", above("m", 0.0, 1e4), Required, "circle: diameter.";
         PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid.";
         FLOOR_DBI "floor_dbi", number("dBi", -400.0, 200.0), default(-60.0), "file: gain outside the grid.";
+    }
+    clock "[transmitter.clock] and [receiver.clock]" "A clock that is wrong: its reading less the time of the run. Delays and phases are those of the difference of both ends." {
+        SAME_AS "same_as", Name, Means("a clock of its own"), "The antenna, written above, whose clock it shares; other keys have no meaning then.";
+        OFFSET_S "offset_s", number("s", -1.0, 1.0), default(0.0), "Reading less time at pulse 0.";
+        DRIFT "drift", number("", -1e-3, 1e-3), default(0.0), "Fractional frequency at pulse 0: 1e-9 gains a nanosecond a second.";
+        AGEING_PER_DAY "ageing_per_day", number("1/day", -1e-3, 1e-3), default(0.0), "Growth of the fractional frequency in a day.";
+        PRESET "preset", Choice(&["ocxo", "tcxo", "gpsdo", "rubidium"]), Means("no noise but that of noise_h"), "Noise of a kind of oscillator, Allan deviation at 1 s: 2e-12 and 1e-9 (flicker), 1e-11 and 2e-11 (white frequency).";
+        NOISE_H "noise_h", Kind::Numbers { unit: "", least: 5, most: 5, min: 0.0, max: 1.0 }, Means("that of the preset, or none"), "h_-2, h_-1, h_0, h_1, h_2 of the one-sided spectrum of the fractional frequency, S_y(f) = sum of h_a f^a (1/Hz).";
+        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e9), Means("half the pulse rate"), "Highest frequency of the phase noise of h_1 and h_2.";
     }
     pointing "pointing = { ... } of [[transmitter]] and [[receiver]]" "Where an antenna points." {
         KIND "kind", Choice(&["fixed", "at", "beside"]), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";

@@ -65,6 +65,7 @@ use std::path::{Path, PathBuf};
 use crate::echo::Fidelity;
 use crate::nav::PlatformNav;
 use crate::scene::Scene;
+use crate::scene::clock::Clocks;
 use crate::{sinks, transport};
 
 use error::{At, Problem};
@@ -80,6 +81,8 @@ pub struct Run {
     pub scene: Scene,
     /// Where platforms go; `nav[i]` belongs to `scene.platforms[i]`.
     pub nav: Vec<PlatformNav>,
+    /// Clocks that are wrong.
+    pub clocks: Clocks,
     /// How echoes are made.
     pub fidelity: Fidelity,
     /// How pulses are released.
@@ -158,6 +161,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
     let run = run.map(|parts| Run {
         scene: parts.scene,
         nav: parts.nav,
+        clocks: parts.clocks,
         fidelity: parts.fidelity,
         stream: parts.stream,
         sinks: parts.sinks,

@@ -13,6 +13,7 @@ use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, T
 
 mod ais;
 mod navigation;
+mod errors;
 mod sea;
 mod ship;
 
@@ -73,6 +74,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     let mut seas = sea::variants();
     seas.extend(ship::variants());
     seas.extend(ais::variants());
+    seas.extend(errors::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides)).asked);
@@ -123,6 +125,12 @@ fn names_of_keys_bear_their_unit() {
         ("N/m", "_npm"),
         ("rad", "_rad"),
         ("rad/m", "_radpm"),
+        ("m/sqrt(s)", "_m_per_root_s"),
+        ("m/s/sqrt(s)", "_mps_per_root_s"),
+        ("deg/sqrt(s)", "_deg_per_root_s"),
+        ("deg/s", "_degps"),
+        ("1/h", "per_hour"),
+        ("1/day", "_per_day"),
     ];
     for table in keys::TABLES {
         for key in table.keys.iter().filter(|key| !key.kind.unit().is_empty()) {

@@ -2,20 +2,28 @@
 //!
 //! [`Track`] is the trajectory of a platform; [`fit`] makes one from recorded fixes with [`outliers`] and
 //! [`smoother`], [`hermite`] interpolates, [`attitude`] derives what a recording does not say. [`pointing`]
-//! puts antennas on the body and turns them.
+//! puts antennas on the body and turns them. [`turbulence`] shakes a track, [`report`] says of it what its platform says.
 
 pub mod attitude;
+mod deviation;
 pub mod fit;
 pub mod hermite;
 pub mod outliers;
 pub mod pointing;
+pub mod report;
 pub mod smoother;
 pub mod track;
+pub mod turbulence;
 
 pub use fit::FitReport;
+pub use report::Report;
 pub use track::{SourceError, SourceReport, State, Track, TrackError};
 
+use crate::frames::SceneFrame;
+use crate::nav::PlatformNav;
+use crate::nav::errors::{Circumstances, ErrorModel, Recorded};
 use crate::scene::radar::AimFrom;
+use crate::time::TimeTag;
 
 /// The two trajectories of a platform, never mixed. In a run they stand in the order of
 /// `scene.platforms`.
@@ -28,6 +36,48 @@ pub struct PlatformTracks {
 }
 
 impl PlatformTracks {
+    /// The tracks of a platform that flies as `nav` says, from its track and, where it has one of its own, its report. Turbulence is
+    /// true motion; errors are those of the report, or of the truth where the track is what was reported.
+    ///
+    /// # Errors
+    /// Models that have no meaning or take too much memory.
+    pub fn of(
+        track: Track,
+        reported: Option<Track>,
+        nav: &PlatformNav,
+        frame: &SceneFrame,
+        of: &Circumstances,
+        start: TimeTag,
+    ) -> Result<Self, SourceError> {
+        let said = nav.errors.as_ref().filter(|model| model.recorded == Recorded::Reported);
+        let mut truth = match said {
+            Some(model) => track.less_errors(model, of, start)?,
+            None => track.clone(),
+        };
+        if let Some(gusts) = &nav.gusts {
+            truth = truth.in_gusts(gusts, frame, of, start)?;
+        }
+        let says = reported.unwrap_or_else(|| if said.is_some() { track } else { truth.clone() });
+        let reported = match (&nav.errors, said) {
+            (None, _) => says,
+            // What was said is right by definition; it may still come late.
+            (_, Some(model)) => says.with_errors(
+                &ErrorModel {
+                    rate_hz: model.rate_hz,
+                    latency_s: model.latency_s,
+                    jitter_s: model.jitter_s,
+                    between: model.between,
+                    dropouts: model.dropouts,
+                    ..ErrorModel::default()
+                },
+                of,
+                start,
+            )?,
+            (Some(model), None) => says.with_errors(model, of, start)?,
+        };
+        Ok(Self { truth, reported })
+    }
+
     /// The trajectory that a servo or a range gate acts on.
     pub fn known(&self, aim_from: AimFrom) -> &Track {
         match aim_from {

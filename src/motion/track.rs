@@ -33,10 +33,14 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::attitude::{self, MAX_STEP_DEG, MIN_SPEED_MPS, Turn};
+use super::deviation::Deviation;
 use super::fit::{self, FitReport, MAX_MISFIT_SIGMAS, Node};
 use super::hermite::Basis;
+use super::report::{Report, Reports};
+use super::turbulence::{self, TurbulenceFault};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
-use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place, TrackSource};
+use crate::nav::errors::{Circumstances, ErrorModel, Errors, ErrorsFault};
+use crate::nav::{self, AttitudeSource, FileSource, Fix, Gusts, LoadReport, NavError, Place, TrackSource};
 use crate::time::TimeTag;
 
 /// Where a platform is, and how it moves, at an instant.
@@ -251,6 +255,12 @@ pub enum SourceError {
     /// Its fixes make no track.
     #[error(transparent)]
     Track(#[from] TrackError),
+    /// Its errors.
+    #[error(transparent)]
+    Errors(#[from] ErrorsFault),
+    /// Its turbulence.
+    #[error(transparent)]
+    Turbulence(#[from] TurbulenceFault),
 }
 
 /// What became of the file of a recorded track.
@@ -274,8 +284,23 @@ pub struct Track(Kind);
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Straight { position: Point<Enu>, at: TimeTag, velocity: Vector<Enu>, attitude: Rotation<Body, Enu> },
-    Recorded { nodes: Arc<[Node]>, attitude: Attitude },
+    Straight {
+        position: Point<Enu>,
+        at: TimeTag,
+        velocity: Vector<Enu>,
+        attitude: Rotation<Body, Enu>,
+    },
+    Recorded {
+        nodes: Arc<[Node]>,
+        attitude: Attitude,
+    },
+    /// Another track with motion beside it.
+    Moved {
+        base: Arc<Track>,
+        by: Arc<Deviation>,
+    },
+    /// Another track as it is reported.
+    Reported(Arc<Reports>),
 }
 
 #[derive(Clone, Debug)]
@@ -352,6 +377,67 @@ impl Track {
         match &self.0 {
             Kind::Straight { .. } => None,
             Kind::Recorded { nodes, .. } => Some((nodes.first()?.time, nodes.last()?.time)),
+            Kind::Moved { base, by } => match (base.span(), by.span()) {
+                (Some((a, b)), Some((c, d))) => {
+                    Some((if c.since(a) > 0.0 { c } else { a }, if d.since(b) < 0.0 { d } else { b }))
+                }
+                (one, other) => one.or(other),
+            },
+            Kind::Reported(reports) => reports.base.span(),
+        }
+    }
+
+    /// The same track through turbulent air, for a run of the given circumstances whose pulse 0 leaves at `start`.
+    ///
+    /// # Errors
+    /// A platform that stands, a run that is too long, a track that does not cover pulse 0.
+    pub fn in_gusts(
+        &self,
+        gusts: &Gusts,
+        frame: &SceneFrame,
+        of: &Circumstances,
+        start: TimeTag,
+    ) -> Result<Self, SourceError> {
+        let by = turbulence::deviation(self, gusts, frame, of, start)?;
+        Ok(Self(Kind::Moved { base: Arc::new(self.clone()), by: Arc::new(by) }))
+    }
+
+    /// The truth, if this track is a report that is wrong by a model.
+    ///
+    /// # Errors
+    /// Errors that jump, and series that are too long.
+    pub fn less_errors(
+        &self,
+        model: &ErrorModel,
+        of: &Circumstances,
+        start: TimeTag,
+    ) -> Result<Self, SourceError> {
+        let by = Deviation::short_of(model, of, start)?;
+        Ok(Self(Kind::Moved { base: Arc::new(self.clone()), by: Arc::new(by) }))
+    }
+
+    /// This track as it is reported by a platform whose reports are wrong by a model.
+    ///
+    /// # Errors
+    /// A model without meaning, and series that are too long.
+    pub fn with_errors(
+        &self,
+        model: &ErrorModel,
+        of: &Circumstances,
+        start: TimeTag,
+    ) -> Result<Self, SourceError> {
+        let errors = Errors::new(model, of)?;
+        Ok(Self(Kind::Reported(Arc::new(Reports { base: self.clone(), errors, start }))))
+    }
+
+    /// What a platform whose report this is says at an instant, and how old that is. Nothing is allocated.
+    ///
+    /// # Errors
+    /// As [`Self::state`].
+    pub fn report(&self, t: TimeTag) -> Result<Report, TrackError> {
+        match &self.0 {
+            Kind::Reported(reports) => reports.at(t),
+            _ => self.state(t).map(Report::of),
         }
     }
 
@@ -376,6 +462,8 @@ impl Track {
                 angular_rate: Vector::ZERO,
             }),
             Kind::Recorded { nodes, attitude } => recorded_state(nodes, attitude, t),
+            Kind::Moved { base, by } => by.moved(&base.state(t)?, t),
+            Kind::Reported(reports) => Ok(reports.at(t)?.state),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
 //! Formats: [`csv`] (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
 //! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of other vessels are
-//! read by [`ais`].
+//! read by [`ais`]. What is wrong with the report of a platform is said in [`errors`], what shakes it in [`gusts`].
 //!
 //! Bytes of a live receiver go through [`decode`] and [`epoch`], which know no files; [`encode`] writes what a receiver would
 //! send of a [`solution`].
@@ -14,7 +14,9 @@ pub mod csv;
 pub mod decode;
 pub mod encode;
 pub mod epoch;
+pub mod errors;
 pub mod faults;
+pub mod gusts;
 pub mod inspvax;
 pub mod nmea;
 pub mod pcap;
@@ -27,7 +29,9 @@ use std::path::PathBuf;
 use crate::frames::{Body, Enu, Geodetic, Point, Rotation, Vector};
 use crate::time::TimeTag;
 
+pub use errors::ErrorModel;
 pub use faults::{Fault, FaultKind, Faults, NavError};
+pub use gusts::Gusts;
 pub use replay::{LoadReport, Recording, load};
 
 /// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
@@ -38,6 +42,10 @@ pub struct PlatformNav {
     pub truth: TrackSource,
     /// What the platform reports, where it differs from the truth.
     pub reported: Option<TrackSource>,
+    /// What is wrong with the report.
+    pub errors: Option<ErrorModel>,
+    /// Turbulence that it flies through.
+    pub gusts: Option<Gusts>,
 }
 
 /// A source of one trajectory.

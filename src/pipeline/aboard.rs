@@ -139,6 +139,7 @@ mod tests {
             targets: 0,
             pairs: 0,
             ships: 1,
+            clocks: 0,
         });
         let mut at = |time_s: f64| {
             pulse.time = start.plus(time_s);

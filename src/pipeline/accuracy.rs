@@ -214,7 +214,7 @@ fn compare(
 fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
     let run = noiseless(run);
     let scene = &run.scene;
-    let (tracks, _) = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
+    let (tracks, _) = tracks(&run.nav, scene)?;
     factory_of(scene, tracks, fidelity)
 }
 

@@ -24,24 +24,26 @@ use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
-use crate::frames::SceneFrame;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
+use crate::nav::errors::Circumstances;
 use crate::nav::{PlatformNav, TrackSource};
 use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
 use crate::pulse::costs::Costs;
 use crate::pulse::{Layout, Pulse};
+use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
+use crate::scene::clock::Clocks;
+use crate::scene::radar::Pointing;
 use crate::sea::fleet::{self, FleetError, FleetErrors};
 use crate::sea::realise::{RealiseError, realise};
 use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain};
 use crate::sinks::{self, Kind};
-use crate::time::TimeTag;
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
@@ -109,6 +111,9 @@ pub enum BuildError {
     /// The instrument or its way through the scene.
     #[error(transparent)]
     Radar(#[from] RadarError),
+    /// A clock.
+    #[error(transparent)]
+    Clock(#[from] ClockFault),
     /// The fast echo.
     #[error(transparent)]
     Echo(#[from] SynthError),
@@ -198,19 +203,23 @@ pub struct TrackNote {
     pub report: SourceReport,
 }
 
-/// Loads every platform's tracks. Their faults are collected.
+/// Loads the tracks of every platform of a scene. Their faults are collected.
 pub fn tracks(
     nav: &[PlatformNav],
-    names: &[String],
-    frame: &SceneFrame,
-    start: TimeTag,
+    scene: &Scene,
 ) -> Result<(Vec<PlatformTracks>, Vec<TrackNote>), BuildErrors> {
+    let Scene { frame, start, radar, .. } = scene;
+    let pointings = radar.transmitters.iter().map(|t| &t.antenna.pointing);
+    let before_s = pointings
+        .chain(radar.receivers.iter().map(|r| &r.antenna.pointing))
+        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
+        .fold(0.0, f64::max);
     let mut tracks = Vec::with_capacity(nav.len());
     let mut notes = Vec::new();
     let mut faults = Vec::new();
-    for (source, platform) in nav.iter().zip(names) {
+    for (place, (source, platform)) in nav.iter().zip(&scene.platforms).enumerate() {
         let mut load = |role: &'static str, source: &TrackSource| -> Option<Track> {
-            match Track::from_source(source, frame, start) {
+            match Track::from_source(source, frame, *start) {
                 Ok((track, report)) => {
                     notes.extend(report.map(|report| TrackNote { platform: platform.clone(), role, report }));
                     Some(track)
@@ -225,11 +234,18 @@ pub fn tracks(
         let reported = source.reported.as_ref().map(|source| load("reported", source));
         if let Some(truth) = truth {
             let reported = match reported {
-                None => truth.clone(),
-                Some(Some(reported)) => reported,
                 Some(None) => continue,
+                Some(reported) => reported,
+                None => None,
             };
-            tracks.push(PlatformTracks { truth, reported });
+            let (seed, times, pulses) = (scene.seed, &radar.emissions, scene.pulses);
+            let of = Circumstances { seed, platform: place, times, pulses, before_s };
+            match PlatformTracks::of(truth, reported, source, frame, &of, *start) {
+                Ok(both) => tracks.push(both),
+                Err(source) => {
+                    faults.push(BuildError::Track { platform: platform.clone(), role: "true", source });
+                }
+            }
         }
     }
     if faults.is_empty() { Ok((tracks, notes)) } else { Err(BuildErrors(faults)) }
@@ -248,12 +264,26 @@ pub fn factory_of(
     tracks: Vec<PlatformTracks>,
     fidelity: &Fidelity,
 ) -> Result<PulseFactory, BuildErrors> {
+    factory_by(scene, tracks, fidelity, &Clocks::default())
+}
+
+/// The same with clocks that are wrong.
+pub fn factory_by(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    fidelity: &Fidelity,
+    clocks: &Clocks,
+) -> Result<PulseFactory, BuildErrors> {
     let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let radar = &scene.radar;
     let (carrier_hz, sample_rate_hz, samples) =
         (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
     let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
+    let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
+    let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
+    let clocks = clocks.map(Arc::new);
+    let illumination = illumination.with_clocks(clocks.clone());
     let plan = match fidelity {
         Fidelity::Reference => None,
         Fidelity::Fast(asked) => Some(settle(scene, &illumination, &waveform, asked)?),
@@ -290,9 +320,12 @@ pub fn factory_of(
     };
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let ships = ShipTracks::of(scene);
-    let layout =
-        Layout { ships: scene.ships.len(), ..scene.radar.layout(scene.platforms.len(), scene.targets.len()) };
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan })
+    let layout = Layout {
+        ships: scene.ships.len(),
+        clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
+        ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
+    };
+    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan, clocks })
 }
 
 /// A run that is ready to start.
@@ -337,8 +370,8 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         });
         return Err(BuildErrors(faults));
     }
-    let built = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)
-        .and_then(|(tracks, notes)| Ok((factory_of(scene, tracks, &run.fidelity)?, notes)));
+    let built = tracks(&run.nav, scene)
+        .and_then(|(tracks, notes)| Ok((factory_by(scene, tracks, &run.fidelity, &run.clocks)?, notes)));
     let (factory, notes) = match built {
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
@@ -443,6 +476,7 @@ fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule)
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
         targets: scene.targets.iter().map(|t| t.name.clone()).collect(),
         ships: scene.ships.iter().map(|s| s.name.clone()).collect(),
+        clocks: run.clocks.clocks.iter().map(|c| c.name.clone()).collect(),
         layout: *factory.layout(),
         adc: radar.adc.map(|adc| AdcRow { bits: adc.bits, step: adc.step() }),
         start: scene.start,

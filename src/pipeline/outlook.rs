@@ -245,7 +245,7 @@ pub enum SeaWarning {
 pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
     let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
     let scene = &run.scene;
-    let (tracks, _) = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
+    let (tracks, _) = tracks(&run.nav, scene)?;
     let surroundings = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
     let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
     let aimed = surroundings.aim_point(aim, *aim_from, scene.start.plus(time_s));
@@ -263,7 +263,7 @@ pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
     let Some(sea) = &scene.sea else { return Ok(None) };
     let wind = Wind::resolve(&sea.water.wind).map_err(RealiseError::from)?;
     let spectrum = of_water(&sea.water, &wind).map_err(RealiseError::from)?;
-    let (tracks, _) = tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
+    let (tracks, _) = tracks(&run.nav, scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let moments = Moments::of(spectrum.as_ref(), [LONGEST_RAD_M, MAX_WAVE_NUMBER_RAD_M]);
     let peak_rad_m = spectrum.peak_rad_m();

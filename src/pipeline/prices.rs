@@ -32,6 +32,7 @@ impl PulseFactory {
             layout: self.layout,
             ships: self.ships.clone(),
             plan: self.plan,
+            clocks: self.clocks.clone(),
         })
     }
 }

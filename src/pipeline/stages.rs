@@ -21,6 +21,7 @@ use crate::echo::synth::SynthError;
 use crate::plan::settle::Plan;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
+use crate::radar::clock::{ChannelClock, RunningClocks};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
 use crate::radar::illumination::Illumination;
@@ -39,6 +40,7 @@ pub struct PulseFactory {
     pub(super) layout: Layout,
     pub(super) ships: ShipTracks,
     pub(super) plan: Option<Plan>,
+    pub(super) clocks: Option<Arc<RunningClocks>>,
 }
 
 /// Why a pulse cannot be made.
@@ -86,6 +88,7 @@ pub struct Workspace {
     single: Option<SingleWork>,
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
+    clocks: Vec<ChannelClock>,
 }
 
 impl Workspace {
@@ -202,6 +205,7 @@ impl PulseFactory {
             single,
             spectrum: vec![Complex64::ZERO; self.layout.channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
+            clocks: Vec::with_capacity(self.layout.channels),
         }
     }
 
@@ -209,7 +213,7 @@ impl PulseFactory {
     /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { illumination, contacts, block, single, spectrum, receiver } = work;
+        let Workspace { illumination, contacts, block, single, spectrum, receiver, clocks } = work;
         illumination.costs.begin();
         match (&self.echo, block, single) {
             (Echo::Reference(echo), ..) => {
@@ -228,7 +232,12 @@ impl PulseFactory {
             (Echo::Fast(_) | Echo::Single(_), ..) => spectrum.fill(Complex64::ZERO),
         }
         self.ships.record(pulse);
-        self.receiver.receive(spectrum, pulse, receiver);
+        if let Some(running) = &self.clocks {
+            // Echoes were made for the window as it is; recorded is what the clocks say.
+            pulse.window_start_s = self.illumination.nominal_start_of(index)?;
+            running.channels(index, pulse.window_start_s, clocks);
+        }
+        self.receiver.receive_by(clocks, spectrum, pulse, receiver);
         illumination.costs.lap(Stage::Receive);
         illumination.costs.made();
         Ok(())

@@ -29,6 +29,7 @@ use num_complex::{Complex32, Complex64};
 use rand_distr::{Distribution, StandardNormal};
 use rustfft::{Fft, FftPlanner};
 
+use super::clock::ChannelClock;
 use super::filter::{ReceiveFilter, bin_frequency_hz};
 use super::waveform::Waveform;
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
@@ -118,6 +119,17 @@ impl Receiver {
         pulse: &mut Pulse,
         scratch: &mut ReceiverScratch,
     ) -> usize {
+        self.receive_by(&[], spectrum, pulse, scratch)
+    }
+
+    /// The same by clocks that are wrong, one for each channel; none: they are right.
+    pub fn receive_by(
+        &self,
+        clocks: &[ChannelClock],
+        spectrum: &mut [Complex64],
+        pulse: &mut Pulse,
+        scratch: &mut ReceiverScratch,
+    ) -> usize {
         let fft_len = self.transform.len();
         let len = self.channels * self.window_samples;
         match (&pulse.samples, &self.adc) {
@@ -129,8 +141,14 @@ impl Receiver {
         let scale = self.sample_rate_hz / fft_len as f64;
         let mut saturated = 0;
         for (channel, bins) in spectrum.chunks_exact_mut(fft_len).take(self.channels).enumerate() {
+            if let Some(clock) = clocks.get(channel) {
+                clock.delay(bins, |k| bin_frequency_hz(k, fft_len, self.sample_rate_hz));
+            }
             self.add_noise(pulse.index, channel, bins);
             self.transform.process_with_scratch(bins, &mut scratch.transform);
+            if let Some(clock) = clocks.get(channel) {
+                clock.turn(&mut bins[..self.window_samples]);
+            }
             let window = channel * self.window_samples..(channel + 1) * self.window_samples;
             match (&mut pulse.samples, &self.adc) {
                 (Samples::Cf32(out), _) => {

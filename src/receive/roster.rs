@@ -138,6 +138,7 @@ impl Roster {
             targets: 0,
             pairs: 0,
             ships: 0,
+            clocks: 0,
         };
         let (step, bits) = first.adc;
         let [lat_deg, lon_deg, h_m] = run.origin;
@@ -166,6 +167,7 @@ impl Roster {
             receivers: Vec::new(),
             targets: Vec::new(),
             ships: Vec::new(),
+            clocks: Vec::new(),
             layout,
             adc: (format == Format::Ci16).then_some(AdcRow { bits, step }),
             start: TimeTag::new(seconds, fraction_s),

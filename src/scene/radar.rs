@@ -58,7 +58,7 @@ impl Radar {
         pairs
     }
 
-    /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships.
+    /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships and clocks.
     pub fn layout(&self, platforms: usize, targets: usize) -> Layout {
         Layout {
             channels: self.channels.len(),
@@ -69,6 +69,7 @@ impl Radar {
             targets,
             pairs: self.pairs().len(),
             ships: 0,
+            clocks: 0,
         }
     }
 }

@@ -200,6 +200,7 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         "receivers": header.receivers,
         "targets": header.targets,
         "ships": header.ships,
+        "clocks": header.clocks,
         "adc_bits": header.adc.map(|a| a.bits),
         "adc_step": header.adc.map(|a| a.step),
         "start_time_ns": start_ns,

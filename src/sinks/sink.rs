@@ -134,6 +134,8 @@ pub struct Header {
     pub targets: Vec<String>,
     /// Ships, in the order of the truth record.
     pub ships: Vec<String>,
+    /// Antennas whose clocks are wrong, in the order of the truth record.
+    pub clocks: Vec<String>,
     /// Sizes of every pulse.
     pub layout: Layout,
     /// The converter, when samples are its codes.
@@ -294,6 +296,7 @@ impl Header {
             ("targets", self.targets.len(), self.layout.targets),
             ("pairs", self.pairs.len(), self.layout.pairs),
             ("ships", self.ships.len(), self.layout.ships),
+            ("clocks", self.clocks.len(), self.layout.clocks),
         ];
         for (field, names, slots) in sizes {
             if names != slots {
@@ -327,7 +330,11 @@ impl Header {
                 }
             }
         }
-        let texts = [&self.config, &self.software].into_iter().chain(&self.targets).chain(&self.ships);
+        let texts = [&self.config, &self.software]
+            .into_iter()
+            .chain(&self.targets)
+            .chain(&self.ships)
+            .chain(&self.clocks);
         for text in texts.chain(self.channels.iter().flat_map(|c| [&c.name, &c.polarisations])) {
             if text.contains('\0') {
                 return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
@@ -356,6 +363,7 @@ impl Header {
             ("receivers", self.receivers == other.receivers),
             ("truth/targets", self.targets == other.targets),
             ("truth/ships", self.ships == other.ships),
+            ("truth/clocks", self.clocks == other.clocks),
             ("layout", self.layout == other.layout),
             ("adc", self.adc == other.adc),
             ("start time", self.start == other.start),

@@ -184,6 +184,7 @@ mod tests {
         targets: 0,
         pairs: 0,
         ships: 0,
+        clocks: 0,
     };
 
     #[test]

@@ -339,6 +339,7 @@ mod tests {
         targets: 0,
         pairs: 0,
         ships: 0,
+        clocks: 0,
     };
 
     /// A pacer whose ring already holds pulses with these indices, and its health.

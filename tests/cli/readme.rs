@@ -26,9 +26,10 @@ fn commands_of_the_readme_are_understood() {
     for words in &commands {
         assert!(Arguments::try_parse_from(words).is_ok(), "{words:?}");
     }
-    for word in
-        ["run", "check", "new", "merge", "sea", "snapshot", "wake", "table", "bench", "tradeoff", "receive", "nav"]
-    {
+    for word in [
+        "run", "check", "new", "merge", "sea", "snapshot", "wake", "table", "bench", "tradeoff", "receive",
+        "nav",
+    ] {
         assert!(commands.iter().any(|words| words[1] == word), "README does not show {word}");
     }
 }

@@ -9,5 +9,7 @@ mod flights;
 mod formats;
 mod nmea_logs;
 mod sentences;
+mod report_errors;
 mod sources;
 mod tracks;
+mod turbulence;

@@ -129,6 +129,7 @@ pub fn buffers(scene: &Scene) -> (Contacts, Pulse) {
         targets: scene.targets.len(),
         pairs,
         ships: 0,
+        clocks: 0,
     };
     (Contacts::new(pairs, layout.channels, 64), Pulse::new(&layout))
 }

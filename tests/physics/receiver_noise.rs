@@ -41,6 +41,7 @@ pub fn slot(channels: usize, samples: usize, format: SampleFormat) -> Pulse {
         targets: 0,
         pairs: 0,
         ships: 0,
+        clocks: 0,
     })
 }
 

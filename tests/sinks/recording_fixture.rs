@@ -35,6 +35,7 @@ pub fn header(format: SampleFormat) -> Header {
         receivers: vec!["pod".to_owned()],
         targets: vec!["buoy".to_owned(), "ship".to_owned(), "rock".to_owned()],
         ships: vec!["tug".to_owned(), "tow".to_owned()],
+        clocks: vec!["tx".to_owned()],
         layout: Layout {
             channels: 2,
             samples: 50,
@@ -44,6 +45,7 @@ pub fn header(format: SampleFormat) -> Header {
             targets: 3,
             pairs: 1,
             ships: 2,
+            clocks: 1,
         },
         adc: (format == SampleFormat::Ci16).then_some(AdcRow { bits: 12, step: 2.5e-8 }),
         start: TimeTag::from_iso8601("2018-05-30T20:15:00.25Z").unwrap(),
@@ -102,6 +104,9 @@ pub fn fill(pulse: &mut Pulse, header: &Header, n: u64) {
         pulse.ship_velocity_mps[s] = [value(base + 3), value(base + 4), value(base + 5)];
         pulse.ship_heading_deg[s] = value(base + 6);
     }
+    if let Some(x_s) = pulse.clock_x_s.first_mut() {
+        *x_s = value(700);
+    }
 }
 
 /// Python that checks every column of a recording against the same formulas. Needs `rec`, `first`, `count`.
@@ -146,6 +151,10 @@ def check(rec, first, count):
             np.testing.assert_array_equal(position, value(b, b + 1, b + 2))
             np.testing.assert_array_equal(velocity, value(b + 3, b + 4, b + 5))
             np.testing.assert_array_equal(attitude, value(b + 6, b + 7, b + 8, b + 9))
+            if which == "reported":
+                same(f"nav/{name}/reported/age_s", value(b + 10)[:, 0])
+                same(f"nav/{name}/reported/flags", n * 0 + b)
+    same("truth/clock/tx/x_s", value(700)[:, 0])
     same("nav/mast/phase_centre_m", value(300, 301, 302))
     same("nav/pod/phase_centre_m", value(303, 304, 305))
     delay = value(400, 401, 402); delay[:, 1] = np.nan

@@ -81,7 +81,15 @@ fn a_scene_with_nothing_but_samples() {
     let path = dir.path().join("bare.h5");
     let full = header(SampleFormat::Cf32);
     let bare = Header {
-        layout: Layout { platforms: 0, phase_centres: 0, targets: 0, pairs: 0, ships: 0, ..full.layout },
+        layout: Layout {
+            platforms: 0,
+            phase_centres: 0,
+            targets: 0,
+            pairs: 0,
+            ships: 0,
+            clocks: 0,
+            ..full.layout
+        },
         pairs: Vec::new(),
         origin: None,
         replica: Vec::new(),
@@ -90,6 +98,7 @@ fn a_scene_with_nothing_but_samples() {
         receivers: Vec::new(),
         targets: Vec::new(),
         ships: Vec::new(),
+        clocks: Vec::new(),
         config: String::new(),
         ..full
     };

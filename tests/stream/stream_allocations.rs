@@ -112,6 +112,8 @@ fn counted_pipeline() {
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
     counted_scenario("sea.toml", &small);
+    // Late and wrong reports, turbulence, clocks.
+    counted_scenario("errors.toml", &[set("scene.duration_s", "6")]);
 }
 
 /// The wire: to a receiver that listens, and to none; descriptions once a second included.

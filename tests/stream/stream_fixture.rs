@@ -21,6 +21,7 @@ pub const LAYOUT: Layout = Layout {
     targets: 3,
     pairs: 1,
     ships: 0,
+    clocks: 0,
 };
 
 /// What a sink saw of one pulse.

@@ -105,7 +105,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let asked = [&args.out, &args.contacts, &args.png];
     let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
     let [map, list, picture] = outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.force)?;
-    let (tracks, _) = build::tracks(&run.nav, &scene.platforms, &scene.frame, scene.start)?;
+    let (tracks, _) = build::tracks(&run.nav, scene)?;
     let factory = build::factory(scene, tracks)?;
     let made = factory.snapshot(args.pulse, &mut factory.workspace());
     // The pulse is in the run and the tracks cover it.

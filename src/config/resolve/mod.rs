@@ -5,6 +5,8 @@
 
 mod ais;
 mod antenna;
+mod clock;
+mod errors;
 mod nav_out;
 mod patch;
 mod place;
@@ -23,6 +25,7 @@ use crate::echo::Fidelity;
 use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::nav::{PlatformNav, TrackSource};
 use crate::scene::Scene;
+use crate::scene::clock::Clocks;
 use crate::time::TimeTag;
 use crate::{sinks, transport};
 
@@ -30,6 +33,7 @@ use crate::{sinks, transport};
 pub(super) struct Parts {
     pub(super) scene: Scene,
     pub(super) nav: Vec<PlatformNav>,
+    pub(super) clocks: Clocks,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
     pub(super) sinks: Vec<sinks::Settings>,
@@ -114,7 +118,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         }
         patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
     });
-    let radar = radar::radar(&root, &ground, &platforms);
+    let mut clocks = clock::Given::default();
+    let radar = radar::radar(&root, &ground, &platforms, &mut clocks);
     let (patch, place) = match (patch, scene) {
         (Some(patch), Some(section)) => {
             let placed = patch.place(&section, radar.as_ref());
@@ -155,6 +160,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     Some(Parts {
         scene,
         nav: nav.into_iter().collect::<Option<_>>()?,
+        clocks: clocks.clocks()?,
         fidelity: fidelity?,
         stream: stream?,
         sinks: sinks?,

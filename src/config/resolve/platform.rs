@@ -1,6 +1,6 @@
 //! Platforms: where their trajectories come from.
 
-use super::{Ground, place};
+use super::{Ground, errors, place};
 use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
@@ -11,13 +11,19 @@ use crate::nav::{
 
 /// One `[[platform]]`; its name has been read.
 pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<PlatformNav> {
-    use keys::platform::{REPORTED, TRACK};
+    use keys::platform::{ERRORS, REPORTED, TRACK, TURBULENCE};
     let truth = section.section(&TRACK).map(|section| track(section, ground));
     let has_report = section.has(&REPORTED);
     let reported = section.section(&REPORTED).map(|section| track(section, ground));
+    let has_errors = section.has(&ERRORS);
+    let errors = section.section(&ERRORS).map(|section| errors::errors(section, has_report));
+    let has_gusts = section.has(&TURBULENCE);
+    let gusts = section.section(&TURBULENCE).map(errors::gusts);
     section.finish();
     let reported = if has_report { Some(reported??) } else { None };
-    Some(PlatformNav { truth: truth??, reported })
+    let errors = if has_errors { Some(errors??) } else { None };
+    let gusts = if has_gusts { Some(gusts??) } else { None };
+    Some(PlatformNav { truth: truth??, reported, errors, gusts })
 }
 
 fn track(section: Section<'_>, ground: &Ground) -> Option<TrackSource> {

@@ -1,6 +1,7 @@
 //! The instrument.
 
 use super::antenna::{self, AimKeys, MountKeys};
+use super::clock::Given;
 use super::place::SurfaceKeys;
 use super::{Ground, Names};
 use crate::config::error::{Problem, Warning};
@@ -14,15 +15,20 @@ use crate::time::PulseTimes;
 /// Most bytes of one pulse.
 const LARGEST_PULSE: u128 = 1 << 30;
 
-/// `[radar]`, `[[transmitter]]`, `[[receiver]]`.
-pub(super) fn radar(root: &Section<'_>, ground: &Ground, platforms: &Names) -> Option<Radar> {
+/// `[radar]`, `[[transmitter]]`, `[[receiver]]`; their clocks go to `clocks`.
+pub(super) fn radar(
+    root: &Section<'_>,
+    ground: &Ground,
+    platforms: &Names,
+    clocks: &mut Given,
+) -> Option<Radar> {
     let mut transmitter_names = Names::new("transmitter");
     let transmitters: Vec<Option<Transmitter>> = root
         .sections(&keys::root::TRANSMITTER)
         .into_iter()
         .map(|section| {
             transmitter_names.take(&section, &keys::transmitter::NAME, &[]);
-            transmitter(section, &transmitter_names, ground, platforms)
+            transmitter(section, &transmitter_names, ground, platforms, clocks)
         })
         .collect();
     let mut receiver_names = Names::new("receiver");
@@ -31,7 +37,7 @@ pub(super) fn radar(root: &Section<'_>, ground: &Ground, platforms: &Names) -> O
         .into_iter()
         .map(|section| {
             receiver_names.take(&section, &keys::receiver::NAME, &[&transmitter_names]);
-            receiver(section, &receiver_names, ground, platforms)
+            receiver(section, &receiver_names, ground, platforms, clocks)
         })
         .collect();
 
@@ -92,8 +98,10 @@ fn transmitter(
     names: &Names,
     ground: &Ground,
     platforms: &Names,
+    clocks: &mut Given,
 ) -> Option<Transmitter> {
     use keys::transmitter as k;
+    clocks.take(&section, &k::CLOCK, last(names), false);
     let power_w = section.number(&k::POWER_W);
     let mount_keys = MountKeys {
         platform: &k::PLATFORM,
@@ -107,8 +115,15 @@ fn transmitter(
     Some(Transmitter { name: last(names)?, power_w: power_w?, antenna: antenna? })
 }
 
-fn receiver(section: Section<'_>, names: &Names, ground: &Ground, platforms: &Names) -> Option<Receiver> {
+fn receiver(
+    section: Section<'_>,
+    names: &Names,
+    ground: &Ground,
+    platforms: &Names,
+    clocks: &mut Given,
+) -> Option<Receiver> {
     use keys::receiver as k;
+    clocks.take(&section, &k::CLOCK, last(names), true);
     let mount_keys = MountKeys {
         platform: &k::PLATFORM,
         lever_arm_m: &k::LEVER_ARM_M,

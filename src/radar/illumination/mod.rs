@@ -81,7 +81,7 @@
 //! let illumination = Illumination::new(&scene, 0.333e-6, tracks)?;
 //! let layout = Layout {
 //!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, phase_centres: 2, targets: 1, pairs: 1,
-//!     ships: 0,
+//!     ships: 0, clocks: 0,
 //! };
 //! let (mut workspace, mut contacts) = (illumination.workspace(), Contacts::new(1, 1, 1));
 //! let mut record = Pulse::new(&layout);
@@ -114,6 +114,7 @@ use crate::motion::track::State;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{PlatformRecord, Pulse, flags};
 use crate::radar::antenna::{Antenna, field};
+use crate::radar::clock::RunningClocks;
 use crate::radar::emission::{Circumstances, Emission, TrackFailure};
 use crate::radar::fault::{RadarError, RadarFault, TrackUse, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
@@ -170,6 +171,7 @@ pub struct Illumination {
     axes_span_s: f64,
     hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
+    clocks: Option<Arc<RunningClocks>>,
 }
 
 /// Buffers of [`Illumination::pulse`]; one per thread.
@@ -243,6 +245,7 @@ impl Illumination {
             axes_span_s: 0.0,
             hold_pulses: None,
             sea: None,
+            clocks: None,
         };
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
@@ -264,6 +267,11 @@ impl Illumination {
         }
         built.axes_span_s = built.longest_delay_s()?;
         Ok(built)
+    }
+
+    /// The same with clocks that are wrong: windows open when they say.
+    pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
+        Self { clocks, ..self }
     }
 
     /// The pair of each channel.
@@ -447,10 +455,11 @@ impl Illumination {
         }
         for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {
             let which = TrackUse::Reported;
-            let state = self.tracks[platform].reported.state(t);
-            let state =
-                state.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
-            *slot = navigation(&state);
+            let report = self.tracks[platform].reported.report(t);
+            let report =
+                report.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
+            *slot = PlatformRecord { age_s: report.age_s, flags: report.flags, ..navigation(&report.state) };
+            record.flags |= report.flags;
         }
         for (slot, centre) in record.phase_centre_m.iter_mut().zip(&own.centres) {
             *slot = centre.position.to_array();
@@ -465,12 +474,24 @@ impl Illumination {
                 *doppler_hz = path.doppler_hz(self.radar.carrier_hz);
             }
         }
+        if let Some(clocks) = &self.clocks {
+            for (clock, x_s) in record.clock_x_s.iter_mut().enumerate() {
+                *x_s = clocks.reading(clock, index)[0];
+            }
+        }
         record.window_start_s = self.window_start_s(index, t)?;
         Ok(())
     }
 
-    /// Start of the window after the emission at `t`, s.
+    /// Start of the window after the emission at `t`, s: earlier than nominal by what the clocks are wrong.
     fn window_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
+        let nominal_s = self.nominal_start_s(index, t)?;
+        let Some(clocks) = &self.clocks else { return Ok(nominal_s) };
+        Ok(nominal_s - clocks.window_shift_s(index, nominal_s))
+    }
+
+    /// The same by the clocks of the radar: what is recorded.
+    fn nominal_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
         let (aim, lead_s, aim_from) = match &self.radar.window.gate {
             Gate::Fixed { start_s } => return Ok(*start_s),
             Gate::Follow { aim, lead_s, aim_from } => (aim, *lead_s, *aim_from),

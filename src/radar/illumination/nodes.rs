@@ -32,7 +32,12 @@ impl Illumination {
         Ok(true)
     }
 
-    /// Start of the window of a pulse after its emission, s.
+    /// Start of the window of a pulse after its emission by the clocks of the radar, s.
+    pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
+        self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
+    }
+
+    /// Start of the window of a pulse after its emission, s; where clocks are wrong, the true one.
     pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.window_start_s(index, self.radar.emissions.emission(self.start, index))
     }

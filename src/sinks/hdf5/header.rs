@@ -119,6 +119,9 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
     if !header.ships.is_empty() {
         truth.new_dataset_builder().with_data(texts(&header.ships)?.as_slice()).create("ships")?;
     }
+    if !header.clocks.is_empty() {
+        truth.new_dataset_builder().with_data(texts(&header.clocks)?.as_slice()).create("clocks")?;
+    }
     if !header.pairs.is_empty() {
         let pairs = header
             .pairs
@@ -190,7 +193,7 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         let names = truth.dataset(of)?.read_raw::<VarLenUnicode>()?;
         Ok(names.iter().map(|n| n.as_str().to_owned()).collect())
     };
-    let (targets, ships) = (names("targets")?, names("ships")?);
+    let (targets, ships, clocks) = (names("targets")?, names("ships")?, names("clocks")?);
     let origin = match optional(file, "origin_lat_deg")? {
         None => None,
         Some(lat_deg) => {
@@ -219,6 +222,7 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
             targets: targets.len(),
             pairs: pairs.len(),
             ships: ships.len(),
+            clocks: clocks.len(),
         },
         channels: table
             .iter()
@@ -239,6 +243,7 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         receivers,
         targets,
         ships,
+        clocks,
         adc,
         start: TimeTag::new(value(file, "start_time_s")?, value(file, "start_time_fraction_s")?),
         first_pulse: value(file, "first_pulse")?,

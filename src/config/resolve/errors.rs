@@ -1,0 +1,223 @@
+//! What is wrong with the report of a platform, and the air that it flies through.
+
+use crate::config::error::Problem;
+use crate::config::keys::{self, Key};
+use crate::config::section::Section;
+use crate::frames::Vector;
+use crate::nav::errors::preset::Class;
+use crate::nav::errors::{ATTITUDE, AxisErrors, Between, Dropouts, ErrorModel, Recorded, VELOCITY};
+use crate::nav::gusts::{Gusts, LEVELS_MPS};
+
+/// Keys of one kind of error.
+struct AxisKeys {
+    bias: &'static Key,
+    bias_sigma: &'static Key,
+    white: &'static Key,
+    walk: &'static Key,
+    gm_sigma: &'static Key,
+    gm_tau_s: &'static Key,
+    sinusoid: &'static Key,
+    sinusoid_hz: &'static Key,
+    sinusoid_deg: &'static Key,
+    step: &'static Key,
+    step_at_s: &'static Key,
+    ramp: &'static Key,
+    quantisation: &'static Key,
+}
+
+/// `[platform.errors]`; `has_report`: the platform has a track of its own for what it reports.
+pub(super) fn errors(section: Section<'_>, has_report: bool) -> Option<ErrorModel> {
+    use keys::errors as k;
+    let preset = section.choice(&k::PRESET).and_then(Class::from_name);
+    let mut model = preset.map_or_else(ErrorModel::default, Class::model);
+    let recorded = section.choice(&k::RECORDED).map(|word| match word {
+        "reported" => Recorded::Reported,
+        _ => Recorded::Truth,
+    });
+    let said = recorded == Some(Recorded::Reported);
+    if said && has_report {
+        let when = "the platform has a [platform.reported] of its own".to_owned();
+        section.fault(&k::RECORDED, Problem::Idle { when });
+    }
+    if said && preset.is_some() {
+        // Its velocity errors are no motion; what is left of it would not be the class.
+        let when = "recorded = \"reported\": give position and attitude".to_owned();
+        section.fault(&k::PRESET, Problem::Idle { when });
+    }
+    let rate_hz = section.number(&k::RATE_HZ);
+    if section.has(&k::RATE_HZ) {
+        model.rate_hz = rate_hz.filter(|rate_hz| *rate_hz > 0.0);
+    }
+    let latency_s = section.number(&k::LATENCY_S);
+    model.latency_s = latency_s.unwrap_or(model.latency_s);
+    let jitter_s = section.number(&k::JITTER_S);
+    let between = section.choice(&k::BETWEEN).map(between);
+    let has_dropouts = section.has(&k::DROPOUTS);
+    let dropouts = section.section(&k::DROPOUTS).and_then(dropouts);
+    let arm = section.vector(&k::LEVER_ARM_ERROR_M).map(|[x, y, z]| Vector::new(x, y, z));
+    let position = AxisKeys {
+        bias: &keys::error_m::BIAS_M,
+        bias_sigma: &keys::error_m::BIAS_SIGMA_M,
+        white: &keys::error_m::WHITE_M,
+        walk: &keys::error_m::WALK_M_PER_ROOT_S,
+        gm_sigma: &keys::error_m::GM_SIGMA_M,
+        gm_tau_s: &keys::error_m::GM_TAU_S,
+        sinusoid: &keys::error_m::SINUSOID_M,
+        sinusoid_hz: &keys::error_m::SINUSOID_HZ,
+        sinusoid_deg: &keys::error_m::SINUSOID_DEG,
+        step: &keys::error_m::STEP_M,
+        step_at_s: &keys::error_m::STEP_AT_S,
+        ramp: &keys::error_m::RAMP_MPS,
+        quantisation: &keys::error_m::QUANTISATION_M,
+    };
+    let velocity = AxisKeys {
+        bias: &keys::error_mps::BIAS_MPS,
+        bias_sigma: &keys::error_mps::BIAS_SIGMA_MPS,
+        white: &keys::error_mps::WHITE_MPS,
+        walk: &keys::error_mps::WALK_MPS_PER_ROOT_S,
+        gm_sigma: &keys::error_mps::GM_SIGMA_MPS,
+        gm_tau_s: &keys::error_mps::GM_TAU_S,
+        sinusoid: &keys::error_mps::SINUSOID_MPS,
+        sinusoid_hz: &keys::error_mps::SINUSOID_HZ,
+        sinusoid_deg: &keys::error_mps::SINUSOID_DEG,
+        step: &keys::error_mps::STEP_MPS,
+        step_at_s: &keys::error_mps::STEP_AT_S,
+        ramp: &keys::error_mps::RAMP_MPS2,
+        quantisation: &keys::error_mps::QUANTISATION_MPS,
+    };
+    let attitude = AxisKeys {
+        bias: &keys::error_deg::BIAS_DEG,
+        bias_sigma: &keys::error_deg::BIAS_SIGMA_DEG,
+        white: &keys::error_deg::WHITE_DEG,
+        walk: &keys::error_deg::WALK_DEG_PER_ROOT_S,
+        gm_sigma: &keys::error_deg::GM_SIGMA_DEG,
+        gm_tau_s: &keys::error_deg::GM_TAU_S,
+        sinusoid: &keys::error_deg::SINUSOID_AMPLITUDE_DEG,
+        sinusoid_hz: &keys::error_deg::SINUSOID_HZ,
+        sinusoid_deg: &keys::error_deg::SINUSOID_DEG,
+        step: &keys::error_deg::STEP_DEG,
+        step_at_s: &keys::error_deg::STEP_AT_S,
+        ramp: &keys::error_deg::RAMP_DEGPS,
+        quantisation: &keys::error_deg::QUANTISATION_DEG,
+    };
+    let radian = 1f64.to_radians();
+    let kinds = [
+        (&k::POSITION, &position, 0, 1.0),
+        (&k::VELOCITY, &velocity, VELOCITY, 1.0),
+        (&k::ATTITUDE, &attitude, ATTITUDE, radian),
+    ];
+    let mut sound = true;
+    for (kind, (key, keys, first, unit)) in kinds.into_iter().enumerate() {
+        let Some(of_kind) = section.section(key) else {
+            sound &= !section.has(key);
+            continue;
+        };
+        let axes = &mut model.axes[first..first + 3];
+        match axis_errors(of_kind, keys, unit, axes, said) {
+            Some(quantisation) => model.quantisation[kind] = quantisation,
+            None => sound = false,
+        }
+    }
+    if said {
+        section.idle(
+            &[&k::VELOCITY, &k::LEVER_ARM_ERROR_M],
+            "recorded = \"reported\": the truth must be smooth",
+        );
+    }
+    section.finish();
+    model.recorded = recorded?;
+    model.jitter_s = jitter_s?;
+    model.between = between?;
+    model.dropouts = if has_dropouts { Some(dropouts?) } else { None };
+    model.lever_arm_error = arm?;
+    sound.then_some(model)
+}
+
+fn between(word: &'static str) -> Between {
+    if word == "hold" { Between::Hold } else { Between::Extrapolate }
+}
+
+fn dropouts(section: Section<'_>) -> Option<Dropouts> {
+    use keys::dropouts as k;
+    let (per_hour, mean_s) = (section.number(&k::PER_HOUR), section.number(&k::MEAN_S));
+    let during = section.choice(&k::DURING).map(between);
+    section.finish();
+    Some(Dropouts { per_hour: per_hour?, mean_s: mean_s?, during: during? })
+}
+
+/// One kind of error into its three axes, those of a preset where nothing is written; its quantisation.
+fn axis_errors(
+    section: Section<'_>,
+    k: &AxisKeys,
+    unit: f64,
+    axes: &mut [AxisErrors],
+    said: bool,
+) -> Option<f64> {
+    let [bias, bias_sigma, white, walk, gm_sigma, sinusoid, step, ramp] =
+        [k.bias, k.bias_sigma, k.white, k.walk, k.gm_sigma, k.sinusoid, k.step, k.ramp]
+            .map(|key| (section.has(key), section.vector::<3>(key)));
+    let [gm_tau_s, sinusoid_hz, sinusoid_deg, step_at_s, quantisation] =
+        [k.gm_tau_s, k.sinusoid_hz, k.sinusoid_deg, k.step_at_s, k.quantisation]
+            .map(|key| (section.has(key), section.number(key)));
+    if said {
+        section.idle(&[k.white, k.step, k.quantisation], "recorded = \"reported\": the truth must be smooth");
+    }
+    section.finish();
+    for (place, axis) in axes.iter_mut().enumerate() {
+        let lists = [
+            (&bias, &mut axis.bias),
+            (&bias_sigma, &mut axis.bias_sigma),
+            (&white, &mut axis.white),
+            (&walk, &mut axis.walk),
+            (&gm_sigma, &mut axis.gm_sigma),
+            (&sinusoid, &mut axis.sinusoid),
+            (&step, &mut axis.step),
+            (&ramp, &mut axis.ramp),
+        ];
+        for ((written, values), to) in lists {
+            let values = (*values)?;
+            if *written {
+                *to = values[place] * unit;
+            }
+        }
+        if gm_tau_s.0 || axis.gm_tau_s == 0.0 {
+            axis.gm_tau_s = gm_tau_s.1?;
+        }
+        axis.sinusoid_hz = sinusoid_hz.1?;
+        axis.sinusoid_phase_rad = sinusoid_deg.1?.to_radians();
+        axis.step_at_s = step_at_s.1?;
+    }
+    Some(quantisation.1? * unit)
+}
+
+/// `[platform.turbulence]`.
+pub(super) fn gusts(section: Section<'_>) -> Option<Gusts> {
+    use keys::turbulence as k;
+    let written = section.exactly_one(&[&k::LEVEL, &k::WIND20_MPS]);
+    let level = section.choice(&k::LEVEL).map(|word| match word {
+        "light" => LEVELS_MPS[0],
+        "moderate" => LEVELS_MPS[1],
+        _ => LEVELS_MPS[2],
+    });
+    let wind20_mps = section.number(&k::WIND20_MPS);
+    let (height_m, airspeed_mps) = (section.number(&k::HEIGHT_M), section.number(&k::AIRSPEED_MPS));
+    let sound = [(&k::HEIGHT_M, height_m), (&k::AIRSPEED_MPS, airspeed_mps)]
+        .into_iter()
+        .all(|(key, value)| value.is_some() || !section.has(key));
+    let cutoff_hz = section.number(&k::CUTOFF_HZ);
+    let (velocity_gain, attitude_gain) =
+        (section.number(&k::VELOCITY_GAIN), section.number(&k::ATTITUDE_GAIN));
+    let hold_s = section.number(&k::TRACK_HOLD_S);
+    section.finish();
+    written?;
+    let gusts = Gusts {
+        wind20_mps: level.or(wind20_mps)?,
+        height_m,
+        airspeed_mps,
+        cutoff_hz: cutoff_hz?,
+        velocity_gain: velocity_gain?,
+        attitude_gain: attitude_gain?,
+        hold_s: Some(hold_s?).filter(|hold_s| *hold_s > 0.0),
+    };
+    sound.then_some(gusts)
+}

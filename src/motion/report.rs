@@ -1,0 +1,95 @@
+//! What a platform says: its track at the epoch of the report at hand, wrong by its errors, moved on to the instant.
+//!
+//! `p = p_k + e_k + (v_k + e'_k) (t - t_k)` (or held), `k` the report that has arrived ([`crate::nav::errors`]); velocity and
+//! attitude are those of the epoch. A report of the instant itself keeps acceleration and angular rate of the track; one that is older has
+//! neither. Before the begin of a recorded track its first instant is reported.
+
+use super::deviation::tilted;
+use super::track::{State, Track, TrackError};
+use crate::frames::{Enu, Point, Rotation, Vector};
+use crate::nav::errors::{ATTITUDE, Between, Errors, VELOCITY};
+use crate::pulse::flags;
+use crate::time::TimeTag;
+
+/// What a platform says at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report {
+    /// The state.
+    pub state: State,
+    /// The instant less the epoch of the navigation that this rests on, s.
+    pub age_s: f64,
+    /// Bits of [`flags`].
+    pub flags: u32,
+}
+
+impl Report {
+    /// One that is right, and of this instant.
+    pub fn of(state: State) -> Self {
+        Self { state, age_s: 0.0, flags: 0 }
+    }
+}
+
+/// A track as it is reported.
+#[derive(Debug)]
+pub(super) struct Reports {
+    pub base: Track,
+    pub errors: Errors,
+    pub start: TimeTag,
+}
+
+impl Reports {
+    /// What is said at an instant. Nothing is allocated.
+    pub fn at(&self, t: TimeTag) -> Result<Report, TrackError> {
+        let heard = self.errors.heard(t.since(self.start));
+        let mut epoch = heard.time_s.map_or(t, |time_s| self.start.plus(time_s));
+        if let Some((first, _)) = self.base.span()
+            && first.since(epoch) > 0.0
+        {
+            epoch = if first.since(t) > 0.0 { t } else { first };
+        }
+        let mut state = self.wrong(&self.base.state(epoch)?, heard.epoch, epoch.since(self.start));
+        let age_s = t.since(epoch);
+        if age_s > 0.0 {
+            if heard.between == Between::Extrapolate {
+                state.position = state.position + state.velocity * age_s;
+            }
+            state.acceleration = Vector::ZERO;
+            state.angular_rate = Vector::ZERO;
+        }
+        Ok(Report { state, age_s, flags: if heard.dropout { flags::REPORT_DROPOUT } else { 0 } })
+    }
+
+    /// A state with the errors of an epoch, `t_s` after pulse 0.
+    fn wrong(&self, state: &State, epoch: i64, t_s: f64) -> State {
+        let (errors, model) = (&self.errors, self.errors.model());
+        let error = |first: usize| [0, 1, 2].map(|axis| errors.value(first + axis, epoch, t_s));
+        let moving = [0, 1, 2].map(|axis| errors.known(axis, t_s)[1]);
+        let arm = state.attitude * model.lever_arm_error;
+        let offset = vector(error(0)) + arm;
+        let drift = vector(error(VELOCITY)) + vector(moving) + state.angular_rate.cross(arm);
+        let [q_m, q_mps, q_rad] = model.quantisation;
+        let [x, y, z] = rounded((state.position + offset).to_array(), q_m);
+        let (mut attitude, angular_rate) =
+            tilted(state.attitude, state.angular_rate, error(ATTITUDE), [0.0; 3]);
+        if q_rad > 0.0 {
+            let [yaw, pitch, roll] = rounded(attitude.to_yaw_pitch_roll(), q_rad);
+            attitude = Rotation::from_yaw_pitch_roll(yaw, pitch, roll);
+        }
+        State {
+            position: Point::new(x, y, z),
+            velocity: vector(rounded((state.velocity + drift).to_array(), q_mps)),
+            attitude,
+            angular_rate,
+            ..*state
+        }
+    }
+}
+
+/// To the nearest step, unless that is 0.
+fn rounded(values: [f64; 3], step: f64) -> [f64; 3] {
+    if step > 0.0 { values.map(|value| (value / step).round() * step) } else { values }
+}
+
+fn vector([x, y, z]: [f64; 3]) -> Vector<Enu> {
+    Vector::new(x, y, z)
+}
