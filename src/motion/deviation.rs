@@ -13,7 +13,9 @@ use glam::DVec3;
 use super::hermite::{Basis, derivative_weights, stencil};
 use super::track::{State, TrackError};
 use crate::frames::{Body, Enu, Rotation, Vector};
-use crate::nav::errors::{ATTITUDE, AXES, AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault};
+use crate::nav::errors::{
+    ATTITUDE, AXES, AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault, MOST_VALUES,
+};
 use crate::time::TimeTag;
 
 /// Value, first and second derivative.
@@ -52,6 +54,11 @@ impl Deviation {
             if axis.gm_sigma > 0.0 { shortest.min(axis.gm_tau_s) } else { shortest }
         });
         let step_s = shortest_s / NODES_PER_TAU;
+        let epochs = (of.before_s + of.times.interval_s(0, of.pulses) + AFTER_S) / step_s;
+        let values = epochs * size_of::<[Jet; 6]>() as f64 / size_of::<f64>() as f64;
+        if random().next().is_some() && values > MOST_VALUES as f64 {
+            return Err(ErrorsFault::TooLong { values: values as u64, epochs: epochs as u64 });
+        }
         let axes: [AxisErrors; AXES] = model.axes;
         let sampled = ErrorModel { rate_hz: Some(1.0 / step_s), axes, ..ErrorModel::default() };
         let from = -((of.before_s / step_s).ceil() as i64) - 2;

@@ -39,7 +39,7 @@ use super::hermite::Basis;
 use super::report::{Report, Reports};
 use super::turbulence::{self, TurbulenceFault};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
-use crate::nav::errors::{Circumstances, ErrorModel, Errors, ErrorsFault};
+use crate::nav::errors::{AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault};
 use crate::nav::{self, AttitudeSource, FileSource, Fix, Gusts, LoadReport, NavError, Place, TrackSource};
 use crate::time::TimeTag;
 
@@ -428,6 +428,14 @@ impl Track {
     ) -> Result<Self, SourceError> {
         let errors = Errors::new(model, of)?;
         Ok(Self(Kind::Reported(Arc::new(Reports { base: self.clone(), errors, start }))))
+    }
+
+    /// Whether it may jump from one instant to the next: a report that is renewed now and then, or wrong by chance.
+    pub fn jumps(&self) -> bool {
+        let Kind::Reported(reports) = &self.0 else { return false };
+        let model = reports.errors.model();
+        let jumps = |axis: &AxisErrors| axis.is_random() || axis.step != 0.0;
+        model.rate_hz.is_some() || model.quantisation != [0.0; 3] || model.axes.iter().any(jumps)
     }
 
     /// What a platform whose report this is says at an instant, and how old that is. Nothing is allocated.

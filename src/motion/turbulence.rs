@@ -160,7 +160,8 @@ pub(super) fn deviation(
     }
     let scales = strength(height_m, gusts.wind20_mps);
     let times_s = scales.length_m.map(|length_m| length_m / airspeed_mps);
-    let shortest_s = times_s.into_iter().fold(gusts.cutoff_hz.recip(), f64::min);
+    let hold_s = gusts.hold_s.unwrap_or(f64::INFINITY);
+    let shortest_s = times_s.into_iter().fold(gusts.cutoff_hz.recip().min(hold_s), f64::min);
     let step_s = shortest_s / STEPS;
     let first = -((LEAD_S / step_s).ceil() as i64);
     let span_s = LEAD_S + of.times.interval_s(0, of.pulses) + AFTER_S;

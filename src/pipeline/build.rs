@@ -57,9 +57,6 @@ use super::navigation;
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 
-/// Pulses that a worker takes at a time where pulses are made one by one.
-const PULSES_PER_WORKER: u64 = 4;
-
 /// Bytes of samples for which a ring is made longer than its latency asks.
 const RING_BYTES: usize = 256 << 20;
 
@@ -652,11 +649,15 @@ fn same_kind(a: &Kind, b: &Kind) -> bool {
     std::mem::discriminant(a) == std::mem::discriminant(b)
 }
 
-/// Lets every worker make a block before the clock starts, so that it has all the memory it will need. What fails here fails again in the
-/// run, which tells.
+/// Lets every worker make a block before the clock starts, so that it has all the memory it will need, in runs that are longer than that.
+/// What fails here fails again in the run, which tells.
 fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
+    let block = factory.block_pulses();
+    if block <= 1 || (range.end - range.start) / block <= work.len() as u64 {
+        return;
+    }
     work.par_iter_mut().with_max_len(1).enumerate().for_each(|(place, work)| {
-        let index = range.start.saturating_add(place as u64 * factory.block_pulses()).min(range.end - 1);
+        let index = range.start.saturating_add(place as u64 * block).min(range.end - 1);
         let _ = factory.make(index, &mut Pulse::new(factory.layout()), work);
         work.start_anew();
     });
@@ -670,10 +671,11 @@ fn generate(
     range: Range<u64>,
     work: &mut [Workspace],
 ) -> Result<(), PulseError> {
-    let block = factory.block_pulses();
-    let length = if block > 1 { block } else { PULSES_PER_WORKER };
+    let length = factory.block_pulses();
     let crew = source.crew(range, work.len());
     work.par_iter_mut().with_max_len(1).try_for_each(|work| {
+        // A worker that panics calls the others off as well: its pulses will never come.
+        let _watch = crew.watch();
         while let Some(mut claim) = crew.claim(|first| first - first % length + length) {
             let pulses = (claim.first..).zip(&mut claim.slots);
             for (index, slot) in pulses {

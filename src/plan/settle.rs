@@ -204,7 +204,9 @@ pub fn settle(
     let surface = peak * super::surface_rounding(scene, illumination);
     let culled = sounder.culled(least_power).clone();
     let bounce = peak * super::bounce(scene, illumination);
-    let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(GAIN_PULSES.to_vec(), |pulses| vec![pulses]);
+    // No interpolation knows of a jump, and soundings may miss it.
+    let free: &[u64] = if illumination.aim_jumps() { &[1] } else { &GAIN_PULSES };
+    let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
     let mut gains = sounder.gains(&gain_rungs, LONGEST)?;
     let hold_pulses = illumination.hold_pulses();
     let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);

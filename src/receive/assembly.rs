@@ -373,14 +373,15 @@ impl Assembly {
                 Some(last) if index <= last => pulses.backwards += 1,
                 Some(last) => {
                     let missing = index - last - 1;
-                    pulses.missing_by_index += missing;
+                    pulses.missing_by_index = pulses.missing_by_index.saturating_add(missing);
                     self.gap |= missing > 0;
                 }
                 None => pulses.first = Some(index),
             }
             if let Some(last) = self.last_emission {
                 let intervals = (time.since(last) * self.header.prf_hz).round();
-                pulses.missing_by_time += (intervals - 1.0).max(0.0) as u64;
+                let missing = (intervals - 1.0).max(0.0) as u64;
+                pulses.missing_by_time = pulses.missing_by_time.saturating_add(missing);
             }
             pulses.last = Some(index);
             self.last_emission = Some(time);

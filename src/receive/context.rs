@@ -304,8 +304,10 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
     let software = text(words)?;
     let sane = |value: f64| value.is_finite() && value > 0.0;
     check_instant(start)?;
-    if ![carrier_hz, sample_rate_hz, prf_hz].into_iter().all(sane) {
-        return Err(Malformed::Value("a frequency that is not finite"));
+    // Within what can be counted: samples of a window, pulses of a run.
+    let fast = [carrier_hz, sample_rate_hz].into_iter().all(|value| sane(value) && value <= 1e12);
+    if !fast || !sane(prf_hz) || !(1e-6..=1e9).contains(&prf_hz) {
+        return Err(Malformed::Value("a frequency out of range"));
     }
     Ok(RunDescription {
         origin,

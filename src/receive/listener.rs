@@ -23,8 +23,9 @@ const RECEIVE_BUFFER: usize = 16 << 20;
 const DATAGRAM: usize = 65_536;
 /// How often the end is looked for.
 const GLANCE: Duration = Duration::from_millis(50);
-/// Whole pulses that may wait to be recorded.
+/// Whole pulses that may wait to be recorded, and samples that they may have together.
 const WAITING: usize = 512;
+const WAITING_SAMPLES: usize = 1 << 25;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -83,8 +84,10 @@ struct Recorder {
 impl Recorder {
     fn start(header: &Header, open: Opener) -> Result<Self, SinkError> {
         let mut sink = open(header)?;
-        let (pulses, inbox) = bounded::<Box<Pulse>>(WAITING);
-        let (give, free) = bounded(WAITING);
+        let samples = header.layout.channels.saturating_mul(header.layout.samples).max(1);
+        let waiting = (WAITING_SAMPLES / samples).clamp(2, WAITING);
+        let (pulses, inbox) = bounded::<Box<Pulse>>(waiting);
+        let (give, free) = bounded(waiting);
         let thread = thread::spawn(move || {
             for pulse in inbox {
                 sink.write(&pulse)?;

@@ -7,6 +7,9 @@
 //!
 //! Generation is *at work* as long as its workers are: its time is the mean of theirs, without their waits for slots.
 
+// Boxes are the slots of the ring: their addresses move, pulses stay.
+#![allow(clippy::vec_box)]
+
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -58,6 +61,17 @@ pub struct Claim {
     /// Slots claimed before.
     before: u64,
     since: Instant,
+}
+
+/// Calls a crew off when its thread panics.
+pub struct Watch<'a>(&'a AtomicBool);
+
+impl Drop for Watch<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.store(true, Ordering::Release);
+        }
+    }
 }
 
 impl<'a> Crew<'a> {
@@ -153,6 +167,11 @@ impl<'a> Crew<'a> {
         spare.push(slots);
     }
 
+    /// Calls all workers off if the thread panics while it holds what is returned.
+    pub fn watch(&self) -> Watch<'_> {
+        Watch(&self.gone)
+    }
+
     /// Calls all workers off: one of them has failed.
     pub fn call_off(&self) {
         self.gone.store(true, Ordering::Release);
@@ -225,6 +244,25 @@ mod tests {
             assert_eq!(seen.join().unwrap(), pulses.collect::<Vec<_>>());
         });
         assert_eq!(health.made_pulses(), 1000);
+    }
+
+    #[test]
+    fn a_panic_calls_the_others_off() {
+        let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
+        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
+        let crew = Crew::new(&mut producer, 0..10, 2, &worth, &stop, &health);
+        let ended = thread::scope(|scope| {
+            let fails = scope.spawn(|| {
+                let _watch = crew.watch();
+                let _claim = crew.claim(|first| first + 4).unwrap();
+                panic!("as it should");
+            });
+            // All slots are with the other: this would wait for ever.
+            let waits = scope.spawn(|| crew.claim(|first| first + 4).is_none());
+            (fails.join().is_err(), waits.join().unwrap())
+        });
+        assert!(ended.0);
+        assert!(ended.1 || crew.claim(|first| first + 1).is_none());
     }
 
     #[test]

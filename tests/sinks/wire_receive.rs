@@ -27,6 +27,7 @@ fn carried(pulse: &Pulse) -> Pulse {
     carried.ship_position_m.clear();
     carried.ship_velocity_mps.clear();
     carried.ship_heading_deg.clear();
+    carried.clock_x_s.clear();
     carried
 }
 

@@ -119,7 +119,7 @@ use crate::radar::emission::{Circumstances, Emission, TrackFailure};
 use crate::radar::fault::{RadarError, RadarFault, TrackUse, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
 use crate::scattering::contact::Contacts;
-use crate::scene::radar::{Aim, AntennaMount, Gate, Pair, Pointing, Polarisation};
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair, Pointing, Polarisation};
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Patch, Radar, Scene, Sea, Target};
 use crate::time::TimeTag;
@@ -725,6 +725,17 @@ impl Illumination {
                 }
             }
         }
+    }
+
+    /// Whether an antenna is aimed by a report that jumps: gains then jump as well, at any pulse.
+    pub fn aim_jumps(&self) -> bool {
+        mounts(&self.radar).any(|(_, mount)| match &mount.pointing {
+            Pointing::At { aim, aim_from: AimFrom::Reported, .. } => {
+                let known = [Some(mount.platform), beside(aim)];
+                known.into_iter().flatten().any(|platform| self.tracks[platform].reported.jumps())
+            }
+            _ => false,
+        })
     }
 
     /// The longest servo lag with which a track is asked, s.

@@ -456,6 +456,12 @@ impl TileWork {
         while self.shades.len() > count {
             self.spare.extend(self.shades.pop());
         }
+        // The next block may have one update more: room for it is made now.
+        self.spare.reserve(count + 1);
+        while self.shades.len() + self.spare.len() <= count {
+            let room = || Vec::with_capacity(patch.len());
+            self.spare.push(Shade { weights: std::iter::repeat_with(room).take(visibility.ends).collect() });
+        }
         while self.shades.len() < count {
             self.shades.push(self.spare.pop().unwrap_or_default());
         }
