@@ -124,6 +124,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             policy: Policy::Stop,
             latency_s: 0.1,
             ring_slots: 64,
+            pacer_ahead: true,
             threads: 0,
         },
         sinks: Vec::new(),

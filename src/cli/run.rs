@@ -80,12 +80,13 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     if run.stream.pace == transport::Pace::Realtime {
         let lateness = &health.lateness_us;
         say(format_args!(
-            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms",
+            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer {} ordinary threads",
             lateness.p50,
             lateness.p99,
             lateness.p999,
             lateness.max,
-            summary.latency_ms.unwrap_or(f64::NAN)
+            summary.latency_ms.unwrap_or(f64::NAN),
+            if health.pacer_ahead { "ahead of all" } else { "among" }
         ));
     }
     if health.pulses == 0 && health.dropped > 0 {

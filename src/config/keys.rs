@@ -596,6 +596,7 @@ tables! {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
         POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When generation cannot keep up: end with an error, stretch time, or drop pulses.";
         LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), default(500.0), "Release minus emission time: how far ahead pulses are made.";
+        PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs ahead of all ordinary ones (SCHED_FIFO), where the system allows that; `nereus run` tells.";
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {

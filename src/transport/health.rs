@@ -24,6 +24,7 @@ pub struct Health {
     busy_ns: AtomicU64,
     ring_low_water: AtomicU64,
     generation_ended: AtomicBool,
+    pacer_ahead: AtomicBool,
     lateness_ns: Mutex<Option<Histogram<u64>>>,
     sinks: Vec<Arc<SinkHealth>>,
 }
@@ -83,6 +84,8 @@ pub struct Snapshot {
     pub lateness_us: Lateness,
     /// Fewest pulses found ready at a release while generation was running; none before a release.
     pub ring_low_water: Option<u64>,
+    /// Whether the pacer ran ahead of all ordinary threads.
+    pub pacer_ahead: bool,
     /// Pulses made.
     pub made: u64,
     /// Time that generation was at work (not waiting for a free slot), seconds.
@@ -103,6 +106,7 @@ impl Health {
             busy_ns: AtomicU64::new(0),
             ring_low_water: AtomicU64::new(u64::MAX),
             generation_ended: AtomicBool::new(false),
+            pacer_ahead: AtomicBool::new(false),
             lateness_ns: Mutex::new(Histogram::new_with_bounds(1, 3_600_000_000_000, 3).ok()),
             sinks,
         }
@@ -133,6 +137,10 @@ impl Health {
     pub(crate) fn made(&self, n: u64, busy: Duration) {
         self.made.fetch_add(n, Ordering::Relaxed);
         self.busy_ns.fetch_add(u64::try_from(busy.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    pub(crate) fn pacer_ahead(&self, granted: bool) {
+        self.pacer_ahead.store(granted, Ordering::Relaxed);
     }
 
     pub(crate) fn generation_ended(&self) {
@@ -187,6 +195,7 @@ impl Health {
                 / self.released_pulses().max(1) as f64,
             lateness_us,
             ring_low_water: (low != u64::MAX).then_some(low),
+            pacer_ahead: self.pacer_ahead.load(Ordering::Relaxed),
             made: self.made_pulses(),
             generation_busy_s: self.busy_ns.load(Ordering::Relaxed) as f64 * 1e-9,
             sinks: self.sinks.iter().map(|s| s.snapshot()).collect(),

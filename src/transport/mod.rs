@@ -52,6 +52,22 @@ pub struct Settings {
     pub ring_slots: usize,
     /// Threads that make pulses; 0: as many as the machine has.
     pub threads: usize,
+    /// Whether the pacer asks to run ahead of all ordinary threads (`SCHED_FIFO`).
+    pub pacer_ahead: bool,
+}
+
+impl Default for Settings {
+    /// Real time, stopping when it is not kept, half a second ahead.
+    fn default() -> Self {
+        Self {
+            pace: Pace::Realtime,
+            policy: Policy::Stop,
+            latency_s: 0.5,
+            ring_slots: 128,
+            threads: 0,
+            pacer_ahead: true,
+        }
+    }
 }
 
 /// When pulses are released.

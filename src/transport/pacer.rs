@@ -55,6 +55,12 @@ use super::{Pace, Policy, Settings};
 /// The last part of a wait, which is spun: what a plain sleep was seen to overshoot by (median 66 us).
 pub const SPIN_BUDGET: Duration = Duration::from_micros(200);
 
+/// Shortest interval at which the pacer may run ahead of all others: what it spins is then at most a fifth of a core.
+const LEAST_PRI_AHEAD: Duration = Duration::from_millis(1);
+
+/// Priority of 1 to 99 among threads that run ahead of ordinary ones.
+const AHEAD: u8 = 50;
+
 /// A long wait looks at the stop flag this often.
 const SLICE: Duration = Duration::from_millis(50);
 
@@ -139,6 +145,26 @@ pub struct Pacer {
     pub status: Option<Sender<Status>>,
 }
 
+/// Asks that this thread run ahead of all ordinary ones, and says whether that was granted: a woken thread of ordinary priority waits until
+/// those at work have had their slice, some milliseconds, nice or not.
+#[cfg(target_os = "linux")]
+fn run_ahead() -> bool {
+    use thread_priority::{
+        RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
+        thread_native_id,
+    };
+    let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    AHEAD.try_into().is_ok_and(|level| {
+        set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(level), fifo).is_ok()
+    })
+}
+
+/// Elsewhere it is not asked.
+#[cfg(not(target_os = "linux"))]
+fn run_ahead() -> bool {
+    false
+}
+
 /// What came for the pacer.
 enum Arrival {
     /// A pulse, and whether it was made too late.
@@ -188,6 +214,13 @@ impl Pacer {
         let latency = Duration::try_from_secs_f64(self.settings.latency_s.max(0.0)).unwrap_or(Duration::ZERO);
         let sleeper =
             SpinSleeper::new(SPIN_BUDGET.subsec_nanos()).with_spin_strategy(SpinStrategy::SpinLoopHint);
+        let mean_hz = self.schedule.times.mean_prf_hz();
+        if self.settings.pacer_ahead
+            && self.settings.pace == Pace::Realtime
+            && mean_hz * LEAST_PRI_AHEAD.as_secs_f64() <= 1.0 + 1e-9
+        {
+            self.health.pacer_ahead(run_ahead());
+        }
         let begin = Schedule::after(start, latency);
         let mut judge = Judge { start, zero: begin, seen_empty: None, held: Duration::ZERO, held_until: 0 };
         let mut expected = self.schedule.first;
@@ -355,7 +388,14 @@ mod tests {
             ring,
             fan_out: FanOut::new(Vec::new(), Pace::Realtime),
             schedule: Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count },
-            settings: Settings { pace: Pace::Realtime, policy, latency_s: 0.0, ring_slots: 8, threads: 1 },
+            settings: Settings {
+                pace: Pace::Realtime,
+                policy,
+                latency_s: 0.0,
+                ring_slots: 8,
+                threads: 1,
+                ..Settings::default()
+            },
             health: Arc::clone(&health),
             worth: Worth::default(),
             status: None,

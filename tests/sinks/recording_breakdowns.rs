@@ -39,7 +39,14 @@ fn writer() {
         Box::new(PlainSink::create(Path::new(&path), false, &header).unwrap())
     };
     let pace = if pulses > 10_000 { Pace::Fast } else { Pace::Realtime };
-    let settings = Settings { pace, policy: Policy::Slip, latency_s: 0.1, ring_slots: 64, threads: 1 };
+    let settings = Settings {
+        pace,
+        policy: Policy::Slip,
+        latency_s: 0.1,
+        ring_slots: 64,
+        threads: 1,
+        ..Settings::default()
+    };
     let schedule = Schedule { times: PulseTimes::uniform(PRF_HZ).unwrap(), first: 0, count: pulses };
     let mut run = Stream::new(settings, schedule, header.layout, Arc::new(AtomicBool::new(false)));
     run.sink("recording", 128, |feed| drain(sink, feed)).unwrap();

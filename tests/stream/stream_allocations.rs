@@ -59,7 +59,14 @@ fn steady_state_allocates_nothing() {
 #[ignore = "run by steady_state_allocates_nothing in a process of its own"]
 fn counted_run() {
     for (pace, end, from, to) in [(Pace::Fast, 20_000, 1000, 19_000), (Pace::Realtime, 1500, 200, 1400)] {
-        let settings = Settings { pace, policy: Policy::Drop, latency_s: 0.05, ring_slots: 64, threads: 1 };
+        let settings = Settings {
+            pace,
+            policy: Policy::Drop,
+            latency_s: 0.05,
+            ring_slots: 64,
+            threads: 1,
+            ..Settings::default()
+        };
         let schedule = Schedule { times: PulseTimes::uniform(2000.0).unwrap(), first: 0, count: end };
         let mut run = Stream::new(settings, schedule, LAYOUT, Arc::new(AtomicBool::new(false)));
         for name in ["a", "b"] {

@@ -47,7 +47,14 @@ fn a_failing_sink_ends_the_run_and_the_others_close() {
 fn the_stop_flag_ends_a_run_cleanly() {
     for (pace, prf_hz) in [(Pace::Realtime, 1000.0), (Pace::Realtime, 0.01), (Pace::Fast, 1000.0)] {
         let stop = Arc::new(AtomicBool::new(false));
-        let settings = Settings { pace, policy: Policy::Stop, latency_s: 0.1, ring_slots: 32, threads: 1 };
+        let settings = Settings {
+            pace,
+            policy: Policy::Stop,
+            latency_s: 0.1,
+            ring_slots: 32,
+            threads: 1,
+            ..Settings::default()
+        };
         let schedule = Schedule { times: PulseTimes::uniform(prf_hz).unwrap(), first: 0, count: LONG };
         let mut run: Stream<Vec<Seen>, String> = Stream::new(settings, schedule, LAYOUT, Arc::clone(&stop));
         run.sink("one", 32, |feed| remember(feed, NONE)).unwrap();
@@ -120,8 +127,14 @@ fn queues_without_slots_are_refused() {
     let mut run = stream(Pace::Fast, Policy::Stop, 0.0, 0, 10);
     let refused = run.sink("none", 0, |feed| remember(feed, NONE));
     assert_eq!(refused, Err(StreamError::EmptyQueue { sink: "none".to_owned() }));
-    let settings =
-        Settings { pace: Pace::Fast, policy: Policy::Stop, latency_s: 0.0, ring_slots: 0, threads: 1 };
+    let settings = Settings {
+        pace: Pace::Fast,
+        policy: Policy::Stop,
+        latency_s: 0.0,
+        ring_slots: 0,
+        threads: 1,
+        ..Settings::default()
+    };
     let schedule = Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count: 1 };
     let run: Stream<(), String> = Stream::new(settings, schedule, LAYOUT, Arc::new(AtomicBool::new(false)));
     let outcome = run.run(|_| Ok::<(), String>(()));

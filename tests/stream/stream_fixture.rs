@@ -35,7 +35,7 @@ pub struct Seen {
 pub type TestStream<'a> = Stream<'a, Vec<Seen>, String>;
 
 pub fn stream<'a>(pace: Pace, policy: Policy, latency_s: f64, first: u64, count: u64) -> TestStream<'a> {
-    let settings = Settings { pace, policy, latency_s, ring_slots: 64, threads: 1 };
+    let settings = Settings { pace, policy, latency_s, ring_slots: 64, threads: 1, ..Settings::default() };
     let schedule = Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first, count };
     Stream::new(settings, schedule, LAYOUT, Arc::new(AtomicBool::new(false)))
 }

@@ -35,7 +35,7 @@ pub(super) fn stream(
     platforms: usize,
     targets: usize,
 ) -> Option<transport::Settings> {
-    use keys::stream::{LATENCY_MS, PACE, POLICY, THREADS};
+    use keys::stream::{LATENCY_MS, PACE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
     let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
     let policy = section.choice(&POLICY).map(|word| match word {
@@ -45,6 +45,7 @@ pub(super) fn stream(
     });
     let latency_ms = section.number(&LATENCY_MS);
     let threads = section.count(&THREADS);
+    let ahead = section.choice(&PACER_PRIORITY).map(|word| word == "realtime");
     section.finish();
     let latency_s = latency_ms? / 1e3;
     let radar = radar?;
@@ -56,7 +57,14 @@ pub(super) fn stream(
         root.reader().warn(Warning::ShortRing { wanted, slots, mebibytes });
     }
     let threads = usize::try_from(threads?).ok()?;
-    Some(transport::Settings { pace: pace?, policy: policy?, latency_s, ring_slots: slots, threads })
+    Some(transport::Settings {
+        pace: pace?,
+        policy: policy?,
+        latency_s,
+        ring_slots: slots,
+        threads,
+        pacer_ahead: ahead?,
+    })
 }
 
 /// `[fidelity]`; `with_sea` decides the default.
