@@ -29,13 +29,16 @@ fn the_outline_has_half_the_cover_and_the_edge_a_tenth_of_the_width() {
     let strip = TurbulentStrip::new(100.0, 13.0).unwrap();
     for behind_m in [1.0, 40.0, 400.0, 3000.0] {
         let (half_m, decay) = (0.5 * strip.width_m(behind_m), (-behind_m / 2000.0f64).exp());
-        let cover = |share: f64| strip.cover([behind_m + 50.0, -share * half_m]) / decay;
+        let onset = 0.5 - 0.5 * (std::f64::consts::PI * (behind_m / 13.0).min(1.0)).cos();
+        let cover = |share: f64| strip.cover([behind_m + 50.0, -share * half_m]) / decay / onset;
         for (share, value) in
             [(0.0, 1.0), (0.899, 1.0), (0.95, 0.5 + 0.125f64.sqrt()), (1.0, 0.5), (1.101, 0.0)]
         {
             assert!((cover(share) - value).abs() < 1e-12, "{behind_m} m, {share}: {}", cover(share));
         }
     }
+    // It comes on over a beam: half of it after half a beam, on the centre line.
+    assert!((strip.cover([56.5, 0.0]) - 0.5 * (-6.5f64 / 2000.0).exp()).abs() < 1e-12);
     // Nothing abreast of the ship or ahead of it.
     for astern_m in [50.0, 49.0, 0.0, -500.0, f64::NAN] {
         assert_eq!(strip.cover([astern_m, 0.0]), 0.0);

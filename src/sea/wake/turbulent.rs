@@ -6,9 +6,10 @@
 //!
 //! (Zilman, Zapolski and Marom, IEEE TGRS 42, 2335 (2004); B beam, L length of the ship). A facet is covered by the strip to the share
 //!
-//! `q(x, y) = edge(|y|/(W/2)) exp(-x/xd)`, `xd = 20 L` by default,
+//! `q(x, y) = onset(x/B) edge(|y|/(W/2)) exp(-x/xd)`, `xd = 20 L` by default,
 //!
-//! `edge` a raised cosine from 1 to 0 over a tenth of W, centred on the outline `|y| = W/2`. What q does to the
+//! `edge` a raised cosine from 1 to 0 over a tenth of W, centred on the outline `|y| = W/2`, and `onset` one from 0 to 1 over a beam behind
+//! the stern: by its law the strip is a beam wide after half a metre, and would come over a facet from one pulse to the next. What q does to the
 //! spectrum is [`kind::turbulent_wake`](crate::scattering::kind::turbulent_wake)'s affair; heights stay as they are.
 //!
 //! Limits: W as full width is a reading of the source; the strip follows a straight course (see
@@ -102,7 +103,8 @@ impl TurbulentStrip {
         }
         // -1/2 to 1/2 across the edge.
         let across = ((out / half_m - 1.0) / (2.0 * EDGE)).clamp(-0.5, 0.5);
-        (0.5 - 0.5 * (PI * across).sin()) * (-behind_m / self.decay_m).exp()
+        let onset = 0.5 - 0.5 * (PI * (behind_m / self.beam_m).min(1.0)).cos();
+        onset * (0.5 - 0.5 * (PI * across).sin()) * (-behind_m / self.decay_m).exp()
     }
 
     /// Joins the cover of a ship at a time, s, to that of a patch's facets, stored as [`Grid::index`] has them.
