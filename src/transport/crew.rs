@@ -191,20 +191,8 @@ impl Drop for Crew<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pulse::{Layout, SampleFormat};
+    use crate::transport::pacer::tests::LAYOUT;
     use crate::transport::ring::ring;
-
-    const LAYOUT: Layout = Layout {
-        channels: 1,
-        samples: 1,
-        format: SampleFormat::Cf32,
-        platforms: 0,
-        phase_centres: 0,
-        targets: 0,
-        pairs: 0,
-        ships: 0,
-        clocks: 0,
-    };
 
     #[test]
     fn order_is_that_of_the_claims_whoever_is_first() {

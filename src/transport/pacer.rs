@@ -357,13 +357,14 @@ fn sleep_until(deadline: Instant, sleeper: SpinSleeper, stop: &AtomicBool) -> bo
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::pulse::{Layout, SampleFormat};
     use crate::time::PulseTimes;
     use crate::transport::ring::ring;
 
-    const LAYOUT: Layout = Layout {
+    /// The least that a pulse can have.
+    pub const LAYOUT: Layout = Layout {
         channels: 1,
         samples: 1,
         format: SampleFormat::Cf32,
