@@ -387,6 +387,7 @@ fn source_text(source: &TrackSource) -> String {
             format!("straight from {} at {:.1} m/s", place_text(place), velocity.norm())
         }
         TrackSource::File(source) => file_text(source),
+        TrackSource::Live(live) => format!("live from {}", live.origin),
     }
 }
 

@@ -151,6 +151,11 @@ pub enum TrackError {
         /// Horizontal speed there, m/s.
         speed_mps: f64,
     },
+    /// Live navigation where the whole flight must be known.
+    #[error(
+        "live navigation is not known beforehand; allowed: track.rehearsal, a track that stands for the flight"
+    )]
+    NoRehearsal,
     /// A straight track that does not move horizontally has no heading of its own.
     #[error("the heading is to follow the motion, but the horizontal velocity is zero; give an attitude")]
     NoHeading,
@@ -369,6 +374,10 @@ impl Track {
                 let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
                 Ok((track, Some(SourceReport { load: recording.report, fit })))
             }
+            TrackSource::Live(live) => match &live.rehearsal {
+                Some(rehearsal) => Self::from_source(rehearsal, frame, start),
+                None => Err(TrackError::NoRehearsal.into()),
+            },
         }
     }
 

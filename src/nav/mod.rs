@@ -18,6 +18,7 @@ pub mod errors;
 pub mod faults;
 pub mod gusts;
 pub mod inspvax;
+pub mod live;
 pub mod nmea;
 pub mod pcap;
 pub mod replay;
@@ -32,6 +33,7 @@ use crate::time::TimeTag;
 pub use errors::ErrorModel;
 pub use faults::{Fault, FaultKind, Faults, NavError};
 pub use gusts::Gusts;
+pub use live::LiveSource;
 pub use replay::{LoadReport, Recording, load};
 
 /// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
@@ -69,6 +71,8 @@ pub enum TrackSource {
     },
     /// A recorded track.
     File(FileSource),
+    /// What a receiver says while the run goes on.
+    Live(LiveSource),
 }
 
 /// A position, as given.

@@ -486,7 +486,7 @@ fn presets_are_the_configurations_of_the_paper() {
             let (place, moves) = match &run.nav[platform].truth {
                 TrackSource::Straight { place, velocity, .. } => (place, velocity.to_array()),
                 TrackSource::Fixed { place, .. } => (place, [0.0; 3]),
-                TrackSource::File(_) => panic!(),
+                TrackSource::File(_) | TrackSource::Live(_) => panic!(),
             };
             let Place::Local(start) = place else { panic!() };
             assert_eq!(start.to_array().to_vec(), vector("start"));

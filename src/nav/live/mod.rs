@@ -1,0 +1,76 @@
+//! Live navigation: what a receiver says while the run goes on.
+//!
+//! A [`LiveSource`] says where the bytes come from and what is made of them; its fixes are those that a file of the same
+//! sentences gives. A run takes them as they come, see `motion::live`.
+//!
+//! Symbols: `max_gap_s` the longest time between two fixes that is interpolated, `max_extrapolation_s` the longest time after the
+//! last fix for which the motion is still told from it; beyond that it is stale.
+
+use std::fmt;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::{AttitudeSource, Fix, TrackSource, VerticalDatum};
+
+/// Navigation that comes while the run goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveSource {
+    /// Where the bytes come from.
+    pub origin: Origin,
+    /// What heights are measured from, where the messages do not say.
+    pub datum: VerticalDatum,
+    /// Height of mean sea level above the ellipsoid, m.
+    pub undulation_m: f64,
+    /// Where the attitude comes from.
+    pub attitude: AttitudeSource,
+    /// The longest time between two fixes that is interpolated, s.
+    pub max_gap_s: f64,
+    /// The longest time after the last fix for which motion is extrapolated, s; beyond it, it is stale.
+    pub max_extrapolation_s: f64,
+    /// How long the begin of a run waits for navigation, s.
+    pub patience_s: f64,
+    /// A track that stands for the flight where one must be known beforehand.
+    pub rehearsal: Option<Box<TrackSource>>,
+}
+
+/// Where live navigation comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A serial port or a pseudo terminal.
+    Serial {
+        /// Its path.
+        path: PathBuf,
+        /// Bits a second.
+        baud: u32,
+    },
+    /// Somebody who sends to those who connect.
+    TcpConnect(SocketAddr),
+    /// An address to which a sender connects.
+    TcpListen(SocketAddr),
+    /// An address to which datagrams are sent.
+    Udp(SocketAddr),
+    /// A file, replayed in time.
+    File(PathBuf),
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial { path, baud } => write!(f, "{} at {baud} baud", path.display()),
+            Self::TcpConnect(address) => write!(f, "tcp://{address}"),
+            Self::TcpListen(address) => write!(f, "tcp-listen://{address}"),
+            Self::Udp(address) => write!(f, "udp://{address}"),
+            Self::File(path) => write!(f, "file {}", path.display()),
+        }
+    }
+}
+
+/// A fix of a live source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heard {
+    /// What was said.
+    pub fix: Fix,
+    /// When its last byte had come.
+    pub arrived: Instant,
+}
