@@ -5,6 +5,8 @@
 
 pub mod costs;
 
+use std::time::Instant;
+
 use num_complex::Complex32;
 
 use crate::time::TimeTag;
@@ -138,6 +140,8 @@ pub struct Pulse {
     pub ship_heading_deg: Vec<f64>,
     /// Truth: reading less time of each clock at the emission, s.
     pub clock_x_s: Vec<f64>,
+    /// When the last fix of live navigation up to the emission had come (of several platforms the earliest).
+    pub nav_arrived: Option<Instant>,
 }
 
 impl Pulse {
@@ -163,6 +167,7 @@ impl Pulse {
             ship_velocity_mps: vec![[0.0; 3]; layout.ships],
             ship_heading_deg: vec![0.0; layout.ships],
             clock_x_s: vec![0.0; layout.clocks],
+            nav_arrived: None,
         }
     }
 
@@ -187,6 +192,7 @@ impl Pulse {
         self.ship_velocity_mps.clone_from(&other.ship_velocity_mps);
         self.ship_heading_deg.clone_from(&other.ship_heading_deg);
         self.clock_x_s.clone_from(&other.clock_x_s);
+        self.nav_arrived = other.nav_arrived;
     }
 }
 

@@ -14,6 +14,7 @@ use super::progress;
 use super::say;
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
+use crate::pipeline::live::{FlightReport, LiveNav};
 use crate::pipeline::outlook::outlook;
 use crate::sinks::sink::SinkReport;
 use crate::sinks::{self, Kind};
@@ -25,6 +26,9 @@ use crate::transport::stage::Summary;
 struct Report<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
+    /// What came of live navigation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    navigation: Option<Vec<FlightReport>>,
     /// What each recording holds.
     out: &'a [&'a SinkReport],
     /// Why the run failed, if it did.
@@ -38,7 +42,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         say(format_args!("warning: {warning}"));
     }
     let stream = build::stream(&run, pulses)?;
-    for warning in outlook(&run)?.iter().flat_map(|sea| &sea.warnings) {
+    let rehearsed = stream.rehearsed().unwrap_or(&run);
+    for warning in outlook(rehearsed)?.iter().flat_map(|sea| &sea.warnings) {
         say(format_args!("warning: {warning}"));
     }
     for note in stream.notes() {
@@ -54,6 +59,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     })
     .map_err(CliError::Signal)?;
     let (status, watcher) = progress::watch(stream.schedule().count);
+    let live = stream.live_navigation();
     let outcome = stream.run(&stop, Some(status));
     watcher.finish();
     let outcome = outcome?;
@@ -61,11 +67,15 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
     if args.json {
         let error = outcome.result.as_ref().err().map(ToString::to_string);
-        let report = Report { summary: &outcome.summary, out: &recordings, error };
+        let navigation = live.as_ref().map(|live| live.report());
+        let report = Report { summary: &outcome.summary, navigation, out: &recordings, error };
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
         writeln!(out, "{text}").map_err(CliError::Output)?;
     }
     tell(&run, &outcome, &recordings);
+    if let Some(live) = live {
+        tell_navigation(&live, &outcome);
+    }
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 
@@ -88,6 +98,10 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
             summary.latency_ms.unwrap_or(f64::NAN),
             if health.pacer_ahead { "ahead of all" } else { "among" }
         ));
+    }
+    for right in health.rights.iter().filter(|right| !right.granted) {
+        let reason = right.reason.as_deref().unwrap_or("refused");
+        say(format_args!("warning: the system refused stream.{}: {reason}", right.asked));
     }
     if health.pulses == 0 && health.dropped > 0 {
         say("warning: no pulse was made within the latency; raise stream.latency_ms");
@@ -122,6 +136,32 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
                 ));
             }
         }
+    }
+}
+
+/// What came of live navigation, for people.
+fn tell_navigation(live: &LiveNav, outcome: &RunOutcome) {
+    let health = &outcome.summary.health;
+    for flight in live.report() {
+        let FlightReport { platform, source, counts, ahead, unusable } = flight;
+        say(format_args!("platform '{platform}' by {source}: {counts}"));
+        if ahead + unusable > 0 {
+            say(format_args!(
+                "warning: {ahead} fixes were ahead of the schedule and {unusable} could not be used"
+            ));
+        }
+    }
+    if let Some(latency) = &health.navigation_to_release_ms {
+        say(format_args!(
+            "navigation to release {:.1} to {:.1} ms, median {:.1} ms, p99 {:.1} ms",
+            latency.min, latency.max, latency.p50, latency.p99
+        ));
+    }
+    if health.extrapolated > 0 {
+        say(format_args!(
+            "warning: navigation was extrapolated for {} of {} pulses, for {} of them it was stale",
+            health.extrapolated, health.pulses, health.stale
+        ));
     }
 }
 

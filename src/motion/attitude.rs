@@ -52,9 +52,9 @@ pub fn level(velocity_mps: [f64; 3]) -> [f64; 3] {
 /// A unit quaternion and its first two derivatives at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turn {
-    q: DVec4,
-    first: DVec4,
-    second: DVec4,
+    pub q: DVec4,
+    pub first: DVec4,
+    pub second: DVec4,
 }
 
 /// The attitude turns too far between a node and the next for an interpolation, degrees.
@@ -80,19 +80,8 @@ pub(super) fn turns(attitudes: &[DQuat], t_s: impl Fn(usize, usize) -> f64) -> R
         }
         q.push(here);
     }
-    let turns: Vec<Turn> = (0..q.len())
-        .map(|i| {
-            let nodes = stencil(i, q.len());
-            let mut times = [0.0; super::hermite::STENCIL];
-            for (time, node) in times.iter_mut().zip(nodes.clone()) {
-                *time = t_s(i, node);
-            }
-            let [w1, w2] = derivative_weights(&times[..nodes.len()]);
-            let sum =
-                |w: &[f64]| w.iter().zip(&q[nodes.clone()]).fold(DVec4::ZERO, |sum, (w, q)| sum + *q * *w);
-            Turn { q: q[i], first: sum(&w1), second: sum(&w2) }
-        })
-        .collect();
+    let turns: Vec<Turn> =
+        (0..q.len()).map(|i| turn(i, stencil(i, q.len()), |node| q[node], |node| t_s(i, node))).collect();
     // Steps near the limit in turn with others may swing the quintic through zero.
     for (i, pair) in turns.windows(2).enumerate() {
         let h = t_s(i, i + 1);
@@ -104,6 +93,23 @@ pub(super) fn turns(attitudes: &[DQuat], t_s: impl Fn(usize, usize) -> f64) -> R
         }
     }
     Ok(turns)
+}
+
+/// The quaternion of a node with derivatives from those of its stencil (signs aligned), at times `t_s` from it.
+pub(super) fn turn(
+    index: usize,
+    stencil: std::ops::Range<usize>,
+    q: impl Fn(usize) -> DVec4,
+    t_s: impl Fn(usize) -> f64,
+) -> Turn {
+    let mut times = [0.0; super::hermite::STENCIL];
+    for (time, node) in times.iter_mut().zip(stencil.clone()) {
+        *time = t_s(node);
+    }
+    let [w1, w2] = derivative_weights(&times[..stencil.len()]);
+    let sum =
+        |w: &[f64]| w.iter().zip(stencil.clone()).fold(DVec4::ZERO, |sum, (w, node)| sum + q(node) * *w);
+    Turn { q: q(index), first: sum(&w1), second: sum(&w2) }
 }
 
 fn raw(from: &Turn, to: &Turn, basis: &Basis) -> (DVec4, DVec4) {

@@ -116,6 +116,14 @@ pub(super) fn to_local_axes(place: &Place, frame: &SceneFrame) -> DMat3 {
     }
 }
 
+/// Where a fix is in the scene; `None` if that lies nowhere on Earth and the fix does.
+pub(super) fn position(fix: &Fix, frame: &SceneFrame) -> Option<DVec3> {
+    match fix.place {
+        Place::Local(point) => Some(point.raw()),
+        Place::Geodetic(geodetic) => frame.from_geodetic(geodetic).map(|point| point.raw()),
+    }
+}
+
 /// The nodes of the track through these fixes.
 pub(super) fn nodes(
     fixes: &[Fix],
@@ -132,13 +140,8 @@ pub(super) fn nodes(
     }
     let mut positions = Vec::with_capacity(fixes.len());
     for (index, fix) in fixes.iter().enumerate() {
-        let position = match fix.place {
-            Place::Local(point) => point.raw(),
-            Place::Geodetic(geodetic) => frame
-                .from_geodetic(geodetic)
-                .ok_or_else(|| TrackError::NoOrigin { path: source.path.clone() })?
-                .raw(),
-        };
+        let position =
+            position(fix, frame).ok_or_else(|| TrackError::NoOrigin { path: source.path.clone() })?;
         let in_order = index == 0 || fix.time.since(fixes[index - 1].time) > 0.0;
         if !(in_order && position.is_finite()) {
             return Err(TrackError::BadFix { path: source.path.clone(), index, time: fix.time });
@@ -176,23 +179,27 @@ pub(super) fn nodes(
 }
 
 fn exact(fixes: &[Fix], positions: &[DVec3]) -> Vec<Node> {
-    (0..fixes.len())
-        .map(|i| {
-            let near = stencil(i, fixes.len());
-            let mut t_s = [0.0; super::hermite::STENCIL];
-            for (time, fix) in t_s.iter_mut().zip(&fixes[near.clone()]) {
-                *time = fix.time.since(fixes[i].time);
-            }
-            let [w1, w2] = derivative_weights(&t_s[..near.len()]);
-            // Differences from the node itself: the weights sum to zero, large coordinates do not.
-            let sum = |w: &[f64]| {
-                w.iter()
-                    .zip(&positions[near.clone()])
-                    .fold(DVec3::ZERO, |s, (w, p)| s + (*p - positions[i]) * *w)
-            };
-            Node { time: fixes[i].time, p: positions[i], v: sum(&w1), a: sum(&w2) }
-        })
-        .collect()
+    let near = |i: usize| (fixes[i].time, positions[i]);
+    (0..fixes.len()).map(|i| exact_node(i, stencil(i, fixes.len()), near)).collect()
+}
+
+/// The node of a fix that is taken as exact, from the fixes of its stencil.
+pub(super) fn exact_node(
+    index: usize,
+    stencil: std::ops::Range<usize>,
+    fix: impl Fn(usize) -> (TimeTag, DVec3),
+) -> Node {
+    let (time, p) = fix(index);
+    let mut t_s = [0.0; super::hermite::STENCIL];
+    for (t_s, near) in t_s.iter_mut().zip(stencil.clone()) {
+        *t_s = fix(near).0.since(time);
+    }
+    let [w1, w2] = derivative_weights(&t_s[..stencil.len()]);
+    // Differences from the node itself: the weights sum to zero, large coordinates do not.
+    let sum = |w: &[f64]| {
+        w.iter().zip(stencil.clone()).fold(DVec3::ZERO, |s, (w, near)| s + (fix(near).1 - p) * *w)
+    };
+    Node { time, p, v: sum(&w1), a: sum(&w2) }
 }
 
 /// Settings of the smoother.

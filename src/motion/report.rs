@@ -47,7 +47,8 @@ impl Reports {
         {
             epoch = if first.since(t) > 0.0 { t } else { first };
         }
-        let mut state = self.wrong(&self.base.state(epoch)?, heard.epoch, epoch.since(self.start));
+        let base = self.base.report(epoch)?;
+        let mut state = self.wrong(&base.state, heard.epoch, epoch.since(self.start));
         let age_s = t.since(epoch);
         if age_s > 0.0 {
             if heard.between == Between::Extrapolate {
@@ -56,7 +57,8 @@ impl Reports {
             state.acceleration = Vector::ZERO;
             state.angular_rate = Vector::ZERO;
         }
-        Ok(Report { state, age_s, flags: if heard.dropout { flags::REPORT_DROPOUT } else { 0 } })
+        let lost = if heard.dropout { flags::REPORT_DROPOUT } else { 0 };
+        Ok(Report { state, age_s: age_s + base.age_s, flags: base.flags | lost })
     }
 
     /// A state with the errors of an epoch, `t_s` after pulse 0.

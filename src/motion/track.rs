@@ -36,6 +36,7 @@ use super::attitude::{self, MAX_STEP_DEG, MIN_SPEED_MPS, Turn};
 use super::deviation::Deviation;
 use super::fit::{self, FitReport, MAX_MISFIT_SIGMAS, Node};
 use super::hermite::Basis;
+use super::live::{LiveTrack, Told};
 use super::report::{Report, Reports};
 use super::turbulence::{self, TurbulenceFault};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
@@ -306,6 +307,8 @@ enum Kind {
     },
     /// Another track as it is reported.
     Reported(Arc<Reports>),
+    /// One that grows while it is flown.
+    Live(LiveTrack),
 }
 
 #[derive(Clone, Debug)]
@@ -381,6 +384,19 @@ impl Track {
         }
     }
 
+    /// A trajectory that grows while it is flown.
+    pub fn live(track: LiveTrack) -> Self {
+        Self(Kind::Live(track))
+    }
+
+    /// The trajectory that grows, if it is one.
+    pub fn as_live(&self) -> Option<&LiveTrack> {
+        match &self.0 {
+            Kind::Live(live) => Some(live),
+            _ => None,
+        }
+    }
+
     /// First and last instant of the track; `None` if it has no end.
     pub fn span(&self) -> Option<(TimeTag, TimeTag)> {
         match &self.0 {
@@ -393,6 +409,8 @@ impl Track {
                 (one, other) => one.or(other),
             },
             Kind::Reported(reports) => reports.base.span(),
+            // It reaches as far as it is asked for.
+            Kind::Live(_) => None,
         }
     }
 
@@ -454,6 +472,10 @@ impl Track {
     pub fn report(&self, t: TimeTag) -> Result<Report, TrackError> {
         match &self.0 {
             Kind::Reported(reports) => reports.at(t),
+            Kind::Live(live) => {
+                let Told { state, age_s, flags, .. } = live.told(t);
+                Ok(Report { state, age_s, flags })
+            }
             _ => self.state(t).map(Report::of),
         }
     }
@@ -481,6 +503,7 @@ impl Track {
             Kind::Recorded { nodes, attitude } => recorded_state(nodes, attitude, t),
             Kind::Moved { base, by } => by.moved(&base.state(t)?, t),
             Kind::Reported(reports) => Ok(reports.at(t)?.state),
+            Kind::Live(live) => Ok(live.told(t).state),
         }
     }
 }
@@ -492,25 +515,70 @@ fn recorded_state(nodes: &[Node], attitude: &Attitude, t: TimeTag) -> Result<Sta
     }
     // The last node belongs to the last segment.
     let index = nodes.partition_point(|node| node.time <= t).clamp(1, nodes.len() - 1) - 1;
-    let (from, to) = (&nodes[index], &nodes[index + 1]);
+    let turns = match attitude {
+        Attitude::Constant(attitude) => Err(*attitude),
+        Attitude::Nodes(turns) => Ok([&turns[index], &turns[index + 1]]),
+    };
+    Ok(between(&nodes[index], &nodes[index + 1], turns, t))
+}
+
+/// The state between two nodes, with a constant attitude or that between theirs.
+pub(super) fn between(
+    from: &Node,
+    to: &Node,
+    turns: Result<[&Turn; 2], Rotation<Body, Enu>>,
+    t: TimeTag,
+) -> State {
     let h = to.time.since(from.time);
     let basis = Basis::at(t.since(from.time) / h, h);
     let rise = to.p - from.p;
     let sum = |w: &[f64; 5]| rise * w[0] + from.v * w[1] + to.v * w[2] + from.a * w[3] + to.a * w[4];
-    let (attitude, angular_rate) = match attitude {
-        Attitude::Constant(attitude) => (*attitude, Vector::ZERO),
-        Attitude::Nodes(turns) => {
-            let (q, omega) = attitude::between(&turns[index], &turns[index + 1], &basis);
+    let (attitude, angular_rate) = match turns {
+        Err(attitude) => (attitude, Vector::ZERO),
+        Ok([from, to]) => {
+            let (q, omega) = attitude::between(from, to, &basis);
             (Rotation::from_raw(q), Vector::from_raw(omega))
         }
     };
-    Ok(State {
+    State {
         position: Point::from_raw(from.p + sum(&basis.value)),
         velocity: Vector::from_raw(sum(&basis.first)),
         acceleration: Vector::from_raw(sum(&basis.second)),
         attitude,
         angular_rate,
-    })
+    }
+}
+
+/// Why a node has no attitude.
+pub(super) enum NoAttitude {
+    /// The motion is too slow to tell a heading: its horizontal speed, m/s.
+    Slow(f64),
+    /// None was recorded.
+    Missing,
+}
+
+/// Body-to-ENU attitude of a node, as its source has it.
+pub(super) fn attitude_of(
+    node: &Node,
+    fix: &Fix,
+    frame: &SceneFrame,
+    source: AttitudeSource,
+) -> Result<DQuat, NoAttitude> {
+    let axes = fit::to_local_axes(&fix.place, frame);
+    let (v, a): (DVec3, DVec3) = (axes * node.v, axes * node.a);
+    let derived = |angles: [f64; 3]| {
+        let speed_mps = v.truncate().length();
+        if speed_mps < MIN_SPEED_MPS { Err(NoAttitude::Slow(speed_mps)) } else { Ok(angles) }
+    };
+    let [yaw, pitch, roll] = match source {
+        AttitudeSource::CoordinatedTurn => derived(attitude::coordinated_turn(v.to_array(), a.to_array()))?,
+        AttitudeSource::Level => derived(attitude::level(v.to_array()))?,
+        AttitudeSource::Recorded | AttitudeSource::Constant(_) => {
+            fix.yaw_pitch_roll_rad.ok_or(NoAttitude::Missing)?
+        }
+    };
+    let local = Rotation::from_yaw_pitch_roll(yaw, pitch, roll).raw();
+    Ok((DQuat::from_mat3(&axes.transpose()) * local).normalize())
 }
 
 /// Attitudes of the nodes. Smoothing may have cut fixes from the ends.
@@ -525,30 +593,17 @@ fn turns(
     let fixes = &fixes[cut..cut + nodes.len()];
     let mut attitudes: Vec<DQuat> = Vec::with_capacity(nodes.len());
     for (node, fix) in nodes.iter().zip(fixes) {
-        let axes = fit::to_local_axes(&fix.place, frame);
-        let (v, a): (DVec3, DVec3) = (axes * node.v, axes * node.a);
-        let derived = |angles: [f64; 3]| {
-            let speed_mps = v.truncate().length();
-            if speed_mps < MIN_SPEED_MPS {
-                return Err(TrackError::HeadingUndefined { path: path(), time: node.time, speed_mps });
+        let attitude = attitude_of(node, fix, frame, source.attitude).map_err(|none| match none {
+            NoAttitude::Slow(speed_mps) => {
+                TrackError::HeadingUndefined { path: path(), time: node.time, speed_mps }
             }
-            Ok(angles)
-        };
-        let [yaw, pitch, roll] = match source.attitude {
-            AttitudeSource::CoordinatedTurn => {
-                derived(attitude::coordinated_turn(v.to_array(), a.to_array()))?
-            }
-            AttitudeSource::Level => derived(attitude::level(v.to_array()))?,
-            AttitudeSource::Recorded | AttitudeSource::Constant(_) => {
-                fix.yaw_pitch_roll_rad.ok_or_else(|| TrackError::NoAttitude {
-                    path: path(),
-                    missing: fixes.iter().filter(|fix| fix.yaw_pitch_roll_rad.is_none()).count(),
-                    fixes: fixes.len(),
-                })?
-            }
-        };
-        let local = Rotation::from_yaw_pitch_roll(yaw, pitch, roll).raw();
-        attitudes.push((DQuat::from_mat3(&axes.transpose()) * local).normalize());
+            NoAttitude::Missing => TrackError::NoAttitude {
+                path: path(),
+                missing: fixes.iter().filter(|fix| fix.yaw_pitch_roll_rad.is_none()).count(),
+                fixes: fixes.len(),
+            },
+        })?;
+        attitudes.push(attitude);
     }
     attitude::turns(&attitudes, |from, to| nodes[to].time.since(nodes[from].time)).map_err(|far| {
         TrackError::AttitudeStep { path: path(), time: nodes[far.node].time, step_deg: far.step_deg }

@@ -12,6 +12,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
+use std::time::Instant;
 
 use crossbeam_channel::Sender;
 use num_complex::Complex32;
@@ -52,6 +53,7 @@ use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
 use super::block::BlockEcho;
+use super::live::{LiveFault, LiveNav};
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::navigation;
 use super::single::SingleEcho;
@@ -114,6 +116,14 @@ pub enum BuildError {
     /// The fast echo.
     #[error(transparent)]
     Echo(#[from] SynthError),
+    /// Live navigation.
+    #[error("platform '{platform}', live navigation: {source}")]
+    Live {
+        /// The platform.
+        platform: String,
+        /// What is wrong.
+        source: LiveFault,
+    },
     /// A pulse of the trial.
     #[error(transparent)]
     Pulse(PulseError),
@@ -206,11 +216,7 @@ pub fn tracks(
     scene: &Scene,
 ) -> Result<(Vec<PlatformTracks>, Vec<TrackNote>), BuildErrors> {
     let Scene { frame, start, radar, .. } = scene;
-    let pointings = radar.transmitters.iter().map(|t| &t.antenna.pointing);
-    let before_s = pointings
-        .chain(radar.receivers.iter().map(|r| &r.antenna.pointing))
-        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
-        .fold(0.0, f64::max);
+    let before_s = servo_lag_s(scene);
     let mut tracks = Vec::with_capacity(nav.len());
     let mut notes = Vec::new();
     let mut faults = Vec::new();
@@ -335,6 +341,15 @@ pub struct PulseStream {
     pool: ThreadPool,
     notes: Vec<TrackNote>,
     sea_bytes: u64,
+    live: Option<Flown>,
+}
+
+/// What flies by live navigation.
+struct Flown {
+    nav: Arc<LiveNav>,
+    /// The run with tracks that are known beforehand.
+    rehearsed: Run,
+    tracks: Vec<PlatformTracks>,
 }
 
 /// How a run ended.
@@ -346,6 +361,45 @@ pub type RunFailure = RunError<PulseError, SinkError>;
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
 pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+    let Some((rehearsed, nav)) = LiveNav::open(run)? else { return rehearsal(run, range) };
+    let mut stream = rehearsal(&rehearsed, range)?;
+    let mut tracks = tracks(&rehearsed.nav, &rehearsed.scene)?.0;
+    for (platform, (tracks, source)) in tracks.iter_mut().zip(&run.nav).enumerate() {
+        if let Some(track) = nav.track(platform) {
+            let role = "true";
+            *tracks = flown(track, source, &rehearsed.scene, platform).map_err(|source| {
+                BuildError::Track { platform: rehearsed.scene.platforms[platform].clone(), role, source }
+            })?;
+        }
+    }
+    stream.live = Some(Flown { nav, rehearsed, tracks });
+    Ok(stream)
+}
+
+/// The tracks of a platform on a track of its own.
+fn flown(
+    track: Track,
+    source: &PlatformNav,
+    scene: &Scene,
+    platform: usize,
+) -> Result<PlatformTracks, SourceError> {
+    let Scene { frame, start, radar, seed, pulses, .. } = scene;
+    let before_s = servo_lag_s(scene);
+    let of = Circumstances { seed: *seed, platform, times: &radar.emissions, pulses: *pulses, before_s };
+    PlatformTracks::of(track, None, source, frame, &of, *start)
+}
+
+/// The longest time that a servo looks back, s.
+fn servo_lag_s(scene: &Scene) -> f64 {
+    let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
+    pointings
+        .chain(scene.radar.receivers.iter().map(|r| &r.antenna.pointing))
+        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
+        .fold(0.0, f64::max)
+}
+
+/// Makes a run ready whose flights are known beforehand.
+fn rehearsal(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     let mut faults: Vec<BuildError> =
         sinks::preflight(&run.sinks).into_iter().map(BuildError::from).collect();
     let scene = &run.scene;
@@ -421,6 +475,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         pool,
         notes,
         sea_bytes: needed,
+        live: None,
     })
 }
 
@@ -521,6 +576,16 @@ fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec<Box<dyn Si
 }
 
 impl PulseStream {
+    /// The run as it is rehearsed, where live navigation flies it.
+    pub fn rehearsed(&self) -> Option<&Run> {
+        self.live.as_ref().map(|flown| &flown.rehearsed)
+    }
+
+    /// Live navigation of the run.
+    pub fn live_navigation(&self) -> Option<Arc<LiveNav>> {
+        self.live.as_ref().map(|flown| Arc::clone(&flown.nav))
+    }
+
     /// How the tracks were made.
     pub fn notes(&self) -> &[TrackNote] {
         &self.notes
@@ -597,15 +662,25 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        let Self { factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _ } = self;
+        let Self { mut factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _, live } =
+            self;
         let range = schedule.first..schedule.end();
+        let first = schedule.times.emission(header.start, range.start);
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
         if let Some(status) = status {
             stream.status(status);
         }
         let mut workspaces: Vec<Workspace> =
             (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
+        let begun = Instant::now();
         pool.install(|| warm_up(&factory, &range, &mut workspaces));
+        let nav = live.map(|flown| {
+            flown.nav.took(begun.elapsed());
+            factory.illumination.fly(flown.tracks);
+            flown.nav.await_begin(first, stop);
+            flown.nav
+        });
+        let factory = factory;
         let opened = open_all(&sinks, &header)?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
@@ -629,7 +704,7 @@ impl PulseStream {
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, range, &mut workspaces))
+            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workspaces))
         });
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
@@ -668,18 +743,29 @@ fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
 fn generate(
     source: &mut Source,
     factory: &PulseFactory,
+    nav: Option<&LiveNav>,
     range: Range<u64>,
     work: &mut [Workspace],
 ) -> Result<(), PulseError> {
     let length = factory.block_pulses();
+    let due = source.due();
     let crew = source.crew(range, work.len());
     work.par_iter_mut().with_max_len(1).try_for_each(|work| {
         // A worker that panics calls the others off as well: its pulses will never come.
         let _watch = crew.watch();
         while let Some(mut claim) = crew.claim(|first| first - first % length + length) {
+            let begun = nav.map(|nav| {
+                let after = claim.first + claim.slots.len() as u64;
+                let need = factory.illumination.rests_on(after);
+                nav.hold(need, due.deadline(claim.first), due.latency, due.stop());
+                Instant::now()
+            });
             let pulses = (claim.first..).zip(&mut claim.slots);
             for (index, slot) in pulses {
                 factory.make(index, slot, work).inspect_err(|_| crew.call_off())?;
+            }
+            if let (Some(nav), Some(begun)) = (nav, begun) {
+                nav.took(begun.elapsed());
             }
             crew.deliver(claim);
         }

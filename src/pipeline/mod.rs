@@ -9,6 +9,7 @@ mod block;
 pub mod build;
 pub mod forecast;
 pub mod knobs;
+pub mod live;
 pub mod memory;
 mod navigation;
 pub mod outlook;

@@ -11,6 +11,9 @@ use std::time::Duration;
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
+use super::rights::Right;
+use crate::pulse::{Pulse, flags};
+
 /// Counters of a running stream, shared by all of its threads.
 #[derive(Debug)]
 pub struct Health {
@@ -24,8 +27,11 @@ pub struct Health {
     busy_ns: AtomicU64,
     ring_low_water: AtomicU64,
     generation_ended: AtomicBool,
-    pacer_ahead: AtomicBool,
+    rights: Mutex<Vec<Right>>,
+    extrapolated: AtomicU64,
+    stale: AtomicU64,
     lateness_ns: Mutex<Option<Histogram<u64>>>,
+    navigation_ns: Mutex<Option<Histogram<u64>>>,
     sinks: Vec<Arc<SinkHealth>>,
 }
 
@@ -51,6 +57,19 @@ pub struct Lateness {
     pub max: f64,
     /// Mean.
     pub mean: f64,
+}
+
+/// From the arrival of navigation to the release of the pulses that fly by it, milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct NavigationLatency {
+    /// Shortest.
+    pub min: f64,
+    /// Median.
+    pub p50: f64,
+    /// 99 %.
+    pub p99: f64,
+    /// Worst.
+    pub max: f64,
 }
 
 /// One sink's counters at an instant.
@@ -82,10 +101,18 @@ pub struct Snapshot {
     pub mean_moved_s: f64,
     /// Lateness of the released pulses; all zero at pace `fast`.
     pub lateness_us: Lateness,
+    /// Pulses for which the navigation of a platform was extrapolated.
+    pub extrapolated: u64,
+    /// Those of them for which it was stale.
+    pub stale: u64,
+    /// From the arrival of the last fix up to the emission of a pulse to its release; none without live navigation.
+    pub navigation_to_release_ms: Option<NavigationLatency>,
     /// Fewest pulses found ready at a release while generation was running; none before a release.
     pub ring_low_water: Option<u64>,
     /// Whether the pacer ran ahead of all ordinary threads.
     pub pacer_ahead: bool,
+    /// What was asked of the system, and what it granted.
+    pub rights: Vec<Right>,
     /// Pulses made.
     pub made: u64,
     /// Time that generation was at work (not waiting for a free slot), seconds.
@@ -106,8 +133,11 @@ impl Health {
             busy_ns: AtomicU64::new(0),
             ring_low_water: AtomicU64::new(u64::MAX),
             generation_ended: AtomicBool::new(false),
-            pacer_ahead: AtomicBool::new(false),
+            rights: Mutex::new(Vec::with_capacity(3)),
+            extrapolated: AtomicU64::new(0),
+            stale: AtomicU64::new(0),
             lateness_ns: Mutex::new(Histogram::new_with_bounds(1, 3_600_000_000_000, 3).ok()),
+            navigation_ns: Mutex::new(Histogram::new_with_bounds(1, 3_600_000_000_000, 3).ok()),
             sinks,
         }
     }
@@ -120,6 +150,20 @@ impl Health {
         if let Some(lateness) = lateness {
             let ns = u64::try_from(lateness.as_nanos()).unwrap_or(u64::MAX);
             let mut held = self.lateness_ns.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(histogram) = held.as_mut() {
+                histogram.saturating_record(ns);
+            }
+        }
+    }
+
+    /// Counts by what navigation a released pulse flies.
+    pub(crate) fn flown(&self, pulse: &Pulse) {
+        let set = |bit| u64::from(pulse.flags & bit != 0);
+        self.extrapolated.fetch_add(set(flags::NAV_EXTRAPOLATED), Ordering::Relaxed);
+        self.stale.fetch_add(set(flags::NAV_STALE), Ordering::Relaxed);
+        if let Some(arrived) = pulse.nav_arrived {
+            let ns = u64::try_from(arrived.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            let mut held = self.navigation_ns.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(histogram) = held.as_mut() {
                 histogram.saturating_record(ns);
             }
@@ -139,8 +183,8 @@ impl Health {
         self.busy_ns.fetch_add(u64::try_from(busy.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
-    pub(crate) fn pacer_ahead(&self, granted: bool) {
-        self.pacer_ahead.store(granted, Ordering::Relaxed);
+    pub(crate) fn right(&self, right: Right) {
+        self.rights.lock().unwrap_or_else(PoisonError::into_inner).push(right);
     }
 
     pub(crate) fn generation_ended(&self) {
@@ -185,6 +229,14 @@ impl Health {
                 mean: h.mean() * 1e-3,
             }
         });
+        let copy = self.navigation_ns.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let navigation_to_release_ms = copy.filter(|h| !h.is_empty()).map(|h| NavigationLatency {
+            min: h.min() as f64 * 1e-6,
+            p50: h.value_at_quantile(0.5) as f64 * 1e-6,
+            p99: h.value_at_quantile(0.99) as f64 * 1e-6,
+            max: h.max() as f64 * 1e-6,
+        });
+        let rights = self.rights.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let low = self.ring_low_water.load(Ordering::Relaxed);
         Snapshot {
             pulses: self.released_pulses(),
@@ -194,8 +246,12 @@ impl Health {
             mean_moved_s: self.moved_us.load(Ordering::Relaxed) as f64 * 1e-6
                 / self.released_pulses().max(1) as f64,
             lateness_us,
+            extrapolated: self.extrapolated.load(Ordering::Relaxed),
+            stale: self.stale.load(Ordering::Relaxed),
+            navigation_to_release_ms,
             ring_low_water: (low != u64::MAX).then_some(low),
-            pacer_ahead: self.pacer_ahead.load(Ordering::Relaxed),
+            pacer_ahead: rights.iter().any(|right| right.asked == "pacer_priority" && right.granted),
+            rights,
             made: self.made_pulses(),
             generation_busy_s: self.busy_ns.load(Ordering::Relaxed) as f64 * 1e-9,
             sinks: self.sinks.iter().map(|s| s.snapshot()).collect(),

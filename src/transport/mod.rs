@@ -9,6 +9,7 @@
 
 use thiserror::Error;
 
+pub mod rights;
 pub mod ring;
 pub mod schedule;
 pub mod health;
@@ -54,6 +55,10 @@ pub struct Settings {
     pub threads: usize,
     /// Whether the pacer asks to run ahead of all ordinary threads (`SCHED_FIFO`).
     pub pacer_ahead: bool,
+    /// The core on which the pacer asks to stay.
+    pub pacer_core: Option<usize>,
+    /// Whether the stream asks that its memory stay where it is.
+    pub lock_memory: bool,
 }
 
 impl Default for Settings {
@@ -66,6 +71,8 @@ impl Default for Settings {
             ring_slots: 128,
             threads: 0,
             pacer_ahead: true,
+            pacer_core: None,
+            lock_memory: false,
         }
     }
 }

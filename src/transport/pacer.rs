@@ -48,6 +48,7 @@ use crate::pulse::{Pulse, flags};
 
 use super::fanout::FanOut;
 use super::health::Health;
+use super::rights;
 use super::ring::{Consumer, Look, NAP};
 use super::schedule::Schedule;
 use super::{Pace, Policy, Settings};
@@ -57,9 +58,6 @@ pub const SPIN_BUDGET: Duration = Duration::from_micros(200);
 
 /// Shortest interval at which the pacer may run ahead of all others: what it spins is then at most a fifth of a core.
 const LEAST_PRI_AHEAD: Duration = Duration::from_millis(1);
-
-/// Priority of 1 to 99 among threads that run ahead of ordinary ones.
-const AHEAD: u8 = 50;
 
 /// A long wait looks at the stop flag this often.
 const SLICE: Duration = Duration::from_millis(50);
@@ -145,26 +143,6 @@ pub struct Pacer {
     pub status: Option<Sender<Status>>,
 }
 
-/// Asks that this thread run ahead of all ordinary ones, and says whether that was granted: a woken thread of ordinary priority waits until
-/// those at work have had their slice, some milliseconds, nice or not.
-#[cfg(target_os = "linux")]
-fn run_ahead() -> bool {
-    use thread_priority::{
-        RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
-        thread_native_id,
-    };
-    let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    AHEAD.try_into().is_ok_and(|level| {
-        set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(level), fifo).is_ok()
-    })
-}
-
-/// Elsewhere it is not asked.
-#[cfg(not(target_os = "linux"))]
-fn run_ahead() -> bool {
-    false
-}
-
 /// What came for the pacer.
 enum Arrival {
     /// A pulse, and whether it was made too late.
@@ -219,7 +197,10 @@ impl Pacer {
             && self.settings.pace == Pace::Realtime
             && mean_hz * LEAST_PRI_AHEAD.as_secs_f64() <= 1.0 + 1e-9
         {
-            self.health.pacer_ahead(run_ahead());
+            self.health.right(rights::run_ahead());
+        }
+        if let Some(core) = self.settings.pacer_core {
+            self.health.right(rights::stay_on(core));
         }
         let begin = Schedule::after(start, latency);
         let mut judge = Judge { start, zero: begin, seen_empty: None, held: Duration::ZERO, held_until: 0 };
@@ -264,6 +245,7 @@ impl Pacer {
                 was_late = late;
             }
             expected = index + 1;
+            self.health.flown(&pulse);
             let Some(free) = self.fan_out.send(pulse) else {
                 cut_short = true;
                 break;

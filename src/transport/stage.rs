@@ -44,7 +44,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::Sender;
 use serde::Serialize;
@@ -56,6 +56,7 @@ use super::crew::Crew;
 use super::fanout::{FanOut, Feed, Outlet, outlet};
 use super::health::{Health, Snapshot};
 use super::pacer::{Pacer, PacerError, Status, Worth};
+use super::rights;
 use super::ring::{Producer, ring};
 use super::schedule::Schedule;
 use super::{Pace, Settings, StreamError};
@@ -81,6 +82,29 @@ pub struct Source {
     stop: Arc<AtomicBool>,
     health: Arc<Health>,
     busy_since: Instant,
+    due: Due,
+}
+
+/// When pulses are due.
+#[derive(Clone, Debug)]
+pub struct Due {
+    schedule: Schedule,
+    begun: Instant,
+    stop: Arc<AtomicBool>,
+    /// From the emission of a pulse to its release.
+    pub latency: Duration,
+}
+
+impl Due {
+    /// When a pulse is to be released; policy `slip` is not foreseen.
+    pub fn deadline(&self, index: u64) -> Instant {
+        Schedule::after(self.begun, self.latency.saturating_add(self.schedule.offset(index)))
+    }
+
+    /// Set when the run is to end.
+    pub fn stop(&self) -> &AtomicBool {
+        &self.stop
+    }
 }
 
 /// Why a run failed. `G` is generation's error, `S` a sink's.
@@ -206,6 +230,11 @@ impl Source {
         Crew::new(ring, pulses, workers, worth, stop, health)
     }
 
+    /// When its pulses are due.
+    pub fn due(&self) -> Due {
+        self.due.clone()
+    }
+
     /// The first pulse still worth making: blocks that end before it are skipped without being made.
     pub fn next_worth(&self) -> u64 {
         self.worth.next()
@@ -264,6 +293,12 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
             stop: Arc::clone(&stop),
             health: Arc::clone(&health),
             busy_since: Instant::now(),
+            due: Due {
+                schedule: schedule.clone(),
+                begun: Instant::now(),
+                stop: Arc::clone(&stop),
+                latency: Duration::try_from_secs_f64(settings.latency_s.max(0.0)).unwrap_or_default(),
+            },
         };
         let pacer = Pacer {
             ring: consumer,
@@ -306,9 +341,8 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
                 }
             });
             let generation = thread::Builder::new().name("generation".to_owned()).spawn_scoped(scope, || {
-                if barrier.arrive().is_none() {
-                    return;
-                }
+                let Some(start) = barrier.arrive() else { return };
+                source.due.begun = start;
                 source.busy_since = Instant::now();
                 if let Err(error) = generate(&mut source) {
                     fail(RunError::Generation(error));
@@ -322,6 +356,9 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
             if !spawned {
                 barrier.abort();
                 return;
+            }
+            if settings.lock_memory {
+                health.right(rights::lock_memory());
             }
             let start = barrier.open(arrivals);
             for (name, thread) in [("generation", generation), ("pacer", pacer_thread)] {

@@ -35,7 +35,7 @@ pub(super) fn stream(
     platforms: usize,
     targets: usize,
 ) -> Option<transport::Settings> {
-    use keys::stream::{LATENCY_MS, PACE, PACER_PRIORITY, POLICY, THREADS};
+    use keys::stream::{LATENCY_MS, LOCK_MEMORY, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
     let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
     let policy = section.choice(&POLICY).map(|word| match word {
@@ -46,6 +46,11 @@ pub(super) fn stream(
     let latency_ms = section.number(&LATENCY_MS);
     let threads = section.count(&THREADS);
     let ahead = section.choice(&PACER_PRIORITY).map(|word| word == "realtime");
+    let pacer_core = match section.has(&PACER_CORE) {
+        true => section.count(&PACER_CORE).and_then(|core| usize::try_from(core).ok()).map(Some),
+        false => Some(None),
+    };
+    let lock_memory = section.flag(&LOCK_MEMORY);
     section.finish();
     let latency_s = latency_ms? / 1e3;
     let radar = radar?;
@@ -64,6 +69,8 @@ pub(super) fn stream(
         ring_slots: slots,
         threads,
         pacer_ahead: ahead?,
+        pacer_core: pacer_core?,
+        lock_memory: lock_memory?,
     })
 }
 

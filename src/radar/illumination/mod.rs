@@ -101,6 +101,7 @@ mod window;
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -130,6 +131,8 @@ use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use window::GUARD_SAMPLES;
 use window::Window;
 
+/// Rounding of windows and emissions, s.
+const GUARD_S: f64 = 1e-3;
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
 const MANOEUVRE_MPS: f64 = 1000.0;
 /// Instants of the run at which its longest delay is sought.
@@ -272,6 +275,19 @@ impl Illumination {
     /// The same with clocks that are wrong: windows open when they say.
     pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         Self { clocks, ..self }
+    }
+
+    /// Other tracks, in the order of the platforms, where those that it was prepared with were a rehearsal.
+    pub fn fly(&mut self, tracks: Vec<PlatformTracks>) {
+        self.tracks = tracks;
+    }
+
+    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later emissions, the longest
+    /// light time, and two pulses more.
+    pub fn rests_on(&self, index: u64) -> TimeTag {
+        let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + window_s + GUARD_S;
+        self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
     }
 
     /// The pair of each channel.
@@ -450,8 +466,16 @@ impl Illumination {
         record.time = t;
         record.flags = 0;
         record.tx_pol = self.radar.tx_polarisation.of_pulse(index).map_or(0, Polarisation::code);
-        for (slot, state) in record.nav_true.iter_mut().zip(&own.states) {
+        record.nav_arrived = None;
+        for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
             *slot = navigation(state);
+            if let Some(live) = tracks.truth.as_live() {
+                let told = live.told(t);
+                (slot.age_s, slot.flags) = (told.age_s, told.flags);
+                record.flags |= told.flags;
+                let earlier = |before: Instant| told.arrived.map_or(before, |arrived| arrived.min(before));
+                record.nav_arrived = record.nav_arrived.map_or(told.arrived, |before| Some(earlier(before)));
+            }
         }
         for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {
             let which = TrackUse::Reported;

@@ -1,0 +1,379 @@
+//! Live navigation in a run: waits for it, flies by it, goes on without it.
+//!
+//! ```text
+//! feed (a thread per source) -> growing track -> generation, which waits for what the next block rests on
+//! ```
+//!
+//! * **Before the run.** Sources are opened, and the run waits for its first fixes, [`LiveSource::patience_s`] at most. What has to
+//!   know the whole flight beforehand (`plan`, the outlook) goes by the rehearsal of the source, or straight on from the last fix. Pulses
+//!   begin when the navigation of every live platform has reached the emission of the first one: from then on one second
+//!   of the run is one second of navigation.
+//! * **While it runs** a block is made when the tracks reach its last emission and the light time after it. It cannot wait longer than
+//!   `deadline - lead`, with `lead` twice the longest time a block has taken so far (at most half of the latency): then
+//!   tracks are extrapolated, and the pulses say so. So with a latency of support + block + lead, and what the receiver itself is late, every pulse has
+//!   the bits that a file would give.
+//! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left, and counted.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::build::{BuildError, BuildErrors};
+use crate::config::Run;
+use crate::motion::Track;
+use crate::motion::live::LiveTrack;
+use crate::nav::live::feed::{Feed, FeedCounts, FeedError};
+use crate::nav::live::{Heard, LiveSource, Origin};
+use crate::nav::{Place, TrackSource};
+use crate::time::TimeTag;
+use crate::transport::{Pace, Policy};
+
+/// How far ahead of the schedule a fix may be, s.
+pub const MOST_AHEAD_S: f64 = 5.0;
+/// Between looks at the stop flag.
+const LOOK: Duration = Duration::from_millis(20);
+/// What a block is always given, beside the time it takes.
+const LEAST_LEAD: Duration = Duration::from_millis(2);
+/// From the last fix to the first pulse of a run that begins with its navigation, s: what making it ready may take.
+const READY_S: f64 = 3.0;
+
+/// Why a run cannot fly by its live navigation.
+#[derive(Debug, Error)]
+pub enum LiveFault {
+    /// The source.
+    #[error(transparent)]
+    Feed(#[from] FeedError),
+    /// Nothing usable came.
+    #[error(
+        "no navigation from {origin} within {patience_s} s ({good} messages, {unusable} fixes that cannot be used); \
+         allowed: a sender of GGA, RMC, PASHR or INSPVAX, or a longer track.patience_s"
+    )]
+    Silent {
+        /// Where it was to come from.
+        origin: Origin,
+        /// How long was waited.
+        patience_s: f64,
+        /// Messages read.
+        good: u64,
+        /// Fixes that were left.
+        unusable: u64,
+    },
+    /// It begins after the run.
+    #[error(
+        "navigation from {origin} begins at {begins}, after the first pulse at {first}; \
+         allowed: a later scene.start_utc, or \"live\""
+    )]
+    Begun {
+        /// Where it comes from.
+        origin: Origin,
+        /// Its begin.
+        begins: TimeTag,
+        /// The first pulse.
+        first: TimeTag,
+    },
+    /// A schedule that cannot be kept with live navigation.
+    #[error(
+        "live navigation goes on in real time: {what}; allowed: pace = \"realtime\" with policy \"stop\" or \"drop\""
+    )]
+    Schedule {
+        /// What is asked.
+        what: &'static str,
+    },
+    /// Something that must know the whole flight.
+    #[error("{what} must know the whole flight; allowed: a recorded track, or live navigation without it")]
+    Beforehand {
+        /// What.
+        what: &'static str,
+    },
+}
+
+/// What became of the navigation of a platform.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlightReport {
+    /// The platform.
+    pub platform: String,
+    /// Where its navigation comes from.
+    pub source: String,
+    /// What was read.
+    #[serde(flatten)]
+    pub counts: FeedCounts,
+    /// Fixes left because they were ahead of the schedule.
+    pub ahead: u64,
+    /// Fixes left because no track can be made of them.
+    pub unusable: u64,
+}
+
+/// One platform that flies by live navigation.
+struct Flight {
+    platform: usize,
+    name: String,
+    source: LiveSource,
+    track: LiveTrack,
+    gate: Arc<Gate>,
+    feed: Feed,
+}
+
+/// What fixes pass on their way into a track.
+#[derive(Default)]
+struct Gate {
+    /// Begin of the schedule, and the time of navigation that is ahead of it by no more than it was then.
+    begun: OnceLock<(Instant, TimeTag)>,
+    ahead: AtomicU64,
+    unusable: AtomicU64,
+}
+
+/// Counts news, wakes those who wait for them.
+#[derive(Default)]
+struct Bell {
+    news: Mutex<u64>,
+    rung: Condvar,
+}
+
+/// The live navigation of a run.
+pub struct LiveNav {
+    flights: Vec<Flight>,
+    bell: Arc<Bell>,
+    /// Longest time that a block has taken, ns.
+    longest_ns: AtomicU64,
+}
+
+impl LiveNav {
+    /// Opens the live sources of a run and waits for their first fixes. `None` if it has none; else the run as it is rehearsed as well.
+    pub(super) fn open(run: &Run) -> Result<Option<(Run, Arc<Self>)>, BuildErrors> {
+        let live = |(platform, nav): (usize, &crate::nav::PlatformNav)| match &nav.truth {
+            TrackSource::Live(source) => Some((platform, source.clone())),
+            _ => None,
+        };
+        let sources: Vec<_> = run.nav.iter().enumerate().filter_map(live).collect();
+        if sources.is_empty() {
+            return Ok(None);
+        }
+        let mut faults = refused(run);
+        let bell = Arc::new(Bell::default());
+        let mut flights = Vec::with_capacity(sources.len());
+        for (platform, source) in sources {
+            let name = run.scene.platforms[platform].clone();
+            let LiveSource { attitude, max_gap_s, max_extrapolation_s, .. } = source;
+            let track = LiveTrack::new(run.scene.frame, attitude, max_gap_s, max_extrapolation_s);
+            let gate = Arc::new(Gate::default());
+            // A file may be read ahead, a receiver cannot.
+            let bounded = !matches!(source.origin, Origin::File(_));
+            let (to, through, ring) = (track.clone(), Arc::clone(&gate), Arc::clone(&bell));
+            let deliver = move |heard: Heard| {
+                if bounded && through.is_ahead(heard.fix.time) {
+                    through.ahead.fetch_add(1, Ordering::Relaxed);
+                    return;
+                }
+                if to.push(&heard.fix, heard.arrived).is_err() {
+                    through.unusable.fetch_add(1, Ordering::Relaxed);
+                }
+                ring.ring();
+            };
+            match Feed::open(&source, &name, run.scene.start, deliver) {
+                Ok(feed) => flights.push(Flight { platform, name, source, track, gate, feed }),
+                Err(fault) => faults.push(BuildError::Live { platform: name, source: fault.into() }),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(BuildErrors(faults));
+        }
+        let live = Arc::new(Self { flights, bell, longest_ns: AtomicU64::new(0) });
+        live.await_first()?;
+        let rehearsed = live.rehearsed(run)?;
+        Ok(Some((rehearsed, live)))
+    }
+
+    /// Waits until every platform has a track.
+    fn await_first(&self) -> Result<(), BuildErrors> {
+        let begun = Instant::now();
+        loop {
+            let news = self.bell.heard();
+            let silent: Vec<&Flight> =
+                self.flights.iter().filter(|flight| !flight.track.is_ready()).collect();
+            if silent.is_empty() {
+                return Ok(());
+            }
+            let waited_s = begun.elapsed().as_secs_f64();
+            let faults: Vec<BuildError> = silent
+                .iter()
+                .filter(|flight| waited_s > flight.source.patience_s)
+                .map(|flight| {
+                    flight.fault(LiveFault::Silent {
+                        origin: flight.source.origin.clone(),
+                        patience_s: flight.source.patience_s,
+                        good: flight.feed.counts().good,
+                        unusable: flight.gate.unusable.load(Ordering::Relaxed),
+                    })
+                })
+                .collect();
+            if !faults.is_empty() {
+                return Err(BuildErrors(faults));
+            }
+            self.bell.wait(news, Instant::now() + LOOK);
+        }
+    }
+
+    /// The run with tracks that are known beforehand, and with its begin.
+    fn rehearsed(&self, run: &Run) -> Result<Run, BuildErrors> {
+        let mut run = run.clone();
+        let latest = self.flights.iter().filter_map(|flight| flight.track.last_fix());
+        let latest = latest.reduce(|a, b| if b.since(a) > 0.0 { b } else { a });
+        if let (true, Some(latest)) = (run.start_live, latest) {
+            // A whole second, so that it can be written down.
+            run.scene.start = TimeTag::new(latest.plus(READY_S).seconds() + 1, 0.0);
+        }
+        let mut faults = Vec::new();
+        for flight in &self.flights {
+            let first = run.scene.start;
+            match flight.track.begin() {
+                Some(begins) if begins.since(first) > 0.0 => {
+                    let origin = flight.source.origin.clone();
+                    faults.push(flight.fault(LiveFault::Begun { origin, begins, first }));
+                }
+                _ => {}
+            }
+            run.nav[flight.platform].truth = match (&flight.source.rehearsal, flight.track.last_known()) {
+                (Some(rehearsal), _) => (**rehearsal).clone(),
+                (None, Some((time, place, velocity))) => TrackSource::Straight {
+                    place: Place::Local(place + velocity * first.since(time)),
+                    velocity,
+                    attitude: Some(flight.track.told(time).state.attitude),
+                },
+                (None, None) => continue,
+            };
+        }
+        if faults.is_empty() { Ok(run) } else { Err(BuildErrors(faults)) }
+    }
+
+    /// The track of a platform, if it flies by live navigation.
+    pub(super) fn track(&self, platform: usize) -> Option<Track> {
+        let flight = self.flights.iter().find(|flight| flight.platform == platform)?;
+        Some(Track::live(flight.track.clone()))
+    }
+
+    /// Waits until navigation has reached the first pulse, or `stop` is set; the schedule begins then.
+    pub(super) fn await_begin(&self, first: TimeTag, stop: &AtomicBool) {
+        loop {
+            let news = self.bell.heard();
+            let reached =
+                |flight: &Flight| flight.track.last_fix().is_some_and(|last| last.since(first) >= 0.0);
+            if self.flights.iter().all(reached) || stop.load(Ordering::Acquire) {
+                break;
+            }
+            self.bell.wait(news, Instant::now() + LOOK);
+        }
+        let now = Instant::now();
+        for flight in &self.flights {
+            let last = flight.track.last_fix().filter(|last| last.since(first) > 0.0);
+            let _ = flight.gate.begun.set((now, last.unwrap_or(first)));
+        }
+    }
+
+    /// Waits until all tracks reach an instant, until they may have to go on without it, or `stop` is set; then they do.
+    pub(super) fn hold(&self, need: TimeTag, deadline: Instant, latency: Duration, stop: &AtomicBool) {
+        let longest = Duration::from_nanos(self.longest_ns.load(Ordering::Relaxed));
+        let lead = (2 * longest + LEAST_LEAD).min(latency / 2);
+        let until = deadline.checked_sub(lead).unwrap_or(deadline);
+        loop {
+            let news = self.bell.heard();
+            let short = |flight: &&Flight| flight.track.end().is_none_or(|end| need.since(end) > 0.0);
+            if !self.flights.iter().any(|flight| short(&flight)) {
+                return;
+            }
+            let now = Instant::now();
+            if now >= until || stop.load(Ordering::Acquire) {
+                self.flights.iter().filter(short).for_each(|flight| flight.track.extend(need));
+                return;
+            }
+            self.bell.wait(news, until.min(now + LOOK));
+        }
+    }
+
+    /// Notes how long a block has taken.
+    pub(super) fn took(&self, time: Duration) {
+        self.longest_ns.fetch_max(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    /// What became of the navigation so far.
+    pub fn report(&self) -> Vec<FlightReport> {
+        let of = |flight: &Flight| FlightReport {
+            platform: flight.name.clone(),
+            source: flight.source.origin.to_string(),
+            counts: flight.feed.counts(),
+            ahead: flight.gate.ahead.load(Ordering::Relaxed),
+            unusable: flight.gate.unusable.load(Ordering::Relaxed),
+        };
+        self.flights.iter().map(of).collect()
+    }
+}
+
+/// What a run with live navigation cannot have.
+fn refused(run: &Run) -> Vec<BuildError> {
+    let mut faults = Vec::new();
+    for (name, nav) in run.scene.platforms.iter().zip(&run.nav) {
+        if !matches!(nav.truth, TrackSource::Live(_)) {
+            continue;
+        }
+        let mut refuse = |source| faults.push(BuildError::Live { platform: name.clone(), source });
+        if run.stream.pace == Pace::Fast {
+            refuse(LiveFault::Schedule { what: "pace = \"fast\" does not" });
+        }
+        if run.stream.policy == Policy::Slip {
+            refuse(LiveFault::Schedule { what: "policy = \"slip\" stretches time" });
+        }
+        if nav.gusts.is_some() {
+            refuse(LiveFault::Beforehand { what: "turbulence" });
+        }
+        let reported = crate::nav::errors::Recorded::Reported;
+        if nav.errors.as_ref().is_some_and(|errors| errors.recorded == reported) {
+            refuse(LiveFault::Beforehand { what: "errors.recorded = \"reported\"" });
+        }
+    }
+    for (name, nav) in run.scene.platforms.iter().zip(&run.nav) {
+        if matches!(nav.reported, Some(TrackSource::Live(_))) {
+            let what = "a report beside the truth";
+            faults.push(BuildError::Live { platform: name.clone(), source: LiveFault::Beforehand { what } });
+        }
+    }
+    faults
+}
+
+impl Flight {
+    fn fault(&self, source: LiveFault) -> BuildError {
+        BuildError::Live { platform: self.name.clone(), source }
+    }
+}
+
+impl Gate {
+    fn is_ahead(&self, time: TimeTag) -> bool {
+        self.begun
+            .get()
+            .is_some_and(|(begun, then)| time.since(*then) > begun.elapsed().as_secs_f64() + MOST_AHEAD_S)
+    }
+}
+
+impl Bell {
+    fn ring(&self) {
+        *self.news.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        self.rung.notify_all();
+    }
+
+    fn heard(&self) -> u64 {
+        *self.news.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for news after those of number `heard`, at most until an instant.
+    fn wait(&self, heard: u64, until: Instant) {
+        let mut news = self.news.lock().unwrap_or_else(PoisonError::into_inner);
+        while *news == heard {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return;
+            }
+            news = self.rung.wait_timeout(news, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
