@@ -7,6 +7,7 @@ mod csv_tracks;
 mod decoding;
 mod flights;
 mod formats;
+mod live;
 mod nmea_logs;
 mod sentences;
 mod report_errors;

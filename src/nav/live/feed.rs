@@ -33,7 +33,7 @@
 //! };
 //! let (to, from) = mpsc::channel();
 //! let start = TimeTag::from_iso8601("2014-11-24T20:30:21Z")?;
-//! let feed = Feed::open(&source, "cart", start, move |heard| drop(to.send(heard.fix.time)))?;
+//! let feed = Feed::open(&source, "cart", start, move |heard| { let _ = to.send(heard.fix.time); })?;
 //! assert_eq!(from.recv()?.to_string(), "2014-11-24T20:30:19.900000Z");
 //! assert!(feed.counts().good > 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
