@@ -280,6 +280,22 @@ pub enum Problem {
         /// What is allowed.
         allowed: String,
     },
+    /// Something that live navigation does not allow.
+    #[error("{found} is not allowed {place}; allowed: {allowed}")]
+    Live {
+        /// What was written.
+        found: &'static str,
+        /// Beside what, or where.
+        place: &'static str,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Live navigation without a start time.
+    #[error("is missing; required with live navigation: \"live\", or the UTC time at which pulse 0 leaves")]
+    LiveNeedsStart,
+    /// Live navigation in a scene that lies nowhere.
+    #[error("live navigation needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
+    LiveNeedsOrigin,
     /// Recorded tracks without a start time.
     #[error("is missing; required with a recorded track: a UTC time within the recording")]
     NeedsStart,

@@ -91,10 +91,14 @@ pub enum Kind {
     Name,
     /// An instant, UTC.
     Time,
+    /// An instant, UTC, or one word.
+    TimeOr(&'static str),
     /// A file that exists, relative to the scenario file.
     File,
     /// A file or folder to be made, relative to the working directory.
     Output,
+    /// Where live navigation comes from: a port, an address, a file relative to the scenario file.
+    Origin,
     /// Host and port of the network.
     Address,
     /// A file that exists, or one word.
@@ -127,7 +131,9 @@ pub enum Absent {
 }
 
 use Absent::{Count, Flag, Means, Required, Word, Zeros};
-use Kind::{Choice, File, FileOr, Name, Output, PolarisationPair, Section, Sections, Switched, Time, Words};
+use Kind::{
+    Choice, File, FileOr, Name, Output, PolarisationPair, Section, Sections, Switched, Time, TimeOr, Words,
+};
 
 const fn number(unit: &'static str, min: f64, max: f64) -> Kind {
     Kind::Number { unit, min, max, above: false }
@@ -231,7 +237,7 @@ tables! {
         ORIGIN_H_M "origin_h_m", number("m", -500.0, 10_000.0), Means("see origin_lat_deg"), "Height of mean sea level above the WGS-84 ellipsoid at the origin (the geoid undulation). It converts every height above sea level of the scenario.";
         EARTH "earth", Choice(&["flat", "curved"]), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";
         EARTH_RADIUS_FACTOR "earth_radius_factor", number("", 0.1, 100.0), default(1.0), "Curved earth: effective radius over 6371 km; 4/3 is standard refraction.";
-        START_UTC "start_utc", Time, Means("2000-01-01T00:00:00Z; required with recorded tracks"), "Emission of pulse 0.";
+        START_UTC "start_utc", TimeOr("live"), Means("2000-01-01T00:00:00Z; required with recorded tracks and live navigation"), "Emission of pulse 0. live: the first whole second that live navigation covers.";
         DURATION_S "duration_s", above("s", 0.0, 1e7), Required, "Pulses leave from start_utc until just before this much later.";
         SEED "seed", count(0, u64::MAX), Count(0), "Seed of every random stream.";
         PATCH "patch", Choice(&["fixed", "follow"]), Word("fixed"), "With [sea]: whether the patch of sea that is modelled stays, or follows a point as the platforms fly on.";
@@ -384,7 +390,7 @@ tables! {
         TRACK_HOLD_S "track_hold_s", number("s", 0.0, 1e5), default(30.0), "Time in which it is steered back to its track; 0: it drifts.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
-        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet"]), Required, "Stays; straight line at constant speed; recorded track (docs/navigation.md).";
+        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet", "live"]), Required, "Stays; straight line at constant speed; recorded track; what a receiver says while the run goes on (docs/navigation.md).";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg, lon_deg and h_m are given"), "fixed, straight: East, North, up in the scene frame (tangent plane at the origin), at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "fixed, straight: latitude, WGS-84.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "fixed, straight: longitude.";
@@ -394,12 +400,17 @@ tables! {
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), Means("0; straight: along the velocity"), "Pitch, nose up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), Means("0"), "Roll, right wing down.";
         PATH "path", File, Required, "Recordings: the file.";
-        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings in a scene without origin, and for inspvax and sbet, which say it"), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings) standard pressure altitude.";
+        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings in a scene without origin, and for inspvax and sbet, which say it; live: \"msl\""), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings, live) standard pressure altitude. live: where the messages do not say.";
         BAROMETRIC_OFFSET_M "barometric_offset_m", number("m", -2000.0, 2000.0), default(0.0), "barometric: added to make a pressure altitude a height above mean sea level.";
         GPS_WEEK "gps_week", count(0, 8191), Required, "sbet: GPS week of the first record; the file has seconds of the week only. 2000 began on 2018-05-06.";
-        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings: longest gap between fixes that is interpolated.";
+        MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings, live: longest gap between fixes that is interpolated.";
         SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "Recordings: how fixes become a smooth track.";
-        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "Recordings: where the attitude comes from. ADS-B records none.";
+        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "Recordings, live: where the attitude comes from. ADS-B records none.";
+        SOURCE "source", Kind::Origin, Required, "live: where its messages come from, NMEA 0183 and NovAtel INSPVAX: a serial port, somebody to connect to, an address to which a sender connects or sends datagrams, a file that is replayed in time.";
+        BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits a second.";
+        MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is told from it. Sentences come an epoch late: for a receiver of one epoch a second take 2.5.";
+        PATIENCE_S "patience_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
+        REHEARSAL "rehearsal", Section(&TABLE), Means("what needs the flight beforehand is left out"), "live: a track of another kind that stands for the flight in `check` and in `plan`.";
     }
     smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {
         KIND "kind", Choice(&["off", "rts"]), Required, "Fixes are exact, or a Rauch-Tung-Striebel smoother.";
@@ -608,7 +619,7 @@ tables! {
         ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
         BIND "bind", Kind::Address, Means("any free port"), "vita49: local address and port to send from.";
         MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
-        DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, or tcp://ADDRESS:PORT.";
+        DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, tcp://ADDRESS:PORT (somebody who listens there), or udp://ADDRESS:PORT.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits a second.";
         PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";
         FORMAT "format", Choice(&["nmea", "inspvaxa", "inspvaxb"]), Word("nmea"), "nav: NMEA 0183; NovAtel INSPVAX, ASCII or binary.";
@@ -656,7 +667,15 @@ impl Kind {
             }
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
+            Self::TimeOr(word) => {
+                format!("\"{word}\", or a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"")
+            }
             Self::Output => "a path (relative to the working directory)".to_owned(),
+            Self::Origin => {
+                "the path of a serial port, tcp://ADDRESS:PORT, tcp-listen://ADDRESS:PORT or udp://ADDRESS:PORT such as \
+                 udp://127.0.0.1:5001, or file:PATH (relative to the scenario file)"
+                    .to_owned()
+            }
             Self::Address => {
                 "host:port with a port from 1 to 65535, such as \"127.0.0.1:4991\" or \"[::1]:4991\""
                     .to_owned()

@@ -79,7 +79,7 @@ pub const LARGEST_FILE: u64 = 4 << 20;
 pub struct Run {
     /// What there is.
     pub scene: Scene,
-    /// The scene begins when its live navigation does: `scene.start` is not known yet.
+    /// Whether pulse 0 leaves at the first whole second that live navigation covers; `scene.start` only stands for it.
     pub start_live: bool,
     /// Where platforms go; `nav[i]` belongs to `scene.platforms[i]`.
     pub nav: Vec<PlatformNav>,
@@ -162,7 +162,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
     let text = if overrides.is_empty() { text.to_owned() } else { with_overrides(&root, overrides) };
     let run = run.map(|parts| Run {
         scene: parts.scene,
-        start_live: false,
+        start_live: parts.start_live,
         nav: parts.nav,
         clocks: parts.clocks,
         fidelity: parts.fidelity,

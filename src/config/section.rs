@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::document::{Entry, Node, Value};
 use super::error::{At, Fault, Hint, Problem, Warning};
 use super::keys::{self, Absent, Key, Kind, Table};
+use crate::nav::live::Origin;
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 
@@ -152,6 +153,13 @@ impl<'a> Section<'a> {
         plain_number(&entry.node).filter(|value| (min..=max).contains(value))
     }
 
+    /// Whether a key of a table of this table is this word, without a word about faults.
+    pub(super) fn says_in(&self, table: &Key, key: &Key, word: &str) -> bool {
+        let entries = self.entry(table.name).and_then(|entry| entry.node.table()).unwrap_or(&[]);
+        let entry = entries.iter().find(|entry| entry.name == key.name);
+        entry.is_some_and(|entry| matches!(&entry.node.value, Value::Text(text) if text == word))
+    }
+
     /// A number of a table of this table, without a word about faults.
     pub(super) fn peek_in(&self, table: &Key, key: &'static Key) -> Option<f64> {
         let Kind::Section(of) = table.kind else { return None };
@@ -279,6 +287,37 @@ impl<'a> Section<'a> {
         legal.then(|| text.to_owned())
     }
 
+    /// Where live navigation comes from; `None` when absent or faulty.
+    pub(super) fn origin(&self, key: &'static Key, baud: u32) -> Option<Origin> {
+        let (text, node) = self.text(key)?;
+        if let Some(path) = text.strip_prefix("file:").filter(|path| !path.is_empty() && !path.contains('\0'))
+        {
+            let path = self.reader.folder.join(path);
+            if !path.is_file() {
+                self.fault(key, Problem::NoFile { path });
+                return None;
+            }
+            return Some(Origin::File(path));
+        }
+        let at = |scheme: &str| text.strip_prefix(scheme).and_then(|address| address.parse().ok());
+        let port = || {
+            let plain = !text.is_empty()
+                && !text.contains("://")
+                && !text.contains('\0')
+                && !text.starts_with("file:");
+            plain.then(|| Origin::Serial { path: text.into(), baud })
+        };
+        let origin = at("tcp://")
+            .map(Origin::TcpConnect)
+            .or_else(|| at("tcp-listen://").map(Origin::TcpListen))
+            .or_else(|| at("udp://").map(Origin::Udp))
+            .or_else(port);
+        if origin.is_none() {
+            self.wrong_type(key, node);
+        }
+        origin
+    }
+
     /// A file that exists; `None` when faulty.
     pub(super) fn file(&self, key: &'static Key) -> Option<PathBuf> {
         let path = self.reader.folder.join(self.output(key)?);
@@ -316,6 +355,17 @@ impl<'a> Section<'a> {
             self.wrong_type(key, node);
         }
         time
+    }
+
+    /// The word of the key (`None` within), or an instant; `None` when absent or faulty.
+    pub(super) fn time_or(&self, key: &'static Key) -> Option<Option<TimeTag>> {
+        let Kind::TimeOr(word) = key.kind else { return None };
+        if self.entry(key.name).is_some_and(|entry| matches!(&entry.node.value, Value::Text(t) if t == word))
+        {
+            self.ask(key);
+            return Some(None);
+        }
+        self.time(key).map(Some)
     }
 
     /// A list of numbers; `None` when absent without default or faulty.

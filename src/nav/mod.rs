@@ -6,10 +6,11 @@
 //! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of other vessels are
 //! read by [`ais`]. What is wrong with the report of a platform is said in [`errors`], what shakes it in [`gusts`].
 //!
-//! Bytes of a live receiver go through [`decode`] and [`epoch`], which know no files; [`encode`] writes what a receiver would
-//! send of a [`solution`].
+//! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`] hears them while a run
+//! goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
 pub mod ais;
+pub mod completion;
 pub mod csv;
 pub mod decode;
 pub mod encode;

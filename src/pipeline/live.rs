@@ -25,7 +25,7 @@ use super::build::{BuildError, BuildErrors};
 use crate::config::Run;
 use crate::motion::Track;
 use crate::motion::live::LiveTrack;
-use crate::nav::live::feed::{Feed, FeedCounts, FeedError};
+use crate::nav::live::{Feed, FeedCounts, FeedError};
 use crate::nav::live::{Heard, LiveSource, Origin};
 use crate::nav::{Place, TrackSource};
 use crate::time::TimeTag;
@@ -172,7 +172,7 @@ impl LiveNav {
                 }
                 ring.ring();
             };
-            match Feed::open(&source, &name, run.scene.start, deliver) {
+            match Feed::open(&source, &name, (!run.start_live).then_some(run.scene.start), deliver) {
                 Ok(feed) => flights.push(Flight { platform, name, source, track, gate, feed }),
                 Err(fault) => faults.push(BuildError::Live { platform: name, source: fault.into() }),
             }

@@ -5,6 +5,7 @@
 //! | `/dev/ttyUSB0`, `/dev/pts/3` | a serial port or pseudo terminal; raw, 8N1, with its baud rate (feature `serial`) |
 //! | `file:PATH` | a file that is made |
 //! | `tcp://ADDRESS:PORT` | a connection to somebody who listens |
+//! | `udp://ADDRESS:PORT` | datagrams, a message each |
 //!
 //! A [`Port`] never waits: what the port does not take at once is held, up to 4096 bytes, and goes before the next message;
 //! a message for which there is no room is lost as a whole and counted, so nobody reads half of one. A port that vanishes is
@@ -24,7 +25,7 @@
 
 use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -52,12 +53,14 @@ pub enum Device {
     File(PathBuf),
     /// Somebody who listens.
     Tcp(SocketAddr),
+    /// Somebody who takes datagrams.
+    Udp(SocketAddr),
 }
 
 /// Not a device.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
-    "'{text}' is no device; allowed: the path of a port, file:PATH, tcp://ADDRESS:PORT such as tcp://127.0.0.1:2947"
+    "'{text}' is no device; allowed: the path of a port, file:PATH, tcp://ADDRESS:PORT or udp://ADDRESS:PORT such as tcp://127.0.0.1:2947"
 )]
 pub struct NotADevice {
     /// What was written.
@@ -73,6 +76,9 @@ impl Device {
         }
         if let Some(address) = text.strip_prefix("tcp://") {
             return address.parse().map(Self::Tcp).map_err(|_| bad());
+        }
+        if let Some(address) = text.strip_prefix("udp://") {
+            return address.parse().map(Self::Udp).map_err(|_| bad());
         }
         if text.is_empty() || text.contains("://") {
             return Err(bad());
@@ -100,6 +106,7 @@ impl Device {
                 stream.set_nonblocking(true)?;
                 Box::new(stream)
             }
+            Self::Udp(to) => Box::new(Datagrams::to(*to)?),
         })
     }
 }
@@ -110,7 +117,38 @@ impl std::fmt::Display for Device {
             Self::Serial { path, baud } => write!(f, "{} at {baud} baud", path.display()),
             Self::File(path) => write!(f, "file {}", path.display()),
             Self::Tcp(address) => write!(f, "tcp://{address}"),
+            Self::Udp(address) => write!(f, "udp://{address}"),
         }
+    }
+}
+
+/// Datagrams to one address. Whether anybody is there is not asked: that nobody takes them is no fault.
+struct Datagrams {
+    socket: UdpSocket,
+    to: SocketAddr,
+}
+
+impl Datagrams {
+    fn to(to: SocketAddr) -> io::Result<Self> {
+        let own: SocketAddr = match to {
+            SocketAddr::V4(_) if to.ip().is_loopback() => (Ipv4Addr::LOCALHOST, 0).into(),
+            SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
+            SocketAddr::V6(_) if to.ip().is_loopback() => (Ipv6Addr::LOCALHOST, 0).into(),
+            SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
+        };
+        let socket = UdpSocket::bind(own)?;
+        socket.set_nonblocking(true)?;
+        Ok(Self { socket, to })
+    }
+}
+
+impl Write for Datagrams {
+    fn write(&mut self, message: &[u8]) -> io::Result<usize> {
+        self.socket.send_to(message, self.to)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -204,7 +242,9 @@ impl Port {
     /// Hands over a message, without waiting.
     pub fn send(&mut self, message: &[u8]) {
         self.flush();
-        if self.link.is_none() || self.held.len() + message.len() > HELD_BYTES.max(message.len()) {
+        // Two messages that wait would become one datagram.
+        let room = if matches!(self.device, Device::Udp(_)) { 0 } else { HELD_BYTES };
+        if self.link.is_none() || self.held.len() + message.len() > room.max(message.len()) {
             self.counts.lost_messages += 1;
             self.counts.lost_bytes += message.len() as u64;
             return;
@@ -337,11 +377,35 @@ mod tests {
     }
 
     #[test]
+    fn a_message_a_datagram() {
+        let to = UdpSocket::bind("127.0.0.1:0").unwrap();
+        to.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+        let device = Device::Udp(to.local_addr().unwrap());
+        let mut port = Port::open(device, false).unwrap();
+        for i in 1..=9u8 {
+            port.send(&vec![i; 100 * usize::from(i)]);
+        }
+        let mut buffer = [0; 2000];
+        for i in 1..=9u8 {
+            let bytes = to.recv(&mut buffer).unwrap();
+            assert_eq!(buffer[..bytes], vec![i; 100 * usize::from(i)]);
+        }
+        // Nobody listens any more: that is no fault.
+        drop(to);
+        for _ in 0..3 {
+            port.send(&[0; 10]);
+        }
+        let counts = port.finish(Duration::ZERO);
+        assert_eq!((counts.messages, counts.lost_messages, counts.vanished), (12, 0, 0));
+    }
+
+    #[test]
     fn devices() {
         assert_eq!(Device::of("file:a b", 1).unwrap(), Device::File("a b".into()));
         assert!(matches!(Device::of("/dev/ttyS0", 4800), Ok(Device::Serial { baud: 4800, .. })));
         assert!(matches!(Device::of("tcp://127.0.0.1:80", 1), Ok(Device::Tcp(_))));
-        for text in ["", "file:", "tcp://host", "udp://127.0.0.1:80"] {
+        assert!(matches!(Device::of("udp://[::1]:80", 1), Ok(Device::Udp(_))));
+        for text in ["", "file:", "tcp://host", "udp://127.0.0.1", "http://127.0.0.1:80"] {
             assert!(Device::of(text, 1).unwrap_err().to_string().contains("is no device"), "{text}");
         }
     }

@@ -8,6 +8,7 @@ mod decoding;
 mod flights;
 mod formats;
 mod growing;
+mod live;
 mod nmea_logs;
 mod sentences;
 mod report_errors;

@@ -23,7 +23,7 @@ const LAST_BYTES: Duration = Duration::from_secs(2);
 pub struct NavPlayArgs {
     /// The recording
     pub file: PathBuf,
-    /// Path of a serial port or pseudo terminal, file:PATH, or tcp://ADDRESS:PORT
+    /// Path of a serial port or pseudo terminal, file:PATH, tcp://ADDRESS:PORT, or udp://ADDRESS:PORT
     pub device: String,
     /// How much faster than it was recorded
     #[arg(long, value_name = "X", default_value_t = 1.0)]

@@ -25,8 +25,8 @@ struct AxisKeys {
     quantisation: &'static Key,
 }
 
-/// `[platform.errors]`; `has_report`: the platform has a track of its own for what it reports.
-pub(super) fn errors(section: Section<'_>, has_report: bool) -> Option<ErrorModel> {
+/// `[platform.errors]`; `has_report`: the platform has a track of its own for what it reports; `live`: its track is live.
+pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Option<ErrorModel> {
     use keys::errors as k;
     let preset = section.choice(&k::PRESET).and_then(Class::from_name);
     let mut model = preset.map_or_else(ErrorModel::default, Class::model);
@@ -38,6 +38,11 @@ pub(super) fn errors(section: Section<'_>, has_report: bool) -> Option<ErrorMode
     if said && has_report {
         let when = "the platform has a [platform.reported] of its own".to_owned();
         section.fault(&k::RECORDED, Problem::Idle { when });
+    }
+    if said && live {
+        // The truth beside it would have to be known before.
+        let place = "beside live navigation";
+        section.fault(&k::RECORDED, Problem::Live { found: "\"reported\"", place, allowed: "\"truth\"" });
     }
     if said && preset.is_some() {
         // Its velocity errors are no motion; what is left of it would not be the class.

@@ -32,6 +32,7 @@ use crate::{sinks, transport};
 /// What a scenario holds.
 pub(super) struct Parts {
     pub(super) scene: Scene,
+    pub(super) start_live: bool,
     pub(super) nav: Vec<PlatformNav>,
     pub(super) clocks: Clocks,
     pub(super) fidelity: Fidelity,
@@ -98,9 +99,16 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let scene = root.section(&keys::root::SCENE);
     let (ground, time) = match &scene {
         Some(section) => (ground(section), scene_time(section)),
-        None => (no_ground(), SceneTime { start: None, start_written: true, duration_s: None, seed: None }),
+        None => (
+            no_ground(),
+            SceneTime { start: None, start_written: true, live: false, duration_s: None, seed: None },
+        ),
     };
     let platform_sections = root.sections(&keys::root::PLATFORM);
+    // Whatever else is wrong with a platform.
+    let live = platform_sections
+        .iter()
+        .any(|section| section.says_in(&keys::platform::TRACK, &keys::track::KIND, "live"));
     let mut platforms = Names::new("platform");
     let nav: Vec<Option<PlatformNav>> = platform_sections
         .into_iter()
@@ -115,6 +123,20 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         });
         if recorded && !time.start_written {
             section.fault(&keys::scene::START_UTC, Problem::NeedsStart);
+        } else if live && !time.start_written {
+            section.fault(&keys::scene::START_UTC, Problem::LiveNeedsStart);
+        }
+        let known = if !live {
+            Some(("without live navigation", "a UTC time"))
+        } else if recorded {
+            Some(("beside a recorded track", "a UTC time within the recording"))
+        } else if root.has(&keys::root::AIS) {
+            Some(("beside a recorded log", "a UTC time within the log"))
+        } else {
+            None
+        };
+        if let (true, Some((place, allowed))) = (time.live, known) {
+            section.fault(&keys::scene::START_UTC, Problem::Live { found: "\"live\"", place, allowed });
         }
         patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
     });
@@ -138,8 +160,13 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let start = time.start.filter(|_| time.start_written);
     let ships = ship::ships(&root, &ground, start);
     let targets = target::targets(&root, &ground);
-    let stream =
-        stream::stream(&root, radar.as_ref(), platforms.names.len(), targets.as_ref().map_or(0, Vec::len));
+    let stream = stream::stream(
+        &root,
+        radar.as_ref(),
+        platforms.names.len(),
+        targets.as_ref().map_or(0, Vec::len),
+        live,
+    );
     let fidelity = stream::fidelity(&root, root.has(&keys::root::SEA));
     let sinks =
         stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
@@ -159,6 +186,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     };
     Some(Parts {
         scene,
+        start_live: time.live,
         nav: nav.into_iter().collect::<Option<_>>()?,
         clocks: clocks.clocks()?,
         fidelity: fidelity?,
@@ -170,6 +198,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
 struct SceneTime {
     start: Option<TimeTag>,
     start_written: bool,
+    /// The first whole second of live navigation; `start` only stands for it.
+    live: bool,
     duration_s: Option<f64>,
     seed: Option<u64>,
 }
@@ -179,10 +209,15 @@ fn scene_time(section: &Section<'_>) -> SceneTime {
     let start_written = section.has(&START_UTC);
     // 2000-01-01T00:00:00Z.
     let midnight_2000 = TimeTag::new(946_684_800, 0.0);
-    let given = section.time(&START_UTC);
+    let given = section.time_or(&START_UTC);
     SceneTime {
-        start: if start_written { given } else { Some(midnight_2000) },
+        start: if start_written {
+            given.map(|time| time.unwrap_or(midnight_2000))
+        } else {
+            Some(midnight_2000)
+        },
         start_written,
+        live: given == Some(None),
         duration_s: section.number(&DURATION_S),
         seed: section.count(&SEED),
     }

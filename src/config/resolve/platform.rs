@@ -6,18 +6,23 @@ use crate::config::keys;
 use crate::config::section::Section;
 use crate::frames::{Body, Enu, Rotation, Vector};
 use crate::nav::{
-    AttitudeSource, FileFormat, FileSource, PlatformNav, Smoothing, TrackSource, VerticalDatum,
+    AttitudeSource, FileFormat, FileSource, LiveSource, PlatformNav, Smoothing, TrackSource, VerticalDatum,
 };
 
 /// One `[[platform]]`; its name has been read.
 pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<PlatformNav> {
     use keys::platform::{ERRORS, REPORTED, TRACK, TURBULENCE};
-    let truth = section.section(&TRACK).map(|section| track(section, ground));
+    let live = section.says_in(&TRACK, &keys::track::KIND, "live");
+    let truth = section.section(&TRACK).map(|section| track(section, ground, Part::Truth));
     let has_report = section.has(&REPORTED);
-    let reported = section.section(&REPORTED).map(|section| track(section, ground));
+    let reported = section.section(&REPORTED).map(|section| track(section, ground, Part::Report));
     let has_errors = section.has(&ERRORS);
-    let errors = section.section(&ERRORS).map(|section| errors::errors(section, has_report));
+    let errors = section.section(&ERRORS).map(|section| errors::errors(section, has_report, live));
     let has_gusts = section.has(&TURBULENCE);
+    if has_gusts && live {
+        let when = "the track is live: its air is real".to_owned();
+        section.fault(&TURBULENCE, Problem::Idle { when });
+    }
     let gusts = section.section(&TURBULENCE).map(errors::gusts);
     section.finish();
     let reported = if has_report { Some(reported??) } else { None };
@@ -26,8 +31,28 @@ pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<Platform
     Some(PlatformNav { truth: truth??, reported, errors, gusts })
 }
 
-fn track(section: Section<'_>, ground: &Ground) -> Option<TrackSource> {
+/// What a track stands for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Truth,
+    Report,
+    Rehearsal,
+}
+
+fn track(section: Section<'_>, ground: &Ground, part: Part) -> Option<TrackSource> {
     let source = match section.choice(&keys::track::KIND) {
+        Some("live") => {
+            let place = match part {
+                Part::Truth => None,
+                Part::Report => Some("as a report"),
+                Part::Rehearsal => Some("as a rehearsal"),
+            };
+            if let Some(place) = place {
+                let allowed = "a track that is known beforehand";
+                section.fault(&keys::track::KIND, Problem::Live { found: "\"live\"", place, allowed });
+            }
+            live(&section, ground).filter(|_| place.is_none()).map(TrackSource::Live)
+        }
         Some("fixed") => fixed(&section, ground),
         Some("straight") => straight(&section, ground),
         Some("csv") => file(&section, ground, FileFormat::Csv).map(TrackSource::File),
@@ -71,7 +96,7 @@ fn attitude(section: &Section<'_>) -> Option<Rotation<Body, Enu>> {
 }
 
 fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<FileSource> {
-    use keys::track::{ATTITUDE, MAX_GAP_S, PATH, SMOOTHING};
+    use keys::track::{MAX_GAP_S, PATH, SMOOTHING};
     let path = section.file(&PATH);
     // The format says what its heights are measured from.
     let known = matches!(format, FileFormat::Inspvax | FileFormat::Sbet { .. });
@@ -84,13 +109,7 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
             Some(Smoothing::Off)
         }
     };
-    let attitude = match section.choice(&ATTITUDE) {
-        Some("recorded") => Some(AttitudeSource::Recorded),
-        Some("coordinated_turn") => Some(AttitudeSource::CoordinatedTurn),
-        Some("level") => Some(AttitudeSource::Level),
-        Some(_) => attitude(section).map(AttitudeSource::Constant),
-        None => None,
-    };
+    let attitude = attitude_source(section);
     Some(FileSource {
         path: path?,
         format,
@@ -99,6 +118,46 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
         max_gap_s: max_gap_s?,
         smoothing: smoothing?,
         attitude: attitude?,
+    })
+}
+
+fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
+    use keys::track::{BAUD, DATUM, MAX_EXTRAPOLATION_S, MAX_GAP_S, PATIENCE_S, REHEARSAL, SOURCE};
+    if ground.sound && ground.origin_h_m.is_none() {
+        section.fault(&SOURCE, Problem::LiveNeedsOrigin);
+    }
+    let baud = section.count(&BAUD).and_then(|baud| u32::try_from(baud).ok());
+    let origin = section.origin(&SOURCE, baud.unwrap_or_default());
+    // What sentences call altitude is above mean sea level; INSPVAX says it itself.
+    let datum = if section.has(&DATUM) {
+        datum(section, ground)
+    } else {
+        section.choice(&DATUM);
+        Some(VerticalDatum::MeanSeaLevel)
+    };
+    let attitude = attitude_source(section);
+    let (max_gap_s, max_extrapolation_s) = (section.number(&MAX_GAP_S), section.number(&MAX_EXTRAPOLATION_S));
+    let patience_s = section.number(&PATIENCE_S);
+    let has_rehearsal = section.has(&REHEARSAL);
+    let rehearsal = section.section(&REHEARSAL).and_then(|section| track(section, ground, Part::Rehearsal));
+    Some(LiveSource {
+        origin: origin.filter(|_| baud.is_some())?,
+        datum: datum?,
+        undulation_m: ground.origin_h_m.unwrap_or(0.0),
+        attitude: attitude?,
+        max_gap_s: max_gap_s?,
+        max_extrapolation_s: max_extrapolation_s?,
+        patience_s: patience_s?,
+        rehearsal: if has_rehearsal { Some(Box::new(rehearsal?)) } else { None },
+    })
+}
+
+fn attitude_source(section: &Section<'_>) -> Option<AttitudeSource> {
+    Some(match section.choice(&keys::track::ATTITUDE)? {
+        "recorded" => AttitudeSource::Recorded,
+        "coordinated_turn" => AttitudeSource::CoordinatedTurn,
+        "level" => AttitudeSource::Level,
+        _ => AttitudeSource::Constant(attitude(section)?),
     })
 }
 

@@ -34,6 +34,7 @@ pub(super) fn stream(
     radar: Option<&Radar>,
     platforms: usize,
     targets: usize,
+    live: bool,
 ) -> Option<transport::Settings> {
     use keys::stream::{LATENCY_MS, LOCK_MEMORY, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
@@ -43,6 +44,15 @@ pub(super) fn stream(
         "drop" => Policy::Drop,
         _ => Policy::Stop,
     });
+    if live {
+        let place = "beside live navigation";
+        if pace == Some(Pace::Fast) {
+            section.fault(&PACE, Problem::Live { found: "\"fast\"", place, allowed: "\"realtime\"" });
+        }
+        if policy == Some(Policy::Slip) {
+            section.fault(&POLICY, Problem::Live { found: "\"slip\"", place, allowed: "\"stop\", \"drop\"" });
+        }
+    }
     let latency_ms = section.number(&LATENCY_MS);
     let threads = section.count(&THREADS);
     let ahead = section.choice(&PACER_PRIORITY).map(|word| word == "realtime");

@@ -1,0 +1,87 @@
+//! Bytes of a receiver become fixes.
+//!
+//! The decoder, the assembler and the completer that read files, one behind the other. What is told depends on the bytes alone,
+//! not on how they were cut nor on when they came: an epoch of sentences is complete when the next one begins, and a pause does
+//! not close it, because a sentence behind the pause could still belong to it. INSPVAX is complete by itself.
+//!
+//! Where the attitude of a source is not that of its messages, headings are told as they were said, and none is waited for.
+//!
+//! ```
+//! use nereus::nav::live::Ear;
+//! use nereus::nav::{AttitudeSource, VerticalDatum};
+//!
+//! let mut ear = Ear::new(VerticalDatum::MeanSeaLevel, 43.0, AttitudeSource::Level, 5.0);
+//! let mut fixes = Vec::new();
+//! ear.hear(b"$GPRMC,195719,A,5310.8115,N,00525.7025,E,0.0,0.0,160414,0.7,E,A*10\r\n$GPGGA,195719,53", &mut |fix| fixes.push(fix));
+//! ear.hear(b"10.8115,N,00525.7025,E,8,10,0.9,-2.0,M,43.0,M,,*61\r\n", &mut |fix| fixes.push(fix));
+//! assert!(fixes.is_empty());
+//! ear.finish(&mut |fix| fixes.push(fix));
+//! assert_eq!(fixes[0].time.to_string(), "2014-04-16T19:57:19.000000Z");
+//! ```
+
+use crate::nav::completion::{Completer, CompletionCounts, Told};
+use crate::nav::decode::{Counts, Decoder};
+use crate::nav::epoch::Assembler;
+use crate::nav::{AttitudeSource, Fix, VerticalDatum};
+
+/// Makes fixes of bytes.
+#[derive(Clone, Debug)]
+pub struct Ear {
+    decoder: Decoder,
+    assembler: Assembler,
+    completer: Completer,
+}
+
+impl Ear {
+    /// An ear that has heard nothing. A fix waits for what it lacks for `max_gap_s` of its own time at most.
+    pub fn new(datum: VerticalDatum, undulation_m: f64, attitude: AttitudeSource, max_gap_s: f64) -> Self {
+        let headings = matches!(attitude, AttitudeSource::Recorded);
+        Self {
+            decoder: Decoder::new(),
+            assembler: Assembler::new(),
+            completer: Completer::for_stream(datum, undulation_m, max_gap_s, headings),
+        }
+    }
+
+    /// Takes the next bytes and calls with the fixes that they complete, in the order of their times.
+    pub fn hear(&mut self, bytes: &[u8], see: &mut impl FnMut(Fix)) {
+        let Self { decoder, assembler, completer } = self;
+        decoder.push(bytes, &mut |message| {
+            assembler.push(&message, &mut |epoch| completer.push(epoch, &mut |told| fix(told, see)));
+        });
+    }
+
+    /// The line is broken: half a message is dropped, a last line needs no line end. What is not yet complete waits on.
+    pub fn interrupt(&mut self, see: &mut impl FnMut(Fix)) {
+        let Self { decoder, assembler, completer } = self;
+        decoder.finish(&mut |message| {
+            assembler.push(&message, &mut |epoch| completer.push(epoch, &mut |told| fix(told, see)));
+        });
+    }
+
+    /// Nothing more will come: what waits is completed as at the end of a file.
+    pub fn finish(&mut self, see: &mut impl FnMut(Fix)) {
+        self.interrupt(see);
+        let Self { assembler, completer, .. } = self;
+        if let Some(epoch) = assembler.finish() {
+            completer.push(epoch, &mut |told| fix(told, see));
+        }
+        completer.finish(&mut |told| fix(told, see));
+    }
+
+    /// What was found among the bytes.
+    pub fn messages(&self) -> &Counts {
+        self.decoder.counts()
+    }
+
+    /// What was left and filled in.
+    pub fn completion(&self) -> CompletionCounts {
+        self.completer.counts()
+    }
+}
+
+fn fix(told: Told, see: &mut impl FnMut(Fix)) {
+    if let Told::Fix(fix) = told {
+        see(fix);
+    }
+}

@@ -1,0 +1,366 @@
+//! A thread that hears a receiver and tells its fixes.
+//!
+//! [`Feed::open`] opens the [`Origin`] of a [`LiveSource`] and starts the thread; every fix is handed to the
+//! caller with the instant of the read that completed it. Serial ports, listening addresses and files must be there, somebody to
+//! connect to may come later. Dropping the feed ends the thread within 200 ms.
+//!
+//! * **Faults.** Garbage and half sentences are counted and passed over. A line that vanishes is counted and opened again,
+//!   at most twice a second; half a message before the break is dropped. Silence is silence: nothing is told.
+//! * **Time.** Fixes come with strictly increasing times. One that is not later than the one before is counted and left (more
+//!   than 5 s: as a step of the clock); a fix more than `max_gap_s` ahead is told when the next one confirms it. See
+//!   [`completion`](crate::nav::completion).
+//! * **Latency.** That of the receiver and its line; sentences wait for the next epoch, INSPVAX for nothing.
+//! * **A file** is replayed in time: fixes earlier than `from` less 10 s are left out, those before `from` are told at once, later
+//!   ones when as much time has passed since the feed was opened as lies between `from` and them. Without `from` its first fix is
+//!   told at once. Behind its end it is silent.
+//! * **Memory** is bounded whatever comes in: the decoder holds 32 KiB, at most 16,384 fixes wait.
+//!
+//! ```
+//! use std::sync::mpsc;
+//! use nereus::nav::live::{Feed, LiveSource, Origin};
+//! use nereus::nav::{AttitudeSource, VerticalDatum};
+//! use nereus::time::TimeTag;
+//!
+//! let source = LiveSource {
+//!     origin: Origin::File("configs/tracks/cart.inspvax".into()),
+//!     datum: VerticalDatum::Ellipsoid,
+//!     undulation_m: 0.0,
+//!     attitude: AttitudeSource::Recorded,
+//!     max_gap_s: 5.0,
+//!     max_extrapolation_s: 1.0,
+//!     patience_s: 30.0,
+//!     rehearsal: None,
+//! };
+//! let (to, from) = mpsc::channel();
+//! let start = TimeTag::from_iso8601("2014-11-24T20:30:21Z")?;
+//! let feed = Feed::open(&source, "cart", start, move |heard| { let _ = to.send(heard.fix.time); })?;
+//! assert_eq!(from.recv()?.to_string(), "2014-11-24T20:30:19.900000Z");
+//! assert!(feed.counts().good > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use serde::{Serialize, Serializer};
+use thiserror::Error;
+
+use super::line::{self, Line};
+use super::{Ear, Heard, LiveSource, Origin};
+use crate::nav::Fix;
+use crate::time::TimeTag;
+
+/// The longest datagram, and more than a port holds.
+const READ_BYTES: usize = 1 << 16;
+/// Bytes of a file that are read at once.
+const FILE_BYTES: usize = 1 << 12;
+/// How much of a file is told that lies before the begin, s.
+pub const BEFORE_S: f64 = 10.0;
+
+/// Why nothing can be heard.
+#[derive(Debug, Error)]
+#[error("live navigation of \"{name}\": cannot open {origin}: {source}")]
+pub struct FeedError {
+    /// Who is to be heard.
+    pub name: String,
+    /// Where.
+    pub origin: Origin,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+/// What was heard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FeedCounts {
+    /// Bytes read.
+    pub bytes: u64,
+    /// Messages that were read.
+    pub good: u64,
+    /// Messages whose checksum is wrong.
+    pub bad_checksum: u64,
+    /// Lines that are no sentence, and messages whose fields cannot be read.
+    pub malformed: u64,
+    /// Messages of kinds that are not read here.
+    pub unknown: u64,
+    /// Among the good ones: positions that say of themselves that there is none.
+    pub void: u64,
+    /// Epochs not later than one before by up to 5 s: left.
+    pub out_of_order: u64,
+    /// Epochs earlier by more, and single ones far ahead: left.
+    pub clock_steps: u64,
+    /// Epochs with a position and no date: left.
+    pub undated: u64,
+    /// Fixes told.
+    pub fixes: u64,
+    /// Among all fixes: those without a height of their own.
+    pub heights_filled: u64,
+    /// Those that got the heading of their neighbours.
+    pub headings_filled: u64,
+    /// Whether the line is open; of a file, whether its end is not yet reached.
+    pub connected: bool,
+    /// How often it vanished.
+    pub vanished: u64,
+    /// How often it was opened again.
+    pub reopened: u64,
+    /// Others who wanted to connect.
+    pub refused: u64,
+    /// Time of the last fix told.
+    #[serde(serialize_with = "as_text")]
+    pub last_fix: Option<TimeTag>,
+}
+
+impl fmt::Display for FeedCounts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} fixes of {} messages", self.fixes, self.good)?;
+        for (count, what) in [
+            (self.bad_checksum, "with a wrong checksum"),
+            (self.malformed, "malformed"),
+            (self.unknown, "of other kinds"),
+            (self.out_of_order, "epochs out of order"),
+            (self.clock_steps, "after a step of the clock"),
+            (self.undated, "without a date"),
+            (self.vanished, "times vanished"),
+            (self.reopened, "times opened again"),
+        ] {
+            if count > 0 {
+                write!(f, "; {count} {what}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn as_text<S: Serializer>(time: &Option<TimeTag>, to: S) -> Result<S::Ok, S::Error> {
+    time.map(|time| time.to_string()).serialize(to)
+}
+
+/// A receiver that is heard.
+pub struct Feed {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    stop: AtomicBool,
+    counts: Mutex<FeedCounts>,
+}
+
+impl Shared {
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn count(&self, change: impl FnOnce(&mut FeedCounts)) {
+        change(&mut self.counts.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+impl std::fmt::Debug for Feed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Feed").field("counts", &self.counts()).finish_non_exhaustive()
+    }
+}
+
+impl Feed {
+    /// Hears a source from now on; `name` is that of the platform, for messages. A file is replayed as if it were `from` now.
+    ///
+    /// `deliver` is called on the thread of the feed and must not wait long.
+    ///
+    /// # Errors
+    /// A port, an address or a file that cannot be opened.
+    pub fn open(
+        source: &LiveSource,
+        name: &str,
+        from: impl Into<Option<TimeTag>>,
+        deliver: impl FnMut(Heard) + Send + 'static,
+    ) -> Result<Self, FeedError> {
+        let refused =
+            |error| FeedError { name: name.to_owned(), origin: source.origin.clone(), source: error };
+        let shared = Arc::new(Shared { stop: AtomicBool::new(false), counts: Mutex::default() });
+        let teller = Teller {
+            shared: Arc::clone(&shared),
+            ear: Ear::new(source.datum, source.undulation_m, source.attitude, source.max_gap_s),
+            deliver,
+        };
+        let builder = thread::Builder::new().name(format!("nav {name}"));
+        let thread = match &source.origin {
+            Origin::File(path) => {
+                let file = whole_file(path).map_err(refused)?;
+                shared.count(|counts| counts.connected = true);
+                let replay = Replay { file, from: from.into(), opened: Instant::now() };
+                builder.spawn(move || replay.run(teller))
+            }
+            origin => {
+                let line = Line::open(origin).map_err(refused)?;
+                shared.count(|counts| counts.connected = line.is_open());
+                builder.spawn(move || listen(line, teller))
+            }
+        };
+        Ok(Self { shared, thread: Some(thread.map_err(refused)?) })
+    }
+
+    /// What was heard so far.
+    pub fn counts(&self) -> FeedCounts {
+        *self.shared.counts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Feed {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic of whoever is told has been reported on its thread.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Tells what an ear hears.
+struct Teller<F> {
+    shared: Arc<Shared>,
+    ear: Ear,
+    deliver: F,
+}
+
+impl<F: FnMut(Heard)> Teller<F> {
+    /// Brings the counts up to date.
+    fn count(&self, change: impl FnOnce(&mut FeedCounts)) {
+        let (messages, completion) = (*self.ear.messages(), self.ear.completion());
+        self.shared.count(|counts| {
+            counts.good = messages.good;
+            counts.bad_checksum = messages.bad_checksum;
+            counts.malformed = messages.malformed;
+            counts.unknown = messages.unknown;
+            counts.void = messages.void;
+            counts.out_of_order = completion.out_of_order;
+            counts.clock_steps = completion.clock_steps;
+            counts.undated = completion.undated;
+            counts.heights_filled = completion.heights_filled;
+            counts.headings_filled = completion.headings_filled;
+            change(counts);
+        });
+    }
+
+    /// Counts first: whoever is told a fix finds it in the counts.
+    fn tell(&mut self, fix: Fix, arrived: Instant) {
+        self.shared.count(|counts| {
+            counts.fixes += 1;
+            counts.last_fix = Some(fix.time);
+        });
+        (self.deliver)(Heard { fix, arrived });
+    }
+}
+
+/// Hears a line until it is stopped.
+fn listen<F: FnMut(Heard)>(mut line: Line, mut teller: Teller<F>) {
+    let mut buffer = vec![0; READ_BYTES];
+    let mut fixes = Vec::new();
+    let mut had_been_open = line.is_open();
+    let shared = Arc::clone(&teller.shared);
+    while !shared.is_stopped() {
+        let heard = line.read(&mut buffer, &|| shared.is_stopped());
+        let arrived = Instant::now();
+        let refused = line.refused();
+        match heard {
+            line::Heard::Nothing => {
+                shared.count(|counts| counts.refused = refused);
+                continue;
+            }
+            line::Heard::Opened => {
+                teller.count(|counts| {
+                    counts.connected = true;
+                    counts.reopened += u64::from(had_been_open);
+                    counts.refused = refused;
+                });
+                had_been_open = true;
+            }
+            line::Heard::Bytes(bytes) => {
+                teller.ear.hear(&buffer[..bytes], &mut |fix| fixes.push(fix));
+                teller.count(|counts| {
+                    counts.bytes += bytes as u64;
+                    counts.refused = refused;
+                });
+            }
+            line::Heard::Vanished => {
+                teller.ear.interrupt(&mut |fix| fixes.push(fix));
+                teller.count(|counts| {
+                    counts.connected = false;
+                    counts.vanished += 1;
+                });
+            }
+        }
+        for fix in fixes.drain(..) {
+            teller.tell(fix, arrived);
+        }
+    }
+}
+
+fn whole_file(path: &Path) -> io::Result<File> {
+    // A folder can be opened, but not read.
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(ErrorKind::InvalidInput, "not a file"));
+    }
+    File::open(path)
+}
+
+/// A file that is replayed in time.
+struct Replay {
+    file: File,
+    from: Option<TimeTag>,
+    opened: Instant,
+}
+
+impl Replay {
+    fn run<F: FnMut(Heard)>(mut self, mut teller: Teller<F>) {
+        let mut buffer = vec![0; FILE_BYTES];
+        let mut fixes = VecDeque::new();
+        let mut ended = false;
+        while !ended && !teller.shared.is_stopped() {
+            let bytes = match self.file.read(&mut buffer) {
+                Ok(bytes) => bytes,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                Err(_) => 0,
+            };
+            ended = bytes == 0;
+            if ended {
+                teller.ear.finish(&mut |fix| fixes.push_back(fix));
+            } else {
+                teller.ear.hear(&buffer[..bytes], &mut |fix| fixes.push_back(fix));
+            }
+            teller.count(|counts| counts.bytes += bytes as u64);
+            while let Some(fix) = fixes.pop_front() {
+                if self.wait_for(fix.time, &teller.shared) {
+                    teller.tell(fix, Instant::now());
+                } else if teller.shared.is_stopped() {
+                    return;
+                }
+            }
+        }
+        teller.count(|counts| counts.connected = false);
+    }
+
+    /// Waits until a time has come; false if it lies too far back, or nobody waits any longer.
+    fn wait_for(&mut self, time: TimeTag, shared: &Shared) -> bool {
+        let after_s = time.since(*self.from.get_or_insert(time));
+        if after_s < -BEFORE_S {
+            return false;
+        }
+        loop {
+            let left_s = after_s - self.opened.elapsed().as_secs_f64();
+            if shared.is_stopped() {
+                return false;
+            }
+            if left_s <= 0.0 {
+                return true;
+            }
+            thread::sleep(line::PATIENCE.min(Duration::try_from_secs_f64(left_s).unwrap_or(line::PATIENCE)));
+        }
+    }
+}
