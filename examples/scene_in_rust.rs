@@ -106,6 +106,7 @@ fn show(pulse: &Pulse, replica: &[Complex32]) {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let run = Run {
+        start_live: false,
         scene: scene()?,
         nav: vec![PlatformNav {
             truth: TrackSource::Straight {
@@ -124,8 +125,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             policy: Policy::Stop,
             latency_s: 0.1,
             ring_slots: 64,
-            pacer_ahead: true,
             threads: 0,
+            ..Settings::default()
         },
         sinks: Vec::new(),
         text: String::new(),

@@ -3,6 +3,8 @@
 
 mod bench;
 mod inspection;
+#[cfg(all(unix, feature = "serial"))]
+mod live_navigation;
 #[cfg(feature = "hdf5")]
 mod oracle;
 mod nav;
