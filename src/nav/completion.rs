@@ -199,7 +199,9 @@ impl Completer {
         let newest_ns = epoch.time_of_day_ns;
         self.undated.push_back(epoch);
         while let Some(oldest) = self.undated.front() {
-            let age_s = (newest_ns - oldest.time_of_day_ns).rem_euclid(DAY_NS) as f64 * 1e-9;
+            // Past midnight, and back where talkers differ.
+            let age_ns = (newest_ns - oldest.time_of_day_ns + DAY_NS / 2).rem_euclid(DAY_NS) - DAY_NS / 2;
+            let age_s = age_ns as f64 * 1e-9;
             if age_s <= self.wait_s && self.undated.len() <= self.most {
                 break;
             }

@@ -137,6 +137,94 @@ fn play_keeps_time() {
     assert!(odd.code == 2 && odd.stderr.contains("is no device"), "{}", odd.stderr);
 }
 
+/// The command of the manual that holds a word, with paths of its own and faster.
+#[cfg(unix)]
+fn of_the_manual(word: &str, instead: &str) -> String {
+    let manual = fs::read_to_string(package().join("docs/navigation.md")).unwrap();
+    let mut lines = manual.lines().filter(|line| line.starts_with("nereus nav play") && line.contains(word));
+    let (line, None) = (lines.next().unwrap(), lines.next()) else { panic!("several commands with {word}") };
+    let line = line.replacen("nereus", env!("CARGO_BIN_EXE_nereus"), 1).replace(word, instead);
+    line.replace("--to inspvaxb", "--to inspvaxb --rate 5")
+}
+
+/// Runs a command of the manual while its fixes are heard; they are those of the file, of which the first and the last
+/// may be missed.
+#[cfg(unix)]
+fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
+    use nereus::nav::live::{Feed, LiveSource, Origin};
+    use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum};
+    let source = LiveSource {
+        origin,
+        datum: VerticalDatum::Ellipsoid,
+        undulation_m: 0.0,
+        attitude: AttitudeSource::Recorded,
+        max_gap_s: 60.0,
+        max_extrapolation_s: 1.0,
+        patience_s: 30.0,
+        rehearsal: None,
+    };
+    let (to, heard) = std::sync::mpsc::channel();
+    let open = || {
+        let to = to.clone();
+        Feed::open(&source, "cart", None, move |heard| {
+            let _ = to.send(heard.fix.time);
+        })
+    };
+    // An address is listened on before anybody sends; a port is there once its maker runs.
+    let first = if matches!(source.origin, Origin::Serial { .. }) { None } else { Some(open().unwrap()) };
+    let mut sender =
+        std::process::Command::new("sh").args(["-c", command]).current_dir(package()).spawn().unwrap();
+    let begun = std::time::Instant::now();
+    let feed = first.unwrap_or_else(|| {
+        loop {
+            match open() {
+                Ok(feed) => break feed,
+                Err(error) => assert!(begun.elapsed().as_secs() < 10, "{error}"),
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+    });
+    assert!(sender.wait().unwrap().success());
+    drop(feed);
+    drop(to);
+    let heard: Vec<_> = heard.iter().collect();
+    let file = FileSource {
+        path: cart().into(),
+        format: FileFormat::Inspvax,
+        datum: VerticalDatum::Ellipsoid,
+        undulation_m: 0.0,
+        max_gap_s: 60.0,
+        smoothing: Smoothing::Off,
+        attitude: AttitudeSource::Recorded,
+    };
+    let told: Vec<_> = nereus::nav::load(&file).unwrap().fixes.iter().map(|fix| fix.time).collect();
+    println!("{} of {} fixes heard", heard.len(), told.len());
+    assert!(heard.len() > 20 && told.windows(heard.len()).any(|part| part == heard), "{heard:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_recording_is_heard_as_datagrams() {
+    let free = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let command = of_the_manual("udp://127.0.0.1:5001", &format!("udp://{free}"));
+    heard_meanwhile(&command, nereus::nav::live::Origin::Udp(free));
+}
+
+#[cfg(all(unix, feature = "serial"))]
+#[test]
+fn a_recording_is_heard_through_a_pseudo_terminal() {
+    let python = std::process::Command::new("python3").arg("--version").output();
+    if !python.is_ok_and(|ended| ended.status.success()) {
+        println!("skipped: no python3");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("gps");
+    let command = of_the_manual("/tmp/gps", link.to_str().unwrap());
+    heard_meanwhile(&command, nereus::nav::live::Origin::Serial { path: link.clone(), baud: 115_200 });
+    assert!(!link.exists());
+}
+
 #[test]
 fn corrupt_is_the_same_for_a_seed() {
     let folder = tempfile::tempdir().unwrap();

@@ -176,13 +176,13 @@ fn clocks_that_step() {
     let mut ear = ear(10.0);
     let mut told = Vec::new();
     // Back by 2 and 0 s: out of order. Back by 20 s: steps. 60 s ahead, alone: a step. From 100 on: believed with the second.
-    for second in [30, 31, 29, 31, 11, 12, 32, 92, 33, 33, 100, 99, 101, 80, 102] {
+    for second in [30, 31, 29, 31, 11, 12, 32, 92, 33, 100, 99, 101, 80, 102] {
         ear.hear(&inspvax(second), &mut |fix| told.push(fix));
     }
     assert_eq!(seconds(&told), [30.0, 31.0, 32.0, 33.0, 100.0, 101.0, 102.0]);
     let counts = ear.completion();
-    // 29, 31, 33 and 99; 11, 12, 92 and 80.
-    assert_eq!((counts.out_of_order, counts.clock_steps), (4, 4));
+    // 29, 31 and 99; 11, 12, 92 and 80.
+    assert_eq!((counts.out_of_order, counts.clock_steps), (3, 4));
 }
 
 /// What a feed tells, and the feed.

@@ -52,7 +52,7 @@ use std::time::{Duration, Instant};
 use serde::{Serialize, Serializer};
 use thiserror::Error;
 
-use super::line::{self, Line};
+use super::line::{self, Line, Look};
 use super::{Ear, Heard, LiveSource, Origin};
 use crate::nav::Fix;
 use crate::time::TimeTag;
@@ -265,15 +265,15 @@ fn listen<F: FnMut(Heard)>(mut line: Line, mut teller: Teller<F>) {
     let mut had_been_open = line.is_open();
     let shared = Arc::clone(&teller.shared);
     while !shared.is_stopped() {
-        let heard = line.read(&mut buffer, &|| shared.is_stopped());
+        let look = line.read(&mut buffer, &|| shared.is_stopped());
         let arrived = Instant::now();
         let refused = line.refused();
-        match heard {
-            line::Heard::Nothing => {
+        match look {
+            Look::Nothing => {
                 shared.count(|counts| counts.refused = refused);
                 continue;
             }
-            line::Heard::Opened => {
+            Look::Opened => {
                 teller.count(|counts| {
                     counts.connected = true;
                     counts.reopened += u64::from(had_been_open);
@@ -281,14 +281,14 @@ fn listen<F: FnMut(Heard)>(mut line: Line, mut teller: Teller<F>) {
                 });
                 had_been_open = true;
             }
-            line::Heard::Bytes(bytes) => {
+            Look::Bytes(bytes) => {
                 teller.ear.hear(&buffer[..bytes], &mut |fix| fixes.push(fix));
                 teller.count(|counts| {
                     counts.bytes += bytes as u64;
                     counts.refused = refused;
                 });
             }
-            line::Heard::Vanished => {
+            Look::Vanished => {
                 teller.ear.interrupt(&mut |fix| fixes.push(fix));
                 teller.count(|counts| {
                     counts.connected = false;

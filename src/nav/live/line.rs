@@ -25,7 +25,7 @@ const LOOK: Duration = Duration::from_millis(10);
 const ALIVE: [Duration; 2] = [Duration::from_secs(5), Duration::from_secs(1)];
 
 /// What a look at a line brought.
-pub(super) enum Heard {
+pub(super) enum Look {
     /// So many bytes.
     Bytes(usize),
     /// Nothing yet.
@@ -78,31 +78,31 @@ impl Line {
     }
 
     /// Waits a little for bytes, or for the line. `stop` is asked while an answer is waited for.
-    pub(super) fn read(&mut self, buffer: &mut [u8], stop: &dyn Fn() -> bool) -> Heard {
+    pub(super) fn read(&mut self, buffer: &mut [u8], stop: &dyn Fn() -> bool) -> Look {
         self.turn_away();
         let Some(link) = &mut self.link else { return self.reopen(stop) };
         let read = match link {
             Link::Stream(stream) => stream.read(buffer),
             // An empty datagram is no end.
             Link::Datagrams(socket) => match socket.recv(buffer) {
-                Ok(0) => return Heard::Nothing,
+                Ok(0) => return Look::Nothing,
                 other => other,
             },
         };
         match read {
             Ok(0) => self.vanish(),
-            Ok(bytes) => Heard::Bytes(bytes),
+            Ok(bytes) => Look::Bytes(bytes),
             Err(error) => match error.kind() {
-                ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Heard::Nothing,
+                ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Look::Nothing,
                 _ => self.vanish(),
             },
         }
     }
 
-    fn vanish(&mut self) -> Heard {
+    fn vanish(&mut self) -> Look {
         self.link = None;
         self.tried = Some(Instant::now());
-        Heard::Vanished
+        Look::Vanished
     }
 
     /// Those who connect while somebody is heard.
@@ -114,7 +114,7 @@ impl Line {
         }
     }
 
-    fn reopen(&mut self, stop: &dyn Fn() -> bool) -> Heard {
+    fn reopen(&mut self, stop: &dyn Fn() -> bool) -> Look {
         if let Some(listener) = &self.listener {
             self.link = listener.accept().and_then(|(stream, _)| connected(stream)).ok();
             if self.link.is_none() {
@@ -131,7 +131,7 @@ impl Line {
                 Origin::TcpListen(_) | Origin::File(_) => None,
             };
         }
-        if self.link.is_some() { Heard::Opened } else { Heard::Nothing }
+        if self.link.is_some() { Look::Opened } else { Look::Nothing }
     }
 }
 
