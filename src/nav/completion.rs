@@ -29,11 +29,10 @@
 //! let mut completer = Completer::for_stream(VerticalDatum::Ellipsoid, 0.0, 5.0, true);
 //! let mut heights_m = Vec::new();
 //! for (second, altitude_m) in [(0, Some(10.0)), (1, None), (2, Some(14.0))] {
-//!     let time_of_day_ns = second * 1_000_000_000;
-//!     let epoch = Epoch {
-//!         time_of_day_ns, day: Some(17_000), position_deg: Some([53.0, 4.5]), altitude_m,
-//!         yaw_pitch_roll_rad: Some([0.0; 3]), ..Epoch::default()
-//!     };
+//!     let mut epoch = Epoch::default();
+//!     (epoch.day, epoch.time_of_day_ns) = (Some(17_000), second * 1_000_000_000);
+//!     (epoch.position_deg, epoch.altitude_m) = (Some([53.0, 4.5]), altitude_m);
+//!     epoch.yaw_pitch_roll_rad = Some([0.0; 3]);
 //!     completer.push(epoch, &mut |told| {
 //!         if let Told::Fix(fix) = told {
 //!             let nereus::nav::Place::Geodetic(place) = fix.place else { return };

@@ -7,7 +7,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use nereus::nav::completion::{Completer, Told};
 use nereus::nav::encode::{Format, Sentence};
+use nereus::nav::epoch::Epoch;
 use nereus::nav::live::{Ear, Feed, FeedCounts, FeedError, Heard, LiveSource, Origin};
 use nereus::nav::{AttitudeSource, FileFormat, FileSource, Fix, NavError, VerticalDatum, nmea, pcap, replay};
 use nereus::time::TimeTag;
@@ -185,13 +187,45 @@ fn clocks_that_step() {
     assert_eq!((counts.out_of_order, counts.clock_steps), (3, 4));
 }
 
+/// What waits is bounded by number where it is not by time.
+#[test]
+fn not_more_than_so_many_wait() {
+    const MOST: u64 = 16_384;
+    let at = |tenth: i64, day: Option<i64>| {
+        let mut epoch = Epoch::default();
+        (epoch.time_of_day_ns, epoch.day) = (tenth * 100_000_000, day);
+        (epoch.position_deg, epoch.altitude_m) = (Some([53.0, 4.5]), Some(1.0));
+        epoch
+    };
+    let completer = || Completer::for_stream(VerticalDatum::Ellipsoid, 0.0, 86_400.0, true);
+    let fixes = |completer: &mut Completer, epoch: Epoch| {
+        let mut fixes = 0;
+        completer.push(epoch, &mut |told| fixes += u64::from(matches!(told, Told::Fix(_))));
+        fixes
+    };
+    // Nobody says a heading.
+    let mut headless = completer();
+    let told: Vec<u64> = (0..20_000).map(|n| fixes(&mut headless, at(n, Some(17_000)))).collect();
+    let full = MOST as usize;
+    assert!(told[..full].iter().all(|fixes| *fixes == 0));
+    assert_eq!(told[full], MOST + 1);
+    assert!(told[full + 1..].iter().all(|fixes| *fixes == 1));
+    // Nobody says the date, until one does.
+    let mut undated = completer();
+    for n in 0..20_000 {
+        assert_eq!(fixes(&mut undated, at(n, None)), 0);
+    }
+    assert_eq!(undated.counts().undated, 20_000 - MOST);
+    assert_eq!(fixes(&mut undated, at(20_000, Some(17_000))), MOST + 1);
+}
+
 /// What a feed tells, and the feed.
-struct Told {
+struct Listening {
     feed: Feed,
     from: Receiver<Heard>,
 }
 
-impl Told {
+impl Listening {
     fn open(origin: Origin) -> Self {
         let (to, from) = channel();
         let deliver = move |heard| {
@@ -239,7 +273,7 @@ mod terminals {
     #[test]
     fn garbage_and_half_sentences_on_a_port() {
         let (mut to, port_of) = TTYPort::pair().unwrap();
-        let told = Told::open(port(Path::new(&port_of.name().unwrap())));
+        let told = Listening::open(port(Path::new(&port_of.name().unwrap())));
         let gga = said(1, &Format::Nmea(vec![Sentence::Gga]));
         let wrong = String::from_utf8(gga.clone()).unwrap().replace("GPGGA,1840", "GPGGA,1849");
         let stream = [
@@ -276,7 +310,7 @@ mod terminals {
         let path = folder.path().join("gps");
         let (mut to, first) = TTYPort::pair().unwrap();
         symlink(first.name().unwrap(), &path).unwrap();
-        let told = Told::open(port(&path));
+        let told = Listening::open(port(&path));
         // The second epoch breaks off.
         let begun = [epoch(0), inspvax(1), epoch(2)[..40].to_vec()].concat();
         to.write_all(&begun).unwrap();
@@ -306,7 +340,7 @@ mod terminals {
 /// A read waits 40 ms. Of three tries the shortest, because others use the machine too.
 fn ends_at_once(origin: &Origin) {
     let shortest = (0..3).map(|_| {
-        let told = Told::open(origin.clone());
+        let told = Listening::open(origin.clone());
         sleep(Duration::from_millis(10));
         let begun = Instant::now();
         drop(told.feed);
@@ -334,7 +368,7 @@ fn every_origin_ends_at_once() {
 fn a_sender_that_closes_and_listens_again() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
-    let told = Told::open(Origin::TcpConnect(address));
+    let told = Listening::open(Origin::TcpConnect(address));
     let (mut to, _) = listener.accept().unwrap();
     let begun = [inspvax(0), inspvax(1)[..100].to_vec()].concat();
     to.write_all(&begun).unwrap();
@@ -359,7 +393,7 @@ fn a_sender_that_closes_and_listens_again() {
 fn one_sender_at_a_time() {
     // A port that is free a moment before.
     let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let told = Told::open(Origin::TcpListen(address));
+    let told = Listening::open(Origin::TcpListen(address));
     assert!(!told.feed.counts().connected);
     let mut first = TcpStream::connect(address).unwrap();
     first.write_all(&inspvax(0)).unwrap();
@@ -381,7 +415,7 @@ fn one_sender_at_a_time() {
 #[test]
 fn datagrams_are_heard() {
     let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let told = Told::open(Origin::Udp(address));
+    let told = Listening::open(Origin::Udp(address));
     let from = UdpSocket::bind("127.0.0.1:0").unwrap();
     let mut sent = 0;
     // A message in two, an empty one, the longest.
