@@ -11,7 +11,7 @@
 //! ```
 //!
 //! at the worst probe and place. Where few facets make most of an error it differs from pulse to pulse: with `e_i` the terms of a sum and
-//! `f` the share of the facets in the sample, `S = sum e_i` is told as `S + ` [`SIGMAS`] ` sqrt(f sum e_i^2)`. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
+//! `f` the share of the facets in the sample, `S = sum e_i` is told as `S + ` [`SIGMAS`] ` sqrt(f sum e_i^2) + 2 sqrt((1 - f) sum e_i^2)`: the worst pulse, and what the sample may have missed. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
 //! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows.
 //!
 //! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
@@ -46,6 +46,8 @@ pub const TILES: usize = 64;
 pub const PROFILE: u64 = 48;
 /// Standard deviations of an error from pulse to pulse that are added: the worst of some ten thousand, were it Gaussian.
 pub const SIGMAS: f64 = 4.0;
+/// Standard deviations of the sample itself that are added: it may have missed some of the few facets that make most of an error.
+const SAMPLE_SIGMAS: f64 = 2.0;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
 /// Patches up to so many facets are looked at in more places.
@@ -71,7 +73,7 @@ impl Sum {
 
     /// With what the worst pulse has more, of a sample that is such a share of all.
     fn worst(&self, share: f64) -> f64 {
-        self.of + SIGMAS * (share * self.squares).sqrt()
+        self.of + (SIGMAS * share.sqrt() + SAMPLE_SIGMAS * (1.0 - share).max(0.0).sqrt()) * self.squares.sqrt()
     }
 }
 

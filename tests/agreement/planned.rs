@@ -11,7 +11,7 @@ use nereus::plan::settle::Plan;
 /// Errors that are asked, dB.
 const SWEEP: [f64; 4] = [-30.0, -45.0, -60.0, -75.0];
 /// Pulses that are compared.
-const PULSES: u64 = 12;
+const PULSES: u64 = 48;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);

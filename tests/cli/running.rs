@@ -98,10 +98,15 @@ fn a_track_that_ends_before_the_run_does_is_refused() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Ctrl-C ends a run cleanly: exit 0, the recording closed and readable.
+/// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.
 #[cfg(unix)]
 #[test]
-fn ctrl_c_closes_the_recording() {
+fn signals_close_the_recording() {
+    ["-INT", "-TERM"].map(closed_by);
+}
+
+#[cfg(unix)]
+fn closed_by(signal: &str) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("stopped.plain");
     let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
@@ -118,7 +123,7 @@ fn ctrl_c_closes_the_recording() {
         assert!(begun.elapsed() < Duration::from_secs(20), "no pulse came");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let status = child.wait().unwrap();
     assert!(status.success(), "{status}");
