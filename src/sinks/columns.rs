@@ -9,7 +9,7 @@
 //! | `pulse/flags`, `pulse/tx_pol` | u32, u8 | see [`crate::pulse`] |
 //! | `nav/<platform>/{true,reported}/position_m`, `velocity_mps` | f64 | ENU `[3]`; `true` is missing in what was received over the wire |
 //! | `nav/<platform>/{true,reported}/attitude_quat` | f64 | body to ENU `[4]`, scalar first |
-//! | `nav/<platform>/reported/age_s`, `flags` | f64, u32 | emission less epoch of the navigation reported; see [`crate::pulse::flags`] |
+//! | `nav/<platform>/{true,reported}/age_s`, `flags` | f64, u32 | emission less epoch of the navigation that this rests on; see [`crate::pulse::flags`] |
 //! | `nav/<antenna>/phase_centre_m` | f64 | ENU `[3]` |
 //! | `truth/delay_s`, `truth/doppler_hz` | f64 | `[pair, target]`; only when there are targets |
 //! | `truth/ship_position_m`, `truth/ship_velocity_mps` | f64 | ENU `[ship, 3]`, midship at the waterline; only when there are ships |
@@ -89,8 +89,8 @@ enum From {
     Position(Nav, usize),
     Velocity(Nav, usize),
     Attitude(Nav, usize),
-    Age(usize),
-    ReportFlags(usize),
+    Age(Nav, usize),
+    NavFlags(Nav, usize),
     PhaseCentre(usize),
     Delay,
     Doppler,
@@ -140,9 +140,9 @@ pub fn columns(header: &Header) -> Vec<Column> {
             add(format!("nav/{name}/{kind}/position_m"), Element::F64, &[3], From::Position(nav, p));
             add(format!("nav/{name}/{kind}/velocity_mps"), Element::F64, &[3], From::Velocity(nav, p));
             add(format!("nav/{name}/{kind}/attitude_quat"), Element::F64, &[4], From::Attitude(nav, p));
+            add(format!("nav/{name}/{kind}/age_s"), Element::F64, &[], From::Age(nav, p));
+            add(format!("nav/{name}/{kind}/flags"), Element::U32, &[], From::NavFlags(nav, p));
         }
-        add(format!("nav/{name}/reported/age_s"), Element::F64, &[], From::Age(p));
-        add(format!("nav/{name}/reported/flags"), Element::U32, &[], From::ReportFlags(p));
     }
     for (a, name) in header.antennas().enumerate() {
         add(format!("nav/{name}/phase_centre_m"), Element::F64, &[3], From::PhaseCentre(a));
@@ -268,7 +268,7 @@ impl Column {
             (From::TimeFracNs, Rows::F64(v)) => v.push(pulse.time.to_unix_ns().1),
             (From::WindowStart, Rows::F64(v)) => v.push(pulse.window_start_s),
             (From::Flags, Rows::U32(v)) => v.push(pulse.flags),
-            (From::ReportFlags(p), Rows::U32(v)) => v.extend(pulse.nav_reported.get(p).map(|r| r.flags)),
+            (From::NavFlags(nav, p), Rows::U32(v)) => v.extend(nav.of(pulse, p).map(|r| r.flags)),
             (From::TxPol, Rows::U8(v)) => v.push(pulse.tx_pol),
             (From::Iq, Rows::Cf32(v)) => {
                 if let Samples::Cf32(samples) = &pulse.samples {
@@ -295,7 +295,7 @@ impl Column {
                 From::Index | From::TimeNs | From::TimeFracNs | From::WindowStart | From::Flags | From::TxPol,
                 ..,
             ) => 1,
-            (From::ReportFlags(p), ..) => usize::from(p < pulse.nav_reported.len()),
+            (From::NavFlags(nav, p), ..) => usize::from(nav.of(pulse, p).is_some()),
             (from, ..) => from.floats(pulse).len(),
         };
         let expected = self.width();
@@ -313,7 +313,7 @@ impl From {
             Self::Position(nav, p) => nav.of(pulse, p).map_or(&[], |r| &r.position_m),
             Self::Velocity(nav, p) => nav.of(pulse, p).map_or(&[], |r| &r.velocity_mps),
             Self::Attitude(nav, p) => nav.of(pulse, p).map_or(&[], |r| &r.attitude_quat),
-            Self::Age(p) => pulse.nav_reported.get(p).map_or(&[], |r| std::slice::from_ref(&r.age_s)),
+            Self::Age(nav, p) => nav.of(pulse, p).map_or(&[], |r| std::slice::from_ref(&r.age_s)),
             Self::PhaseCentre(a) => pulse.phase_centre_m.get(a).map_or(&[], |c| c),
             Self::Delay => &pulse.target_delay_s,
             Self::Doppler => &pulse.target_doppler_hz,

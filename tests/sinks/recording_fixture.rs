@@ -151,9 +151,8 @@ def check(rec, first, count):
             np.testing.assert_array_equal(position, value(b, b + 1, b + 2))
             np.testing.assert_array_equal(velocity, value(b + 3, b + 4, b + 5))
             np.testing.assert_array_equal(attitude, value(b + 6, b + 7, b + 8, b + 9))
-            if which == "reported":
-                same(f"nav/{name}/reported/age_s", value(b + 10)[:, 0])
-                same(f"nav/{name}/reported/flags", n * 0 + b)
+            same(f"nav/{name}/{which}/age_s", value(b + 10)[:, 0])
+            same(f"nav/{name}/{which}/flags", n * 0 + b)
     same("truth/clock/tx/x_s", value(700)[:, 0])
     same("nav/mast/phase_centre_m", value(300, 301, 302))
     same("nav/pod/phase_centre_m", value(303, 304, 305))
