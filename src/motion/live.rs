@@ -16,7 +16,7 @@
 //!
 //!   with `p_n`, `v_n` the last fix and its velocity (as sent; else from the last three fixes), `t_e` the end of the path so far, and `o` the quintic
 //!   that brings what was told before back to what is known now, without a jump in position, velocity or acceleration, within
-//!   `T = max(1 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2. The attitude is held.
+//!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2. The attitude is held.
 //!   When fixes come again the path goes back to them in the same way, and what is told is flagged until it has.
 //! * **Stale**: more than `max_extrapolation_s` after the last fix. The motion still goes on as it was, flagged.
 //! * A time between fixes of more than `max_gap_s` is not interpolated: the fixes before it are as at the end of a file, those after it
@@ -66,9 +66,11 @@ pub const KEPT_S: f64 = 300.0;
 /// Acceleration with which a path goes back to its fixes, m/s^2.
 const REJOIN_MPS2: f64 = 20.0;
 /// The shortest time in which it does, s.
-const REJOIN_S: f64 = 1.0;
+const REJOIN_S: f64 = 0.3;
 /// Fixes whose polynomial gives the derivatives where no more are there.
 const FEW: usize = 3;
+/// Ways back at a time; then they become one.
+const MOST_WAYS: usize = 64;
 /// Fixes that are kept behind the last node.
 const BEHIND: usize = 2 * STENCIL;
 
@@ -156,7 +158,10 @@ struct Grown {
     after_gap: bool,
     /// Steps that wait until the path, adrift, can go back to them.
     waiting: VecDeque<Step>,
-    back: Option<Back>,
+    /// Ways back that are under way; what is left of each adds up.
+    ways: Vec<Back>,
+    /// Fixes are followed again, beside them by what is left.
+    follows: bool,
     last_attitude: Option<DVec4>,
 }
 
@@ -207,23 +212,18 @@ impl Jets {
 }
 
 impl Back {
-    /// From the end of the path to what is known of the same instant.
-    fn of(end: &Step, known: Jets) -> Self {
-        let offset = Jets::of(end).combined(known, -1.0);
+    fn of(from: TimeTag, offset: Jets) -> Self {
         let [away, apart, _] = offset.p.map(DVec3::length);
         let span_s = REJOIN_S.max((5.8 * away / REJOIN_MPS2).sqrt()).max(4.0 * apart / REJOIN_MPS2);
-        Self { from: end.node.time, span_s, offset }
+        Self { from, span_s, offset }
     }
 
     fn is_over(&self, t: TimeTag) -> bool {
         t.since(self.from) >= self.span_s
     }
 
-    /// What is known, with what is left of the offset.
-    fn on(&self, known: Jets, t: TimeTag) -> Jets {
-        if self.is_over(t) {
-            return known;
-        }
+    /// What is left of the offset.
+    fn left(&self, t: TimeTag) -> Jets {
         let rows = Basis::at(t.since(self.from) / self.span_s, self.span_s).rows();
         let Jets { p, q } = self.offset;
         let mut left = Jets {
@@ -232,7 +232,7 @@ impl Back {
         };
         left.p[0] += p[0];
         left.q[0] += q[0];
-        known.combined(left, 1.0)
+        left
     }
 }
 
@@ -407,7 +407,7 @@ impl Grown {
             self.path.push_back(step);
             return;
         };
-        if end.adrift && self.back.is_none() {
+        if end.adrift && !self.follows {
             self.waiting.push_back(step);
             self.go_back(of);
             return;
@@ -415,14 +415,7 @@ impl Grown {
         if step.node.time.since(end.node.time) <= 0.0 {
             return;
         }
-        if let Some(back) = self.back {
-            if back.is_over(step.node.time) {
-                self.back = None;
-            } else {
-                step = beside(step, back.on(Jets::of(&step), step.node.time));
-                step.adrift = true;
-            }
-        }
+        step = self.with_what_is_left(step);
         if std::mem::take(&mut self.after_gap) {
             step.rests = step.rests.max(Rests::OnThePast);
         }
@@ -436,6 +429,28 @@ impl Grown {
         }
     }
 
+    /// Sets out from the end of the path for what is known now of its instant.
+    fn set_out(&mut self, end: &Step, known: Jets) {
+        let t = end.node.time;
+        self.ways.retain(|way| !way.is_over(t));
+        if self.ways.len() >= MOST_WAYS {
+            self.ways.clear();
+        }
+        let planned = self.ways.iter().fold(known, |sum, way| sum.combined(way.left(t), 1.0));
+        self.ways.push(Back::of(t, Jets::of(end).combined(planned, -1.0)));
+    }
+
+    /// A step beside the fixes by what is left of all ways back.
+    fn with_what_is_left(&mut self, step: Step) -> Step {
+        let t = step.node.time;
+        self.ways.retain(|way| !way.is_over(t));
+        if self.ways.is_empty() {
+            return step;
+        }
+        let jets = self.ways.iter().fold(Jets::of(&step), |sum, way| sum.combined(way.left(t), 1.0));
+        Step { adrift: true, ..beside(step, jets) }
+    }
+
     /// Leads a path that is adrift back to the fixes, once they reach beyond its end.
     fn go_back(&mut self, of: &Shared) {
         let Some(end) = self.path.back().copied() else { return };
@@ -446,7 +461,8 @@ impl Grown {
         if from.node.time.since(end.node.time) > 0.0 {
             return;
         }
-        self.back = Some(Back::of(&end, Jets::between(&from, &to, end.node.time)));
+        self.set_out(&end, Jets::between(&from, &to, end.node.time));
+        self.follows = true;
         self.waiting.pop_front();
         while let Some(step) = self.waiting.pop_front() {
             self.hand_on(of, step);
@@ -481,10 +497,9 @@ impl Grown {
             step.rests = Rests::OnThePast;
             if let Some(end) = end.filter(|end| end.adrift) {
                 let Some(known) = self.known(of, end.node.time) else { continue };
-                let back = Back::of(&end, known);
-                step = beside(step, back.on(Jets::of(&step), time));
-                step.adrift = !back.is_over(time);
-                self.back = None;
+                self.set_out(&end, known);
+                self.follows = false;
+                step = self.with_what_is_left(step);
             }
             self.append(step);
         }
@@ -548,18 +563,21 @@ impl Grown {
         let Some(last) = self.run.back().copied() else { return };
         let Some(end) = self.path.back().copied() else { return };
         let (Some(here), Some(then)) = (self.known(of, end.node.time), self.known(of, to)) else { return };
-        let jets = Back::of(&end, here).on(then, to);
+        self.set_out(&end, here);
+        self.follows = false;
         let stale = to.since(last.fix.time) > of.max_extrapolation_s;
-        let rests = if stale { Rests::OnStale } else { Rests::OnThePast };
-        self.back = None;
-        self.append(Step {
-            node: Node { time: to, p: jets.p[0], v: jets.p[1], a: jets.p[2] },
-            turn: Turn { q: jets.q[0], first: jets.q[1], second: jets.q[2] },
-            rests,
+        let [p, v, a] = then.p;
+        let [q, first, second] = then.q;
+        let on = Step {
+            node: Node { time: to, p, v, a },
+            turn: Turn { q, first, second },
+            rests: if stale { Rests::OnStale } else { Rests::OnThePast },
             fix: last.fix.time,
             arrived: last.arrived,
             adrift: true,
-        });
+        };
+        let step = self.with_what_is_left(on);
+        self.append(step);
         self.go_back(of);
     }
 
@@ -598,7 +616,7 @@ impl Grown {
             };
             (age_s, flags, Some(step.arrived))
         };
-        let (state, (age_s, flags, arrived)) = if !(t >= first.node.time) {
+        let (state, rests) = if !(t >= first.node.time) {
             (beyond(first), rest(Rests::OnThePast, first))
         } else if t > last.node.time {
             (beyond(last), rest(last.rests.max(Rests::OnThePast), last))
@@ -608,13 +626,23 @@ impl Grown {
             let index =
                 self.path.partition_point(|step| step.node.time <= t).clamp(1, self.path.len() - 1) - 1;
             let (from, to) = (&self.path[index], &self.path[index + 1]);
+            if t == last.node.time {
+                // As it will be when there is a node behind it, to the last bit.
+                let next = Node { time: t.plus(1.0), ..last.node };
+                let turns = constant.map_or(Ok([&last.turn; 2]), Err);
+                return told_of(between(&last.node, &next, turns, t), rest(last.rests, last));
+            }
             let turns = constant.map_or(Ok([&from.turn, &to.turn]), Err);
             // At a node the segment before it is no matter.
             let rests = if t == from.node.time { from.rests } else { from.rests.max(to.rests) };
             (between(&from.node, &to.node, turns, t), rest(rests, from))
         };
-        Told { state, age_s, flags, arrived }
+        told_of(state, rests)
     }
+}
+
+fn told_of(state: State, (age_s, flags, arrived): (f64, u32, Option<Instant>)) -> Told {
+    Told { state, age_s, flags, arrived }
 }
 
 /// The same step elsewhere.

@@ -73,7 +73,8 @@ impl Sum {
 
     /// With what the worst pulse has more, of a sample that is such a share of all.
     fn worst(&self, share: f64) -> f64 {
-        self.of + (SIGMAS * share.sqrt() + SAMPLE_SIGMAS * (1.0 - share).max(0.0).sqrt()) * self.squares.sqrt()
+        self.of
+            + (SIGMAS * share.sqrt() + SAMPLE_SIGMAS * (1.0 - share).max(0.0).sqrt()) * self.squares.sqrt()
     }
 }
 

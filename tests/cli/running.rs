@@ -102,7 +102,7 @@ fn a_track_that_ends_before_the_run_does_is_refused() {
 #[cfg(unix)]
 #[test]
 fn signals_close_the_recording() {
-    ["-INT", "-TERM"].map(closed_by);
+    ["-INT", "-TERM"].into_iter().for_each(closed_by);
 }
 
 #[cfg(unix)]

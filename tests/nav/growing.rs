@@ -126,8 +126,12 @@ fn what_was_told_stays_and_is_smooth() {
             worst_mps2 = worst_mps2.max((b.state.velocity - a.state.velocity).norm() / step_s);
         }
         println!("fixes {late_s} s late, silent {silent:?}: up to {worst_mps2:.1} m/s^2");
-        // 10 of the flight; on the way back a quintic adds 5.8 o/T^2 + 4 o'/T and less, at most 5 + 5.
-        assert!(worst_mps2 < 40.0, "{late_s}: {worst_mps2}");
+        // 10 of the flight, and some 20 for each way back, of which there are a few at a time; half a metre at once would be 2500.
+        assert!(worst_mps2 < 100.0, "{late_s}: {worst_mps2}");
+        // Not known is 10 m/s^2 over the age of the last fix and the 0.1 s that its velocity is older; the way back lags by
+        // 0.6 T times the velocity that is missed.
+        let unknown_s = late_s.max(0.0) + 0.2;
+        let bound = 10.0 * unknown_s * (unknown_s + 0.6 * 0.3) + 0.5;
         for (t_s, told) in &told {
             let in_silence = t_s - 0.5 - late_s.max(0.0) > silent.start && *t_s < silent.end;
             if in_silence {
@@ -141,18 +145,17 @@ fn what_was_told_stays_and_is_smooth() {
             if late_s < 0.0 && (*t_s > 3.0 && *t_s < silent.start - 0.1 || *t_s > silent.end + 25.0) {
                 assert_eq!((told.flags, told.age_s), (0, 0.0), "{t_s}");
             }
-            // 10 m/s^2 over what is not known.
             if *t_s > 3.0 && *t_s < silent.start - 0.1 {
-                assert!(away(&live, *t_s) < 5.0 * (late_s.max(0.0) + 0.1f64).powi(2) + 0.2, "{t_s}");
+                assert!(away(&live, *t_s) < bound, "{t_s} {} {bound}", away(&live, *t_s));
             }
         }
-        // 10 s of silence on a circle: 460 m away, and back within sqrt(5.8 460 / 5) = 23 s.
+        // 10 s of silence on a circle: 460 m away, and back within sqrt(5.8 460 / 20) = 12 s.
         let (last_s, last) = told[told.len() - 1];
         if silent.end > silent.start {
             let stray = away(&live, silent.end - 0.2);
             assert!(stray > if silent.end - silent.start > 5.0 { 100.0 } else { 5.0 }, "{stray}");
         }
-        assert!(away(&live, last_s) < 2.0, "{late_s}: {}", away(&live, last_s));
+        assert!(away(&live, last_s) < bound, "{late_s}: {}", away(&live, last_s));
         assert_eq!(last.flags & NAV_STALE, 0);
     }
 }
