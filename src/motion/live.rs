@@ -69,6 +69,8 @@ const REJOIN_MPS2: f64 = 20.0;
 const REJOIN_S: f64 = 0.3;
 /// Fixes whose polynomial gives the derivatives where no more are there.
 const FEW: usize = 3;
+/// Metres, metres per second and parts of a turn that are no way to go.
+const NOTHING: f64 = 1e-9;
 /// Ways back at a time; then they become one.
 const MOST_WAYS: usize = 64;
 /// Fixes that are kept behind the last node.
@@ -437,7 +439,10 @@ impl Grown {
             self.ways.clear();
         }
         let planned = self.ways.iter().fold(known, |sum, way| sum.combined(way.left(t), 1.0));
-        self.ways.push(Back::of(t, Jets::of(end).combined(planned, -1.0)));
+        let offset = Jets::of(end).combined(planned, -1.0);
+        if offset.p[0].length() > NOTHING || offset.p[1].length() > NOTHING || offset.q[0].length() > NOTHING {
+            self.ways.push(Back::of(t, offset));
+        }
     }
 
     /// A step beside the fixes by what is left of all ways back.
@@ -496,7 +501,7 @@ impl Grown {
             let Some(mut step) = self.hasty(of, number) else { continue };
             step.rests = Rests::OnThePast;
             if let Some(end) = end.filter(|end| end.adrift) {
-                let Some(known) = self.known(of, end.node.time) else { continue };
+                let Some(known) = self.known_by_now(of, end.node.time) else { continue };
                 self.set_out(&end, known);
                 self.follows = false;
                 step = self.with_what_is_left(step);
@@ -529,6 +534,20 @@ impl Grown {
         };
         let (fix, arrived) = (entry.fix.time, entry.arrived);
         Some(Step { node, turn, rests: Rests::OnThePast, fix, arrived, adrift: false })
+    }
+
+    /// What the fixes at hand say of an instant.
+    fn known_by_now(&self, of: &Shared, t: TimeTag) -> Option<Jets> {
+        let after = self.run.iter().position(|entry| entry.fix.time.since(t) > 0.0);
+        let Some(after) = after.filter(|_| self.run.len() > 1) else { return self.known(of, t) };
+        let at = |place: usize| self.hasty(of, self.base + place);
+        if after > 0 {
+            return Some(Jets::between(&at(after - 1)?, &at(after)?, t));
+        }
+        let first = at(0)?;
+        let Jets { p: [p, v, a], q } = Jets::of(&first);
+        let dt = t.since(first.node.time);
+        Some(Jets { p: [p + (v + a * (0.5 * dt)) * dt, v + a * dt, a], q: [q[0], DVec4::ZERO, DVec4::ZERO] })
     }
 
     /// What the last fix says of an instant: on from there at constant velocity, the attitude held.
