@@ -64,6 +64,7 @@ use std::path::{Path, PathBuf};
 
 use crate::echo::Fidelity;
 use crate::nav::PlatformNav;
+use crate::nav::changes::Event;
 use crate::scene::Scene;
 use crate::scene::clock::Clocks;
 use crate::{sinks, transport};
@@ -83,6 +84,10 @@ pub struct Run {
     pub nav: Vec<PlatformNav>,
     /// Clocks that are wrong.
     pub clocks: Clocks,
+    /// Changes of reports.
+    pub events: Vec<Event>,
+    /// Whether more of them may come while the run goes on; no scenario says so.
+    pub control: bool,
     /// How echoes are made.
     pub fidelity: Fidelity,
     /// How pulses are released.
@@ -162,6 +167,8 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
         scene: parts.scene,
         nav: parts.nav,
         clocks: parts.clocks,
+        events: parts.events,
+        control: false,
         fidelity: parts.fidelity,
         stream: parts.stream,
         sinks: parts.sinks,

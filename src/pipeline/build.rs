@@ -26,11 +26,13 @@ use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
+use crate::nav::changes::{ChangeFault, Changes};
 use crate::nav::errors::Circumstances;
 use crate::nav::{PlatformNav, TrackSource};
 use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
 use crate::pulse::costs::Costs;
+use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse};
 use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
@@ -52,6 +54,8 @@ use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
 use super::block::BlockEcho;
+use super::changing;
+use super::control::{Control, Desk, control};
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::navigation;
 use super::single::SingleEcho;
@@ -145,6 +149,9 @@ pub enum BuildError {
         /// What is free.
         available_mib: u64,
     },
+    /// A change of the scenario.
+    #[error("event: {0}")]
+    Change(#[from] ChangeFault),
     /// The worker threads.
     #[error("worker threads: {0}")]
     Pool(#[from] ThreadPoolBuildError),
@@ -335,6 +342,7 @@ pub struct PulseStream {
     pool: ThreadPool,
     notes: Vec<TrackNote>,
     sea_bytes: u64,
+    control: Option<(Control, Desk)>,
 }
 
 /// How a run ended.
@@ -367,8 +375,13 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         });
         return Err(BuildErrors(faults));
     }
-    let built = tracks(&run.nav, scene)
-        .and_then(|(tracks, notes)| Ok((factory_by(scene, tracks, &run.fidelity, &run.clocks)?, notes)));
+    let changes = changing::list(run);
+    let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
+        let tracks = changing::tracks(tracks, scene, changes.as_ref())?;
+        let factory = factory_by(scene, tracks, &run.fidelity, &run.clocks)?;
+        changing::enter(&run.events, changes.as_ref())?;
+        Ok((factory, notes))
+    });
     let (factory, notes) = match built {
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
@@ -404,7 +417,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
     let scene = aboard::with_scatterers(scene)?;
-    let header = header(run, &scene, &factory, &schedule);
+    let header = header(run, &scene, &factory, &schedule, changes.as_ref());
     header.check()?;
     // Every worker has a block in hand while one waits to be released.
     let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
@@ -421,6 +434,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         pool,
         notes,
         sea_bytes: needed,
+        control: changes.filter(|_| run.control).map(|changes| control(&changes, range.end - range.start)),
     })
 }
 
@@ -431,7 +445,13 @@ pub(super) fn available_bytes() -> Option<u64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }
 
-fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule) -> Header {
+fn header(
+    run: &Run,
+    scene: &Scene,
+    factory: &PulseFactory,
+    schedule: &Schedule,
+    changes: Option<&Arc<Changes>>,
+) -> Header {
     let radar = &scene.radar;
     let transmitter = |i: usize| radar.transmitters[i].name.clone();
     let receiver = |i: usize| radar.receivers[i].name.clone();
@@ -480,6 +500,7 @@ fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule)
         first_pulse: schedule.first,
         pulses: schedule.count,
         truth: true,
+        changes: changes.map(|changes| Arc::clone(changes.log())),
     }
 }
 
@@ -534,6 +555,16 @@ impl PulseStream {
     /// Which pulses, and when.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
+    }
+
+    /// Asks for changes of reports while the run goes on; `None` unless the run allows that ([`Run::control`]).
+    pub fn control(&self) -> Option<Control> {
+        self.control.as_ref().map(|(control, _)| control.clone())
+    }
+
+    /// What is changed of reports; `None` where nothing can be.
+    pub fn log(&self) -> Option<Arc<Log>> {
+        self.header.changes.clone()
     }
 
     /// Worker threads.
@@ -597,7 +628,8 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        let Self { factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _ } = self;
+        let Self { factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _, control } = self;
+        let desk = control.map(|(_, desk)| desk);
         let range = schedule.first..schedule.end();
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
         if let Some(status) = status {
@@ -629,7 +661,7 @@ impl PulseStream {
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, range, &mut workspaces))
+            pool.install(|| generate(source, &factory, range, &mut workspaces, desk))
         });
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
@@ -670,9 +702,25 @@ fn generate(
     factory: &PulseFactory,
     range: Range<u64>,
     work: &mut [Workspace],
+    desk: Option<Desk>,
 ) -> Result<(), PulseError> {
     let length = factory.block_pulses();
-    let crew = source.crew(range, work.len());
+    let (begin, end) = (range.start, range.end);
+    if let Some(desk) = &desk {
+        desk.open(source.health());
+    }
+    // Blocks are claimed whole, but for those that the ring is too short for.
+    let between = |first: u64| {
+        if let Some(desk) = &desk {
+            let last = |first: u64| (first - 1) / length * length + length - 1;
+            let untouched = || match first {
+                first if first == begin => first,
+                first => factory.illumination.first_untouched(last(first)),
+            };
+            desk.serve(untouched, end);
+        }
+    };
+    let crew = source.crew(range, work.len()).between(&between);
     work.par_iter_mut().with_max_len(1).try_for_each(|work| {
         // A worker that panics calls the others off as well: its pulses will never come.
         let _watch = crew.watch();

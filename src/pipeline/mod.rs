@@ -7,6 +7,8 @@ pub mod aboard;
 pub mod accuracy;
 mod block;
 pub mod build;
+pub mod changing;
+pub mod control;
 pub mod forecast;
 pub mod knobs;
 pub mod memory;

@@ -7,6 +7,7 @@ mod ais;
 mod antenna;
 mod clock;
 mod errors;
+mod event;
 mod nav_out;
 mod patch;
 mod place;
@@ -23,6 +24,7 @@ use super::keys::{self, Key};
 use super::section::Section;
 use crate::echo::Fidelity;
 use crate::frames::{Earth, Geodetic, SceneFrame};
+use crate::nav::changes::Event;
 use crate::nav::{PlatformNav, TrackSource};
 use crate::scene::Scene;
 use crate::scene::clock::Clocks;
@@ -34,6 +36,7 @@ pub(super) struct Parts {
     pub(super) scene: Scene,
     pub(super) nav: Vec<PlatformNav>,
     pub(super) clocks: Clocks,
+    pub(super) events: Vec<Event>,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
     pub(super) sinks: Vec<sinks::Settings>,
@@ -143,6 +146,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let fidelity = stream::fidelity(&root, root.has(&keys::root::SEA));
     let sinks =
         stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
+    let events = event::events(&root, &platforms, radar.as_ref(), time.duration_s);
     root.finish();
 
     let radar = radar?;
@@ -161,6 +165,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         scene,
         nav: nav.into_iter().collect::<Option<_>>()?,
         clocks: clocks.clocks()?,
+        events: events?,
         fidelity: fidelity?,
         stream: stream?,
         sinks: sinks?,
