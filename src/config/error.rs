@@ -295,9 +295,9 @@ pub enum Problem {
         /// What is wrong with it.
         error: String,
     },
-    /// A change of a report that is none.
+    /// What another room says of it.
     #[error("{error}")]
-    Change {
+    Refused {
         /// What is wrong with it.
         error: String,
     },

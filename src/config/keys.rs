@@ -269,6 +269,7 @@ tables! {
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
         NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure at 290 K.";
         ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
+        CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
     waveform "[radar.waveform]" "What is radiated, at unit amplitude." {
@@ -305,6 +306,17 @@ tables! {
         TRANSMITTER "transmitter", Name, Means("the only transmitter"), "Its transmitter.";
         RECEIVER "receiver", Name, Means("the only receiver"), "Its receiver.";
         NAME "name", Name, Means("the polarisation pair, with the names of the antennas where there are several"), "Its name in recordings.";
+    }
+    calibration "[[radar.calibration]]" "A channel that carries a signal known in closed form in place of an echo (docs/calibration.md)." {
+        NAME "name", Name, Required, "Its name in recordings, unique among channels.";
+        KIND "kind", Choice(&["tone", "loopback"]), Required, "A continuous tone, or the transmitted pulse after the receive filter.";
+        RECEIVER "receiver", Name, Means("the only receiver"), "The receiver that takes it, with its clock.";
+        TRANSMITTER "transmitter", Name, Means("the only transmitter"), "loopback: the transmitter, with its clock.";
+        POWER_DBW "power_dbw", number("dBW", -400.0, 200.0), Required, "Power of the signal; of a loopback, that of a pulse of unit amplitude.";
+        PHASE_DEG "phase_deg", number("deg", -360.0, 360.0), default(0.0), "Its phase: of a tone at the emission of pulse 0.";
+        OFFSET_HZ "offset_hz", number("Hz", -5e10, 5e10), Required, "tone: frequency above the carrier, at most half the sample rate either way.";
+        DELAY_S "delay_s", number("s", 0.0, 100.0), Required, "loopback: from the first sample of every window to the begin of the pulse; the whole pulse must lie in the window.";
+        NOISE "noise", Kind::Flag, Flag(false), "Whether the receiver's noise is added.";
     }
     platform "[[platform]]" "Something that carries antennas." {
         NAME "name", Name, Required, "Its name, unique among platforms.";

@@ -66,6 +66,7 @@ use crate::echo::Fidelity;
 use crate::nav::PlatformNav;
 use crate::nav::changes::Event;
 use crate::scene::Scene;
+use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
 use crate::{sinks, transport};
 
@@ -84,6 +85,8 @@ pub struct Run {
     pub nav: Vec<PlatformNav>,
     /// Clocks that are wrong.
     pub clocks: Clocks,
+    /// Channels with signals known in closed form, behind those of the radar.
+    pub calibration: Vec<Calibration>,
     /// Changes of reports.
     pub events: Vec<Event>,
     /// Whether more of them may come while the run goes on; no scenario says so.
@@ -167,6 +170,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
         scene: parts.scene,
         nav: parts.nav,
         clocks: parts.clocks,
+        calibration: parts.calibration,
         events: parts.events,
         control: false,
         fidelity: parts.fidelity,

@@ -63,6 +63,7 @@ pub fn noiseless(run: &Run) -> Run {
     let mut run = run.clone();
     run.scene.radar.noise_figure_db = None;
     run.scene.radar.adc = None;
+    run.calibration.clear();
     run.sinks.clear();
     run
 }

@@ -34,12 +34,14 @@ use crate::plan::settle::{Plan, settle};
 use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse};
+use crate::radar::calibration::CalibrationFault;
 use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
+use crate::scene::calibration::Signal;
 use crate::scene::clock::Clocks;
 use crate::scene::radar::Pointing;
 use crate::sea::fleet::{self, FleetError, FleetErrors};
@@ -149,6 +151,9 @@ pub enum BuildError {
         /// What is free.
         available_mib: u64,
     },
+    /// A calibration channel.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationFault),
     /// A change of the scenario.
     #[error("event: {0}")]
     Change(#[from] ChangeFault),
@@ -329,7 +334,19 @@ pub fn factory_by(
         clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
         ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
     };
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan, clocks })
+    let generators = None;
+    Ok(PulseFactory {
+        illumination,
+        echo,
+        sample_rate_hz,
+        receiver,
+        waveform,
+        layout,
+        ships,
+        plan,
+        clocks,
+        generators,
+    })
 }
 
 /// A run that is ready to start.
@@ -378,7 +395,8 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let changes = changing::list(run);
     let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
         let tracks = changing::tracks(tracks, scene, changes.as_ref())?;
-        let factory = factory_by(scene, tracks, &run.fidelity, &run.clocks)?;
+        let factory = factory_by(scene, tracks, &run.fidelity, &run.clocks)?
+            .with_calibration(&run.calibration, &scene.radar)?;
         changing::enter(&run.events, changes.as_ref())?;
         Ok((factory, notes))
     });
@@ -471,6 +489,15 @@ fn header(
                 receiver: receiver(channel.receiver),
                 polarisations: [channel.rx.letter(), channel.tx.letter()].iter().collect(),
             })
+            .chain(run.calibration.iter().map(|known| ChannelRow {
+                name: known.name.clone(),
+                transmitter: match known.signal {
+                    Signal::Loopback { transmitter: place, .. } => transmitter(place),
+                    Signal::Tone { .. } => String::new(),
+                },
+                receiver: receiver(known.receiver),
+                polarisations: known.signal.kind().to_owned(),
+            }))
             .collect(),
         pairs: radar
             .pairs()

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod bench;
+#[cfg(unix)]
+mod control;
 mod inspection;
 #[cfg(feature = "hdf5")]
 mod oracle;

@@ -51,7 +51,7 @@ fn event(
     };
     let change = section.line(&CHANGE).and_then(|text| {
         let change = text.parse::<Change>();
-        change.map_err(|error| section.fault(&CHANGE, Problem::Change { error: error.to_string() })).ok()
+        change.map_err(|error| section.fault(&CHANGE, Problem::Refused { error: error.to_string() })).ok()
     });
     let times = radar.map(|radar| &radar.emissions);
     let first = match (pulse, at_s, times) {
@@ -66,7 +66,7 @@ fn event(
         if pulse >= end {
             let key = if section.has(&AT_S) { &AT_S } else { &PULSE };
             let error = ChangeFault::AfterTheEnd { pulse, end }.to_string();
-            section.fault(key, Problem::Change { error });
+            section.fault(key, Problem::Refused { error });
         }
     }
     section.finish();

@@ -5,6 +5,7 @@
 
 mod ais;
 mod antenna;
+mod calibration;
 mod clock;
 mod errors;
 mod event;
@@ -27,6 +28,7 @@ use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::nav::changes::Event;
 use crate::nav::{PlatformNav, TrackSource};
 use crate::scene::Scene;
+use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
 use crate::time::TimeTag;
 use crate::{sinks, transport};
@@ -36,6 +38,7 @@ pub(super) struct Parts {
     pub(super) scene: Scene,
     pub(super) nav: Vec<PlatformNav>,
     pub(super) clocks: Clocks,
+    pub(super) calibration: Vec<Calibration>,
     pub(super) events: Vec<Event>,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
@@ -122,7 +125,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
     });
     let mut clocks = clock::Given::default();
-    let radar = radar::radar(&root, &ground, &platforms, &mut clocks);
+    let mut calibration = Some(Vec::new());
+    let radar = radar::radar(&root, &ground, &platforms, &mut clocks, &mut calibration);
     let (patch, place) = match (patch, scene) {
         (Some(patch), Some(section)) => {
             let placed = patch.place(&section, radar.as_ref());
@@ -165,6 +169,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         scene,
         nav: nav.into_iter().collect::<Option<_>>()?,
         clocks: clocks.clocks()?,
+        calibration: calibration?,
         events: events?,
         fidelity: fidelity?,
         stream: stream?,
