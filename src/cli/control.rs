@@ -107,7 +107,7 @@ impl Door {
         match self {
             Self::Input => {
                 // Ends with the program: nobody can be made to end a line.
-                let read = move || converse(&mut io::stdin().lock(), &subject, |answer| say(answer));
+                let read = move || converse(&mut io::stdin().lock(), &subject, say);
                 let _ = thread::Builder::new().name("control".to_owned()).spawn(read);
                 Open::Input
             }

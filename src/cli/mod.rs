@@ -33,7 +33,8 @@ pub use args::{
 pub use control::ControlFault;
 pub use error::CliError;
 pub use nav::{
-    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs, NavToolError,
+    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
+    NavToolError,
 };
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};

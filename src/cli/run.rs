@@ -61,9 +61,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     .map_err(CliError::Signal)?;
     let (status, watcher) = progress::watch(stream.schedule().count);
     let log = stream.log();
-    let open = door.zip(stream.control()).map(|(door, control)| {
-        door.open(Subject { control, stop: Arc::clone(&stop) })
-    });
+    let open = door
+        .zip(stream.control())
+        .map(|(door, control)| door.open(Subject { control, stop: Arc::clone(&stop) }));
     let outcome = stream.run(&stop, Some(status));
     if let Some(open) = open {
         open.close();

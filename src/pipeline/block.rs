@@ -175,8 +175,7 @@ impl BlockEcho {
         let len = self.block_pulses();
         let first = index / len * len;
         // What is aimed by a report jumps with it: such a block ends there.
-        let Range { start: first, end } =
-            illumination.unbroken(first..(first + len).min(self.pulses), index);
+        let Range { start: first, end } = illumination.unbroken(first..(first + len).min(self.pulses), index);
         let pulses = (end - first) as usize;
         work.instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
         let heard = work.instants.nodes.map(|place| first + place as u64);

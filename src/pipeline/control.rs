@@ -72,8 +72,7 @@ pub(super) struct Desk {
 pub(super) fn control(changes: &Arc<Changes>, total: u64) -> (Control, Desk) {
     let (sender, receiver) = bounded(WAITING);
     let health = Arc::new(OnceLock::new());
-    let asks =
-        Control { requests: sender, changes: Arc::clone(changes), health: Arc::clone(&health), total };
+    let asks = Control { requests: sender, changes: Arc::clone(changes), health: Arc::clone(&health), total };
     (asks, Desk { requests: receiver, changes: Arc::clone(changes), health })
 }
 

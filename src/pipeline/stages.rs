@@ -231,7 +231,10 @@ impl PulseFactory {
             spectrum: vec![Complex64::ZERO; channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
             clocks: Vec::with_capacity(channels),
-            generators: self.generators.as_ref().map_or_else(GeneratorScratch::default, |of| of.scratch(&self.receiver)),
+            generators: self
+                .generators
+                .as_ref()
+                .map_or_else(GeneratorScratch::default, |of| of.scratch(&self.receiver)),
         }
     }
 
@@ -239,7 +242,8 @@ impl PulseFactory {
     /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { illumination, contacts, block, single, spectrum, receiver, clocks, generators } = work;
+        let Workspace { illumination, contacts, block, single, spectrum, receiver, clocks, generators } =
+            work;
         illumination.costs.begin();
         match (&self.echo, block, single) {
             (Echo::Reference(echo), ..) => {

@@ -6,10 +6,9 @@
 //!
 //! ```
 //! use nereus::pulse::log::{Entry, Log, Origin};
-//! use nereus::time::TimeTag;
 //! let log = Log::default();
 //! let entry = |pulse| Entry {
-//!     pulse, time: TimeTag::default(), platform: "mast".into(), text: "clear".into(), origin: Origin::Control,
+//!     pulse, time_ns: 0, platform: "mast".into(), text: "clear".into(), origin: Origin::Control,
 //! };
 //! log.enter(entry(7));
 //! log.enter(entry(3));
@@ -20,18 +19,15 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use serde::{Serialize, Serializer};
-
-use crate::time::TimeTag;
+use serde::Serialize;
 
 /// One change.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
     /// The first pulse that has it.
     pub pulse: u64,
-    /// Emission of that pulse.
-    #[serde(rename = "time_ns", serialize_with = "nanoseconds")]
-    pub time: TimeTag,
+    /// Emission of that pulse, UTC, floored; that of the pulse has the rest.
+    pub time_ns: i64,
     /// Whose report it changes.
     pub platform: String,
     /// What it does, as one would write it.
@@ -39,10 +35,6 @@ pub struct Entry {
     /// Where it came from.
     #[serde(rename = "source")]
     pub origin: Origin,
-}
-
-fn nanoseconds<S: Serializer>(time: &TimeTag, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_i64(time.to_unix_ns().0)
 }
 
 /// Where a change came from.

@@ -49,7 +49,9 @@ use crate::time::{PulseTimes, TimeTag};
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CalibrationFault {
     /// A tone that the sample rate cannot hold.
-    #[error("calibration '{name}': offset_hz = {offset_hz}: allowed: from {least} to {most} Hz, half the sample rate")]
+    #[error(
+        "calibration '{name}': offset_hz = {offset_hz}: allowed: from {least} to {most} Hz, half the sample rate"
+    )]
     Offset {
         /// The channel.
         name: String,
@@ -61,7 +63,9 @@ pub enum CalibrationFault {
         most: f64,
     },
     /// A pulse that does not lie in the window.
-    #[error("calibration '{name}': delay_s = {delay_s}: allowed: from 0 to {most} s, so that the whole pulse is in the window")]
+    #[error(
+        "calibration '{name}': delay_s = {delay_s}: allowed: from 0 to {most} s, so that the whole pulse is in the window"
+    )]
     Delay {
         /// The channel.
         name: String,
@@ -139,7 +143,12 @@ impl Generators {
             let pulse = match of.signal {
                 Signal::Tone { offset_hz } if offset_hz.abs() <= 0.5 * fs => Vec::new(),
                 Signal::Tone { offset_hz } => {
-                    return Err(CalibrationFault::Offset { name, offset_hz, least: -0.5 * fs, most: 0.5 * fs });
+                    return Err(CalibrationFault::Offset {
+                        name,
+                        offset_hz,
+                        least: -0.5 * fs,
+                        most: 0.5 * fs,
+                    });
                 }
                 Signal::Loopback { transmitter, .. } if transmitter >= radar.transmitters.len() => {
                     return Err(CalibrationFault::Antenna { name, place: transmitter });

@@ -27,8 +27,8 @@ use serde_json::{Map, Value, json};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
-use super::unwritten::Unwritten;
 use super::sink::{FLUSH_INTERVAL, FORMAT_VERSION, Header, Sink, SinkError, SinkReport};
+use super::unwritten::Unwritten;
 
 /// Rows wait in memory until this many bytes are there (or a flush is due).
 const BUFFER_BYTES: usize = 1 << 20;

@@ -49,8 +49,7 @@ fn controlled(run: &Run, end: u64, platform: usize, asked: &[(u64, &str)]) -> (V
     let stream = build::stream(&run, 0..end).unwrap();
     let control: Control = stream.control().unwrap();
     let name = run.scene.platforms[platform].clone();
-    let asked: Vec<(u64, Change)> =
-        asked.iter().map(|(made, text)| (*made, text.parse().unwrap())).collect();
+    let asked: Vec<(u64, Change)> = asked.iter().map(|(made, text)| (*made, text.parse().unwrap())).collect();
     let asks = thread::spawn(move || {
         let ask = |(made, change): (u64, Change)| {
             while control.counts().made < made {
@@ -129,10 +128,16 @@ fn reports_are_those_of_the_closed_form() {
     let near = |p: &Pulse, value: f64| assert!((north(p) - value).abs() < 1e-12, "{}: {}", p.index, north(p));
     let time = |p: &Pulse| p.index as f64 / 222.0;
     for p in report(&[(20, "ramp position.north 3 m/s"), (40, "ramp position.north -1 m/s")]) {
-        let grown = 3.0 * (time(&p).min(40.0 / 222.0) - 20.0 / 222.0).max(0.0)
-            - (time(&p) - 40.0 / 222.0).max(0.0);
+        let grown =
+            3.0 * (time(&p).min(40.0 / 222.0) - 20.0 / 222.0).max(0.0) - (time(&p) - 40.0 / 222.0).max(0.0);
         near(&p, at(time(&p)) + grown);
-        let slope = if p.index < 20 { 0.0 } else if p.index < 40 { 3.0 } else { -1.0 };
+        let slope = if p.index < 20 {
+            0.0
+        } else if p.index < 40 {
+            3.0
+        } else {
+            -1.0
+        };
         assert!((p.nav_reported[0].velocity_mps[1] - 222.0 - slope).abs() < 1e-12);
     }
     for p in report(&[(20, "dropout 0.05 s"), (25, "step position.north 2 m")]) {
@@ -154,8 +159,21 @@ fn reports_are_those_of_the_closed_form() {
         assert!((p.nav_reported[0].age_s - age as f64 / 222.0).abs() < 1e-12, "{}", p.index);
         near(&p, at(time(&p)));
     }
-    for p in report(&[(9, "step position.north 2 m"), (20, "bias position.north 5 m"), (30, "bias attitude.heading 0.5 deg"), (50, "clear")]) {
-        near(&p, at(time(&p)) + match p.index { 0..9 | 50.. => 0.0, 9..20 => 2.0, _ => 5.0 });
+    for p in report(&[
+        (9, "step position.north 2 m"),
+        (20, "bias position.north 5 m"),
+        (30, "bias attitude.heading 0.5 deg"),
+        (50, "clear"),
+    ]) {
+        near(
+            &p,
+            at(time(&p))
+                + match p.index {
+                    0..9 | 50.. => 0.0,
+                    9..20 => 2.0,
+                    _ => 5.0,
+                },
+        );
         let [w, x, y, z] = p.nav_reported[0].attitude_quat;
         let yaw = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
         let turned = if (30..50).contains(&p.index) { 0.5f64.to_radians() } else { 0.0 };
@@ -225,8 +243,5 @@ fn no_pulse_is_left_after_the_end() {
         control.change(Some("ship"), clear).unwrap_err().to_string(),
         "platform 'ship': allowed: mast, aircraft"
     );
-    assert_eq!(
-        control.change(None, clear).unwrap_err().to_string(),
-        "platform '': allowed: mast, aircraft"
-    );
+    assert_eq!(control.change(None, clear).unwrap_err().to_string(), "platform '': allowed: mast, aircraft");
 }

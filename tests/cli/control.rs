@@ -112,7 +112,8 @@ fn the_conversation_of_the_page_is_what_happens() {
     assert_eq!(report["stopped"], true);
     let last = report["pulses"].as_u64().unwrap();
     let taken: Vec<_> = pulses.iter().map(|n| n.parse::<u64>().unwrap()).filter(|n| *n < last).collect();
-    let told: Vec<_> = report["changes"].as_array().unwrap().iter().map(|c| c["pulse"].as_u64().unwrap()).collect();
+    let told: Vec<_> =
+        report["changes"].as_array().unwrap().iter().map(|c| c["pulse"].as_u64().unwrap()).collect();
     assert_eq!(told, taken);
     assert_eq!(pulses.len(), 6);
     // The scenario of the page is one.
@@ -156,26 +157,39 @@ fn what_is_injected_is_recorded_and_can_be_repeated() {
     assert_eq!(report["changes"].as_array().unwrap().len(), 1);
     let change = &report["changes"][0];
     assert_eq!((change["pulse"].as_u64(), &change["platform"]), (Some(pulse), &"aircraft".into()));
-    assert_eq!((&change["text"], &change["source"]), (&"step attitude.heading -1.5 deg".into(), &"control".into()));
+    assert_eq!(
+        (&change["text"], &change["source"]),
+        (&"step attitude.heading -1.5 deg".into(), &"control".into())
+    );
     let line = fs::read_to_string(folder.path().join("live.plain/truth/changes.jsonl")).unwrap();
     let row: serde_json::Value = serde_json::from_str(&line).unwrap();
     assert_eq!(row, *change);
 
-    let event = format!(
-        "event=[{{pulse={pulse},platform=\"aircraft\",change=\"step attitude.heading -1.5 deg\"}}]"
-    );
+    let event =
+        format!("event=[{{pulse={pulse},platform=\"aircraft\",change=\"step attitude.heading -1.5 deg\"}}]");
     for threads in ["stream.threads=1", "stream.threads=2"] {
         let out = format!("{}.plain", &threads[15..]);
         let again = nereus(
             folder.path(),
-            &[&["run", &scenario(), "--pace", "fast", "--out", &out, "--set", &event, "--set", threads][..], &set].concat(),
+            &[
+                &["run", &scenario(), "--pace", "fast", "--out", &out, "--set", &event, "--set", threads][..],
+                &set,
+            ]
+            .concat(),
         );
         assert_eq!(again.code, 0, "{}", again.stderr);
         let same = |file: &str| {
-            let [a, b] = ["live.plain", &out].map(|run| fs::read(folder.path().join(run).join(file)).unwrap());
+            let [a, b] =
+                ["live.plain", &out].map(|run| fs::read(folder.path().join(run).join(file)).unwrap());
             assert!(!a.is_empty() && a == b, "{threads}: {file} differs");
         };
-        for file in ["iq", "pulse/index", "pulse/window_start_s", "nav/aircraft/reported/attitude_quat", "nav/aircraft/reported/position_m"] {
+        for file in [
+            "iq",
+            "pulse/index",
+            "pulse/window_start_s",
+            "nav/aircraft/reported/attitude_quat",
+            "nav/aircraft/reported/position_m",
+        ] {
             same(&format!("{file}.bin"));
         }
     }
@@ -204,7 +218,10 @@ fn garbage_and_crowds_do_no_harm() {
     // A crowd: some are told that there is no room.
     let crowd: Vec<Client> = (0..40).map(|_| live.client()).collect();
     let told = crowd.into_iter().skip(20).map(|mut one| one.hear()).collect::<Vec<_>>();
-    assert!(told.iter().all(|line| line == "error 16 clients are connected: allowed: at most so many"), "{told:?}");
+    assert!(
+        told.iter().all(|line| line == "error 16 clients are connected: allowed: at most so many"),
+        "{told:?}"
+    );
     client.send(b"stop\n");
     assert_eq!(client.hear(), "ok stopping");
     assert_eq!(live.end()["stopped"], true);
@@ -230,7 +247,18 @@ fn sockets_that_cannot_be_are_refused() {
     drop(listener);
     let ended = nereus(
         folder.path(),
-        &["run", &scenario(), "--pace", "fast", "--pulses", "0..3", "--out", "y.plain", "--control", "taken.sock"],
+        &[
+            "run",
+            &scenario(),
+            "--pace",
+            "fast",
+            "--pulses",
+            "0..3",
+            "--out",
+            "y.plain",
+            "--control",
+            "taken.sock",
+        ],
     );
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert!(!folder.path().join("taken.sock").exists());

@@ -141,8 +141,7 @@ fn echoes_are_not_changed_by_a_bit() {
 #[test]
 fn codes_are_those_of_the_converter() {
     // 1e-5 sqrt(W) in 12 bits of 2e-5 sqrt(W); the loopback, 3.2e-5, saturates.
-    let settings =
-        [("radar.adc.bits", "12"), ("radar.adc.full_scale_dbw", "-93.97940008672037")];
+    let settings = [("radar.adc.bits", "12"), ("radar.adc.full_scale_dbw", "-93.97940008672037")];
     let run = scenario(&settings);
     let floats = pulses(&scenario(&[]), &[5]);
     let codes = pulses(&run, &[5]);
@@ -193,7 +192,10 @@ fn clocks_turn_both_signals() {
                 }
             }
             let [calm_us, wrong_us] = [a, &b].map(|pulse| {
-                let peak = channel(pulse, 2).into_iter().enumerate().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+                let peak = channel(pulse, 2)
+                    .into_iter()
+                    .enumerate()
+                    .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
                 peak.unwrap().0
             });
             assert_eq!(calm_us, wrong_us);
@@ -221,7 +223,8 @@ fn noise_is_that_of_the_receiver_and_comes_when_asked() {
         let mut sum = 0.0;
         for (a, b) in calm.iter().zip(&made) {
             assert_eq!(channel(a, 0), channel(b, 0));
-            sum += channel(a, place).iter().zip(channel(b, place)).map(|(a, b)| (b - a).norm_sqr()).sum::<f64>();
+            sum +=
+                channel(a, place).iter().zip(channel(b, place)).map(|(a, b)| (b - a).norm_sqr()).sum::<f64>();
         }
         let mean_w = sum / (40.0 * 512.0);
         // 20480 samples of which 0.875 are independent: 0.75 %, five of them.
@@ -246,7 +249,9 @@ fn the_page_says_what_the_run_makes() {
     let tone: Vec<Vec<Complex64>> = made.iter().map(|pulse| channel(pulse, 1)).collect();
     let degrees = |a: Complex64, b: Complex64| (a * b.conj()).arg().to_degrees();
     // The last digit of the page.
-    let near = |found: f64, told: f64, digit: f64| assert!((found - told).abs() <= 0.5 * digit * 1.01, "{found} {told}");
+    let near = |found: f64, told: f64, digit: f64| {
+        assert!((found - told).abs() <= 0.5 * digit * 1.01, "{found} {told}")
+    };
     let told = row("power of every sample");
     near(20.0 * tone[0][0].norm().log10(), told[0], 1e-3);
     near(tone[0][0].norm(), told[1], 1e-9);
@@ -265,12 +270,17 @@ fn the_page_says_what_the_run_makes() {
     // What a processor does: the replica over the samples.
     let replica = factory(&run).replica();
     let at = |j: usize| -> Complex64 {
-        loopback[j..].iter().zip(&replica).map(|(s, q)| s * Complex64::new(q.re.into(), -f64::from(q.im))).sum()
+        loopback[j..]
+            .iter()
+            .zip(&replica)
+            .map(|(s, q)| s * Complex64::new(q.re.into(), -f64::from(q.im)))
+            .sum()
     };
     let peak = (0..400).max_by(|a, b| at(*a).norm().total_cmp(&at(*b).norm())).unwrap();
     assert_eq!(peak, 123);
     let clocks = scenario(&[("receiver.0.clock.offset_s", "1e-11")]);
     let turned = degrees(channel(&pulses(&clocks, &[0])[0], 1)[0], tone[0][0]);
-    let said: f64 = page.split("`offset_s = 1e-11` that is ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let said: f64 =
+        page.split("`offset_s = 1e-11` that is ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     near(turned, said, 1e-2);
 }

@@ -80,7 +80,8 @@ impl Socket {
         let inside = folder.join("s");
         let made = (|| {
             let listener = UnixListener::bind(&inside).map_err(io("making the socket"))?;
-            fs::set_permissions(&inside, Permissions::from_mode(0o600)).map_err(io("closing it to others"))?;
+            fs::set_permissions(&inside, Permissions::from_mode(0o600))
+                .map_err(io("closing it to others"))?;
             listener.set_nonblocking(true).map_err(io("listening"))?;
             let inode = fs::symlink_metadata(&inside).map_err(io("looking at it"))?.ino();
             fs::rename(&inside, path).map_err(io("moving it to its place"))?;

@@ -121,6 +121,10 @@ impl NavToolError {
         if matches!(
             self,
             Self::Write { .. } | Self::Port { .. } | Self::Control { .. } | Self::Refused { .. }
-        ) { 1 } else { 2 }
+        ) {
+            1
+        } else {
+            2
+        }
     }
 }

@@ -25,8 +25,8 @@ pub(super) fn inject(args: &NavInjectArgs, out: &mut dyn Write) -> Result<(), Cl
     if line.len() > LONGEST_LINE || line.contains(char::is_control) {
         return Err(NavToolError::Line { bytes: line.len() }.into());
     }
-    let answer =
-        ask(&args.socket, &line).map_err(|source| NavToolError::Control { path: args.socket.clone(), source })?;
+    let answer = ask(&args.socket, &line)
+        .map_err(|source| NavToolError::Control { path: args.socket.clone(), source })?;
     match answer.strip_prefix("error ") {
         Some(told) => Err(NavToolError::Refused { told: told.to_owned() }.into()),
         None => writeln!(out, "{answer}").map_err(CliError::Output),

@@ -34,8 +34,10 @@ pub(super) fn calibration(
     }
     let mut names = Names::new("channel");
     names.names.extend(limits.channels.unwrap_or_default().iter().map(|channel| Some(channel.name.clone())));
-    let list: Vec<Option<Calibration>> =
-        sections.into_iter().map(|section| one(section, &mut names, transmitters, receivers, limits)).collect();
+    let list: Vec<Option<Calibration>> = sections
+        .into_iter()
+        .map(|section| one(section, &mut names, transmitters, receivers, limits))
+        .collect();
     list.into_iter().collect()
 }
 

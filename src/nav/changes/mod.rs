@@ -231,7 +231,8 @@ impl Changes {
         }
         let time = self.times.emission(self.start, pulse);
         let text = change.to_string();
-        self.log.enter(Entry { pulse, time, platform: name.clone(), text, origin });
+        let (time_ns, _) = time.to_unix_ns();
+        self.log.enter(Entry { pulse, time_ns, platform: name.clone(), text, origin });
         of.give(Given { pulse, time, t_s: time.since(self.start), change });
         Ok(())
     }

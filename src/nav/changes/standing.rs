@@ -64,7 +64,10 @@ pub fn heard(errors: &Errors, given: &[Given], t_s: f64) -> (usize, Heard) {
     if let Some(begun_s) = dropout {
         let between = errors.model().dropouts.map_or(Between::Extrapolate, |model| model.during);
         let epoch = arrived(begun_s, latency_s, at_hand);
-        return (in_effect, Heard { epoch, time_s: errors.time_unless_now(epoch, t_s), between, dropout: true });
+        return (
+            in_effect,
+            Heard { epoch, time_s: errors.time_unless_now(epoch, t_s), between, dropout: true },
+        );
     }
     let mut heard = errors.heard_after(t_s, latency_s);
     if let Some(held) = at_hand.filter(|held| *held > heard.epoch) {

@@ -215,19 +215,51 @@ mod tests {
         }
     }
 
+    proptest::proptest! {
+        /// Whatever is sent is read or refused, and what is read is written as it was meant.
+        #[test]
+        fn no_text_does_harm(text in "\\PC{0,60}", value in proptest::num::f64::ANY, axis in 0..AXES) {
+            let _ = addressed(&text);
+            let line = format!("step {} {value} {}", AXIS_NAMES[axis], unit(axis).0);
+            match line.parse::<Change>() {
+                Ok(change) => proptest::prop_assert_eq!(change, Change::Step { axis, value }),
+                Err(_) => proptest::prop_assert!(!(value.abs() <= unit(axis).1)),
+            }
+            proptest::prop_assert_eq!(addressed(&format!("clear on {}", "x-1")), Ok((Change::Clear, Some("x-1"))));
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_said() {
         let told = |text: &str| text.parse::<Change>().unwrap_err().to_string();
         insta::assert_snapshot!(
             [
-                "", "jump position.up 5 m", "step", "step position.up 5", "step position.up 5 m m", "step north 5 m",
-                "step position.up five m", "step position.up NaN m", "bias attitude.roll 361 deg", "ramp position.up 5 m",
-                "step velocity.up 5 m", "dropout 2.5", "dropout -1 s", "dropout inf s", "latency 70000 ms", "latency 1 s",
-                "clear all",
+                "", "jump position.up 5 m", "step", "ramp position.up 5", "bias position.up 5 m m", "step north 5 m",
+                "step position.up five m", "step position.up NaN m", "bias attitude.roll 361 deg",
+                "ramp position.up 5 m", "step velocity.up 5 m", "dropout 2.5", "dropout -1 s", "dropout inf s",
+                "latency 70000 ms", "latency 1 s", "clear all",
             ]
             .map(told)
             .join("\n"),
-            @""
+            @r"
+        '': allowed: step, bias, ramp, dropout, latency, clear
+        'jump': allowed: step, bias, ramp, dropout, latency, clear
+        'step': allowed: step AXIS VALUE UNIT, such as step position.up 5 m
+        'ramp position.up 5': allowed: ramp AXIS VALUE UNIT, such as ramp position.east 0.5 m/s
+        'bias position.up 5 m m': allowed: bias AXIS VALUE UNIT, such as bias attitude.heading 0.3 deg
+        axis 'north': allowed: position.east, position.north, position.up, velocity.east, velocity.north, velocity.up, attitude.roll, attitude.pitch, attitude.heading
+        value 'five': allowed: a number from -100000000 to 100000000 m
+        value 'NaN': allowed: a number from -100000000 to 100000000 m
+        value '361': allowed: a number from -360 to 360 deg
+        unit 'm' of position.up: allowed: m/s
+        unit 'm' of velocity.up: allowed: m/s
+        'dropout 2.5': allowed: dropout SECONDS s, such as dropout 2.5 s
+        value '-1': allowed: a number from 0 to 1000000 s
+        value 'inf': allowed: a number from 0 to 1000000 s
+        value '70000': allowed: a number from 0 to 60000 ms
+        unit 's' of latency: allowed: ms
+        'clear all': allowed: clear
+        "
         );
     }
 }

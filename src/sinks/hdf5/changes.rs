@@ -11,7 +11,6 @@ use ::hdf5::{Dataset, Extent, File, H5Type};
 use super::file::Fault;
 use crate::pulse::log::{Entry, Log, Origin};
 use crate::sinks::unwritten::Unwritten;
-use crate::time::TimeTag;
 
 /// Where it is.
 const PATH: &str = "truth/changes";
@@ -28,7 +27,6 @@ const CHUNK: usize = 16;
 struct Row {
     pulse: u64,
     time_ns: i64,
-    time_frac_ns: f64,
     platform: FixedUnicode<NAME>,
     text: FixedUnicode<TEXT>,
     source: FixedUnicode<16>,
@@ -60,11 +58,9 @@ impl ChangeTable {
             return Ok(());
         }
         let row = |entry: &Entry| -> Result<Row, Fault> {
-            let (time_ns, time_frac_ns) = entry.time.to_unix_ns();
             Ok(Row {
                 pulse: entry.pulse,
-                time_ns,
-                time_frac_ns,
+                time_ns: entry.time_ns,
                 platform: fixed(&entry.platform)?,
                 text: fixed(&entry.text)?,
                 source: fixed(entry.origin.word())?,
@@ -88,10 +84,9 @@ pub(super) fn read(file: &File) -> Result<Option<Arc<Log>>, Fault> {
     let entry = |row: &Row| {
         let origin = Origin::named(row.source.as_str())
             .ok_or_else(|| Fault::Text(format!("/{PATH}: source '{}' is none", row.source.as_str())))?;
-        let (seconds, ns) = (row.time_ns.div_euclid(1_000_000_000), row.time_ns.rem_euclid(1_000_000_000));
         Ok(Entry {
             pulse: row.pulse,
-            time: TimeTag::new(seconds, (ns as f64 + row.time_frac_ns) * 1e-9),
+            time_ns: row.time_ns,
             platform: row.platform.as_str().to_owned(),
             text: row.text.as_str().to_owned(),
             origin,

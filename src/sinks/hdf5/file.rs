@@ -157,7 +157,16 @@ impl Recording {
         // goes without.
         let mark = fs::File::open(path).ok().filter(|file| file.try_lock_shared().is_ok());
         let pending = Vec::with_capacity(4096);
-        Ok(Self { datasets, changes, file, path: path.to_owned(), columns: list, rows: 0, pending, _mark: mark })
+        Ok(Self {
+            datasets,
+            changes,
+            file,
+            path: path.to_owned(),
+            columns: list,
+            rows: 0,
+            pending,
+            _mark: mark,
+        })
     }
 
     pub(crate) fn path(&self) -> &Path {

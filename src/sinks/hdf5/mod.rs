@@ -5,7 +5,7 @@
 //! `origin_lat_deg`, `origin_lon_deg`, `origin_h_m` (absent for a plain local frame), `seed`, `config`,
 //! `software`, `start_time_ns` (emission of pulse 0), `first_pulse`, `pulses`; `/iq`, `/replica`, `/channel`,
 //! `/truth/targets`, `/truth/pairs`, `/truth/ships`, `/truth/clocks`, where reports may be changed `/truth/changes`
-//! (`pulse`, `time_ns`, `time_frac_ns`, `platform`, `text`, `source`: every change up to the last pulse), and the per-pulse datasets of [`super::columns`].
+//! (`pulse`, `time_ns`, `platform`, `text`, `source`: every change up to the last pulse), and the per-pulse datasets of [`super::columns`].
 //!
 //! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
 //! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
