@@ -12,6 +12,7 @@ use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
 mod ais;
+mod changes;
 mod navigation;
 mod errors;
 mod sea;
@@ -75,6 +76,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(ship::variants());
     seas.extend(ais::variants());
     seas.extend(errors::variants());
+    seas.extend(changes::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides)).asked);
