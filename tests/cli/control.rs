@@ -311,7 +311,7 @@ change = "step position.up 5 furlongs"
     assert_eq!(ended.code, 2);
     for part in [
         "pulse 888: allowed: before pulse 888, where the run ends",
-        "'ship'",
+        "there is no platform \"ship\"; allowed: mast, aircraft",
         "unit 'furlongs' of position.up: allowed: m",
         "at_s",
         "platform",

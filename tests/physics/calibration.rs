@@ -76,15 +76,17 @@ fn the_tone_keeps_level_and_phase_over_a_hundred_thousand_pulses() {
 }
 
 proptest! {
-    /// Against whole numbers: hertz and intervals of whole microseconds.
+    /// Against whole numbers: hertz, and intervals as they are, whole attoseconds.
     #[test]
     fn turns_are_those_of_integers(hz in -50_000_000i64..50_000_000, us in 1u64..100_000, pulse in 0u64..10_000_000_000) {
-        let times = PulseTimes::sequence(&[us as f64 * 1e-6]).unwrap();
-        let exact = (i128::from(hz) * i128::from(us) * i128::from(pulse)).rem_euclid(1_000_000) as f64 / 1e6;
+        let pri_s = us as f64 * 1e-6;
+        let times = PulseTimes::sequence(&[pri_s]).unwrap();
+        let interval_as = (pri_s * 1e18).round() as i128;
+        let rest = (i128::from(hz) * interval_as * i128::from(pulse)).rem_euclid(1_000_000_000_000_000_000);
         let found = turns(hz as f64, &times, pulse, 0.0);
         prop_assert!(found.is_finite());
-        // The fraction of the second is right to 2^-53 s and 1e-18 s of each interval's rounding.
-        prop_assert!(apart(found, exact).abs() < 2e-8, "{found} {exact}");
+        // 5e7 Hz, and a fraction of a second that is right to a rounding of its own and one of the sum: 2^-53 s each.
+        prop_assert!(apart(found, rest as f64 / 1e18).abs() < 2e-8, "{found} {rest}");
     }
 }
 
