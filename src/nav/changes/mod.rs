@@ -44,6 +44,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use thiserror::Error;
 
+use crate::nav::errors::AXES;
 use crate::pulse::log::{Entry, Log, Origin};
 use crate::time::{PulseTimes, TimeTag};
 
@@ -91,6 +92,19 @@ pub enum Change {
     Clear,
 }
 
+impl Change {
+    /// Whether it has a meaning: an axis that there is, finite numbers, times that are not negative.
+    pub fn is_sound(&self) -> bool {
+        match *self {
+            Self::Step { axis, value } | Self::Bias { axis, value } | Self::Ramp { axis, value } => {
+                axis < AXES && value.is_finite()
+            }
+            Self::Dropout { seconds: time } | Self::Latency { ms: time } => time.is_finite() && time >= 0.0,
+            Self::Clear => true,
+        }
+    }
+}
+
 /// A change of the scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
@@ -128,6 +142,12 @@ pub enum ChangeFault {
         name: String,
         /// Those that there are.
         known: String,
+    },
+    /// Numbers that no text would give.
+    #[error("change '{text}': allowed: an axis that there is and finite numbers, times not below 0")]
+    Unsound {
+        /// As it would be written.
+        text: String,
     },
     /// No pulse is left that could have it.
     #[error("pulse {pulse}: allowed: before pulse {end}, where the run ends")]
@@ -225,6 +245,9 @@ impl Changes {
         let (Some(of), Some(name)) = (self.platforms.get(platform), self.names.get(platform)) else {
             return Err(ChangeFault::Platform { name: platform.to_string(), known: self.names.join(", ") });
         };
+        if !change.is_sound() {
+            return Err(ChangeFault::Unsound { text: change.to_string() });
+        }
         let taken: usize = self.platforms.iter().map(|of| of.count.load(Ordering::Acquire)).sum();
         if taken >= MOST_CHANGES {
             return Err(ChangeFault::TooMany);
@@ -235,5 +258,96 @@ impl Changes {
         self.log.enter(Entry { pulse, time_ns, platform: name.clone(), text, origin });
         of.give(Given { pulse, time, t_s: time.since(self.start), change });
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn changes() -> Changes {
+        let names = ["mast".to_owned(), "aircraft".to_owned()];
+        Changes::new(&names, &PulseTimes::uniform(200.0).unwrap(), TimeTag::new(1_000_000, 0.25))
+    }
+
+    #[test]
+    fn they_stand_in_the_order_of_their_pulses() {
+        let changes = changes();
+        for (pulse, text) in [(9, "dropout 1 s"), (3, "clear"), (9, "latency 2 ms")] {
+            let event = Event { pulse, platform: 1, change: text.parse().unwrap() };
+            changes.enter(&event, Origin::Control).unwrap();
+        }
+        let told = changes.of(1).unwrap().read(|given| {
+            given.iter().map(|one| (one.pulse, one.t_s, one.change.to_string())).collect::<Vec<_>>()
+        });
+        let text = |n: usize| told[n].2.as_str();
+        assert_eq!((text(0), text(1), text(2)), ("clear", "dropout 1 s", "latency 2 ms"));
+        assert_eq!((told[0].0, told[0].1), (3, 3.0 / 200.0));
+        assert!(changes.of(0).unwrap().is_empty() && changes.of(2).is_none());
+        assert_eq!(changes.log().entries().len(), 3);
+    }
+
+    #[test]
+    fn there_is_an_end_to_them() {
+        let changes = changes();
+        let clear = Event { pulse: 1, platform: 0, change: Change::Clear };
+        (0..MOST_CHANGES).for_each(|_| changes.enter(&clear, Origin::Scenario).unwrap());
+        assert_eq!(changes.enter(&clear, Origin::Control), Err(ChangeFault::TooMany));
+        let unsound = [Change::Step { axis: 9, value: 1.0 }, Change::Ramp { axis: 0, value: f64::NAN }];
+        for change in unsound.into_iter().chain([Change::Dropout { seconds: -1.0 }]) {
+            let told = changes.enter(&Event { change, ..clear }, Origin::Control).unwrap_err();
+            assert!(matches!(told, ChangeFault::Unsound { .. }), "{told}");
+        }
+    }
+
+    proptest::proptest! {
+        /// Whatever was changed, the report at hand is one that was made, and what is added is finite.
+        #[test]
+        fn any_list_has_a_meaning(
+            list in proptest::collection::vec((0u64..50, 0usize..6, 0usize..AXES, -1e4f64..1e4), 0..12),
+            model in 0usize..3,
+            at in 0u64..60,
+        ) {
+            use crate::nav::errors::{Circumstances, Dropouts, ErrorModel, Errors, Between};
+            let times = PulseTimes::uniform(200.0).unwrap();
+            let of = Circumstances { seed: 1, platform: 0, times: &times, pulses: 60, before_s: 0.0 };
+            let model = match model {
+                0 => ErrorModel::default(),
+                1 => ErrorModel { rate_hz: Some(70.0), latency_s: 0.01, jitter_s: 0.004, ..ErrorModel::default() },
+                _ => ErrorModel {
+                    dropouts: Some(Dropouts { per_hour: 1e5, mean_s: 0.02, during: Between::Hold }),
+                    ..ErrorModel::default()
+                },
+            };
+            let errors = Errors::new(&model, &of).unwrap();
+            let mut given: Vec<Given> = list
+                .iter()
+                .map(|&(pulse, kind, axis, value)| {
+                    let change = match kind {
+                        0 => Change::Step { axis, value },
+                        1 => Change::Bias { axis, value },
+                        2 => Change::Ramp { axis, value },
+                        3 => Change::Dropout { seconds: value.abs() * 1e-5 },
+                        4 => Change::Latency { ms: value.abs() * 1e-2 },
+                        _ => Change::Clear,
+                    };
+                    let time = times.emission(TimeTag::default(), pulse);
+                    Given { pulse, time, t_s: time.since(TimeTag::default()), change }
+                })
+                .collect();
+            given.sort_by_key(|one| one.pulse);
+            let begun = given.partition_point(|one| one.pulse <= at);
+            let t_s = times.interval_s(0, at);
+            let (in_effect, heard) = heard(&errors, &given[..begun], t_s);
+            proptest::prop_assert!(in_effect <= begun);
+            let epoch_s = heard.time_s.unwrap_or(t_s);
+            proptest::prop_assert!(epoch_s <= t_s + 1e-6);
+            let added = standing(&errors, &given[..in_effect], epoch_s);
+            proptest::prop_assert!(added.error.iter().chain(&added.growth).all(|value| value.is_finite()));
+            // A list that ends with `clear` adds nothing.
+            let cleared = Given { change: Change::Clear, pulse: at, time: TimeTag::default(), t_s };
+            let all: Vec<Given> = given[..begun].iter().copied().chain([cleared]).collect();
+            proptest::prop_assert!(standing(&errors, &all, t_s).is_nothing());
+        }
     }
 }

@@ -225,7 +225,7 @@ mod tests {
                 Ok(change) => proptest::prop_assert_eq!(change, Change::Step { axis, value }),
                 Err(_) => proptest::prop_assert!(!(value.abs() <= unit(axis).1)),
             }
-            proptest::prop_assert_eq!(addressed(&format!("clear on {}", "x-1")), Ok((Change::Clear, Some("x-1"))));
+            proptest::prop_assert_eq!(addressed("clear  on x-1 "), Ok((Change::Clear, Some("x-1"))));
         }
     }
 
