@@ -59,6 +59,7 @@ fn header(format: SampleFormat) -> Header {
         first_pulse: 0,
         pulses: u64::MAX,
         truth: false,
+        changes: None,
     }
 }
 

@@ -21,6 +21,9 @@ import numpy as np
 FLAGS = {1: "late", 2: "after a gap", 4: "ADC saturated", 8: "outside the window"}
 
 
+CHANGE_KEYS = ("pulse", "time_ns", "platform", "text", "source")
+
+
 class Recording:
     """What both kinds have in common. `meta` holds the attributes by name."""
 
@@ -55,6 +58,10 @@ class Recording:
         """Names of the ships whose tracks are in the truth record."""
         raise NotImplementedError
 
+    def changes(self):
+        """What was changed of reports up to the last pulse: dictionaries with pulse, time_ns, platform, text, source."""
+        raise NotImplementedError
+
     def ship(self, name):
         """True position, velocity, and heading (degrees clockwise from North) of a ship, per pulse."""
         place = self.ships().index(name)
@@ -87,7 +94,8 @@ class Hdf5Recording(Recording):
         self.refresh()
 
     def _note(self, name, item):
-        if hasattr(item, "shape") and item.maxshape and item.maxshape[0] is None:
+        per_pulse = name != "truth/changes"
+        if per_pulse and hasattr(item, "shape") and item.maxshape and item.maxshape[0] is None:
             self.columns.append(name)
 
     def refresh(self):
@@ -104,6 +112,13 @@ class Hdf5Recording(Recording):
 
     def ships(self):
         return [name.decode() for name in self.file["truth/ships"][:]] if "truth/ships" in self.file else []
+
+    def changes(self):
+        if "truth/changes" not in self.file:
+            return []
+        table = self.file["truth/changes"]
+        table.refresh()
+        return [{k: _plain(row[k]) for k in CHANGE_KEYS} for row in table[:]]
 
     def close(self):
         self.file.close()
@@ -137,6 +152,13 @@ class PlainRecording(Recording):
     def ships(self):
         return self.meta.get("ships", [])
 
+    def changes(self):
+        try:
+            with open(os.path.join(self.path, "truth/changes.jsonl"), encoding="utf-8") as f:
+                return [json.loads(line) for line in f if line.endswith("\n")]
+        except FileNotFoundError:
+            return []
+
     def close(self):
         pass
 
@@ -168,6 +190,7 @@ def summary(rec):
         "last": int(index[-1]) if n else None,
         "missing": int(index[-1] - index[0] + 1 - n) if n else 0,
         "flags": {name: int(np.count_nonzero(flags & bit)) for bit, name in FLAGS.items()},
+        "changes": rec.changes(),
         "channels": rec.meta["channels"],
         "iq_shape": [int(n), *(int(k) for k in rec["iq"].shape[1:])],
         "columns": {c: list(map(int, rec[c].shape)) for c in sorted(rec.columns)},
@@ -187,6 +210,8 @@ def show(s):
     print(f"  channels {' '.join(s['channels'])}; iq {s['iq_shape']} at {s['sample_rate_hz']:g} Hz")
     print(f"  carrier {s['carrier_hz']:g} Hz, bandwidth {s['bandwidth_hz']:g} Hz, pulse {s['pulse_s']:g} s")
     print("  flagged: " + ", ".join(f"{v} {k}" for k, v in s["flags"].items()))
+    for change in s["changes"]:
+        print(f"  from pulse {change['pulse']}: {change['text']} on {change['platform']} ({change['source']})")
     if "last_rms" in s:
         rms = ", ".join(f"{c} {v:.3e}" for c, v in zip(s["channels"], s["last_rms"]))
         print(f"  rms of the last pulse, sqrt(W): {rms}")

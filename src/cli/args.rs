@@ -68,6 +68,9 @@ pub struct RunArgs {
     /// Recording (instead of the path of the scenario's recording)
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// Take changes of reports while the run goes on: a Unix socket to be made, or - for standard input (docs/control.md)
+    #[arg(long, value_name = "PATH")]
+    pub control: Option<PathBuf>,
     /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<Setting>,

@@ -203,7 +203,8 @@ fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
 /// Everything that the scenario says by itself, without opening the files it names.
 pub(super) fn report(run: &Run) -> Report {
     let (scene, radar) = (&run.scene, &run.scene.radar);
-    let layout = radar.layout(scene.platforms.len(), scene.targets.len());
+    let mut layout = radar.layout(scene.platforms.len(), scene.targets.len());
+    layout.channels += run.calibration.len();
     let sample_bytes = match layout.format {
         SampleFormat::Cf32 => 8,
         SampleFormat::Ci16 => 4,
@@ -220,7 +221,12 @@ pub(super) fn report(run: &Run) -> Report {
         duration_s,
         pulses: scene.pulses,
         mean_prf_hz: prf_hz,
-        channels: radar.channels.iter().map(|channel| channel.name.clone()).collect(),
+        channels: radar
+            .channels
+            .iter()
+            .map(|channel| channel.name.clone())
+            .chain(run.calibration.iter().map(|known| known.name.clone()))
+            .collect(),
         samples: layout.samples,
         platforms: platforms(run),
         targets: scene.targets.len(),

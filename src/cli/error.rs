@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::control::ControlFault;
 use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
@@ -60,6 +61,9 @@ pub enum CliError {
         /// What was asked.
         out: PathBuf,
     },
+    /// No control.
+    #[error(transparent)]
+    Control(#[from] ControlFault),
     /// The keys of a table.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -86,6 +90,7 @@ impl CliError {
             | Self::Pattern(_)
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
+            | Self::Control(_)
             | Self::Table(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.

@@ -6,6 +6,7 @@
 mod args;
 mod bench;
 mod check;
+mod control;
 mod error;
 mod merge;
 mod nav;
@@ -29,9 +30,11 @@ pub use args::{
     Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotASpan, Pace, PulseRange, ReceiveArgs,
     RunArgs, Setting, Template, TradeoffArgs,
 };
+pub use control::ControlFault;
 pub use error::CliError;
 pub use nav::{
-    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInspectArgs, NavPlayArgs, NavToolError,
+    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
+    NavToolError,
 };
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};

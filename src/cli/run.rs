@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
 
 use super::args::{Pace, RunArgs, Setting};
+use super::control::{Door, Subject};
 use super::error::CliError;
 use super::progress;
 use super::say;
@@ -16,6 +17,7 @@ use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::live::{FlightReport, LiveNav};
 use crate::pipeline::outlook::outlook;
+use crate::pulse::log::Entry;
 use crate::sinks::sink::SinkReport;
 use crate::sinks::{self, Kind};
 use crate::transport;
@@ -31,6 +33,8 @@ struct Report<'a> {
     navigation: Option<Vec<FlightReport>>,
     /// What each recording holds.
     out: &'a [&'a SinkReport],
+    /// What was changed of reports, up to the last pulse.
+    changes: &'a [Entry],
     /// Why the run failed, if it did.
     error: Option<String>,
 }
@@ -41,6 +45,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     for warning in &run.warnings {
         say(format_args!("warning: {warning}"));
     }
+    let door = args.control.as_deref().map(Door::at).transpose()?;
+    let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
     let rehearsed = stream.rehearsed().unwrap_or(&run);
     for warning in outlook(rehearsed)?.iter().flat_map(|sea| &sea.warnings) {
@@ -60,19 +66,35 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     .map_err(CliError::Signal)?;
     let (status, watcher) = progress::watch(stream.schedule().count);
     let live = stream.live_navigation();
+    let log = stream.log();
+    let open = door
+        .zip(stream.control())
+        .map(|(door, control)| door.open(Subject { control, stop: Arc::clone(&stop) }));
     let outcome = stream.run(&stop, Some(status));
+    if let Some(open) = open {
+        open.close();
+    }
     watcher.finish();
     let outcome = outcome?;
     let recordings: Vec<&SinkReport> =
         outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
+    let passed = outcome.summary.health.pulses + outcome.summary.health.dropped;
+    let changes = match (log, (first + passed).checked_sub(1)) {
+        (Some(log), Some(last)) if passed > 0 => log.between(None, last),
+        _ => Vec::new(),
+    };
     if args.json {
         let error = outcome.result.as_ref().err().map(ToString::to_string);
         let navigation = live.as_ref().map(|live| live.report());
-        let report = Report { summary: &outcome.summary, navigation, out: &recordings, error };
+        let report =
+            Report { summary: &outcome.summary, navigation, out: &recordings, changes: &changes, error };
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
         writeln!(out, "{text}").map_err(CliError::Output)?;
     }
     tell(&run, &outcome, &recordings);
+    for Entry { pulse, platform, text, .. } in &changes {
+        say(format_args!("from pulse {pulse}: {text} on {platform}"));
+    }
     if let Some(live) = live {
         tell_navigation(&live, &outcome);
     }
@@ -178,6 +200,7 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
         overrides.push(("scene.duration_s".to_owned(), duration_s.clone()));
     }
     let mut run = config::load(&args.config, &overrides)?;
+    run.control = args.control.is_some();
     if let Some(pace) = args.pace {
         run.stream.pace = match pace {
             Pace::Realtime => transport::Pace::Realtime,

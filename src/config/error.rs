@@ -311,6 +311,12 @@ pub enum Problem {
         /// What is wrong with it.
         error: String,
     },
+    /// What another room says of it.
+    #[error("{error}")]
+    Refused {
+        /// What is wrong with it.
+        error: String,
+    },
     /// Navigation out in a scene that lies nowhere.
     #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     ReportNeedsOrigin,

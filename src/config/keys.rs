@@ -87,6 +87,8 @@ pub enum Kind {
     },
     /// Polarisation pair, receive then transmit.
     PolarisationPair,
+    /// A line of text.
+    Line,
     /// A name: letters, digits, `_`, `-`, `.`, at most 64 of them.
     Name,
     /// An instant, UTC.
@@ -227,6 +229,7 @@ tables! {
         AIS "ais", Sections(&ais::TABLE), Means("none"), "Ships of a recorded AIS log, with [sea].";
         TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";
         TARGET_GRID "target_grid", Sections(&target_grid::TABLE), Means("none"), "Fields of equal point targets.";
+        EVENT "event", Sections(&event::TABLE), Means("none"), "Changes of what platforms report, each from a pulse on.";
         FIDELITY "fidelity", Section(&fidelity::TABLE), Means("all defaults"), "Speed against accuracy.";
         STREAM "stream", Section(&stream::TABLE), Means("all defaults"), "How pulses are released.";
         SINK "sink", Sections(&sink::TABLE), Means("pulses are counted and forgotten"), "Where pulses go.";
@@ -272,6 +275,7 @@ tables! {
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
         NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure at 290 K.";
         ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
+        CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
     waveform "[radar.waveform]" "What is radiated, at unit amplitude." {
@@ -308,6 +312,17 @@ tables! {
         TRANSMITTER "transmitter", Name, Means("the only transmitter"), "Its transmitter.";
         RECEIVER "receiver", Name, Means("the only receiver"), "Its receiver.";
         NAME "name", Name, Means("the polarisation pair, with the names of the antennas where there are several"), "Its name in recordings.";
+    }
+    calibration "[[radar.calibration]]" "A channel that carries a signal known in closed form in place of an echo (docs/calibration.md)." {
+        NAME "name", Name, Required, "Its name in recordings, unique among channels.";
+        KIND "kind", Choice(&["tone", "loopback"]), Required, "A continuous tone, or the transmitted pulse after the receive filter.";
+        RECEIVER "receiver", Name, Means("the only receiver"), "The receiver that takes it, with its clock.";
+        TRANSMITTER "transmitter", Name, Means("the only transmitter"), "loopback: the transmitter, with its clock.";
+        POWER_DBW "power_dbw", number("dBW", -400.0, 200.0), Required, "Power of the signal; of a loopback, that of a pulse of unit amplitude.";
+        PHASE_DEG "phase_deg", number("deg", -360.0, 360.0), default(0.0), "Its phase: of a tone at the emission of pulse 0.";
+        OFFSET_HZ "offset_hz", number("Hz", -5e10, 5e10), Required, "tone: frequency above the carrier, at most half the sample rate either way.";
+        DELAY_S "delay_s", number("s", 0.0, 100.0), Required, "loopback: from the first sample of every window to the begin of the pulse; the whole pulse must lie in the window.";
+        NOISE "noise", Kind::Flag, Flag(false), "Whether the receiver's noise is added.";
     }
     platform "[[platform]]" "Something that carries antennas." {
         NAME "name", Name, Required, "Its name, unique among platforms.";
@@ -594,6 +609,12 @@ tables! {
         RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("rcs_dbsm is given"), "Radar cross section of each.";
         RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("rcs_m2 is given"), "The same in dB over 1 m^2.";
     }
+    event "[[event]]" "A change of what a platform reports, from a pulse on (docs/control.md). Exactly one of pulse and at_s." {
+        PULSE "pulse", count(0, u64::MAX), Means("at_s is given"), "The first pulse that has it.";
+        AT_S "at_s", number("s", 0.0, 1e7), Means("pulse is given"), "After pulse 0: the first pulse emitted then or later has it.";
+        PLATFORM "platform", Name, Means("the only platform"), "Whose report.";
+        CHANGE "change", Kind::Line, Required, "What changes, in the words of a control line: \"step position.up 5 m\", \"bias attitude.heading 0.3 deg\", \"ramp position.east 0.5 m/s\", \"dropout 2.5 s\", \"latency 250 ms\", \"clear\".";
+    }
     fidelity "[fidelity]" "Speed against accuracy." {
         ECHO "echo", Choice(&["reference", "fast"]), Means("fast with a sea, reference without"), "reference: every pulse from its own contacts, in f64. fast: blocks of pulses, contacts at nodes, all between interpolated, in f32.";
         ERROR_DB "error_db", number("dB", -120.0, -20.0), default(-60.0), "fast: error allowed against the reference, worst pulse and channel. The keys below are chosen to keep it, but for those that are given.";
@@ -665,6 +686,7 @@ impl Kind {
             Self::Name => {
                 "a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'".to_owned()
             }
+            Self::Line => "a text of one line".to_owned(),
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
             Self::TimeOr(word) => {

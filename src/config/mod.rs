@@ -64,7 +64,9 @@ use std::path::{Path, PathBuf};
 
 use crate::echo::Fidelity;
 use crate::nav::PlatformNav;
+use crate::nav::changes::Event;
 use crate::scene::Scene;
+use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
 use crate::{sinks, transport};
 
@@ -85,6 +87,12 @@ pub struct Run {
     pub nav: Vec<PlatformNav>,
     /// Clocks that are wrong.
     pub clocks: Clocks,
+    /// Channels with signals known in closed form, behind those of the radar.
+    pub calibration: Vec<Calibration>,
+    /// Changes of reports.
+    pub events: Vec<Event>,
+    /// Whether more of them may come while the run goes on; no scenario says so.
+    pub control: bool,
     /// How echoes are made.
     pub fidelity: Fidelity,
     /// How pulses are released.
@@ -165,6 +173,9 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
         start_live: parts.start_live,
         nav: parts.nav,
         clocks: parts.clocks,
+        calibration: parts.calibration,
+        events: parts.events,
+        control: false,
         fidelity: parts.fidelity,
         stream: parts.stream,
         sinks: parts.sinks,

@@ -259,6 +259,16 @@ impl<'a> Section<'a> {
         legal.then(|| text.to_owned())
     }
 
+    /// A text of one line; `None` when absent or faulty.
+    pub(super) fn line(&self, key: &'static Key) -> Option<String> {
+        let (text, node) = self.text(key)?;
+        let legal = !text.chars().any(|c| c.is_control() && c != '\t');
+        if !legal {
+            self.wrong_type(key, node);
+        }
+        legal.then(|| text.to_owned())
+    }
+
     /// A path to something to be made; `None` when absent or faulty.
     pub(super) fn output(&self, key: &'static Key) -> Option<PathBuf> {
         let (text, node) = self.text(key)?;

@@ -12,6 +12,7 @@ use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
 mod ais;
+mod changes;
 mod live;
 mod navigation;
 mod errors;
@@ -77,6 +78,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(ais::variants());
     seas.extend(errors::variants());
     seas.extend(live::variants());
+    seas.extend(changes::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides)).asked);

@@ -440,7 +440,8 @@ impl Grown {
         }
         let planned = self.ways.iter().fold(known, |sum, way| sum.combined(way.left(t), 1.0));
         let offset = Jets::of(end).combined(planned, -1.0);
-        if offset.p[0].length() > NOTHING || offset.p[1].length() > NOTHING || offset.q[0].length() > NOTHING {
+        if offset.p[0].length() > NOTHING || offset.p[1].length() > NOTHING || offset.q[0].length() > NOTHING
+        {
             self.ways.push(Back::of(t, offset));
         }
     }

@@ -20,8 +20,11 @@ pub use fit::FitReport;
 pub use report::Report;
 pub use track::{SourceError, SourceReport, State, Track, TrackError};
 
+use std::sync::Arc;
+
 use crate::frames::SceneFrame;
 use crate::nav::PlatformNav;
+use crate::nav::changes::PlatformChanges;
 use crate::nav::errors::{Circumstances, ErrorModel, Recorded};
 use crate::scene::radar::AimFrom;
 use crate::time::TimeTag;
@@ -77,6 +80,19 @@ impl PlatformTracks {
             (Some(model), None) => says.with_errors(model, of, start)?,
         };
         Ok(Self { truth, reported })
+    }
+
+    /// The same where what is reported changes while the run goes on.
+    ///
+    /// # Errors
+    /// None of a sound run.
+    pub fn with_changes(
+        self,
+        changes: &Arc<PlatformChanges>,
+        of: &Circumstances,
+        start: TimeTag,
+    ) -> Result<Self, SourceError> {
+        Ok(Self { reported: self.reported.with_changes(changes, of, start)?, ..self })
     }
 
     /// The trajectory that a servo or a range gate acts on.

@@ -3,10 +3,15 @@
 //! `p = p_k + e_k + (v_k + e'_k) (t - t_k)` (or held), `k` the report that has arrived ([`crate::nav::errors`]); velocity and
 //! attitude are those of the epoch. A report of the instant itself keeps acceleration and angular rate of the track; one that is older has
 //! neither. Before the begin of a recorded track its first instant is reported.
+//!
+//! Changes while a run goes on ([`crate::nav::changes`]) add to `e_k` and choose `k`: those are in effect whose pulse has been emitted at the instant.
+
+use std::sync::Arc;
 
 use super::deviation::tilted;
 use super::track::{State, Track, TrackError};
 use crate::frames::{Enu, Point, Rotation, Vector};
+use crate::nav::changes::{self, Given, PlatformChanges, Standing};
 use crate::nav::errors::{ATTITUDE, Between, Errors, VELOCITY};
 use crate::pulse::flags;
 use crate::time::TimeTag;
@@ -30,25 +35,54 @@ impl Report {
 }
 
 /// A track as it is reported.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Reports {
     pub base: Track,
     pub errors: Errors,
     pub start: TimeTag,
+    /// Without changes the track itself is reported.
+    pub right: bool,
+    pub changes: Option<Arc<PlatformChanges>>,
 }
 
 impl Reports {
     /// What is said at an instant. Nothing is allocated.
     pub fn at(&self, t: TimeTag) -> Result<Report, TrackError> {
-        let heard = self.errors.heard(t.since(self.start));
+        match &self.changes {
+            Some(changes) => changes.read(|given| {
+                let begun = given.partition_point(|one| t.since(one.time) >= 0.0);
+                self.changed(t, &given[..begun])
+            }),
+            None => self.changed(t, &[]),
+        }
+    }
+
+    /// What is said at an instant by which some changes have begun.
+    fn changed(&self, t: TimeTag, given: &[Given]) -> Result<Report, TrackError> {
+        if self.right && given.is_empty() {
+            return self.base.report(t);
+        }
+        let t_s = t.since(self.start);
+        let (given, heard) = match given {
+            [] => (given, self.errors.heard(t_s)),
+            _ => {
+                let (in_effect, heard) = changes::heard(&self.errors, given, t_s);
+                (&given[..in_effect], heard)
+            }
+        };
         let mut epoch = heard.time_s.map_or(t, |time_s| self.start.plus(time_s));
         if let Some((first, _)) = self.base.span()
             && first.since(epoch) > 0.0
         {
             epoch = if first.since(t) > 0.0 { t } else { first };
         }
+        let epoch_s = epoch.since(self.start);
+        let standing = changes::standing(&self.errors, given, epoch_s);
         let base = self.base.report(epoch)?;
-        let mut state = self.wrong(&base.state, heard.epoch, epoch.since(self.start));
+        let mut state = base.state;
+        if !self.right || !standing.is_nothing() {
+            state = self.wrong(&state, heard.epoch, epoch_s, &standing);
+        }
         let age_s = t.since(epoch);
         if age_s > 0.0 {
             if heard.between == Between::Extrapolate {
@@ -62,10 +96,12 @@ impl Reports {
     }
 
     /// A state with the errors of an epoch, `t_s` after pulse 0.
-    fn wrong(&self, state: &State, epoch: i64, t_s: f64) -> State {
+    fn wrong(&self, state: &State, epoch: i64, t_s: f64, more: &Standing) -> State {
         let (errors, model) = (&self.errors, self.errors.model());
-        let error = |first: usize| [0, 1, 2].map(|axis| errors.value(first + axis, epoch, t_s));
-        let moving = [0, 1, 2].map(|axis| errors.known(axis, t_s)[1]);
+        let error = |first: usize| {
+            [0, 1, 2].map(|axis| errors.value(first + axis, epoch, t_s) + more.error[first + axis])
+        };
+        let moving = [0, 1, 2].map(|axis| errors.known(axis, t_s)[1] + more.growth[axis]);
         let arm = state.attitude * model.lever_arm_error;
         let offset = vector(error(0)) + arm;
         let drift = vector(error(VELOCITY)) + vector(moving) + state.angular_rate.cross(arm);

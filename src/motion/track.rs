@@ -40,6 +40,7 @@ use super::live::{LiveTrack, Told};
 use super::report::{Report, Reports};
 use super::turbulence::{self, TurbulenceFault};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
+use crate::nav::changes::PlatformChanges;
 use crate::nav::errors::{AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault};
 use crate::nav::{self, AttitudeSource, FileSource, Fix, Gusts, LoadReport, NavError, Place, TrackSource};
 use crate::time::TimeTag;
@@ -454,7 +455,39 @@ impl Track {
         start: TimeTag,
     ) -> Result<Self, SourceError> {
         let errors = Errors::new(model, of)?;
-        Ok(Self(Kind::Reported(Arc::new(Reports { base: self.clone(), errors, start }))))
+        let (base, changes) = (self.clone(), None);
+        Ok(Self(Kind::Reported(Arc::new(Reports { base, errors, start, right: false, changes }))))
+    }
+
+    /// This track as it is reported by a platform whose reports are changed while the run goes on.
+    ///
+    /// # Errors
+    /// None of a sound run.
+    pub fn with_changes(
+        self,
+        changes: &Arc<PlatformChanges>,
+        of: &Circumstances,
+        start: TimeTag,
+    ) -> Result<Self, SourceError> {
+        let changes = Some(Arc::clone(changes));
+        let reports = match self.0 {
+            Kind::Reported(reports) => {
+                Reports { changes, ..Arc::try_unwrap(reports).unwrap_or_else(|shared| (*shared).clone()) }
+            }
+            other => {
+                let errors = Errors::new(&ErrorModel::default(), of)?;
+                Reports { base: Self(other), errors, start, right: true, changes }
+            }
+        };
+        Ok(Self(Kind::Reported(Arc::new(reports))))
+    }
+
+    /// What changes of this report while the run goes on.
+    pub fn changes(&self) -> Option<&PlatformChanges> {
+        match &self.0 {
+            Kind::Reported(reports) => reports.changes.as_deref(),
+            _ => None,
+        }
     }
 
     /// Whether it may jump from one instant to the next: a report that is renewed now and then, or wrong by chance.

@@ -4,12 +4,14 @@
 //! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
 //! Formats: [`csv`] (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
 //! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of other vessels are
-//! read by [`ais`]. What is wrong with the report of a platform is said in [`errors`], what shakes it in [`gusts`].
+//! read by [`ais`]. What is wrong with the report of a platform is said in [`errors`], what shakes it in [`gusts`], and what changes of it
+//! while a run goes on in [`changes`].
 //!
 //! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`] hears them while a run
 //! goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
 pub mod ais;
+pub mod changes;
 pub mod completion;
 pub mod csv;
 pub mod decode;

@@ -22,7 +22,8 @@ use rand::{Rng, RngExt};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
-use super::build::{BuildErrors, available_bytes, factory_of, tracks};
+use super::build::{BuildErrors, available_bytes};
+use super::changing;
 use super::memory::sea_bytes;
 use super::stages::{PulseError, PulseFactory};
 use crate::config::Run;
@@ -62,6 +63,7 @@ pub fn noiseless(run: &Run) -> Run {
     let mut run = run.clone();
     run.scene.radar.noise_figure_db = None;
     run.scene.radar.adc = None;
+    run.calibration.clear();
     run.sinks.clear();
     run
 }
@@ -213,9 +215,7 @@ fn compare(
 /// A factory for a run without noise and converter.
 fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
     let run = noiseless(run);
-    let scene = &run.scene;
-    let (tracks, _) = tracks(&run.nav, scene)?;
-    factory_of(scene, tracks, fidelity)
+    changing::factory(&run, fidelity)
 }
 
 /// Samples of pulses that stand in their order, `[pulse][channel x sample]`: blocks go to whoever is free.

@@ -5,7 +5,7 @@
 //! contacts at the gain instants, through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]).
 //! A block that the run cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of
-//! its own, and nothing is interpolated.
+//! its own, and nothing is interpolated. Where a report is changed by which something is aimed, a block ends ([`Illumination::unbroken`]).
 //!
 //! A patch that follows stays for some pulses ([`Illumination::hold_pulses`]), and blocks divide these. A block depends on its number and the run alone, so any thread may make
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
@@ -174,7 +174,8 @@ impl BlockEcho {
     ) -> Result<(u64, u64), PulseError> {
         let len = self.block_pulses();
         let first = index / len * len;
-        let end = (first + len).min(self.pulses);
+        // What is aimed by a report jumps with it: such a block ends there.
+        let Range { start: first, end } = illumination.unbroken(first..(first + len).min(self.pulses), index);
         let pulses = (end - first) as usize;
         work.instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
         let heard = work.instants.nodes.map(|place| first + place as u64);

@@ -26,13 +26,14 @@ use crate::echo::Fidelity;
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::motion::track::TrackError;
-use crate::motion::{PlatformTracks, SourceError, SourceReport, Track};
-use crate::nav::errors::Circumstances;
-use crate::nav::{PlatformNav, TrackSource};
+use crate::motion::{PlatformTracks, SourceError};
+use crate::nav::changes::{ChangeFault, Changes};
 use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
 use crate::pulse::costs::Costs;
+use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse};
+use crate::radar::calibration::CalibrationFault;
 use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::radar::illumination::Illumination;
@@ -40,11 +41,10 @@ use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
 use crate::scene::clock::Clocks;
-use crate::scene::radar::Pointing;
 use crate::sea::fleet::{self, FleetError, FleetErrors};
 use crate::sea::realise::{RealiseError, realise};
-use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError, SinkReport, drain};
-use crate::sinks::{self, Kind};
+use crate::sinks;
+use crate::sinks::sink::{Header, SinkError, SinkReport, drain};
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
@@ -53,11 +53,16 @@ use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
 use super::block::BlockEcho;
+use super::changing;
+use super::control::{Control, Desk, control};
 use super::live::{LiveFault, LiveNav};
 use super::memory::{PROGRAM_BYTES, sea_bytes};
-use super::navigation;
+use super::outputs::{header, open_all, same_kind};
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
+use super::tracks::flown;
+
+pub use super::tracks::{TrackNote, tracks};
 
 /// Bytes of samples for which a ring is made longer than its latency asks.
 const RING_BYTES: usize = 256 << 20;
@@ -155,6 +160,12 @@ pub enum BuildError {
         /// What is free.
         available_mib: u64,
     },
+    /// A calibration channel.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationFault),
+    /// A change of the scenario.
+    #[error("event: {0}")]
+    Change(#[from] ChangeFault),
     /// The worker threads.
     #[error("worker threads: {0}")]
     Pool(#[from] ThreadPoolBuildError),
@@ -197,61 +208,6 @@ impl From<FleetErrors> for BuildErrors {
     fn from(errors: FleetErrors) -> Self {
         Self(errors.0.into_iter().map(BuildError::Ship).collect())
     }
-}
-
-/// How a platform's track was made from its source.
-#[derive(Clone, Debug)]
-pub struct TrackNote {
-    /// The platform.
-    pub platform: String,
-    /// `true` or `reported`.
-    pub role: &'static str,
-    /// Counts and residuals.
-    pub report: SourceReport,
-}
-
-/// Loads the tracks of every platform of a scene. Their faults are collected.
-pub fn tracks(
-    nav: &[PlatformNav],
-    scene: &Scene,
-) -> Result<(Vec<PlatformTracks>, Vec<TrackNote>), BuildErrors> {
-    let Scene { frame, start, radar, .. } = scene;
-    let before_s = servo_lag_s(scene);
-    let mut tracks = Vec::with_capacity(nav.len());
-    let mut notes = Vec::new();
-    let mut faults = Vec::new();
-    for (place, (source, platform)) in nav.iter().zip(&scene.platforms).enumerate() {
-        let mut load = |role: &'static str, source: &TrackSource| -> Option<Track> {
-            match Track::from_source(source, frame, *start) {
-                Ok((track, report)) => {
-                    notes.extend(report.map(|report| TrackNote { platform: platform.clone(), role, report }));
-                    Some(track)
-                }
-                Err(source) => {
-                    faults.push(BuildError::Track { platform: platform.clone(), role, source });
-                    None
-                }
-            }
-        };
-        let truth = load("true", &source.truth);
-        let reported = source.reported.as_ref().map(|source| load("reported", source));
-        if let Some(truth) = truth {
-            let reported = match reported {
-                Some(None) => continue,
-                Some(reported) => reported,
-                None => None,
-            };
-            let (seed, times, pulses) = (scene.seed, &radar.emissions, scene.pulses);
-            let of = Circumstances { seed, platform: place, times, pulses, before_s };
-            match PlatformTracks::of(truth, reported, source, frame, &of, *start) {
-                Ok(both) => tracks.push(both),
-                Err(source) => {
-                    faults.push(BuildError::Track { platform: platform.clone(), role: "true", source });
-                }
-            }
-        }
-    }
-    if faults.is_empty() { Ok((tracks, notes)) } else { Err(BuildErrors(faults)) }
 }
 
 /// What makes the pulses of a scene whose platforms move on the given tracks.
@@ -328,7 +284,19 @@ pub fn factory_by(
         clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
         ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
     };
-    Ok(PulseFactory { illumination, echo, sample_rate_hz, receiver, waveform, layout, ships, plan, clocks })
+    let generators = None;
+    Ok(PulseFactory {
+        illumination,
+        echo,
+        sample_rate_hz,
+        receiver,
+        waveform,
+        layout,
+        ships,
+        plan,
+        clocks,
+        generators,
+    })
 }
 
 /// A run that is ready to start.
@@ -342,6 +310,8 @@ pub struct PulseStream {
     notes: Vec<TrackNote>,
     sea_bytes: u64,
     live: Option<Flown>,
+    changes: Option<Arc<Changes>>,
+    control: Option<(Control, Desk)>,
 }
 
 /// What flies by live navigation.
@@ -366,36 +336,12 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let mut tracks = tracks(&rehearsed.nav, &rehearsed.scene)?.0;
     for (platform, (tracks, source)) in tracks.iter_mut().zip(&run.nav).enumerate() {
         if let Some(track) = nav.track(platform) {
-            let role = "true";
-            *tracks = flown(track, source, &rehearsed.scene, platform).map_err(|source| {
-                BuildError::Track { platform: rehearsed.scene.platforms[platform].clone(), role, source }
-            })?;
+            *tracks = flown(track, source, &rehearsed.scene, platform)?;
         }
     }
+    let tracks = changing::tracks(tracks, &rehearsed.scene, stream.changes.as_ref())?;
     stream.live = Some(Flown { nav, rehearsed, tracks });
     Ok(stream)
-}
-
-/// The tracks of a platform on a track of its own.
-fn flown(
-    track: Track,
-    source: &PlatformNav,
-    scene: &Scene,
-    platform: usize,
-) -> Result<PlatformTracks, SourceError> {
-    let Scene { frame, start, radar, seed, pulses, .. } = scene;
-    let before_s = servo_lag_s(scene);
-    let of = Circumstances { seed: *seed, platform, times: &radar.emissions, pulses: *pulses, before_s };
-    PlatformTracks::of(track, None, source, frame, &of, *start)
-}
-
-/// The longest time that a servo looks back, s.
-fn servo_lag_s(scene: &Scene) -> f64 {
-    let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
-    pointings
-        .chain(scene.radar.receivers.iter().map(|r| &r.antenna.pointing))
-        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
-        .fold(0.0, f64::max)
 }
 
 /// Makes a run ready whose flights are known beforehand.
@@ -421,8 +367,14 @@ fn rehearsal(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
         });
         return Err(BuildErrors(faults));
     }
-    let built = tracks(&run.nav, scene)
-        .and_then(|(tracks, notes)| Ok((factory_by(scene, tracks, &run.fidelity, &run.clocks)?, notes)));
+    let changes = changing::list(run);
+    let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
+        let tracks = changing::tracks(tracks, scene, changes.as_ref())?;
+        let factory = factory_by(scene, tracks, &run.fidelity, &run.clocks)?
+            .with_calibration(&run.calibration, &scene.radar)?;
+        changing::enter(&run.events, changes.as_ref())?;
+        Ok((factory, notes))
+    });
     let (factory, notes) = match built {
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
@@ -458,7 +410,7 @@ fn rehearsal(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
     let scene = aboard::with_scatterers(scene)?;
-    let header = header(run, &scene, &factory, &schedule);
+    let header = header(run, &scene, &factory, &schedule, changes.as_ref());
     header.check()?;
     // Every worker has a block in hand while one waits to be released.
     let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
@@ -476,6 +428,11 @@ fn rehearsal(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
         notes,
         sea_bytes: needed,
         live: None,
+        control: changes
+            .as_ref()
+            .filter(|_| run.control)
+            .map(|changes| control(changes, range.end - range.start)),
+        changes,
     })
 }
 
@@ -484,95 +441,6 @@ pub(super) fn available_bytes() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
-}
-
-fn header(run: &Run, scene: &Scene, factory: &PulseFactory, schedule: &Schedule) -> Header {
-    let radar = &scene.radar;
-    let transmitter = |i: usize| radar.transmitters[i].name.clone();
-    let receiver = |i: usize| radar.receivers[i].name.clone();
-    Header {
-        software: format!("nereus {}", env!("CARGO_PKG_VERSION")),
-        carrier_hz: radar.carrier_hz,
-        sample_rate_hz: radar.sample_rate_hz,
-        bandwidth_hz: factory.waveform.bandwidth_hz(),
-        pulse_s: factory.waveform.duration_s(),
-        prf_hz: radar.emissions.mean_prf_hz(),
-        channels: radar
-            .channels
-            .iter()
-            .map(|channel| ChannelRow {
-                name: channel.name.clone(),
-                transmitter: transmitter(channel.transmitter),
-                receiver: receiver(channel.receiver),
-                polarisations: [channel.rx.letter(), channel.tx.letter()].iter().collect(),
-            })
-            .collect(),
-        pairs: radar
-            .pairs()
-            .into_iter()
-            .map(|pair| PairRow {
-                transmitter: transmitter(pair.transmitter),
-                receiver: receiver(pair.receiver),
-            })
-            .collect(),
-        origin: scene.frame.origin().map(|origin| Origin {
-            lat_deg: origin.lat_rad.to_degrees(),
-            lon_deg: origin.lon_rad.to_degrees(),
-            h_m: origin.h_m,
-        }),
-        seed: scene.seed,
-        config: run.text.clone(),
-        replica: factory.replica(),
-        platforms: scene.platforms.clone(),
-        transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
-        receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
-        targets: scene.targets.iter().map(|t| t.name.clone()).collect(),
-        ships: scene.ships.iter().map(|s| s.name.clone()).collect(),
-        clocks: run.clocks.clocks.iter().map(|c| c.name.clone()).collect(),
-        layout: *factory.layout(),
-        adc: radar.adc.map(|adc| AdcRow { bits: adc.bits, step: adc.step() }),
-        start: scene.start,
-        first_pulse: schedule.first,
-        pulses: schedule.count,
-        truth: true,
-    }
-}
-
-fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, SinkError> {
-    Ok(match &settings.kind {
-        #[cfg(feature = "hdf5")]
-        Kind::Hdf5 { path, segment_s, force } => {
-            Box::new(sinks::hdf5::Hdf5Sink::create(path, *segment_s, *force, header)?)
-        }
-        #[cfg(not(feature = "hdf5"))]
-        Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
-        Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
-        Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
-        Kind::Nav(settings) => {
-            let speech = navigation::speech(&settings.words, header).ok_or(SinkError::Nowhere)?;
-            Box::new(sinks::nav::NavSink::open(settings, speech, header)?)
-        }
-        Kind::Null => Box::new(sinks::null::NullSink::new()),
-    })
-}
-
-/// Opens every sink, or none: when one fails, what the others have made is removed.
-fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec<Box<dyn Sink>>, SinkError> {
-    let mut opened: Vec<Box<dyn Sink>> = Vec::with_capacity(sinks.len());
-    for settings in sinks {
-        match open(settings, header) {
-            Ok(sink) => opened.push(sink),
-            Err(error) => {
-                for report in opened.into_iter().filter_map(|sink| sink.finish().ok()) {
-                    for path in report.files {
-                        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-                    }
-                }
-                return Err(error);
-            }
-        }
-    }
-    Ok(opened)
 }
 
 impl PulseStream {
@@ -599,6 +467,16 @@ impl PulseStream {
     /// Which pulses, and when.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
+    }
+
+    /// Asks for changes of reports while the run goes on; `None` unless the run allows that ([`Run::control`]).
+    pub fn control(&self) -> Option<Control> {
+        self.control.as_ref().map(|(control, _)| control.clone())
+    }
+
+    /// What is changed of reports; `None` where nothing can be.
+    pub fn log(&self) -> Option<Arc<Log>> {
+        self.header.changes.clone()
     }
 
     /// Worker threads.
@@ -662,8 +540,8 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        let Self { mut factory, settings, schedule, header, sinks, pool, notes: _, sea_bytes: _, live } =
-            self;
+        let Self { mut factory, settings, schedule, header, sinks, pool, live, control, .. } = self;
+        let desk = control.map(|(_, desk)| desk);
         let range = schedule.first..schedule.end();
         let first = schedule.times.emission(header.start, range.start);
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
@@ -704,7 +582,7 @@ impl PulseStream {
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workspaces))
+            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workspaces, desk))
         });
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
@@ -718,10 +596,6 @@ fn yield_to_pacer() {
     if let Ok(level) = WORKER_PRIORITY.try_into() {
         let _ = thread_priority::set_current_thread_priority(ThreadPriority::Crossplatform(level));
     }
-}
-
-fn same_kind(a: &Kind, b: &Kind) -> bool {
-    std::mem::discriminant(a) == std::mem::discriminant(b)
 }
 
 /// Lets every worker make a block before the clock starts, so that it has all the memory it will need, in runs that are longer than that.
@@ -746,10 +620,26 @@ fn generate(
     nav: Option<&LiveNav>,
     range: Range<u64>,
     work: &mut [Workspace],
+    desk: Option<Desk>,
 ) -> Result<(), PulseError> {
     let length = factory.block_pulses();
     let due = source.due();
-    let crew = source.crew(range, work.len());
+    let (begin, end) = (range.start, range.end);
+    if let Some(desk) = &desk {
+        desk.open(source.health());
+    }
+    // Blocks are claimed whole, but for those that the ring is too short for.
+    let between = |first: u64| {
+        if let Some(desk) = &desk {
+            let last = |first: u64| (first - 1) / length * length + length - 1;
+            let untouched = || match first {
+                first if first == begin => first,
+                first => factory.illumination.first_untouched(last(first)),
+            };
+            desk.serve(untouched, end);
+        }
+    };
+    let crew = source.crew(range, work.len()).between(&between);
     work.par_iter_mut().with_max_len(1).try_for_each(|work| {
         // A worker that panics calls the others off as well: its pulses will never come.
         let _watch = crew.watch();

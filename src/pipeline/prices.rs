@@ -33,6 +33,7 @@ impl PulseFactory {
             ships: self.ships.clone(),
             plan: self.plan,
             clocks: self.clocks.clone(),
+            generators: self.generators.clone(),
         })
     }
 }

@@ -21,6 +21,7 @@ use crate::echo::synth::SynthError;
 use crate::plan::settle::Plan;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
+use crate::radar::calibration::{CalibrationFault, GeneratorScratch, Generators};
 use crate::radar::clock::{ChannelClock, RunningClocks};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
@@ -29,6 +30,8 @@ use crate::radar::illumination::snapshot::Snapshot;
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
+use crate::scene::Radar;
+use crate::scene::calibration::Calibration;
 
 /// Makes pulses. Immutable, shared by all threads.
 pub struct PulseFactory {
@@ -41,6 +44,7 @@ pub struct PulseFactory {
     pub(super) ships: ShipTracks,
     pub(super) plan: Option<Plan>,
     pub(super) clocks: Option<Arc<RunningClocks>>,
+    pub(super) generators: Option<Generators>,
 }
 
 /// Why a pulse cannot be made.
@@ -89,6 +93,7 @@ pub struct Workspace {
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
     clocks: Vec<ChannelClock>,
+    generators: GeneratorScratch,
 }
 
 impl Workspace {
@@ -105,6 +110,26 @@ impl Workspace {
 }
 
 impl PulseFactory {
+    /// The same with calibration channels behind those of echoes.
+    ///
+    /// # Errors
+    /// Signals that do not fit the radar.
+    pub fn with_calibration(self, list: &[Calibration], radar: &Radar) -> Result<Self, CalibrationFault> {
+        if list.is_empty() {
+            return Ok(self);
+        }
+        let clocks = self.clocks.clone();
+        let made = Generators::new(list, radar, &*self.waveform, &self.receiver, clocks)?;
+        let layout = Layout { channels: radar.channels.len() + made.count(), ..self.layout };
+        let receiver = self.receiver.with_behind(made.count());
+        Ok(Self { receiver, layout, generators: Some(made), ..self })
+    }
+
+    /// Channels that carry echoes.
+    fn echo_channels(&self) -> usize {
+        self.layout.channels - self.generators.as_ref().map_or(0, Generators::count)
+    }
+
     /// Sizes of the pulses made.
     pub fn layout(&self) -> &Layout {
         &self.layout
@@ -124,7 +149,7 @@ impl PulseFactory {
             Echo::Fast(_) => 8,
             Echo::Single(_) => 16,
         };
-        pulses.saturating_mul(cells).saturating_mul(bytes * self.layout.channels as u64)
+        pulses.saturating_mul(cells).saturating_mul(bytes * self.echo_channels() as u64)
     }
 
     /// Facets of the patch of sea; 0 without one.
@@ -192,7 +217,7 @@ impl PulseFactory {
         // Every target and the direct path, of this pulse and of two neighbours, and, where they are listed, every facet.
         let points = 3 * (self.layout.targets + 1);
         let contacts = points + self.illumination.facets();
-        let (pairs, channels) = (self.layout.pairs, self.layout.channels);
+        let (pairs, channels) = (self.layout.pairs, self.echo_channels());
         let (block, single, contacts) = match &self.echo {
             Echo::Reference(_) => (None, None, contacts),
             Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, points)), None, 0),
@@ -203,9 +228,13 @@ impl PulseFactory {
             contacts: Contacts::new(pairs, channels, contacts),
             block,
             single,
-            spectrum: vec![Complex64::ZERO; self.layout.channels * self.echo.fft_len()],
+            spectrum: vec![Complex64::ZERO; channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
-            clocks: Vec::with_capacity(self.layout.channels),
+            clocks: Vec::with_capacity(channels),
+            generators: self
+                .generators
+                .as_ref()
+                .map_or_else(GeneratorScratch::default, |of| of.scratch(&self.receiver)),
         }
     }
 
@@ -213,7 +242,8 @@ impl PulseFactory {
     /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { illumination, contacts, block, single, spectrum, receiver, clocks } = work;
+        let Workspace { illumination, contacts, block, single, spectrum, receiver, clocks, generators } =
+            work;
         illumination.costs.begin();
         match (&self.echo, block, single) {
             (Echo::Reference(echo), ..) => {
@@ -238,6 +268,9 @@ impl PulseFactory {
             running.channels(index, pulse.window_start_s, clocks);
         }
         self.receiver.receive_by(clocks, spectrum, pulse, receiver);
+        if let Some(made) = &self.generators {
+            made.fill(&self.receiver, pulse, generators, receiver);
+        }
         illumination.costs.lap(Stage::Receive);
         illumination.costs.made();
         Ok(())

@@ -1,6 +1,7 @@
 //! The instrument.
 
 pub mod antenna;
+pub mod calibration;
 pub mod clock;
 mod emission;
 pub mod fault;

@@ -50,6 +50,8 @@ pub struct Receiver {
     sample_rate_hz: f64,
     window_samples: usize,
     channels: usize,
+    /// Channels of a pulse behind those that are received.
+    behind: usize,
     noise_variance_w: f64,
     /// `(bin, H sqrt(k T0 F N / (2 fs)))` where the filter passes anything; empty without noise.
     noise_bins: Vec<(usize, f64)>,
@@ -82,11 +84,73 @@ impl Receiver {
             sample_rate_hz: fs,
             window_samples: radar.window.samples,
             channels,
+            behind: 0,
             noise_variance_w: per_hz.unwrap_or(0.0) * filter.noise_bandwidth_hz(),
             noise_bins,
             adc: radar.adc,
             transform: FftPlanner::new().plan_fft_inverse(fft_len),
         }
+    }
+
+    /// The same for pulses that have more channels, which something else fills.
+    pub fn with_behind(self, behind: usize) -> Self {
+        Self { behind, ..self }
+    }
+
+    /// Bins of a spectrum.
+    pub fn fft_len(&self) -> usize {
+        self.transform.len()
+    }
+
+    /// Samples of a spectrum, in its place.
+    pub(super) fn inverse(&self, bins: &mut [Complex64], scratch: &mut ReceiverScratch) {
+        let scale = self.sample_rate_hz / self.transform.len() as f64;
+        self.transform.process_with_scratch(bins, &mut scratch.transform);
+        bins.iter_mut().for_each(|bin| *bin *= scale);
+    }
+
+    /// Samples of the noise of a channel.
+    pub(super) fn noise(
+        &self,
+        pulse_index: u64,
+        channel: usize,
+        bins: &mut [Complex64],
+        scratch: &mut ReceiverScratch,
+    ) {
+        bins.fill(Complex64::ZERO);
+        self.add_noise(pulse_index, channel, bins);
+        self.inverse(bins, scratch);
+    }
+
+    /// Holds samples of a pulse from one place on as this receiver does; says how many parts saturated.
+    pub(super) fn put(
+        &self,
+        pulse: &mut Pulse,
+        from: usize,
+        count: usize,
+        value: impl Fn(usize) -> Complex64,
+    ) -> usize {
+        let mut saturated = 0;
+        match (&mut pulse.samples, &self.adc) {
+            (Samples::Cf32(out), _) => {
+                for (i, to) in out.iter_mut().skip(from).take(count).enumerate() {
+                    let sample = value(i);
+                    *to = Complex32::new(sample.re as f32, sample.im as f32);
+                }
+            }
+            (Samples::Ci16(out), Some(adc)) => {
+                for (i, to) in out.iter_mut().skip(from).take(count).enumerate() {
+                    let sample = value(i);
+                    *to = [sample.re, sample.im].map(|x| {
+                        let (code, clipped) = convert(adc, x);
+                        saturated += usize::from(clipped);
+                        code
+                    });
+                }
+            }
+            (Samples::Ci16(_), None) => {}
+        }
+        saturated
     }
 
     /// Scratch memory for one thread.
@@ -131,7 +195,7 @@ impl Receiver {
         scratch: &mut ReceiverScratch,
     ) -> usize {
         let fft_len = self.transform.len();
-        let len = self.channels * self.window_samples;
+        let len = (self.channels + self.behind) * self.window_samples;
         match (&pulse.samples, &self.adc) {
             (Samples::Cf32(v), None) if v.len() == len => {}
             (Samples::Ci16(v), Some(_)) if v.len() == len => {}

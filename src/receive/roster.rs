@@ -174,6 +174,7 @@ impl Roster {
             first_pulse: run.first_pulse,
             pulses: run.pulses,
             truth: false,
+            changes: None,
         };
         header.check().ok()?;
         Some(Known { header, streams: channels.iter().map(|(stream, _)| *stream).collect() })

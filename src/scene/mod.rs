@@ -1,5 +1,6 @@
 //! What there is: plain, resolved descriptions without physics.
 
+pub mod calibration;
 pub mod clock;
 pub mod hull;
 pub mod patch;

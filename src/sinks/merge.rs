@@ -1,7 +1,7 @@
 //! Joins shards or segments of one run into the recording of the whole.
 //!
 //! Shards are put in the order of their pulses, whatever the order given. Their headers must agree in
-//! everything but the range of pulses; no pulse may be in two of them. A gap between two shards is
+//! everything but the range of pulses, and so must their changes of reports up to the last pulse of the earlier one; no pulse may be in two of them. A gap between two shards is
 //! refused and named, unless the run itself dropped those pulses: then the pulse after it carries `AFTER_GAP`, and
 //! the shard before it is the one that its segment followed (`after_pulse`), or the part of the run before its own.
 //! The recording of the whole run would have the same gap. The datasets of the result are
@@ -15,6 +15,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::pulse::flags;
+use crate::pulse::log::Entry;
 
 use super::columns::Rows;
 use super::hdf5::file::{Fault, Recorded, Recording};
@@ -118,6 +119,11 @@ struct Shard {
 }
 
 impl Shard {
+    /// Changes up to a pulse.
+    fn changes(&self, pulse: u64) -> Vec<Entry> {
+        self.header.changes.as_ref().map_or_else(Vec::new, |log| log.between(None, pulse))
+    }
+
     /// Whether pulses between `before` and this shard were dropped by the run rather than lost with a file.
     fn follows_a_gap(&self, before: &Self) -> bool {
         let asked_to = before.header.first_pulse.saturating_add(before.header.pulses);
@@ -144,6 +150,8 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
     let ends = list.iter().map(|s| s.header.first_pulse.saturating_add(s.header.pulses));
     header.first_pulse = list.iter().map(|s| s.header.first_pulse).min().unwrap_or(header.first_pulse);
     header.pulses = ends.max().unwrap_or(0).saturating_sub(header.first_pulse);
+    // Every shard has all changes up to its last pulse.
+    header.changes = list.iter().rev().find_map(|shard| shard.header.changes.clone());
 
     let name = out.file_name().unwrap_or_default().to_string_lossy();
     let partial = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
@@ -206,6 +214,13 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
     list.sort_by_key(|shard| shard.first);
     for pair in list.windows(2) {
         let [before, after] = pair else { continue };
+        if before.changes(before.last) != after.changes(before.last) {
+            return Err(MergeError::Different {
+                path: after.path.clone(),
+                other: before.path.clone(),
+                field: "truth/changes",
+            });
+        }
         if after.first <= before.last {
             return Err(MergeError::Overlap {
                 path: after.path.clone(),

@@ -26,6 +26,7 @@ pub mod port;
 pub mod nav;
 pub mod null;
 pub mod plain;
+mod unwritten;
 pub mod vita49;
 #[cfg(feature = "hdf5")]
 pub mod hdf5;

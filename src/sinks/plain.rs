@@ -14,7 +14,8 @@
 //! Codes of a converter are pairs of i2: a trailing axis of 2 (in-phase, quadrature). `replica.bin` is
 //! complex64. `pulse/index.bin` is written last at every flush
 //! ([`FLUSH_INTERVAL`]): after a kill the first `n` rows of every file are
-//! complete, n being its length. The columns are listed in [`super::columns`].
+//! complete, n being its length. The columns are listed in [`super::columns`]. Where reports may be changed, `truth/changes.jsonl` has a line for every
+//! change up to the last pulse: `{"pulse":2220,"time_ns":..,"platform":"aircraft","text":"step position.up 5 m","source":"scenario"}`.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -27,6 +28,7 @@ use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
 use super::sink::{FLUSH_INTERVAL, FORMAT_VERSION, Header, Sink, SinkError, SinkReport};
+use super::unwritten::Unwritten;
 
 /// Rows wait in memory until this many bytes are there (or a flush is due).
 const BUFFER_BYTES: usize = 1 << 20;
@@ -41,6 +43,15 @@ pub struct PlainSink {
     row_bytes: usize,
     pulses: u64,
     flushed: Instant,
+    changes: Option<Changes>,
+}
+
+/// The file of changes.
+#[derive(Debug)]
+struct Changes {
+    unwritten: Unwritten,
+    path: PathBuf,
+    file: File,
 }
 
 #[derive(Debug)]
@@ -104,7 +115,18 @@ impl PlainSink {
             let rows = Rows::with_capacity(column.element, column.width() * rows_kept);
             files.push(PlainFile { column, rows, path: file_path, file });
         }
+        let changes = match &header.changes {
+            None => None,
+            Some(log) => {
+                let file_path = path.join("truth/changes.jsonl");
+                fs::create_dir_all(path.join("truth")).map_err(SinkError::io(path, "making the folder"))?;
+                let file =
+                    File::create_new(&file_path).map_err(SinkError::io(&file_path, "making the file"))?;
+                Some(Changes { unwritten: Unwritten::of(log), path: file_path, file })
+            }
+        };
         Ok(Self {
+            changes,
             path: path.to_owned(),
             files,
             buffered_bytes: 0,
@@ -127,6 +149,11 @@ impl Sink for PlainSink {
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
         for file in &self.files {
             file.column.check(pulse)?;
+        }
+        if let Some(Changes { unwritten, path, file }) = &mut self.changes {
+            for entry in unwritten.up_to(pulse.index) {
+                writeln!(file, "{}", json!(entry)).map_err(SinkError::io(path, "writing"))?;
+            }
         }
         for file in &mut self.files {
             file.column.push(pulse, &mut file.rows);

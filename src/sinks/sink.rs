@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use num_complex::Complex32;
@@ -9,6 +10,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::port::PortCounts;
+use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat};
 use crate::time::TimeTag;
 use crate::transport::fanout::{Fed, Feed};
@@ -148,6 +150,8 @@ pub struct Header {
     pub pulses: u64,
     /// Whether the true motion is recorded; what was received over the wire has the reported one only.
     pub truth: bool,
+    /// What is changed while the run goes on; `None` where nothing may be.
+    pub changes: Option<Arc<Log>>,
 }
 
 /// Why a sink cannot be opened or has failed.

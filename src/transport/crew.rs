@@ -5,6 +5,9 @@
 //! another, only for free slots. All bookkeeping is behind one lock that is held for as long as addresses move; in
 //! steady state nothing is allocated.
 //!
+//! What must not change under a pulse is changed *between* claims: [`Crew::between`] is asked with the first pulse that nobody has begun,
+//! while nobody can claim it.
+//!
 //! Generation is *at work* as long as its workers are: its time is the mean of theirs, without their waits for slots.
 
 // Boxes are the slots of the ring: their addresses move, pulses stay.
@@ -32,6 +35,7 @@ pub struct Crew<'a> {
     stop: &'a AtomicBool,
     gone: AtomicBool,
     health: &'a Health,
+    between: Option<&'a (dyn Fn(u64) + Sync)>,
     started: Instant,
 }
 
@@ -102,8 +106,16 @@ impl<'a> Crew<'a> {
             stop,
             gone: AtomicBool::new(false),
             health,
+            between: None,
             started: Instant::now(),
         }
+    }
+
+    /// Calls something before every claim, and while slots are waited for, with the first pulse that nobody has begun. It must be short: meanwhile no
+    /// worker claims or delivers.
+    pub fn between(mut self, between: &'a (dyn Fn(u64) + Sync)) -> Self {
+        self.between = Some(between);
+        self
     }
 
     fn lock(&self) -> MutexGuard<'_, Held<'a>> {
@@ -117,6 +129,9 @@ impl<'a> Crew<'a> {
         loop {
             let mut held = self.lock();
             let first = held.next.max(self.worth.next());
+            if let Some(between) = self.between {
+                between(first.min(self.end));
+            }
             let over = self.stop.load(Ordering::Acquire) || self.gone.load(Ordering::Acquire);
             if over || held.ring.is_abandoned() || first >= self.end {
                 held.waited += since.elapsed();

@@ -235,6 +235,11 @@ impl Source {
         self.due.clone()
     }
 
+    /// What is counted.
+    pub fn health(&self) -> &Arc<Health> {
+        &self.health
+    }
+
     /// The first pulse still worth making: blocks that end before it are skipped without being made.
     pub fn next_worth(&self) -> u64 {
         self.worth.next()

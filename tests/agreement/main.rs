@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod blocks;
+mod changes;
 mod known_errors;
 mod matched_filter;
 mod measured;

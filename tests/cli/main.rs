@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod bench;
+#[cfg(unix)]
+mod control;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]
 mod live_navigation;

@@ -133,7 +133,8 @@ fn what_was_told_stays_and_is_smooth() {
         let unknown_s = late_s.max(0.0) + 0.2;
         let bound = 10.0 * unknown_s * (unknown_s + 0.6 * 0.3) + 0.5;
         for (t_s, told) in &told {
-            let in_silence = t_s - 0.5 - late_s.max(0.0) > silent.start && *t_s < silent.end + late_s.min(0.0);
+            let in_silence =
+                t_s - 0.5 - late_s.max(0.0) > silent.start && *t_s < silent.end + late_s.min(0.0);
             if in_silence {
                 assert!(told.flags & NAV_EXTRAPOLATED != 0, "{t_s}");
             }

@@ -1,6 +1,7 @@
 //! Physics against golden values, closed forms and independent computations.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+mod calibration;
 mod clocks;
 mod clutter_nrl;
 mod echo_golden;

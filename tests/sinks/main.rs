@@ -14,6 +14,7 @@ mod wire_tshark;
 
 #[cfg(feature = "hdf5")]
 mod recording_breakdowns;
+mod recording_changes;
 #[cfg(feature = "hdf5")]
 mod recording_hdf5;
 #[cfg(feature = "hdf5")]

@@ -52,6 +52,7 @@ pub fn header(format: SampleFormat) -> Header {
         first_pulse: 0,
         pulses: 100,
         truth: true,
+        changes: None,
     }
 }
 

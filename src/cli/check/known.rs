@@ -2,9 +2,13 @@
 
 use super::{Described, described, neat};
 use crate::config::Run;
+use crate::nav::changes::Event;
 use crate::nav::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
 use crate::radar::clock::adev;
 use crate::scene::clock::{Clock, NamedClock};
+
+/// Events that are told one by one.
+const MOST_TOLD: usize = 8;
 
 /// Adds what is modelled, and what not.
 pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Described>) {
@@ -23,6 +27,16 @@ pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Des
         without.push(described("navigation errors", why));
     } else {
         with.push(described("navigation errors", told.join("; ")));
+    }
+    if !run.events.is_empty() {
+        let text = |event: &Event| {
+            let name = run.scene.platforms.get(event.platform).map_or("", String::as_str);
+            format!("from pulse {} {} on {name}", event.pulse, event.change)
+        };
+        let mut told: Vec<String> = run.events.iter().take(MOST_TOLD).map(text).collect();
+        let more = run.events.len().saturating_sub(MOST_TOLD);
+        told.extend((more > 0).then(|| format!("{more} more")));
+        with.push(described("changes of reports", told.join("; ")));
     }
     let gusts = platforms.filter_map(|(name, nav)| {
         nav.gusts.map(|gusts| format!("{name}, wind of {} m/s at 20 ft", neat(gusts.wind20_mps)))

@@ -83,6 +83,26 @@ pub enum NavToolError {
         /// What the system says.
         source: io::Error,
     },
+    /// A line that no run takes.
+    #[error("a line of {bytes} bytes; allowed: at most 256, without control characters")]
+    Line {
+        /// Its length.
+        bytes: usize,
+    },
+    /// No run answers.
+    #[error("{}: {source}; allowed: the socket of a run under way (nereus run --control)", path.display())]
+    Control {
+        /// The socket.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The run does not take the line.
+    #[error("{told}")]
+    Refused {
+        /// Why.
+        told: String,
+    },
     /// A number that makes no sense.
     #[error("--{key} {value}: allowed: {allowed}")]
     Range {
@@ -98,6 +118,13 @@ pub enum NavToolError {
 impl NavToolError {
     /// Exit code: 2 when the input is wrong, 1 otherwise.
     pub fn exit_code(&self) -> u8 {
-        if matches!(self, Self::Write { .. } | Self::Port { .. }) { 1 } else { 2 }
+        if matches!(
+            self,
+            Self::Write { .. } | Self::Port { .. } | Self::Control { .. } | Self::Refused { .. }
+        ) {
+            1
+        } else {
+            2
+        }
     }
 }

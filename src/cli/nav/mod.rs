@@ -1,8 +1,9 @@
-//! `nereus nav`: recorded navigation inspected, converted, played, spoiled.
+//! `nereus nav`: recorded navigation inspected, converted, played, spoiled, and changed in a run under way.
 
 mod convert;
 mod corrupt;
 mod error;
+mod inject;
 mod inspect;
 mod play;
 mod recorded;
@@ -17,6 +18,7 @@ use super::error::CliError;
 pub use convert::NavConvertArgs;
 pub use corrupt::NavCorruptArgs;
 pub use error::NavToolError;
+pub use inject::NavInjectArgs;
 pub use inspect::NavInspectArgs;
 pub use play::NavPlayArgs;
 
@@ -39,6 +41,8 @@ pub enum NavCommand {
     Play(NavPlayArgs),
     /// Drop, flip and cut bytes of a file, to try readers on it
     Corrupt(NavCorruptArgs),
+    /// Change what a platform reports in a run under way (nereus run --control), and print the answer
+    Inject(NavInjectArgs),
 }
 
 /// Formats that are read.
@@ -117,6 +121,7 @@ pub(super) fn nav(args: &NavArgs, out: &mut dyn Write) -> Result<(), CliError> {
         NavCommand::Convert(args) => convert::convert(args),
         NavCommand::Play(args) => play::play(args),
         NavCommand::Corrupt(args) => corrupt::corrupt(args),
+        NavCommand::Inject(args) => inject::inject(args, out),
     }
 }
 

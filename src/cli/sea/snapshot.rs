@@ -20,11 +20,12 @@ use super::super::run::overrides;
 use super::super::say;
 use super::{SeaError, axes, contacts, outputs, save_png};
 use crate::config::{self, Run};
+use crate::echo::Fidelity;
 use crate::imaging::colours::ColourMap;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
 use crate::imaging::output::{FileKind, Output};
 use crate::imaging::picture::{Limits, Picture, Reduction};
-use crate::pipeline::build;
+use crate::pipeline::{build, changing};
 use crate::radar::illumination::snapshot::Snapshot;
 
 /// Decibels that the colours of a picture span.
@@ -105,8 +106,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let asked = [&args.out, &args.contacts, &args.png];
     let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
     let [map, list, picture] = outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.force)?;
-    let (tracks, _) = build::tracks(&run.nav, scene)?;
-    let factory = build::factory(scene, tracks)?;
+    let factory = changing::factory(&run, &Fidelity::Reference)?;
     let made = factory.snapshot(args.pulse, &mut factory.workspace());
     // The pulse is in the run and the tracks cover it.
     let snapshot = made.map_err(|error| build::BuildErrors::from(build::BuildError::Radar(error)))?;

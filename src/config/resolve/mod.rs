@@ -5,8 +5,10 @@
 
 mod ais;
 mod antenna;
+mod calibration;
 mod clock;
 mod errors;
+mod event;
 mod nav_out;
 mod patch;
 mod place;
@@ -23,8 +25,10 @@ use super::keys::{self, Key};
 use super::section::Section;
 use crate::echo::Fidelity;
 use crate::frames::{Earth, Geodetic, SceneFrame};
+use crate::nav::changes::Event;
 use crate::nav::{PlatformNav, TrackSource};
 use crate::scene::Scene;
+use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
 use crate::time::TimeTag;
 use crate::{sinks, transport};
@@ -35,6 +39,8 @@ pub(super) struct Parts {
     pub(super) start_live: bool,
     pub(super) nav: Vec<PlatformNav>,
     pub(super) clocks: Clocks,
+    pub(super) calibration: Vec<Calibration>,
+    pub(super) events: Vec<Event>,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
     pub(super) sinks: Vec<sinks::Settings>,
@@ -141,7 +147,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
     });
     let mut clocks = clock::Given::default();
-    let radar = radar::radar(&root, &ground, &platforms, &mut clocks);
+    let mut calibration = Some(Vec::new());
+    let radar = radar::radar(&root, &ground, &platforms, &mut clocks, &mut calibration);
     let (patch, place) = match (patch, scene) {
         (Some(patch), Some(section)) => {
             let placed = patch.place(&section, radar.as_ref());
@@ -170,6 +177,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let fidelity = stream::fidelity(&root, root.has(&keys::root::SEA));
     let sinks =
         stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
+    let events = event::events(&root, &platforms, radar.as_ref(), time.duration_s);
     root.finish();
 
     let radar = radar?;
@@ -189,6 +197,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         start_live: time.live,
         nav: nav.into_iter().collect::<Option<_>>()?,
         clocks: clocks.clocks()?,
+        calibration: calibration?,
+        events: events?,
         fidelity: fidelity?,
         stream: stream?,
         sinks: sinks?,

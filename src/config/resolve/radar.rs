@@ -1,12 +1,14 @@
 //! The instrument.
 
 use super::antenna::{self, AimKeys, MountKeys};
+use super::calibration::{self, Limits};
 use super::clock::Given;
 use super::place::SurfaceKeys;
 use super::{Ground, Names};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::{Section, polarisation, polarisation_pair};
+use crate::scene::calibration::Calibration;
 use crate::scene::radar::{
     Adc, Channel, Gate, Polarisation, Radar, Receiver, Sweep, Transmitter, TxPolarisation, Waveform, Window,
 };
@@ -21,6 +23,7 @@ pub(super) fn radar(
     ground: &Ground,
     platforms: &Names,
     clocks: &mut Given,
+    calibration: &mut Option<Vec<Calibration>>,
 ) -> Option<Radar> {
     let mut transmitter_names = Names::new("transmitter");
     let transmitters: Vec<Option<Transmitter>> = root
@@ -62,8 +65,16 @@ pub(super) fn radar(
     let has_adc = section.has(&k::ADC);
     let adc = section.section(&k::ADC).and_then(adc);
     let direct_path = section.flag(&k::DIRECT_PATH);
+    let limits = Limits {
+        channels: channels.as_deref(),
+        window_s: window.as_ref().zip(sample_rate_hz).map(|(window, hz)| window.samples as f64 / hz),
+        pulse_s,
+        sample_rate_hz,
+    };
+    *calibration = calibration::calibration(&section, &transmitter_names, &receiver_names, &limits);
     if let (Some(channels), Some(window)) = (&channels, &window) {
-        check_size(&section, channels.len(), window.samples, has_adc);
+        let known = calibration.as_ref().map_or(0, Vec::len);
+        check_size(&section, channels.len() + known, window.samples, has_adc);
     }
     if let Some(channels) = &channels {
         warn_unused(&section, channels, &antennas);

@@ -274,20 +274,38 @@ impl Errors {
 
     /// The report that is at hand `t_s` after pulse 0.
     pub fn heard(&self, t_s: f64) -> Heard {
+        self.heard_after(t_s, None)
+    }
+
+    /// The report that was at hand just before: a report that is made or arrives at the instant itself is not.
+    pub fn heard_before(&self, t_s: f64, latency_s: Option<f64>) -> Heard {
+        self.heard_after(t_s - 2.0 * self.epochs.slack_s(), latency_s)
+    }
+
+    /// Time of an epoch after pulse 0, s; `None` if that is `t_s` itself.
+    pub fn time_unless_now(&self, epoch: i64, t_s: f64) -> Option<f64> {
+        let time_s = self.epochs.time_s(epoch);
+        let now = (t_s - time_s).abs() <= self.epochs.slack_s();
+        (!now).then_some(time_s)
+    }
+
+    /// The report that is at hand `t_s` after pulse 0 where reports take another time to arrive than the model says.
+    pub fn heard_after(&self, t_s: f64, latency_s: Option<f64>) -> Heard {
         let Self { model, epochs, .. } = self;
         let (between, dropout) = (model.between, false);
-        if self.immediate {
+        if self.immediate && latency_s.is_none() {
             return Heard { epoch: epochs.at_or_before(t_s), time_s: None, between, dropout };
         }
+        let latency_s = latency_s.unwrap_or(model.latency_s);
         let mut epoch = if self.jitter_s.is_empty() {
-            epochs.at_or_before(t_s - model.latency_s)
+            epochs.at_or_before(t_s - latency_s)
         } else {
             // Any of those that were made may have arrived, also before an older one.
             let mut epoch = epochs.at_or_before(t_s);
             let slack_s = epochs.slack_s();
             while epoch > self.first {
                 let jitter_s = self.jitter_s[self.place(epoch, self.jitter_s.len())];
-                let takes_s = (model.latency_s + jitter_s).max(0.0);
+                let takes_s = (latency_s + jitter_s).max(0.0);
                 if epochs.time_s(epoch) + takes_s <= t_s + slack_s {
                     break;
                 }
@@ -305,9 +323,7 @@ impl Errors {
                 heard = Heard { epoch, time_s: None, between: dropouts.during, dropout: true };
             }
         }
-        let time_s = epochs.time_s(epoch);
-        let now = (t_s - time_s).abs() <= epochs.slack_s();
-        heard.time_s = (!now).then_some(time_s);
+        heard.time_s = self.time_unless_now(epoch, t_s);
         heard
     }
 }

@@ -140,6 +140,8 @@ pub struct RunningClocks {
     seed: u64,
     times: PulseTimes,
     pairs: Vec<[Option<usize>; 2]>,
+    /// Clocks of transmitters and of receivers, by their places.
+    antennas: [Vec<Option<usize>>; 2],
     channel_pairs: Vec<usize>,
     carrier_hz: f64,
     sample_rate_hz: f64,
@@ -202,6 +204,7 @@ impl RunningClocks {
             seed,
             times: times.clone(),
             pairs,
+            antennas: [clocks.transmitters.clone(), clocks.receivers.clone()],
             channel_pairs: channel_pairs.collect(),
             carrier_hz: radar.carrier_hz,
             sample_rate_hz: radar.sample_rate_hz,
@@ -223,7 +226,19 @@ impl RunningClocks {
     /// The delay that the clocks of a pair add to a pulse whose window opens `after_s` after its emission, and the
     /// fractional frequency of the receiver.
     fn of_pair(&self, pair: usize, pulse: u64, after_s: f64) -> [f64; 2] {
-        match self.pairs.get(pair).copied().unwrap_or_default() {
+        self.of_ends(self.pairs.get(pair).copied().unwrap_or_default(), pulse, after_s)
+    }
+
+    /// The same for a transmitter (without one: for what comes at the right time) and a receiver by their places.
+    pub fn between(&self, transmitter: Option<usize>, receiver: usize, pulse: u64, after_s: f64) -> [f64; 2] {
+        let of = |list: &[Option<usize>], place: usize| list.get(place).copied().flatten();
+        let [transmitters, receivers] = &self.antennas;
+        let sends = transmitter.and_then(|place| of(transmitters, place));
+        self.of_ends([sends, of(receivers, receiver)], pulse, after_s)
+    }
+
+    fn of_ends(&self, ends: [Option<usize>; 2], pulse: u64, after_s: f64) -> [f64; 2] {
+        match ends {
             [Some(one), Some(other)] if one == other => {
                 let [_, y] = self.reading(one, pulse);
                 [y * after_s + self.clocks[one].between(self.seed, pulse, after_s), y]

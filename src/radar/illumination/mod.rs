@@ -94,6 +94,7 @@
 mod facets;
 mod nodes;
 mod sea;
+mod seams;
 pub mod snapshot;
 pub mod tiles;
 mod visibility;
@@ -175,6 +176,8 @@ pub struct Illumination {
     hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
     clocks: Option<Arc<RunningClocks>>,
+    /// Platforms by whose reports something is aimed, and how late.
+    listeners: Vec<(usize, f64)>,
 }
 
 /// Buffers of [`Illumination::pulse`]; one per thread.
@@ -249,6 +252,7 @@ impl Illumination {
             hold_pulses: None,
             sea: None,
             clocks: None,
+            listeners: seams::listeners(radar),
         };
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {

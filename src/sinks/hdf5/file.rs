@@ -16,6 +16,7 @@ use thiserror::Error;
 use crate::sinks::columns::{Column, Element, Rows, columns};
 use crate::sinks::sink::{Header, SinkError};
 
+use super::changes::ChangeTable;
 use super::header;
 
 /// Fewest pulses in a chunk of any dataset.
@@ -57,6 +58,7 @@ impl Fault {
 pub(crate) struct Recording {
     // Dropped in this order: datasets before their file.
     datasets: Vec<Dataset>,
+    changes: Option<ChangeTable>,
     file: File,
     path: PathBuf,
     columns: Vec<Column>,
@@ -143,6 +145,7 @@ impl Recording {
         if let Some(iq) = datasets.first() {
             header::write(&file, iq, header, after)?;
         }
+        let changes = header.changes.as_ref().map(|log| ChangeTable::create(&file, log)).transpose()?;
         file.flush()?;
         // Also gives up the library's lock on the file, which a forked child would keep.
         file.start_swmr()?;
@@ -154,7 +157,16 @@ impl Recording {
         // goes without.
         let mark = fs::File::open(path).ok().filter(|file| file.try_lock_shared().is_ok());
         let pending = Vec::with_capacity(4096);
-        Ok(Self { datasets, file, path: path.to_owned(), columns: list, rows: 0, pending, _mark: mark })
+        Ok(Self {
+            datasets,
+            changes,
+            file,
+            path: path.to_owned(),
+            columns: list,
+            rows: 0,
+            pending,
+            _mark: mark,
+        })
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -171,6 +183,9 @@ impl Recording {
         let Some((Rows::U64(index), rest)) = block.split_last() else {
             return Err(Fault::Text("a block without its index column".to_owned()));
         };
+        if let (Some(changes), Some(last)) = (&mut self.changes, index.last()) {
+            changes.append_up_to(*last)?;
+        }
         for ((column, dataset), rows) in self.columns.iter().zip(&self.datasets).zip(rest) {
             append_rows(dataset, column, self.rows, rows)?;
         }
@@ -203,8 +218,8 @@ impl Recording {
     /// Flushes and closes; the file is then an ordinary one.
     pub(crate) fn close(mut self) -> Result<PathBuf, Fault> {
         self.flush()?;
-        let Self { datasets, file, path, .. } = self;
-        drop(datasets);
+        let Self { datasets, changes, file, path, .. } = self;
+        drop((datasets, changes));
         file.close()?;
         Ok(path)
     }

@@ -12,6 +12,7 @@ use crate::pulse::{Layout, SampleFormat};
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
 use crate::time::TimeTag;
 
+use super::changes;
 use super::file::Fault;
 
 #[derive(Clone, H5Type)]
@@ -249,5 +250,6 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         first_pulse: value(file, "first_pulse")?,
         pulses: value(file, "pulses")?,
         truth: optional::<u8>(file, "truth")?.is_none_or(|truth| truth != 0),
+        changes: changes::read(file)?,
     })
 }

@@ -4,7 +4,8 @@
 //! `version`, `carrier_hz`, `sample_rate_hz`, `bandwidth_hz`, `pulse_s`, `prf_hz`, `channels`,
 //! `origin_lat_deg`, `origin_lon_deg`, `origin_h_m` (absent for a plain local frame), `seed`, `config`,
 //! `software`, `start_time_ns` (emission of pulse 0), `first_pulse`, `pulses`; `/iq`, `/replica`, `/channel`,
-//! `/truth/targets`, `/truth/pairs`, `/truth/ships`, `/truth/clocks`, and the per-pulse datasets of [`super::columns`].
+//! `/truth/targets`, `/truth/pairs`, `/truth/ships`, `/truth/clocks`, where reports may be changed `/truth/changes`
+//! (`pulse`, `time_ns`, `platform`, `text`, `source`: every change up to the last pulse), and the per-pulse datasets of [`super::columns`].
 //!
 //! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
 //! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
@@ -31,6 +32,7 @@ use crate::pulse::Pulse;
 use super::columns::{Column, Rows, columns};
 use super::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 
+mod changes;
 pub(crate) mod file;
 pub(crate) mod header;
 

@@ -1,0 +1,124 @@
+//! Changes of reports while a run goes on.
+//!
+//! Whoever holds a [`Control`] asks for a change; it is taken between two claims of the workers ([`Crew::between`](crate::transport::crew::Crew::between)) and has
+//! effect from the first pulse that no work begun so far asks for. That is the first one that no worker has claimed or, where windows hear
+//! later emissions or flights are longer than an interval, some pulses later. The same change given as an event of the scenario at that
+//! pulse makes the same pulses, bit for bit, on any number of threads.
+//!
+//! Nobody in the stream waits for whoever asks: a channel of bounded length is looked at, and what is found is answered.
+
+use std::sync::{Arc, OnceLock};
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::nav::changes::{Change, ChangeFault, Changes, Event};
+use crate::pulse::log::Origin;
+use crate::transport::health::Health;
+
+/// Changes that may wait to be taken.
+const WAITING: usize = 64;
+
+/// Why a change is not taken.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum ControlError {
+    /// What is wrong with it.
+    #[error(transparent)]
+    Fault(#[from] ChangeFault),
+    /// There is nothing to change any more.
+    #[error("the run has ended: allowed: changes while pulses are left to be made")]
+    Over,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Pulses released.
+    pub released: u64,
+    /// Of these, late ones.
+    pub late: u64,
+    /// Pulses that were not made in time.
+    pub dropped: u64,
+    /// Pulses made.
+    pub made: u64,
+    /// Pulses of the whole run.
+    pub total: u64,
+}
+
+struct Request {
+    platform: usize,
+    change: Change,
+    answer: Sender<Result<u64, ChangeFault>>,
+}
+
+/// Asks a running stream for changes, from any thread.
+#[derive(Clone)]
+pub struct Control {
+    requests: Sender<Request>,
+    changes: Arc<Changes>,
+    health: Arc<OnceLock<Arc<Health>>>,
+    total: u64,
+}
+
+/// Where the stream finds what it is asked for.
+pub(super) struct Desk {
+    requests: Receiver<Request>,
+    changes: Arc<Changes>,
+    health: Arc<OnceLock<Arc<Health>>>,
+}
+
+/// The two ends, for a run of so many pulses.
+pub(super) fn control(changes: &Arc<Changes>, total: u64) -> (Control, Desk) {
+    let (sender, receiver) = bounded(WAITING);
+    let health = Arc::new(OnceLock::new());
+    let asks = Control { requests: sender, changes: Arc::clone(changes), health: Arc::clone(&health), total };
+    (asks, Desk { requests: receiver, changes: Arc::clone(changes), health })
+}
+
+impl Control {
+    /// Asks for a change and waits until it is taken; says which pulse is the first that has it.
+    ///
+    /// # Errors
+    /// A platform that is none, too many changes, a run that has no pulse left.
+    pub fn change(&self, platform: Option<&str>, change: Change) -> Result<u64, ControlError> {
+        let platform = self.changes.platform(platform)?;
+        let (answer, answered) = bounded(1);
+        let request = Request { platform, change, answer };
+        self.requests.send(request).map_err(|_| ControlError::Over)?;
+        Ok(answered.recv().map_err(|_| ControlError::Over)??)
+    }
+
+    /// How far the run is.
+    pub fn counts(&self) -> Counts {
+        let total = self.total;
+        self.health.get().map_or(Counts { total, ..Counts::default() }, |health| Counts {
+            released: health.released_pulses(),
+            late: health.late_pulses(),
+            dropped: health.dropped_pulses(),
+            made: health.made_pulses(),
+            total,
+        })
+    }
+}
+
+impl Desk {
+    /// Tells those who ask how the stream counts.
+    pub fn open(&self, health: &Arc<Health>) {
+        let _ = self.health.set(Arc::clone(health));
+    }
+
+    /// Takes what is asked for. `untouched` finds the first pulse that may have it, and the run ends before pulse `end`.
+    pub fn serve(&self, untouched: impl Fn() -> u64, end: u64) {
+        while let Ok(Request { platform, change, answer }) = self.requests.try_recv() {
+            let pulse = untouched();
+            let taken = if pulse < end {
+                self.changes.enter(&Event { pulse, platform, change }, Origin::Control).map(|()| pulse)
+            } else {
+                Err(ChangeFault::AfterTheEnd { pulse, end })
+            };
+            // Who asked may have gone.
+            let _ = answer.try_send(taken);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Opens where pulses go, and says there what the run is.
+
+use std::fs;
+use std::sync::Arc;
+
+use super::navigation;
+use super::stages::PulseFactory;
+use crate::config::Run;
+use crate::nav::changes::Changes;
+use crate::scene::Scene;
+use crate::scene::calibration::Signal;
+use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError};
+use crate::sinks::{self, Kind};
+use crate::transport::schedule::Schedule;
+
+/// What the run is.
+pub(super) fn header(
+    run: &Run,
+    scene: &Scene,
+    factory: &PulseFactory,
+    schedule: &Schedule,
+    changes: Option<&Arc<Changes>>,
+) -> Header {
+    let radar = &scene.radar;
+    let transmitter = |i: usize| radar.transmitters[i].name.clone();
+    let receiver = |i: usize| radar.receivers[i].name.clone();
+    Header {
+        software: format!("nereus {}", env!("CARGO_PKG_VERSION")),
+        carrier_hz: radar.carrier_hz,
+        sample_rate_hz: radar.sample_rate_hz,
+        bandwidth_hz: factory.waveform.bandwidth_hz(),
+        pulse_s: factory.waveform.duration_s(),
+        prf_hz: radar.emissions.mean_prf_hz(),
+        channels: radar
+            .channels
+            .iter()
+            .map(|channel| ChannelRow {
+                name: channel.name.clone(),
+                transmitter: transmitter(channel.transmitter),
+                receiver: receiver(channel.receiver),
+                polarisations: [channel.rx.letter(), channel.tx.letter()].iter().collect(),
+            })
+            .chain(run.calibration.iter().map(|known| ChannelRow {
+                name: known.name.clone(),
+                transmitter: match known.signal {
+                    Signal::Loopback { transmitter: place, .. } => transmitter(place),
+                    Signal::Tone { .. } => String::new(),
+                },
+                receiver: receiver(known.receiver),
+                polarisations: known.signal.kind().to_owned(),
+            }))
+            .collect(),
+        pairs: radar
+            .pairs()
+            .into_iter()
+            .map(|pair| PairRow {
+                transmitter: transmitter(pair.transmitter),
+                receiver: receiver(pair.receiver),
+            })
+            .collect(),
+        origin: scene.frame.origin().map(|origin| Origin {
+            lat_deg: origin.lat_rad.to_degrees(),
+            lon_deg: origin.lon_rad.to_degrees(),
+            h_m: origin.h_m,
+        }),
+        seed: scene.seed,
+        config: run.text.clone(),
+        replica: factory.replica(),
+        platforms: scene.platforms.clone(),
+        transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
+        receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
+        targets: scene.targets.iter().map(|t| t.name.clone()).collect(),
+        ships: scene.ships.iter().map(|s| s.name.clone()).collect(),
+        clocks: run.clocks.clocks.iter().map(|c| c.name.clone()).collect(),
+        layout: *factory.layout(),
+        adc: radar.adc.map(|adc| AdcRow { bits: adc.bits, step: adc.step() }),
+        start: scene.start,
+        first_pulse: schedule.first,
+        pulses: schedule.count,
+        truth: true,
+        changes: changes.map(|changes| Arc::clone(changes.log())),
+    }
+}
+
+fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, SinkError> {
+    Ok(match &settings.kind {
+        #[cfg(feature = "hdf5")]
+        Kind::Hdf5 { path, segment_s, force } => {
+            Box::new(sinks::hdf5::Hdf5Sink::create(path, *segment_s, *force, header)?)
+        }
+        #[cfg(not(feature = "hdf5"))]
+        Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
+        Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
+        Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
+        Kind::Nav(settings) => {
+            let speech = navigation::speech(&settings.words, header).ok_or(SinkError::Nowhere)?;
+            Box::new(sinks::nav::NavSink::open(settings, speech, header)?)
+        }
+        Kind::Null => Box::new(sinks::null::NullSink::new()),
+    })
+}
+
+/// Opens every sink, or none: when one fails, what the others have made is removed.
+pub(super) fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec<Box<dyn Sink>>, SinkError> {
+    let mut opened: Vec<Box<dyn Sink>> = Vec::with_capacity(sinks.len());
+    for settings in sinks {
+        match open(settings, header) {
+            Ok(sink) => opened.push(sink),
+            Err(error) => {
+                for report in opened.into_iter().filter_map(|sink| sink.finish().ok()) {
+                    for path in report.files {
+                        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+                    }
+                }
+                return Err(error);
+            }
+        }
+    }
+    Ok(opened)
+}
+
+/// Whether two places are of the same kind.
+pub(super) fn same_kind(a: &Kind, b: &Kind) -> bool {
+    std::mem::discriminant(a) == std::mem::discriminant(b)
+}

@@ -1,0 +1,88 @@
+//! From what the scenario says of platforms to the tracks on which they move and report.
+
+use super::build::{BuildError, BuildErrors};
+use crate::motion::{PlatformTracks, SourceReport, Track};
+use crate::nav::errors::Circumstances;
+use crate::nav::{PlatformNav, TrackSource};
+use crate::scene::Scene;
+use crate::scene::radar::Pointing;
+
+/// How a platform's track was made from its source.
+#[derive(Clone, Debug)]
+pub struct TrackNote {
+    /// The platform.
+    pub platform: String,
+    /// `true` or `reported`.
+    pub role: &'static str,
+    /// Counts and residuals.
+    pub report: SourceReport,
+}
+
+/// Loads the tracks of every platform of a scene. Their faults are collected.
+pub fn tracks(
+    nav: &[PlatformNav],
+    scene: &Scene,
+) -> Result<(Vec<PlatformTracks>, Vec<TrackNote>), BuildErrors> {
+    let Scene { frame, start, radar, .. } = scene;
+    let before_s = servo_lag_s(scene);
+    let mut tracks = Vec::with_capacity(nav.len());
+    let mut notes = Vec::new();
+    let mut faults = Vec::new();
+    for (place, (source, platform)) in nav.iter().zip(&scene.platforms).enumerate() {
+        let mut load = |role: &'static str, source: &TrackSource| -> Option<Track> {
+            match Track::from_source(source, frame, *start) {
+                Ok((track, report)) => {
+                    notes.extend(report.map(|report| TrackNote { platform: platform.clone(), role, report }));
+                    Some(track)
+                }
+                Err(source) => {
+                    faults.push(BuildError::Track { platform: platform.clone(), role, source });
+                    None
+                }
+            }
+        };
+        let truth = load("true", &source.truth);
+        let reported = source.reported.as_ref().map(|source| load("reported", source));
+        if let Some(truth) = truth {
+            let reported = match reported {
+                Some(None) => continue,
+                Some(reported) => reported,
+                None => None,
+            };
+            let (seed, times, pulses) = (scene.seed, &radar.emissions, scene.pulses);
+            let of = Circumstances { seed, platform: place, times, pulses, before_s };
+            match PlatformTracks::of(truth, reported, source, frame, &of, *start) {
+                Ok(both) => tracks.push(both),
+                Err(source) => {
+                    faults.push(BuildError::Track { platform: platform.clone(), role: "true", source });
+                }
+            }
+        }
+    }
+    if faults.is_empty() { Ok((tracks, notes)) } else { Err(BuildErrors(faults)) }
+}
+
+/// The tracks of a platform on a track of its own.
+pub(super) fn flown(
+    track: Track,
+    source: &PlatformNav,
+    scene: &Scene,
+    platform: usize,
+) -> Result<PlatformTracks, BuildError> {
+    let Scene { frame, start, radar, seed, pulses, .. } = scene;
+    let before_s = servo_lag_s(scene);
+    let of = Circumstances { seed: *seed, platform, times: &radar.emissions, pulses: *pulses, before_s };
+    PlatformTracks::of(track, None, source, frame, &of, *start).map_err(|source| {
+        let platform = scene.platforms[platform].clone();
+        BuildError::Track { platform, role: "true", source }
+    })
+}
+
+/// The longest time that a servo looks back, s.
+fn servo_lag_s(scene: &Scene) -> f64 {
+    let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
+    pointings
+        .chain(scene.radar.receivers.iter().map(|r| &r.antenna.pointing))
+        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,107 @@
+//! Where blocks of pulses end because a report changes.
+//!
+//! Antennas and gates that go by reports jump when a report is changed ([`crate::nav::changes`]), and no interpolation knows of a jump. So blocks end
+//! at the first pulse whose emission comes a servo's lag after the change; and, because axes of receive antennas are found over the time of flight,
+//! also at the first that sees it in that time.
+
+use std::ops::Range;
+
+use super::{Illumination, beside};
+use crate::nav::changes::Change;
+use crate::radar::fault::mounts;
+use crate::radar::illumination::window::Window;
+use crate::scene::Radar;
+use crate::scene::radar::{AimFrom, Gate, Pointing};
+
+/// Times closer than this are not told apart, s: pulses are a nanosecond apart at least.
+const TIE_S: f64 = 0.5e-9;
+
+/// Platforms by whose reports something is aimed, and how late.
+pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
+    let mut found = Vec::new();
+    let mut note = |platform: Option<usize>, lag_s: f64| {
+        if let Some(platform) = platform.filter(|platform| !found.contains(&(*platform, lag_s))) {
+            found.push((platform, lag_s));
+        }
+    };
+    for (_, mount) in mounts(radar) {
+        if let Pointing::At { aim, aim_from: AimFrom::Reported, lag_s, .. } = &mount.pointing {
+            note(Some(mount.platform), *lag_s);
+            note(beside(aim), *lag_s);
+        }
+    }
+    if let (Gate::Follow { aim, aim_from: AimFrom::Reported, .. }, Some(pair)) =
+        (&radar.window.gate, radar.pairs().first())
+    {
+        note(Some(radar.transmitters[pair.transmitter].antenna.platform), 0.0);
+        note(Some(radar.receivers[pair.receiver].antenna.platform), 0.0);
+        note(beside(aim), 0.0);
+    }
+    found
+}
+
+impl Illumination {
+    /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by.
+    pub fn unbroken(&self, block: Range<u64>, index: u64) -> Range<u64> {
+        let mut part = block.clone();
+        for &(platform, lag_s) in &self.listeners {
+            let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {
+                continue;
+            };
+            changes.read(|given| {
+                for one in given {
+                    self.cut(&block, index, one.t_s + lag_s, lag_s, &mut part);
+                    if let Change::Dropout { seconds } = one.change {
+                        self.cut(&block, index, one.t_s + seconds + lag_s, f64::INFINITY, &mut part);
+                    }
+                }
+            });
+        }
+        part
+    }
+
+    /// Cuts what lies beyond a jump at `t_s` after pulse 0.
+    fn cut(&self, block: &Range<u64>, index: u64, t_s: f64, lag_s: f64, part: &mut Range<u64>) {
+        // That of a change without lag is at a pulse exactly; others may be a rounding before or after one.
+        let tie_s = if lag_s == 0.0 { 0.0 } else { TIE_S };
+        for at_s in [t_s - self.axes_span_s - tie_s, t_s - tie_s, t_s + tie_s] {
+            let (mut low, mut high) = (block.start, block.end);
+            while low < high {
+                let middle = low + (high - low) / 2;
+                if self.radar.emissions.interval_s(0, middle) < at_s {
+                    low = middle + 1;
+                } else {
+                    high = middle;
+                }
+            }
+            if low <= index {
+                part.start = part.start.max(low);
+            } else {
+                part.end = part.end.min(low);
+            }
+        }
+    }
+
+    /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its window hears was sent that much later at
+    /// most, and antennas are asked where they point a time of flight after that.
+    pub fn asks_ahead_s(&self, index: u64) -> f64 {
+        let opens_s = self.window_start_of(index).unwrap_or(0.0);
+        let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
+        (window.close_s + window.guard_s).max(0.0) + self.axes_span_s
+    }
+
+    /// The first pulse whose reports nothing asks for that has to do with pulses up to `made`.
+    pub fn first_untouched(&self, made: u64) -> u64 {
+        let ahead_s = self.asks_ahead_s(made);
+        let (mut low, mut high) = (made.saturating_add(1), self.pulses.max(made.saturating_add(1)));
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.radar.emissions.interval_s(made, middle) <= ahead_s {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}
