@@ -187,7 +187,12 @@ fn reports_are_those_of_the_closed_form() {
 /// Antennas that aim by the report jump with it, in the middle of a block as well: the fast echo keeps its budget.
 #[test]
 fn the_fast_echo_keeps_its_budget_where_an_aim_jumps() {
-    let settings = [("scene.facet_m", "2.0"), ("receiver.0.pointing.lag_s", "0.03")];
+    // A start whose fraction of a second makes times round.
+    let settings = [
+        ("scene.facet_m", "2.0"),
+        ("receiver.0.pointing.lag_s", "0.03"),
+        ("scene.start_utc", "\"2020-01-01T00:00:00.3Z\""),
+    ];
     let run = scenario("sea.toml", &settings);
     let mut run = Run { events: vec![event(20, 0, "step attitude.heading 2 deg")], ..run };
     run.scene.radar.noise_figure_db = None;

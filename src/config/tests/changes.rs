@@ -43,7 +43,7 @@ fn faults_of_events_name_what_is_allowed() {
     for part in [
         "event.0",
         "pulse 1110: allowed: before pulse 1110, where the run ends",
-        "event.2.change = 7",
+        "event.2.change: 7 is not allowed",
         "event.3.platform",
         "'jump': allowed: step, bias, ramp, dropout, latency, clear",
         "event.4.colour",
@@ -70,7 +70,7 @@ fn calibration_channels_are_read_and_checked() {
         "allowed: from -50000000 to 50000000 Hz, half the sample rate",
         "s, so that the whole pulse is in the window",
         "VV",
-        "'ear'",
+        "there is no receiver \"ear\"; allowed: rx",
         "phase_deg",
     ] {
         assert!(told.contains(part), "{part}: {told}");

@@ -2,7 +2,7 @@
 //!
 //! Antennas and gates that go by reports jump when a report is changed ([`crate::nav::changes`]), and no interpolation knows of a jump. So blocks end
 //! at the first pulse whose emission comes a servo's lag after the change; and, because axes of receive antennas are found over the time of flight,
-//! also at the first that sees it in that time.
+//! also at the first that sees it in that time (without a lag that is the same one: blocks are made of pulses of which one flies at a time).
 
 use std::ops::Range;
 
@@ -44,15 +44,34 @@ impl Illumination {
     /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by.
     pub fn unbroken(&self, block: Range<u64>, index: u64) -> Range<u64> {
         let mut part = block.clone();
+        let mut cut = |pulse: u64| {
+            if pulse <= index {
+                part.start = part.start.max(pulse);
+            } else {
+                part.end = part.end.min(pulse);
+            }
+        };
         for &(platform, lag_s) in &self.listeners {
             let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {
                 continue;
             };
             changes.read(|given| {
                 for one in given {
-                    self.cut(&block, index, one.t_s + lag_s, lag_s, &mut part);
-                    if let Change::Dropout { seconds } = one.change {
-                        self.cut(&block, index, one.t_s + seconds + lag_s, f64::INFINITY, &mut part);
+                    // What a servo sees at once it sees at that very pulse.
+                    if lag_s == 0.0 {
+                        cut(one.pulse);
+                    }
+                    let ends_s = match one.change {
+                        Change::Dropout { seconds } => Some(one.t_s + seconds),
+                        _ => None,
+                    };
+                    let begins_s = (lag_s > 0.0).then_some(one.t_s);
+                    for jump_s in begins_s.into_iter().chain(ends_s) {
+                        // Not told from a pulse a rounding before or after.
+                        for tie_s in [-TIE_S, TIE_S] {
+                            cut(self.first_from(&block, jump_s + lag_s + tie_s));
+                        }
+                        cut(self.first_from(&block, jump_s + lag_s - self.axes_span_s - TIE_S));
                     }
                 }
             });
@@ -60,26 +79,18 @@ impl Illumination {
         part
     }
 
-    /// Cuts what lies beyond a jump at `t_s` after pulse 0.
-    fn cut(&self, block: &Range<u64>, index: u64, t_s: f64, lag_s: f64, part: &mut Range<u64>) {
-        // That of a change without lag is at a pulse exactly; others may be a rounding before or after one.
-        let tie_s = if lag_s == 0.0 { 0.0 } else { TIE_S };
-        for at_s in [t_s - self.axes_span_s - tie_s, t_s - tie_s, t_s + tie_s] {
-            let (mut low, mut high) = (block.start, block.end);
-            while low < high {
-                let middle = low + (high - low) / 2;
-                if self.radar.emissions.interval_s(0, middle) < at_s {
-                    low = middle + 1;
-                } else {
-                    high = middle;
-                }
-            }
-            if low <= index {
-                part.start = part.start.max(low);
+    /// The first pulse of a block that is emitted so long after pulse 0; its end if there is none.
+    fn first_from(&self, block: &Range<u64>, at_s: f64) -> u64 {
+        let (mut low, mut high) = (block.start, block.end);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.radar.emissions.interval_s(0, middle) < at_s {
+                low = middle + 1;
             } else {
-                part.end = part.end.min(low);
+                high = middle;
             }
         }
+        low
     }
 
     /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its window hears was sent that much later at
