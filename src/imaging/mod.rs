@@ -1,7 +1,14 @@
-//! What a processor would see: pictures of maps and curves, files of maps and contacts.
+//! What a processor would see: images of recordings, pictures of maps and curves, files of maps and contacts.
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`range_compress`] | pulse compression with the recorded replica |
+//! | [`taper`] | weights over a band or an aperture |
+//! | [`phase_path`] | where a phase centre is between pulses; light time |
+//! | [`ground`] | the points of an image |
+//! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
+//! | [`point_target`] | what an image makes of a point: width, side lobes, place |
+//! | [`multilook`] | means of power, percentiles |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
 //! | [`plot`] | curves on linear, logarithmic or decibel axes |
 //! | [`colours`] | colour maps of even steps |
@@ -27,6 +34,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod taper;
+pub mod phase_path;
+pub mod range_compress;
+pub mod ground;
+pub mod backproject;
+pub mod point_target;
+pub mod multilook;
 pub mod canvas;
 pub mod colours;
 pub mod contact_file;
