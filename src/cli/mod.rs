@@ -7,6 +7,7 @@ mod args;
 mod bench;
 mod check;
 mod error;
+mod focus;
 mod merge;
 mod nav;
 mod new;
@@ -30,6 +31,7 @@ pub use args::{
     RunArgs, Setting, Template, TradeoffArgs,
 };
 pub use error::CliError;
+pub use focus::{FocusArgs, FocusError, FocusFilter, FocusNav, FocusTaper};
 pub use nav::{
     NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInspectArgs, NavPlayArgs, NavToolError,
 };
@@ -84,6 +86,7 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Focus(args) => focus::focus(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
     }

@@ -2,6 +2,7 @@
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`recording`] | reads recordings, HDF5 and plain folders |
 //! | [`range_compress`] | pulse compression with the recorded replica |
 //! | [`taper`] | weights over a band or an aperture |
 //! | [`phase_path`] | where a phase centre is between pulses; light time |
@@ -15,6 +16,7 @@
 //! | [`ticks`] | round numbers along an axis |
 //! | [`canvas`] | pixels, lines and letters; PNG |
 //! | [`map_file`] | several fields over one patch in an HDF5 file |
+//! | [`image_file`] | complex images in an HDF5 file |
 //! | [`contact_file`] | the contacts of one pulse in an HDF5 file |
 //! | [`output`] | a file that is whole or not there |
 //!
@@ -34,6 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod recording;
 pub mod taper;
 pub mod phase_path;
 pub mod range_compress;
@@ -45,6 +48,7 @@ pub mod canvas;
 pub mod colours;
 pub mod contact_file;
 pub mod map_file;
+pub mod image_file;
 pub mod output;
 pub mod picture;
 pub mod plot;
