@@ -10,6 +10,7 @@
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
 //! | [`multilook`] | means of power, percentiles |
+//! | [`statistics`] | K law, its shape from samples and by Ward and Watts |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
 //! | [`plot`] | curves on linear, logarithmic or decibel axes |
 //! | [`colours`] | colour maps of even steps |
@@ -44,6 +45,7 @@ pub mod ground;
 pub mod backproject;
 pub mod point_target;
 pub mod multilook;
+pub mod statistics;
 pub mod canvas;
 pub mod colours;
 pub mod contact_file;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod bench;
+mod focus;
 mod inspection;
 #[cfg(feature = "hdf5")]
 mod oracle;

@@ -5,3 +5,4 @@ mod agreement;
 mod geometries;
 mod navigation;
 mod points;
+mod statistics;
