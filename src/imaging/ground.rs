@@ -13,11 +13,13 @@
 
 /// Most pixels along a side.
 pub const MOST_PIXELS: usize = 32768;
+/// Most pixels in all.
+pub const MOST_IN_ALL: usize = 1 << 26;
 
 /// A grid that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "an image of {size_m:?} m about {centre_m:?} m with pixels of {pixel_m} m: finite numbers and 1 to 32768 pixels along each side are needed"
+    "an image of {size_m:?} m about {centre_m:?} m with pixels of {pixel_m} m: finite numbers and 1 to 32768 pixels along each side, 6.7e7 in all, are needed"
 )]
 pub struct GroundError {
     centre_m: [f64; 3],
@@ -46,7 +48,8 @@ impl Ground {
         let legal = pixel_m > 0.0
             && pixel_m.is_finite()
             && centre_m.iter().all(|x| x.is_finite())
-            && counts.iter().all(|n| (1.0..=MOST_PIXELS as f64).contains(n));
+            && counts.iter().all(|n| (1.0..=MOST_PIXELS as f64).contains(n))
+            && counts[0] * counts[1] <= MOST_IN_ALL as f64;
         if !legal {
             return Err(fault);
         }

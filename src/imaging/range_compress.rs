@@ -40,7 +40,7 @@ const MOST_OVERSAMPLING: usize = 64;
 /// What becomes of the spectrum of the pulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RangeFilter {
-    /// The matched filter: best against noise. Side lobes are those of the pulse (of a sweep of `B Tc = 20`: -13.9 dB).
+    /// The matched filter: best against noise. Side lobes are those of the pulse (of a sweep of `B Tc = 20` behind the receive filter: -13.7 dB).
     #[default]
     Matched,
     /// The spectrum of the pulse is divided out within the band: the response is that of the taper, whatever the pulse.

@@ -56,7 +56,7 @@ fn shapes_of_samples_come_back_within_their_error() {
             normalised.push((fit.contrast - 2.0 * (1.0 + 1.0 / shape)) / fit.contrast_error);
             assert!((fit.law.shape - shape).abs() < 5.0 * fit.shape_error, "{shape}: {fit:?}");
             // <z^2> = 4 nu / b^2.
-            let power = 4.0 * fit.law.shape / fit.law.scale.powi(2);
+            let power: f64 = 4.0 * fit.law.shape / fit.law.scale.powi(2);
             assert!((power / 3e-15 - 1.0).abs() < 0.05, "{fit:?}");
         }
     }

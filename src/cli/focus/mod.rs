@@ -298,6 +298,8 @@ fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Resul
                 for channel in channels {
                     // Several pictures bear the names of their channels.
                     let name = &recording.header.channels[*channel].name;
+                    // A recording of unknown origin may hold any name.
+                    let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
                     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
                     let path = match channels.len() {
                         1 => path.clone(),

@@ -4,7 +4,7 @@
 //! f64; phase then goes in whole steps of `2^-32` turn (no rounding grows), the cell in f32. Left out:
 //!
 //! * the fourth derivative of the range, at most `3/R^3` a leg: `h^4/(8 R^3)` for half a run `h`. Runs are 32, 16, 8 or 1 pixels,
-//!   the longest for which that stays below 1e-5 turns ([`MOST_TURNS`]);
+//!   the longest for which that stays below 5e-5 turns, 3e-4 rad (`MOST_TURNS`);
 //! * the receiver's path while echoes of the image arrive (microseconds) is straight: `v^2 dt^2/2R`, 4e-9 m for 10 us in orbit;
 //! * linear interpolation between cells: [`interpolation_error_db`](crate::imaging::range_compress::interpolation_error_db), which
 //!   dominates the rest;
@@ -30,7 +30,7 @@ const TILE: [usize; 2] = [64, 16];
 /// Longest run of pixels.
 const LONGEST: usize = 32;
 /// Phase that cubics may miss, turns.
-pub const MOST_TURNS: f64 = 1e-5;
+const MOST_TURNS: f64 = 5e-5;
 const C: f64 = SPEED_OF_LIGHT_MPS;
 
 /// Where a pulse was sent from and received, as one image needs it.
