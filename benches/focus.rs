@@ -34,12 +34,8 @@ fn focus(c: &mut Criterion) {
     let compressor = Compressor::new(shape, SAMPLES, RangeFilter::Matched, Taper::Uniform, 16).unwrap();
     let samples = sweep(SAMPLES);
     let echoes = |count: usize| -> Vec<PulseEcho> {
-        let echo = |t: &f64| PulseEcho {
-            emission_s: *t,
-            window_start_s: 35.0e-6,
-            weight: 1.0,
-            samples: &samples,
-        };
+        let echo =
+            |t: &f64| PulseEcho { emission_s: *t, window_start_s: 35.0e-6, weight: 1.0, samples: &samples };
         times_s.iter().take(count).map(echo).collect()
     };
     let aperture = |count: usize| Aperture {

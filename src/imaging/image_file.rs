@@ -43,7 +43,9 @@ pub struct ImageFile<'a> {
 #[derive(Debug, thiserror::Error)]
 pub enum ImageFileError {
     /// Not so many values as pixels.
-    #[error("{channels} channels of {pixels} pixels are named; {images} images, the shortest of {least} pixels, are given")]
+    #[error(
+        "{channels} channels of {pixels} pixels are named; {images} images, the shortest of {least} pixels, are given"
+    )]
     Size {
         /// Channels named.
         channels: usize,
@@ -102,7 +104,9 @@ impl ImageFile<'_> {
         let file = super::map_file::create(path, "nereus-image", VERSION, self.attributes)?;
         let names = self.channels.iter().map(|name| text(name)).collect::<Result<Vec<_>, _>>()?;
         list(&file, "channels", &names)?;
-        for (axis, name, meaning) in [(0, "x_m", "middles of the pixels, East"), (1, "y_m", "middles of the pixels, North")] {
+        for (axis, name, meaning) in
+            [(0, "x_m", "middles of the pixels, East"), (1, "y_m", "middles of the pixels, North")]
+        {
             let middles: Vec<f64> = (0..self.ground.pixels[axis])
                 .map(|i| self.ground.point_m(i as f64, i as f64)[axis])
                 .collect();
@@ -111,7 +115,8 @@ impl ImageFile<'_> {
             attribute(&dataset, "meaning", &text(meaning)?)?;
         }
         let [columns, rows] = self.ground.pixels;
-        let image = file.new_dataset::<Complex32>().shape((self.channels.len(), rows, columns)).create("image")?;
+        let image =
+            file.new_dataset::<Complex32>().shape((self.channels.len(), rows, columns)).create("image")?;
         image.write_raw(&self.images.concat())?;
         attribute(&image, "unit", &text("sqrt(W)")?)?;
         attribute(&image, "meaning", &text("echo of a point at rest")?)?;

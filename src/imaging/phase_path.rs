@@ -140,8 +140,8 @@ pub fn delay_rate(transmitter: &PhasePath, receiver: &PhasePath, time_s: f64, po
     let tau_s = delay_s(transmitter, receiver, time_s, point_m);
     let (from, from_mps) = transmitter.state(time_s);
     let (to, to_mps) = receiver.state(time_s + tau_s);
-    let rate_mps = from_mps.dot((from - point).normalize_or_zero())
-        + to_mps.dot((to - point).normalize_or_zero());
+    let rate_mps =
+        from_mps.dot((from - point).normalize_or_zero()) + to_mps.dot((to - point).normalize_or_zero());
     rate_mps / SPEED_OF_LIGHT_MPS
 }
 
@@ -197,10 +197,7 @@ mod tests {
         assert_eq!(path(2, 1.0, |t| [2.0 * t, 0.0, 0.0]).at(3.0), [6.0, 0.0, 0.0]);
         assert_eq!(path(3, 1.0, |t| [t * t, 0.0, 0.0]).at(2.5), [6.25, 0.0, 0.0]);
         assert!(PhasePath::new(vec![], vec![]).is_err());
-        assert_eq!(
-            PhasePath::new(vec![0.0, 0.0], vec![[0.0; 3]; 2]),
-            Err(PhasePathError::Row { row: 1 })
-        );
+        assert_eq!(PhasePath::new(vec![0.0, 0.0], vec![[0.0; 3]; 2]), Err(PhasePathError::Row { row: 1 }));
     }
 
     #[test]

@@ -68,8 +68,7 @@ impl Support {
             DVec2::new(x, y)
         };
         let share = pulses.len() as f64 / (pulses.len() as f64 - 1.0).max(1.0);
-        let across =
-            (gradient(last.emission_s) - gradient(first.emission_s)) * (aperture.carrier_hz * share);
+        let across = (gradient(last.emission_s) - gradient(first.emission_s)) * (aperture.carrier_hz * share);
         let along = gradient(pulses[pulses.len() / 2].emission_s) * aperture.compressor.bandwidth_hz();
         let independent = along.perp_dot(across).abs() > 1e-9 * along.length() * across.length();
         independent.then(|| Self { range: along.to_array(), cross: across.to_array() })
@@ -170,11 +169,7 @@ pub struct PointTarget {
 
 /// Measures points that are expected at given places; none for those that show no main lobe there. `tapers` are those over
 /// the band and over the pulses.
-pub fn analyse(
-    aperture: &Aperture,
-    expected_m: &[[f64; 3]],
-    tapers: [Taper; 2],
-) -> Vec<Option<PointTarget>> {
+pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2]) -> Vec<Option<PointTarget>> {
     let supports: Vec<Option<Support>> = expected_m.iter().map(|p| Support::of(aperture, *p)).collect();
     // An aperture without cross-range still gets a grid, of no use, so that places in the lists agree.
     let steps: Vec<[[f64; 3]; 2]> = supports

@@ -261,8 +261,7 @@ mod tests {
 
     fn compressor(pulse_s: f64, filter: RangeFilter, taper: Taper, oversampling: usize) -> Compressor {
         let replica = sweep(pulse_s, 0.0, 0.0, (pulse_s * RATE_HZ).ceil() as usize);
-        let shape =
-            PulseShape { replica: &replica, sample_rate_hz: RATE_HZ, bandwidth_hz: BAND_HZ, pulse_s };
+        let shape = PulseShape { replica: &replica, sample_rate_hz: RATE_HZ, bandwidth_hz: BAND_HZ, pulse_s };
         Compressor::new(shape, 1024, filter, taper, oversampling).unwrap()
     }
 
@@ -301,7 +300,8 @@ mod tests {
             error += (Complex64::new(found.re.into(), found.im.into()) - wanted).norm_sqr();
             power += wanted.norm_sqr();
         }
-        let (found, predicted) = (10.0 * (error / power).log10(), interpolation_error_db(BAND_HZ, 16.0 * RATE_HZ));
+        let (found, predicted) =
+            (10.0 * (error / power).log10(), interpolation_error_db(BAND_HZ, 16.0 * RATE_HZ));
         println!("linear interpolation {found:.1} dB, predicted {predicted:.1} dB");
         // The main lobe holds 90 % of the power in one place: half a decibel of it.
         assert!((found - predicted).abs() < 1.0);

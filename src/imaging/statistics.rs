@@ -124,8 +124,7 @@ impl KLaw {
 /// degrees (0.1 to 10), `D_a`, `D_r` the resolution, m, `psi` from the direction of the swell, rad; `k_p` 1 for VV, 1.7 for HH.
 pub fn sea_shape(grazing_deg: f64, resolution_m: [f64; 2], psi_rad: f64, vertical: bool) -> f64 {
     let polarisation = if vertical { 1.0 } else { 1.7 };
-    let log = 2.0 / 3.0 * grazing_deg.log10()
-        + 0.625 * (resolution_m[0] * resolution_m[1] / 4.2).log10()
+    let log = 2.0 / 3.0 * grazing_deg.log10() + 0.625 * (resolution_m[0] * resolution_m[1] / 4.2).log10()
         - (2.0 * psi_rad).cos() / 3.0
         - polarisation;
     10f64.powf(log)

@@ -50,9 +50,8 @@ impl Taper {
             Self::Uniform => 1.0,
             Self::Hann => (PI * x).cos().powi(2),
             Self::Taylor => {
-                let sum: f64 = (1..TAYLOR_TERMS)
-                    .map(|m| taylor_coefficient(m) * (2.0 * PI * m as f64 * x).cos())
-                    .sum();
+                let sum: f64 =
+                    (1..TAYLOR_TERMS).map(|m| taylor_coefficient(m) * (2.0 * PI * m as f64 * x).cos()).sum();
                 1.0 + 2.0 * sum
             }
             Self::Kaiser => {
@@ -90,8 +89,7 @@ fn taylor_coefficient(m: usize) -> f64 {
     let m2 = (m * m) as f64;
     let zeros: f64 =
         (1..TAYLOR_TERMS).map(|i| 1.0 - m2 / dilation / (a * a + (i as f64 - 0.5).powi(2))).product();
-    let poles: f64 =
-        (1..TAYLOR_TERMS).filter(|i| *i != m).map(|i| 1.0 - m2 / (i * i) as f64).product();
+    let poles: f64 = (1..TAYLOR_TERMS).filter(|i| *i != m).map(|i| 1.0 - m2 / (i * i) as f64).product();
     let sign = if m % 2 == 1 { 1.0 } else { -1.0 };
     0.5 * sign * zeros / poles
 }

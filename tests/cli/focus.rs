@@ -94,7 +94,12 @@ fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
     let [truth, report] = ["true", "reported"].map(|nav| {
         let ended = nereus(folder.path(), &[&one[..], &[nav]].concat());
         assert_eq!(ended.code, 0, "{}", ended.stderr);
-        ended.stdout.lines().filter(|line| !line.starts_with("pulses ")).map(str::to_owned).collect::<Vec<_>>()
+        ended
+            .stdout
+            .lines()
+            .filter(|line| !line.starts_with("pulses "))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
     });
     assert_eq!(truth, report);
     assert!(truth.iter().any(|line| line.contains("near")), "{truth:?}");

@@ -53,7 +53,9 @@ fn one_thread_and_three_give_the_same_bits() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| fast(&aperture, &[ground], &|_| ())).remove(0)
     };
-    let bits = |image: &[Complex32]| -> Vec<[u32; 2]> { image.iter().map(|z| [z.re.to_bits(), z.im.to_bits()]).collect() };
+    let bits = |image: &[Complex32]| -> Vec<[u32; 2]> {
+        image.iter().map(|z| [z.re.to_bits(), z.im.to_bits()]).collect()
+    };
     assert_eq!(bits(&with(1)), bits(&with(3)));
 }
 

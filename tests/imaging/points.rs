@@ -95,7 +95,8 @@ fn points_are_as_wide_and_as_high_as_theory_has_them_in_every_geometry_and_chann
 fn short_pulses_have_their_own_side_lobes_and_a_flat_spectrum_those_of_the_taper() {
     // The paper's pulse: B Tc = 20.
     let geometry = &GEOMETRIES[0];
-    let scenario = geometry.scenario("", [[0.0; 3]; 2]).replace(&format!("pulse_s = {PULSE_S:?}"), "pulse_s = 0.333e-6");
+    let scenario =
+        geometry.scenario("", [[0.0; 3]; 2]).replace(&format!("pulse_s = {PULSE_S:?}"), "pulse_s = 0.333e-6");
     let recording = crate::geometries::record(&scenario);
     let paths = [recording.true_path("t").unwrap(), recording.true_path("r").unwrap()];
     let expected = |filter, tapers: [Taper; 2]| {
@@ -118,10 +119,8 @@ fn short_pulses_have_their_own_side_lobes_and_a_flat_spectrum_those_of_the_taper
     // Matched: the response of a cut sweep is |sin(pi B t (1 - t/Tc)) / (pi B t)|; its first side lobe by a search over the formula.
     let x = |t: f64| std::f64::consts::PI * BAND_HZ * t;
     let response = |t: f64| ((x(t) * (1.0 - t / 0.333e-6)).sin() / x(t)).abs();
-    let highest = (0..10_000)
-        .map(|i| 1.1 / BAND_HZ + f64::from(i) * 1e-4 / BAND_HZ)
-        .map(response)
-        .fold(0.0, f64::max);
+    let highest =
+        (0..10_000).map(|i| 1.1 / BAND_HZ + f64::from(i) * 1e-4 / BAND_HZ).map(response).fold(0.0, f64::max);
     let sweep_db = 20.0 * highest.log10();
     let found = expected(RangeFilter::Matched, [Taper::Uniform; 2]);
     println!("matched, B Tc = 20: {:.2} dB, formula {sweep_db:.2} dB", found.range.pslr_db);

@@ -32,7 +32,6 @@ use crate::imaging::taper::Taper;
 use crate::transport::pacer::Status;
 use scenario::Scenario;
 
-
 /// Which navigation the processor believes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FocusNav {

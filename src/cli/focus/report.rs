@@ -5,7 +5,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{CliError, Focused, FocusArgs, FocusNav, Ground, Recording, interpolation_error_db, multilook, oversampling, percentile, say};
+use super::{
+    CliError, FocusArgs, FocusNav, Focused, Ground, Recording, interpolation_error_db, multilook,
+    oversampling, percentile, say,
+};
 use crate::imaging::point_target::PointTarget;
 
 /// What `--json` prints.

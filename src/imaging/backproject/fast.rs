@@ -201,9 +201,8 @@ impl Sight {
     /// Delay at a pixel (s) and its first, half its second, a sixth of its third derivative over the number of the pixel along x.
     #[inline(always)]
     fn cubic(&self, ground: &Ground, x: f64, y: f64) -> [f64; 4] {
-        let point = DVec3::from(ground.first_m)
-            + DVec3::from(ground.step_x_m) * x
-            + DVec3::from(ground.step_y_m) * y;
+        let point =
+            DVec3::from(ground.first_m) + DVec3::from(ground.step_x_m) * x + DVec3::from(ground.step_y_m) * y;
         let step = DVec3::from(ground.step_x_m);
         let square = step.length_squared();
         let leg = |end: DVec3| {
@@ -321,8 +320,7 @@ mod tests {
         ] {
             let times_s: Vec<f64> = (0..64).map(|i| f64::from(i) / 500.0).collect();
             let line = |from: [f64; 3], v: [f64; 3]| {
-                let points =
-                    times_s.iter().map(|t| std::array::from_fn(|i| from[i] + v[i] * t)).collect();
+                let points = times_s.iter().map(|t| std::array::from_fn(|i| from[i] + v[i] * t)).collect();
                 PhasePath::new(times_s.clone(), points).unwrap()
             };
             let (transmitter, receiver) = (line(start, velocity), line(other, other_mps));
@@ -341,7 +339,8 @@ mod tests {
                 for k in [-half, -half / 2, 0, half / 2] {
                     let d = f64::from(k);
                     let cubic = delay[0] + d * (delay[1] + d * (delay[2] + d * delay[3]));
-                    let exact = delay_s(&transmitter, &receiver, leaves_s, ground.point_m(x + d, f64::from(j)));
+                    let exact =
+                        delay_s(&transmitter, &receiver, leaves_s, ground.point_m(x + d, f64::from(j)));
                     worst = worst.max((10e9 * (cubic - exact)).abs());
                 }
             }

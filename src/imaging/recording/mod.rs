@@ -262,7 +262,11 @@ impl Recording {
     }
 
     /// Position and velocity that a platform reports at a pulse in use, ENU, m and m/s.
-    pub fn reported_state(&self, platform: &str, pulse: usize) -> Result<([f64; 3], [f64; 3]), RecordingError> {
+    pub fn reported_state(
+        &self,
+        platform: &str,
+        pulse: usize,
+    ) -> Result<([f64; 3], [f64; 3]), RecordingError> {
         let row = self.rows.start + pulse;
         let at = |name: &str| {
             let points = self.points(&format!("nav/{platform}/reported/{name}"))?;
@@ -280,8 +284,7 @@ impl Recording {
             .position(|pair| pair.transmitter == transmitter && pair.receiver == receiver)?;
         let (width, values) = self.numbers.get("truth/delay_s")?;
         let place = pair * self.header.targets.len() + target;
-        let all: Vec<f64> =
-            values.chunks_exact(*width).filter_map(|row| row.get(place).copied()).collect();
+        let all: Vec<f64> = values.chunks_exact(*width).filter_map(|row| row.get(place).copied()).collect();
         all.get(self.rows.clone()).map(<[f64]>::to_vec)
     }
 

@@ -120,8 +120,9 @@ fn header(meta: &Value) -> Option<Header> {
     let (platforms, transmitters, receivers) =
         (texts("platforms")?, texts("transmitters")?, texts("receivers")?);
     let (targets, ships, clocks) = (texts("targets")?, texts("ships")?, texts("clocks")?);
-    let origin = real("origin_lat_deg")
-        .and_then(|lat_deg| Some(Origin { lat_deg, lon_deg: real("origin_lon_deg")?, h_m: real("origin_h_m")? }));
+    let origin = real("origin_lat_deg").and_then(|lat_deg| {
+        Some(Origin { lat_deg, lon_deg: real("origin_lon_deg")?, h_m: real("origin_h_m")? })
+    });
     let adc = real("adc_step")
         .and_then(|step| Some(AdcRow { step, bits: u32::try_from(meta["adc_bits"].as_u64()?).ok()? }));
     let start_ns = meta["start_time_ns"].as_i64()?;
