@@ -21,7 +21,7 @@
 //! | width | between the half-power points of the cut, m |
 //! | PSLR | highest side lobe within 10 cells over the peak, dB |
 //! | ISLR | energy outside the nulls of the main lobe, within 10 cells, over that between them, dB |
-//! | error | place of the peak less place expected, cells along both cuts |
+//! | error | middle between the half-power points less place expected, cells along both cuts |
 //! | phase | of the image at the place expected, rad |
 //!
 //! ```
@@ -95,7 +95,7 @@ impl Support {
 /// What a cut of power through a point shows, in points of the cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredCut {
-    /// Place of the peak.
+    /// Place of the main lobe: the middle between the half-power points, which a flat top has too.
     pub peak: f64,
     /// Half-power width.
     pub width: f64,
@@ -126,7 +126,7 @@ pub fn measure_cut(power: &[f64]) -> Option<MeasuredCut> {
     let highest = sides().fold(0.0, |a: f64, b| a.max(*b));
     let main: f64 = power[first..=last].iter().sum();
     Some(MeasuredCut {
-        peak: top as f64 + shift,
+        peak: 0.5 * (upper + lower),
         width: upper - lower,
         pslr_db: 10.0 * (highest / height).log10(),
         islr_db: 10.0 * (sides().sum::<f64>() / main).log10(),
@@ -146,7 +146,7 @@ pub struct Cut {
     pub pslr_db: f64,
     /// Integrated side lobes, dB.
     pub islr_db: f64,
-    /// Peak less expected place, in cells.
+    /// Middle of the main lobe less expected place, in cells.
     pub error_cells: f64,
 }
 
