@@ -288,7 +288,7 @@ fn sine(turns: f32) -> f32 {
     let s = x * x;
     let series = -2.505_210_8e-8 * s + 2.755_731_9e-6;
     let series = series * s - 1.984_127e-4;
-    let series = series * s + 8.333_333_5e-3;
+    let series = series * s + 8.333_333e-3;
     let series = series * s - 0.166_666_67;
     x + x * s * series
 }
