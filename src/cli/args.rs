@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thiserror::Error;
 
+use super::focus::FocusArgs;
 use super::nav::NavArgs;
 use super::sea::SeaArgs;
 use super::sea::snapshot::SnapshotArgs;
@@ -45,6 +46,8 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
+    /// Make an image of a recording: range compression and bistatic back-projection
+    Focus(Box<FocusArgs>),
     /// Receive pulses that are sent as VITA 49.2, and tell gaps, lateness and navigation
     Receive(ReceiveArgs),
     /// Inspect, convert, play and spoil recorded navigation

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::control::ControlFault;
+use super::focus::FocusError;
 use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
@@ -73,6 +74,9 @@ pub enum CliError {
     /// No map of the sea.
     #[error(transparent)]
     Sea(#[from] SeaError),
+    /// No image of a recording.
+    #[error(transparent)]
+    Focus(#[from] FocusError),
     /// Nothing can be received.
     #[error(transparent)]
     Receive(#[from] ReceiveError),
@@ -98,6 +102,7 @@ impl CliError {
             | Self::Receive(ReceiveError::Socket { .. }) => 1,
             Self::Receive(_) => 2,
             Self::Nav(error) => error.exit_code(),
+            Self::Focus(error) => error.exit_code(),
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
             Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,

@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod control;
 mod error;
+mod focus;
 mod merge;
 mod nav;
 mod new;
@@ -32,6 +33,7 @@ pub use args::{
 };
 pub use control::ControlFault;
 pub use error::CliError;
+pub use focus::{FocusArgs, FocusError, FocusFilter, FocusNav, FocusTaper};
 pub use nav::{
     NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
     NavToolError,
@@ -87,6 +89,7 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Focus(args) => focus::focus(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
     }

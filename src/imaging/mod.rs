@@ -1,13 +1,23 @@
-//! What a processor would see: pictures of maps and curves, files of maps and contacts.
+//! What a processor would see: images of recordings, pictures of maps and curves, files of maps and contacts.
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`recording`] | reads recordings, HDF5 and plain folders |
+//! | [`range_compress`] | pulse compression with the recorded replica |
+//! | [`taper`] | weights over a band or an aperture |
+//! | [`phase_path`] | where a phase centre is between pulses; light time |
+//! | [`ground`] | the points of an image |
+//! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
+//! | [`point_target`] | what an image makes of a point: width, side lobes, place |
+//! | [`multilook`] | means of power, percentiles |
+//! | [`statistics`] | K law, its shape from samples and by Ward and Watts |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
 //! | [`plot`] | curves on linear, logarithmic or decibel axes |
 //! | [`colours`] | colour maps of even steps |
 //! | [`ticks`] | round numbers along an axis |
 //! | [`canvas`] | pixels, lines and letters; PNG |
 //! | [`map_file`] | several fields over one patch in an HDF5 file |
+//! | [`image_file`] | complex images in an HDF5 file |
 //! | [`contact_file`] | the contacts of one pulse in an HDF5 file |
 //! | [`output`] | a file that is whole or not there |
 //!
@@ -27,10 +37,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod recording;
+pub mod taper;
+pub mod phase_path;
+pub mod range_compress;
+pub mod ground;
+pub mod backproject;
+pub mod point_target;
+pub mod multilook;
+pub mod statistics;
 pub mod canvas;
 pub mod colours;
 pub mod contact_file;
 pub mod map_file;
+pub mod image_file;
 pub mod output;
 pub mod picture;
 pub mod plot;

@@ -4,6 +4,7 @@
 mod bench;
 #[cfg(unix)]
 mod control;
+mod focus;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]
 mod live_navigation;

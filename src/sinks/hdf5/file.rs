@@ -330,6 +330,11 @@ impl Recorded {
 
     /// Rows `from..to` of all columns, in their order.
     pub(crate) fn rows(&self, from: usize, to: usize) -> Result<Vec<Rows>, Fault> {
+        self.columns.iter().map(|column| self.column(column, from, to)).collect()
+    }
+
+    /// Rows `from..to` of one column.
+    pub(crate) fn column(&self, column: &Column, from: usize, to: usize) -> Result<Rows, Fault> {
         fn get<T: H5Type + Clone>(
             file: &File,
             column: &Column,
@@ -339,20 +344,16 @@ impl Recorded {
             let array = file.dataset(&column.path)?.read_slice::<T, _, IxDyn>(slab(column, from, to))?;
             Ok(array.into_raw_vec_and_offset().0)
         }
-        let mut block = Vec::with_capacity(self.columns.len());
-        for column in &self.columns {
-            let file = &self.file;
-            block.push(match column.element {
-                Element::U8 => Rows::U8(get(file, column, from, to)?),
-                Element::U32 => Rows::U32(get(file, column, from, to)?),
-                Element::U64 => Rows::U64(get(file, column, from, to)?),
-                Element::I64 => Rows::I64(get(file, column, from, to)?),
-                Element::F64 => Rows::F64(get(file, column, from, to)?),
-                Element::Cf32 => Rows::Cf32(get(file, column, from, to)?),
-                Element::Ci16 => Rows::Ci16(get(file, column, from, to)?),
-            });
-        }
-        Ok(block)
+        let file = &self.file;
+        Ok(match column.element {
+            Element::U8 => Rows::U8(get(file, column, from, to)?),
+            Element::U32 => Rows::U32(get(file, column, from, to)?),
+            Element::U64 => Rows::U64(get(file, column, from, to)?),
+            Element::I64 => Rows::I64(get(file, column, from, to)?),
+            Element::F64 => Rows::F64(get(file, column, from, to)?),
+            Element::Cf32 => Rows::Cf32(get(file, column, from, to)?),
+            Element::Ci16 => Rows::Ci16(get(file, column, from, to)?),
+        })
     }
 
     /// Bytes of a pulse over all columns.

@@ -1,0 +1,528 @@
+//! `nereus focus`: an image of a recording.
+
+mod report;
+mod scenario;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use num_complex::Complex32;
+
+use super::args::PulseRange;
+use super::error::CliError;
+use super::progress;
+use super::say;
+use super::sea::{SeaError, save_canvas};
+use crate::imaging::backproject::{Aperture, PulseEcho, fast};
+use crate::imaging::ground::{Ground, GroundError};
+use crate::imaging::image_file::{ImageFile, ImageFileError};
+use crate::imaging::map_file::Attribute;
+use crate::imaging::multilook::{multilook, percentile};
+use crate::imaging::output::{FileKind, Output, OutputError};
+use crate::imaging::phase_path::PhasePath;
+use crate::imaging::picture::{Axis, Limits, Picture, Reduction};
+use crate::imaging::point_target::{PointTarget, Support, analyse, locate};
+use crate::imaging::range_compress::{
+    CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
+};
+use crate::imaging::recording::{Recording, RecordingError};
+use crate::imaging::taper::Taper;
+use crate::transport::pacer::Status;
+use scenario::Scenario;
+
+/// Which navigation the processor believes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FocusNav {
+    /// True phase centres
+    True,
+    /// Positions and attitudes as reported, and lever arms of the scenario
+    Reported,
+}
+
+/// Tapers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FocusTaper {
+    /// All weights are 1
+    None,
+    /// Raised cosine
+    Hann,
+    /// Side lobes of -35 dB
+    Taylor,
+    /// Kaiser, beta 6
+    Kaiser,
+}
+
+/// What becomes of the spectrum of the pulse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FocusFilter {
+    /// Matched filter
+    Matched,
+    /// Spectrum of the pulse divided out within its band
+    Flat,
+}
+
+impl FocusTaper {
+    fn taper(self) -> Taper {
+        match self {
+            Self::None => Taper::Uniform,
+            Self::Hann => Taper::Hann,
+            Self::Taylor => Taper::Taylor,
+            Self::Kaiser => Taper::Kaiser,
+        }
+    }
+}
+
+/// `nereus focus`
+#[derive(Debug, Args)]
+pub struct FocusArgs {
+    /// Recording: an HDF5 file or a plain folder
+    pub recording: PathBuf,
+    /// Which navigation the processor believes
+    #[arg(long, value_enum, default_value_t = FocusNav::True)]
+    pub nav: FocusNav,
+    /// Image to make: a picture of each channel (.png), complex values of all (.h5); may be given twice
+    #[arg(long, value_name = "PATH")]
+    pub out: Vec<PathBuf>,
+    /// Channels to focus [default: all]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub channel: Vec<String>,
+    /// Use only these pulses, the last one excluded
+    #[arg(long, value_name = "A..B")]
+    pub pulses: Option<PulseRange>,
+    /// Middle of the image, East and North [default: where the radar looks at the middle pulse]
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    pub centre_m: Vec<f64>,
+    /// Sides of the image, East and North, or both
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, default_value = "512")]
+    pub size_m: Vec<f64>,
+    /// Distance of pixels
+    #[arg(long, value_name = "M", default_value_t = 1.0)]
+    pub pixel_m: f64,
+    /// Height of the plane in the frame of the scene
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub height_m: f64,
+    /// Taper over the band
+    #[arg(long, value_enum, default_value_t = FocusTaper::None)]
+    pub window: FocusTaper,
+    /// Taper over the pulses
+    #[arg(long, value_enum, default_value_t = FocusTaper::None)]
+    pub aperture: FocusTaper,
+    /// Filter of the range compression
+    #[arg(long, value_enum, default_value_t = FocusFilter::Matched)]
+    pub filter: FocusFilter,
+    /// Error of the interpolation between cells of a compressed pulse
+    #[arg(long, value_name = "DB", default_value_t = -60.0, allow_negative_numbers = true)]
+    pub interpolation_db: f64,
+    /// Means of power over so many pixels along both sides, in pictures and statistics
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub looks: usize,
+    /// Percent of the pixels that are not brighter than the last colour
+    #[arg(long, value_name = "P", default_value_t = 98.0)]
+    pub percentile: f64,
+    /// Picture in decibels over such a span below the brightest pixel (instead of amplitudes)
+    #[arg(long, value_name = "DB")]
+    pub dynamic_db: Option<f64>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Why a recording cannot be focused.
+#[derive(Debug, thiserror::Error)]
+pub enum FocusError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No image of such a size.
+    #[error(transparent)]
+    Ground(#[from] GroundError),
+    /// The recording has no pulse to compress with.
+    #[error("{}: {source}", path.display())]
+    Compress {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong.
+        source: CompressError,
+    },
+    /// A channel that is not there.
+    #[error("channel {name} is not in the recording; allowed: {allowed}")]
+    Channel {
+        /// What was asked.
+        name: String,
+        /// What there is.
+        allowed: String,
+    },
+    /// A value out of range.
+    #[error("--{key} {found}: allowed: {allowed}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// What was given.
+        found: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The scenario does not tell where an antenna sits.
+    #[error(
+        "--nav reported needs platform and lever_arm_m of the {kind} '{name}', which the scenario in the recording does not tell"
+    )]
+    NoLeverArm {
+        /// `transmitter` or `receiver`.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// No pulse carries what a channel listens to.
+    #[error("channel {channel}: none of the pulses left in its polarisation")]
+    Dark {
+        /// The channel.
+        channel: String,
+    },
+    /// An output that is neither picture nor HDF5.
+    #[error("--out {}: allowed: a name that ends in .png or .h5", path.display())]
+    Kind {
+        /// What was given.
+        path: PathBuf,
+    },
+    /// An output cannot be made.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The complex image cannot be written.
+    #[error(transparent)]
+    Image(#[from] ImageFileError),
+}
+
+impl FocusError {
+    /// Exit code: 2 when the input is wrong, 1 otherwise.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Output(OutputError::Io { .. }) | Self::Image(ImageFileError::Hdf5 { .. }) => 1,
+            _ => 2,
+        }
+    }
+}
+
+/// What is made of one channel.
+struct Focused {
+    channel: usize,
+    pulses: usize,
+    image: Vec<Complex32>,
+    support: Option<Support>,
+    targets: Vec<(String, Option<PointTarget>)>,
+}
+
+/// Where the outputs go.
+struct Outputs {
+    pictures: Vec<Output>,
+    values: Option<Output>,
+}
+
+/// Focuses.
+pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    check(args)?;
+    let range = args.pulses.map(|p| p.first..p.end);
+    let recording = Recording::open(&args.recording, range).map_err(FocusError::from)?;
+    let scenario = Scenario::of(&recording);
+    let channels = channels(args, &recording)?;
+    let outputs = outputs(args, &recording, &channels)?;
+    let ground = ground(args, &recording, &scenario, channels[0])?;
+    let compressor = compressor(args, &recording)?;
+    let begun = Instant::now();
+    let mut focused = Vec::with_capacity(channels.len());
+    for channel in &channels {
+        focused.push(one(args, &recording, &scenario, &compressor, &ground, *channel)?);
+    }
+    let seconds = begun.elapsed().as_secs_f64();
+    let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
+    let mut made = Vec::new();
+    for (output, focused) in outputs.pictures.into_iter().zip(&focused) {
+        made.push(output.path().to_owned());
+        picture(args, &recording, &ground, focused, output)?;
+    }
+    if let Some(output) = outputs.values {
+        made.push(output.path().to_owned());
+        values(args, &recording, &ground, &names, &focused, output)?;
+    }
+    let report = report::report(args, &recording, &ground, &focused, seconds, made);
+    report::print(args, &report, out)
+}
+
+fn check(args: &FocusArgs) -> Result<(), FocusError> {
+    let bad = |key, found: String, allowed| Err(FocusError::Value { key, found, allowed });
+    if !(args.centre_m.is_empty() || args.centre_m.len() == 2) {
+        return bad("centre-m", format!("{:?}", args.centre_m), "two numbers X,Y");
+    }
+    if !(1..=2).contains(&args.size_m.len()) {
+        return bad("size-m", format!("{:?}", args.size_m), "one or two numbers above 0");
+    }
+    if !(args.percentile > 0.0 && args.percentile <= 100.0) {
+        return bad("percentile", args.percentile.to_string(), "a number above 0, up to 100");
+    }
+    if let Some(span) = args.dynamic_db.filter(|span| !(*span > 0.0 && *span <= 300.0)) {
+        return bad("dynamic-db", span.to_string(), "a number above 0, up to 300");
+    }
+    if !(1..=4096).contains(&args.looks) {
+        return bad("looks", args.looks.to_string(), "a whole number from 1 to 4096");
+    }
+    if !(-100.0..0.0).contains(&args.interpolation_db) {
+        return bad("interpolation-db", args.interpolation_db.to_string(), "a number from -100 to below 0");
+    }
+    Ok(())
+}
+
+fn channels(args: &FocusArgs, recording: &Recording) -> Result<Vec<usize>, FocusError> {
+    let all = &recording.header.channels;
+    if args.channel.is_empty() {
+        return Ok((0..all.len()).collect());
+    }
+    let place = |name: &String| {
+        all.iter().position(|channel| channel.name == *name).ok_or_else(|| FocusError::Channel {
+            name: name.clone(),
+            allowed: all.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
+        })
+    };
+    args.channel.iter().map(place).collect()
+}
+
+fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Result<Outputs, FocusError> {
+    let mut made = Outputs { pictures: Vec::new(), values: None };
+    for path in &args.out {
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("png") if made.pictures.is_empty() => {
+                for channel in channels {
+                    // Several pictures bear the names of their channels.
+                    let name = &recording.header.channels[*channel].name;
+                    // A recording of unknown origin may hold any name.
+                    let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
+                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                    let path = match channels.len() {
+                        1 => path.clone(),
+                        _ => path.with_file_name(format!("{stem}_{name}.png")),
+                    };
+                    made.pictures.push(Output::plan(&path, FileKind::Png, args.force)?);
+                }
+            }
+            Some("h5") if made.values.is_none() => {
+                made.values = Some(Output::plan(path, FileKind::Hdf5, args.force)?);
+            }
+            _ => return Err(FocusError::Kind { path: path.clone() }),
+        }
+    }
+    Ok(made)
+}
+
+fn ground(
+    args: &FocusArgs,
+    recording: &Recording,
+    scenario: &Scenario,
+    channel: usize,
+) -> Result<Ground, FocusError> {
+    let [x, y] = match args.centre_m[..] {
+        [x, y] => [x, y],
+        // A round number of metres is easier to give again.
+        _ => scenario.aim(recording, channel, recording.pulses() / 2).map(f64::round),
+    };
+    let width = args.size_m[0];
+    let height = args.size_m.get(1).copied().unwrap_or(width);
+    Ok(Ground::map([x, y, args.height_m], [width, height], args.pixel_m)?)
+}
+
+fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, FocusError> {
+    let header = &recording.header;
+    let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, args.interpolation_db);
+    let filter = match args.filter {
+        FocusFilter::Matched => RangeFilter::Matched,
+        FocusFilter::Flat => RangeFilter::Flat,
+    };
+    let shape = PulseShape {
+        replica: &header.replica,
+        sample_rate_hz: header.sample_rate_hz,
+        bandwidth_hz: header.bandwidth_hz,
+        pulse_s: header.pulse_s,
+    };
+    Compressor::new(shape, header.layout.samples, filter, args.window.taper(), cells)
+        .map_err(|source| FocusError::Compress { path: args.recording.clone(), source })
+}
+
+fn path(
+    args: &FocusArgs,
+    recording: &Recording,
+    scenario: &Scenario,
+    kind: &'static str,
+    name: &str,
+) -> Result<PhasePath, FocusError> {
+    if args.nav == FocusNav::True {
+        return Ok(recording.true_path(name)?);
+    }
+    let mount = scenario.mount(kind, name)?;
+    Ok(recording.reported_path(&mount.platform, mount.lever_arm_m)?)
+}
+
+/// Focuses one channel.
+fn one(
+    args: &FocusArgs,
+    recording: &Recording,
+    scenario: &Scenario,
+    compressor: &Compressor,
+    ground: &Ground,
+    channel: usize,
+) -> Result<Focused, FocusError> {
+    let row = &recording.header.channels[channel];
+    let transmitter = path(args, recording, scenario, "transmitter", &row.transmitter)?;
+    let receiver = path(args, recording, scenario, "receiver", &row.receiver)?;
+    let lit: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
+    if lit.is_empty() {
+        return Err(FocusError::Dark { channel: row.name.clone() });
+    }
+    let taper = args.aperture.taper();
+    let weight = |place: usize| taper.weight((place as f64 + 0.5) / lit.len() as f64 - 0.5);
+    let echo = |(place, pulse): (usize, &usize)| PulseEcho {
+        emission_s: recording.emission_s[*pulse],
+        window_start_s: recording.window_start_s[*pulse],
+        weight: weight(place),
+        samples: recording.window(*pulse, channel),
+    };
+    let aperture = Aperture {
+        carrier_hz: recording.header.carrier_hz,
+        compressor,
+        transmitter: &transmitter,
+        receiver: &receiver,
+        pulses: lit.iter().enumerate().map(echo).collect(),
+        centre_m: ground.centre_m(),
+    };
+    let total = lit.len() as u64;
+    let (status, watcher) = progress::watch_of(total, "pulses focused");
+    let image = fast(&aperture, std::slice::from_ref(ground), &|done| {
+        let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
+    });
+    drop(status);
+    watcher.finish();
+    Ok(Focused {
+        channel,
+        pulses: lit.len(),
+        image: image.into_iter().next().unwrap_or_default(),
+        support: Support::of(&aperture, ground.centre_m()),
+        targets: targets(args, recording, &aperture, ground, channel)?,
+    })
+}
+
+/// Targets of the truth record that lie on the image, and what they look like.
+fn targets(
+    args: &FocusArgs,
+    recording: &Recording,
+    aperture: &Aperture,
+    ground: &Ground,
+    channel: usize,
+) -> Result<Vec<(String, Option<PointTarget>)>, FocusError> {
+    let row = &recording.header.channels[channel];
+    let (mut names, mut places) = (Vec::new(), Vec::new());
+    // Delays are true: where they belong is told by the true paths, whatever the processor believes.
+    let (Ok(transmitter), Ok(receiver)) =
+        (recording.true_path(&row.transmitter), recording.true_path(&row.receiver))
+    else {
+        return Ok(Vec::new());
+    };
+    for (place, name) in recording.header.targets.iter().enumerate() {
+        let Some(delays_s) = recording.delays_s(&row.transmitter, &row.receiver, place) else { continue };
+        let found = locate(&transmitter, &receiver, &recording.emission_s, &delays_s, ground.centre_m());
+        let inside = |point: &[f64; 3]| {
+            (0..2).all(|axis| {
+                let [low, high] = ground.edges_m(axis);
+                (low..=high).contains(&point[axis])
+            })
+        };
+        if let Some(point) = found.filter(inside) {
+            names.push(name.clone());
+            places.push(point);
+        }
+    }
+    let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
+    Ok(names.into_iter().zip(found).collect())
+}
+
+fn picture(
+    args: &FocusArgs,
+    recording: &Recording,
+    ground: &Ground,
+    focused: &Focused,
+    output: Output,
+) -> Result<(), CliError> {
+    let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
+    let (power, cells) = multilook(&power, ground.pixels, args.looks);
+    let (values, quantity, limits) = match args.dynamic_db {
+        Some(span) => {
+            let values: Vec<f64> = power.iter().map(|p| 10.0 * p.log10()).collect();
+            (values, "dBW", Limits::Below { percent: 100.0, span })
+        }
+        None => {
+            let values: Vec<f64> = power.iter().map(|p| p.sqrt()).collect();
+            let top = percentile(&values, args.percentile).unwrap_or(0.0);
+            (values, "amplitude, sqrt(W)", Limits::Fixed([0.0, top.max(f64::MIN_POSITIVE * 1e20)]))
+        }
+    };
+    let name = &recording.header.channels[focused.channel].name;
+    let nav = match args.nav {
+        FocusNav::True => "true",
+        FocusNav::Reported => "reported",
+    };
+    let title = format!("{name}, {} pulses, {nav} navigation", focused.pulses);
+    let step = args.pixel_m * args.looks as f64;
+    let edge = |axis: usize| {
+        let [low, _] = ground.edges_m(axis);
+        [low, low + cells[axis] as f64 * step]
+    };
+    let ([left, right], [lower, upper]) = (edge(0), edge(1));
+    let canvas = Picture {
+        title: &title,
+        x: Axis { label: "East, m", from: left, to: right },
+        y: Axis { label: "North, m", from: lower, to: upper },
+        quantity,
+        limits,
+        reduction: if args.dynamic_db.is_some() { Reduction::MeanPower } else { Reduction::Mean },
+        scale_bar: Some("m"),
+        size_px: 768,
+        ..Picture::new(&values, cells).map_err(SeaError::from)?
+    }
+    .draw()
+    .map_err(SeaError::from)?;
+    Ok(save_canvas(output, &canvas)?)
+}
+
+fn values(
+    args: &FocusArgs,
+    recording: &Recording,
+    ground: &Ground,
+    names: &[String],
+    focused: &[Focused],
+    output: Output,
+) -> Result<(), CliError> {
+    let images: Vec<Vec<Complex32>> = focused.iter().map(|f| f.image.clone()).collect();
+    let named = |value: Option<clap::builder::PossibleValue>| {
+        value.map_or(String::new(), |value| value.get_name().to_owned())
+    };
+    let [nav, window, aperture, filter] = [
+        named(args.nav.to_possible_value()),
+        named(args.window.to_possible_value()),
+        named(args.aperture.to_possible_value()),
+        named(args.filter.to_possible_value()),
+    ];
+    let (first, last) = (recording.index[0], recording.index[recording.index.len() - 1]);
+    let attributes = [
+        ("recording", Attribute::Text(&args.recording.display().to_string())),
+        ("nav", Attribute::Text(&nav)),
+        ("window", Attribute::Text(&window)),
+        ("aperture", Attribute::Text(&aperture)),
+        ("filter", Attribute::Text(&filter)),
+        ("first_pulse", Attribute::Whole(first)),
+        ("end_pulse", Attribute::Whole(last + 1)),
+        ("height_m", Attribute::Real(args.height_m)),
+        ("carrier_hz", Attribute::Real(recording.header.carrier_hz)),
+    ];
+    let file = ImageFile { attributes: &attributes, channels: names, ground, images: &images };
+    Ok(output.write(|partial| file.write(partial).map_err(FocusError::from))?)
+}

@@ -1,0 +1,100 @@
+//! What focusing needs of the scenario in a recording: lever arms, and where to look.
+//!
+//! Only these keys are read, so that files which the scenario names (tracks, hulls) may be missing.
+
+use toml::{Table, Value};
+
+use super::FocusError;
+use crate::imaging::recording::Recording;
+
+/// The scenario of a recording; empty where it holds none.
+pub(super) struct Scenario(Table);
+
+/// Where an antenna sits.
+pub(super) struct Mount {
+    pub platform: String,
+    pub lever_arm_m: [f64; 3],
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
+}
+
+fn numbers<const N: usize>(table: &Table, key: &str) -> Option<[f64; N]> {
+    let list: Vec<f64> = table.get(key)?.as_array()?.iter().map(number).collect::<Option<_>>()?;
+    list.try_into().ok()
+}
+
+impl Scenario {
+    pub fn of(recording: &Recording) -> Self {
+        Self(recording.header.config.parse().unwrap_or_default())
+    }
+
+    fn antenna(&self, kind: &str, name: &str) -> Option<&Table> {
+        let all = self.0.get(kind)?.as_array()?;
+        all.iter().filter_map(Value::as_table).find(|t| t.get("name").and_then(Value::as_str) == Some(name))
+    }
+
+    /// Platform and lever arm of an antenna (`kind`: `transmitter` or `receiver`).
+    pub fn mount(&self, kind: &'static str, name: &str) -> Result<Mount, FocusError> {
+        let antenna = self.antenna(kind, name);
+        let platform = antenna.and_then(|t| t.get("platform")).and_then(Value::as_str);
+        let (Some(antenna), Some(platform)) = (antenna, platform) else {
+            return Err(FocusError::NoLeverArm { kind, name: name.to_owned() });
+        };
+        let lever_arm_m = match antenna.get("lever_arm_m") {
+            None => [0.0; 3],
+            Some(_) => numbers(antenna, "lever_arm_m")
+                .ok_or_else(|| FocusError::NoLeverArm { kind, name: name.to_owned() })?,
+        };
+        Ok(Mount { platform: platform.to_owned(), lever_arm_m })
+    }
+
+    /// Where range gate or antennas of a channel look at a pulse in use, East and North, m: what the window follows, else what the receiver
+    /// aims at, else what the transmitter aims at, else the middle of the patch, else the origin.
+    pub fn aim(&self, recording: &Recording, channel: usize, pulse: usize) -> [f64; 2] {
+        let row = recording.header.channels.get(channel);
+        let table = |path: &[&str]| -> Option<&Table> {
+            path.iter().try_fold(&self.0, |table, key| table.get(*key)?.as_table())
+        };
+        let pointing = |kind: &str, name: &str| self.antenna(kind, name)?.get("pointing")?.as_table();
+        let aims = [
+            table(&["radar", "window", "follow"]),
+            row.and_then(|c| pointing("receiver", &c.receiver)),
+            row.and_then(|c| pointing("transmitter", &c.transmitter)),
+        ];
+        aims.into_iter()
+            .flatten()
+            .find_map(|aim| aim_point(aim, recording, pulse))
+            .or_else(|| numbers(table(&["scene"])?, "patch_centre_m"))
+            .unwrap_or([0.0; 2])
+    }
+}
+
+/// A point of the scene, or one beside a platform.
+fn aim_point(aim: &Table, recording: &Recording, pulse: usize) -> Option<[f64; 2]> {
+    let key = |name: &str| aim.get(name).and_then(number).unwrap_or(0.0);
+    match aim.get("kind")?.as_str()? {
+        "at" => {
+            let [x, y, _] = numbers(aim, "position_m")?;
+            let [vx, vy, _] = numbers(aim, "velocity_mps").unwrap_or([0.0; 3]);
+            let since_s = recording.index[pulse] as f64 / recording.header.prf_hz;
+            Some([x + vx * since_s, y + vy * since_s])
+        }
+        "beside" => {
+            let platform = aim.get("platform")?.as_str()?;
+            let (position, velocity) = recording.reported_state(platform, pulse).ok()?;
+            let speed = velocity[0].hypot(velocity[1]);
+            if speed < 1e-3 {
+                return None;
+            }
+            let [ahead_x, ahead_y] = [velocity[0] / speed, velocity[1] / speed];
+            let (along, across) = (key("along_m"), key("across_m"));
+            Some([
+                position[0] + ahead_x * along + ahead_y * across,
+                position[1] + ahead_y * along - ahead_x * across,
+            ])
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,307 @@
+//! Reads recordings for processing: HDF5 files and plain folders ([`crate::sinks`]).
+//!
+//! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before the first and after the
+//! last pulse of a part.
+//!
+//! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one. No reported one is recorded: it is
+//! `p + C l`, `p` and `C` position and attitude that the platform reports, `l` the lever arm (body axes) that the caller knows.
+//!
+//! ```no_run
+//! use nereus::imaging::recording::Recording;
+//! let recording = Recording::open("calibration.h5".as_ref(), Some(0..500))?;
+//! let path = recording.true_path("airborne")?;
+//! println!("{} pulses, receiver at {:?} m", recording.pulses(), path.at(0.5));
+//! # Ok::<(), nereus::imaging::recording::RecordingError>(())
+//! ```
+
+mod plain;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use glam::{DQuat, DVec3};
+use num_complex::Complex32;
+
+use super::phase_path::{PhasePath, PhasePathError};
+use crate::scene::radar::Polarisation;
+use crate::sinks::columns::{Column, Rows, columns};
+use crate::sinks::sink::{Header, SinkError};
+
+/// Rows read beyond those asked for.
+const AROUND: usize = 64;
+
+/// Why a recording cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// It cannot be read.
+    #[error(transparent)]
+    File(#[from] SinkError),
+    /// An HDF5 file asked of a build without HDF5.
+    #[error("{}: this build has no HDF5 (feature `hdf5`) and reads plain folders only", path.display())]
+    NoHdf5 {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Not a recording of this program.
+    #[error("{}: {detail}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        detail: String,
+    },
+    /// No pulse asked for is there.
+    #[error("{}: holds pulses {first}..{end}, none of {}..{}", path.display(), asked.start, asked.end)]
+    NoPulses {
+        /// The recording.
+        path: PathBuf,
+        /// First pulse there.
+        first: u64,
+        /// One past the last.
+        end: u64,
+        /// Pulses asked for.
+        asked: Range<u64>,
+    },
+    /// A column that is not there.
+    #[error("{}: /{column} is not in the recording", path.display())]
+    Missing {
+        /// The recording.
+        path: PathBuf,
+        /// The column.
+        column: String,
+    },
+    /// Positions or times that are none.
+    #[error("{}: {source}", path.display())]
+    Path {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong.
+        source: PhasePathError,
+    },
+}
+
+/// A part of a recording in memory.
+pub struct Recording {
+    path: PathBuf,
+    /// What holds for the whole recording.
+    pub header: Header,
+    /// Number of each pulse in use.
+    pub index: Vec<u64>,
+    /// Emission of each pulse in use, s after [`Self::path_s`]'s zero.
+    pub emission_s: Vec<f64>,
+    /// First sample after the emission, s.
+    pub window_start_s: Vec<f64>,
+    /// Code of the polarisation that left, 0 for all.
+    pub tx_pol: Vec<u8>,
+    /// Emissions of all rows that paths know, s.
+    pub path_s: Vec<f64>,
+    /// Place of the pulses in use among those rows.
+    rows: Range<usize>,
+    numbers: BTreeMap<String, (usize, Vec<f64>)>,
+    samples: Vec<Complex32>,
+}
+
+/// Where rows come from.
+enum Source {
+    #[cfg(feature = "hdf5")]
+    Hdf5(crate::sinks::hdf5::file::Recorded),
+    Plain(plain::Plain),
+}
+
+impl Source {
+    fn open(path: &Path) -> Result<Self, RecordingError> {
+        if path.is_dir() {
+            return plain::Plain::open(path).map(Self::Plain);
+        }
+        std::fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
+        #[cfg(feature = "hdf5")]
+        {
+            use crate::sinks::hdf5::file::{Fault, Recorded};
+            let recorded = Recorded::open(path).map_err(Fault::at(path, "reading the recording"))?;
+            Ok(Self::Hdf5(recorded))
+        }
+        #[cfg(not(feature = "hdf5"))]
+        Err(RecordingError::NoHdf5 { path: path.to_owned() })
+    }
+
+    fn header(&self) -> &Header {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => &recorded.header,
+            Self::Plain(plain) => &plain.header,
+        }
+    }
+
+    fn pulses(&self) -> usize {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => recorded.pulses,
+            Self::Plain(plain) => plain.pulses,
+        }
+    }
+
+    fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => {
+                use crate::sinks::hdf5::file::Fault;
+                let read = recorded.column(column, rows.start, rows.end);
+                Ok(read.map_err(Fault::at(path, "reading the recording"))?)
+            }
+            Self::Plain(plain) => plain.rows(path, column, rows),
+        }
+    }
+}
+
+impl Recording {
+    /// Reads the pulses of a recording (by their numbers), or all of them.
+    pub fn open(path: &Path, pulses: Option<Range<u64>>) -> Result<Self, RecordingError> {
+        let source = Source::open(path)?;
+        let header = source.header().clone();
+        let list = columns(&header);
+        let all = source.pulses();
+        let read = |column: &str, rows: Range<usize>| match list.iter().find(|c| c.path == column) {
+            Some(column) => source.rows(path, column, rows),
+            None => Err(RecordingError::Missing { path: path.to_owned(), column: column.to_owned() }),
+        };
+        let index = match read("pulse/index", 0..all)? {
+            Rows::U64(index) => index,
+            _ => Vec::new(),
+        };
+        let asked = pulses.unwrap_or(0..u64::MAX);
+        let used = index.partition_point(|i| *i < asked.start)..index.partition_point(|i| *i < asked.end);
+        if used.is_empty() {
+            let first = index.first().copied().unwrap_or(0);
+            let end = index.last().map_or(first, |last| last.saturating_add(1));
+            return Err(RecordingError::NoPulses { path: path.to_owned(), first, end, asked });
+        }
+        let known = used.start.saturating_sub(AROUND)..(used.end + AROUND).min(all);
+        let mut numbers = BTreeMap::new();
+        let (mut time_ns, mut tx_pol) = (Vec::new(), Vec::new());
+        for column in list.iter().filter(|c| c.path != "iq") {
+            match source.rows(path, column, known.clone())? {
+                Rows::F64(values) => {
+                    numbers.insert(column.path.clone(), (column.width(), values));
+                }
+                Rows::I64(values) if column.path == "pulse/time_ns" => time_ns = values,
+                Rows::U8(values) if column.path == "pulse/tx_pol" => tx_pol = values,
+                _ => {}
+            }
+        }
+        let samples = match read("iq", used.clone())? {
+            Rows::Cf32(samples) => samples,
+            Rows::Ci16(codes) => {
+                // Mid-rise: a code stands for the middle of its step.
+                let step = header.adc.map_or(1.0, |adc| adc.step) as f32;
+                let level = |code: i16| (f32::from(code) + 0.5) * step;
+                codes.iter().map(|code| Complex32::new(level(code.re), level(code.im))).collect()
+            }
+            _ => Vec::new(),
+        };
+        let rows = used.start - known.start..used.end - known.start;
+        let scalar = |name: &str| numbers.get(name).map(|(_, values)| values.clone()).unwrap_or_default();
+        // Whole nanoseconds are taken apart as integers: seconds since 1970 in f64 would be rounded to 2e-7 s.
+        let zero_ns = time_ns.first().copied().unwrap_or(0);
+        let path_s: Vec<f64> = time_ns
+            .iter()
+            .zip(scalar("pulse/time_frac_ns"))
+            .map(|(ns, part)| ((ns - zero_ns) as f64 + part) * 1e-9)
+            .collect();
+        Ok(Self {
+            index: index[used].to_vec(),
+            emission_s: path_s[rows.clone()].to_vec(),
+            window_start_s: scalar("pulse/window_start_s")[rows.clone()].to_vec(),
+            tx_pol: tx_pol[rows.clone()].to_vec(),
+            path: path.to_owned(),
+            header,
+            path_s,
+            rows,
+            numbers,
+            samples,
+        })
+    }
+
+    /// Pulses in use.
+    pub fn pulses(&self) -> usize {
+        self.index.len()
+    }
+
+    /// Samples of a channel in a pulse in use.
+    pub fn window(&self, pulse: usize, channel: usize) -> &[Complex32] {
+        let layout = &self.header.layout;
+        let at = (pulse * layout.channels + channel) * layout.samples;
+        self.samples.get(at..at + layout.samples).unwrap_or_default()
+    }
+
+    /// Whether what left with a pulse is what a channel listens to.
+    pub fn is_lit(&self, pulse: usize, channel: usize) -> bool {
+        let radiated = self.tx_pol[pulse];
+        let letter = self.header.channels.get(channel).and_then(|c| c.polarisations.chars().nth(1));
+        radiated == 0 || letter.and_then(Polarisation::from_letter).is_none_or(|p| p.code() == radiated)
+    }
+
+    /// Path of an antenna's true phase centre.
+    pub fn true_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
+        self.phase_path(self.points(&format!("nav/{antenna}/phase_centre_m"))?)
+    }
+
+    /// Path of the phase centre that a platform's reports tell of a lever arm (forward, starboard, down, m).
+    pub fn reported_path(&self, platform: &str, lever_arm_m: [f64; 3]) -> Result<PhasePath, RecordingError> {
+        let positions = self.points(&format!("nav/{platform}/reported/position_m"))?;
+        let (_, attitudes) = self.column(&format!("nav/{platform}/reported/attitude_quat"))?;
+        let lever = DVec3::from(lever_arm_m);
+        let centre = |(position, q): (&[f64; 3], &[f64])| {
+            let attitude = match q {
+                [w, x, y, z] => DQuat::from_xyzw(*x, *y, *z, *w).normalize(),
+                _ => DQuat::IDENTITY,
+            };
+            (DVec3::from(*position) + attitude * lever).to_array()
+        };
+        self.phase_path(positions.iter().zip(attitudes.chunks_exact(4)).map(centre).collect())
+    }
+
+    /// Position and velocity that a platform reports at a pulse in use, ENU, m and m/s.
+    pub fn reported_state(
+        &self,
+        platform: &str,
+        pulse: usize,
+    ) -> Result<([f64; 3], [f64; 3]), RecordingError> {
+        let row = self.rows.start + pulse;
+        let at = |name: &str| {
+            let points = self.points(&format!("nav/{platform}/reported/{name}"))?;
+            Ok::<_, RecordingError>(points.get(row).copied().unwrap_or([f64::NAN; 3]))
+        };
+        Ok((at("position_m")?, at("velocity_mps")?))
+    }
+
+    /// True delays of a target of a pair in the pulses in use, s; none where the recording has none.
+    pub fn delays_s(&self, transmitter: &str, receiver: &str, target: usize) -> Option<Vec<f64>> {
+        let pair = self
+            .header
+            .pairs
+            .iter()
+            .position(|pair| pair.transmitter == transmitter && pair.receiver == receiver)?;
+        let (width, values) = self.numbers.get("truth/delay_s")?;
+        let place = pair * self.header.targets.len() + target;
+        let all: Vec<f64> = values.chunks_exact(*width).filter_map(|row| row.get(place).copied()).collect();
+        all.get(self.rows.clone()).map(<[f64]>::to_vec)
+    }
+
+    fn column(&self, name: &str) -> Result<(usize, &[f64]), RecordingError> {
+        match self.numbers.get(name) {
+            Some((width, values)) => Ok((*width, values)),
+            None => Err(RecordingError::Missing { path: self.path.clone(), column: name.to_owned() }),
+        }
+    }
+
+    fn points(&self, name: &str) -> Result<Vec<[f64; 3]>, RecordingError> {
+        let (_, values) = self.column(name)?;
+        Ok(values.as_chunks::<3>().0.to_vec())
+    }
+
+    fn phase_path(&self, points_m: Vec<[f64; 3]>) -> Result<PhasePath, RecordingError> {
+        PhasePath::new(self.path_s.clone(), points_m)
+            .map_err(|source| RecordingError::Path { path: self.path.clone(), source })
+    }
+}

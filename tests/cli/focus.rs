@@ -1,0 +1,182 @@
+//! `nereus focus`, and the independent processor.
+
+use std::fs;
+
+use clap::Parser;
+use nereus::cli::Arguments;
+
+use crate::program::{nereus, package};
+
+/// One aircraft over two points, in all channels; noise, a converter.
+const SCENARIO: &str = r#"
+[scene]
+duration_s = 0.199
+seed = 5
+[radar]
+carrier_hz = 10e9
+sample_rate_hz = 100e6
+prf_hz = 400.0
+channels = ["HH", "VV"]
+noise_figure_db = 3.0
+adc = { bits = 14, full_scale_dbw = -80.0 }
+waveform = { kind = "lfm", bandwidth_hz = 60e6, pulse_s = 1e-6 }
+window = { samples = 512, follow = { kind = "beside", platform = "plane", across_m = -3000.0, lead_us = 1.5 } }
+[[platform]]
+name = "plane"
+track = { kind = "straight", position_m = [-22.0, -3000.0, 3000.0], velocity_mps = [222.0, 0.0, 0.0] }
+[[transmitter]]
+name = "t"
+platform = "plane"
+power_w = 1000.0
+lever_arm_m = [1.0, 0.5, 1.5]
+antenna = { kind = "isotropic", gain_dbi = 20.0 }
+[[receiver]]
+name = "r"
+platform = "plane"
+lever_arm_m = [-1.0, 0.5, 1.5]
+antenna = { kind = "isotropic", gain_dbi = 20.0 }
+[[target]]
+name = "near"
+position_m = [12.0, -30.0, 0.0]
+rcs_m2 = 1000.0
+[[target]]
+name = "high"
+position_m = [-15.0, 35.0, 6.0]
+rcs_m2 = 1000.0
+[[target]]
+name = "outside"
+position_m = [0.0, 400.0, 0.0]
+rcs_m2 = 1.0
+[[sink]]
+kind = "plain"
+path = "r.plain"
+"#;
+
+fn recorded(folder: &std::path::Path, settings: &[&str]) {
+    fs::write(folder.join("s.toml"), SCENARIO).unwrap();
+    let ended = nereus(folder, &[&["run", "s.toml", "--pace", "fast", "--force"], settings].concat());
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+}
+
+#[test]
+fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &[]);
+    let ended = nereus(folder.path(), &["focus", "r.plain", "--size-m", "128", "--out", "a.png", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    assert_eq!((&report["pulses"], &report["pixels"]), (&80.into(), &serde_json::json!([128, 128])));
+    // The window follows the sea 3 km to port: at the middle pulse that is under 0 m East, 0 m North.
+    assert_eq!(report["centre_m"], serde_json::json!([0.0, 0.0, 0.0]));
+    for channel in report["channels"].as_array().unwrap() {
+        let targets = channel["targets"].as_array().unwrap();
+        assert_eq!(targets.iter().map(|t| t["name"].as_str().unwrap()).collect::<Vec<_>>(), ["near", "high"]);
+        for target in targets {
+            for cut in ["range", "cross_range"] {
+                let of = |key: &str| target[cut][key].as_f64().unwrap();
+                // Noise: the points stand 40 dB above it, which moves 1 % of a cell and of a width.
+                assert!((of("width_m") / of("theory_m") - 1.0).abs() < 0.05, "{target}");
+                assert!(of("error_cells").abs() < 0.05, "{target}");
+            }
+        }
+        // 6 m up seen from 45 degrees lies over by 6 m, towards the radar.
+        let high = &targets[1]["expected_m"];
+        assert!((high[1].as_f64().unwrap() - 29.0).abs() < 0.1, "{high}");
+    }
+    for picture in ["a_HH.png", "a_VV.png"] {
+        assert!(fs::read(folder.path().join(picture)).unwrap().starts_with(b"\x89PNG"));
+    }
+    let again = ["focus", "r.plain", "--size-m", "128", "--out", "a.png"];
+    let ended = nereus(folder.path(), &again);
+    assert!(ended.code == 2 && ended.stderr.contains("--force"), "{}", ended.stderr);
+    // By reports without errors, the same table to all digits that a person reads.
+    let one = ["focus", "r.plain", "--size-m", "128", "--channel", "VV", "--nav"];
+    let [truth, report] = ["true", "reported"].map(|nav| {
+        let ended = nereus(folder.path(), &[&one[..], &[nav]].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        ended
+            .stdout
+            .lines()
+            .filter(|line| !line.starts_with("pulses "))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(truth, report);
+    assert!(truth.iter().any(|line| line.contains("near")), "{truth:?}");
+}
+
+#[test]
+fn what_is_wrong_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &["--pulses", "10..14"]);
+    for (arguments, words) in [
+        (&["nothing.h5"][..], "nothing.h5"),
+        (&["r.plain", "--channel", "HV"], "allowed: HH, VV"),
+        (&["r.plain", "--pulses", "20..30"], "holds pulses 10..14"),
+        (&["r.plain", "--size-m", "1e9"], "1 to 32768 pixels"),
+        (&["r.plain", "--pixel-m", "0"], "pixels of 0 m"),
+        (&["r.plain", "--percentile", "0"], "--percentile 0"),
+        (&["r.plain", "--out", "a.jpg"], ".png or .h5"),
+        (&["r.plain", "--centre-m", "1,2,3"], "two numbers"),
+    ] {
+        let ended = nereus(folder.path(), &[&["focus"], arguments].concat());
+        assert!(ended.code == 2 && ended.stderr.contains(words), "{arguments:?}: {}", ended.stderr);
+    }
+    // A window that hears nothing of the image, and one pulse: an image of zeros, and no cross-range.
+    let far = ["focus", "r.plain", "--pulses", "10..11", "--centre-m", "1e6,0", "--size-m", "8", "--json"];
+    let ended = nereus(folder.path(), &far);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(!ended.stdout.contains("NaN") && ended.stdout.contains("\"contrast\":0.0"), "{}", ended.stdout);
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn the_independent_processor_agrees() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &["--set", "sink.0.kind=\"hdf5\"", "--out", "r.h5"]);
+    let can = std::process::Command::new("python3").args(["-c", "import numpy, h5py, tomllib"]).output();
+    if !can.is_ok_and(|ended| ended.status.success()) {
+        println!("skipped: no python3 with numpy, h5py, tomllib");
+        return;
+    }
+    for how in [
+        &["--nav", "true"][..],
+        &["--nav", "reported", "--window", "taylor", "--aperture", "kaiser", "--filter", "flat"],
+        &["--window", "hann", "--pulses", "20..60", "--height-m", "6"],
+    ] {
+        let make = ["focus", "r.h5", "--size-m", "96,64", "--pixel-m", "0.9", "--out", "i.h5", "--force"];
+        let ended = nereus(folder.path(), &[&make[..], how].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        let ended = std::process::Command::new("python3")
+            .arg(package().join("tools/focus_numpy.py"))
+            .args(["r.h5", "--image", "i.h5", "--json", "--limit-db", "-50"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&ended.stdout);
+        println!("{how:?}: {said}");
+        assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
+        let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
+        for channel in ["HH", "VV"] {
+            // Cells of 1/16 sample, linear: -65 dB, and what noise beyond the band adds to that.
+            assert!(report["channels"][channel]["difference_db"].as_f64().unwrap() < -55.0, "{report}");
+        }
+    }
+}
+
+#[test]
+fn commands_of_the_page_are_understood() {
+    let page = fs::read_to_string(package().join("docs/imaging.md")).unwrap();
+    let block = page.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+    let mut shown = 0;
+    for line in block.lines().map(|line| line.split(" #").next().unwrap().trim()) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        if words[0] == "nereus" {
+            shown += 1;
+            assert!(Arguments::try_parse_from(&words).is_ok(), "{line}");
+        } else {
+            assert!(package().join(words[1]).is_file(), "{line}");
+        }
+    }
+    assert!(shown >= 5);
+}

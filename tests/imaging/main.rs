@@ -1,0 +1,8 @@
+//! Images of recordings: points in every geometry, the fast way against the reference.
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+mod agreement;
+mod geometries;
+mod navigation;
+mod points;
+mod statistics;
