@@ -162,5 +162,6 @@ fn header(meta: &Value) -> Option<Header> {
         first_pulse: meta["first_pulse"].as_u64()?,
         pulses: meta["pulses"].as_u64()?,
         truth: meta["truth"].as_bool().unwrap_or(true),
+        changes: None,
     })
 }
