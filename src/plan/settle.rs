@@ -5,6 +5,7 @@
 //! contacts in f64, and so does a scene that no rung serves. Facets may be left out while all of them together stay
 //! [`CULLED_DB`] below the budget.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::cost::{Prices, Size, Work};
@@ -17,6 +18,7 @@ use crate::radar::illumination::Illumination;
 use crate::radar::illumination::tiles::{GAIN_POINTS, LOOKS_PER_NODE, NODES};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
+use crate::sea::GRAVITY_MPS2;
 
 /// Budgets from here down are kept in f64, pulse by pulse, dB.
 pub const EXACT_DB: f64 = -90.0;
@@ -32,6 +34,9 @@ const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 const DRIFT_PULSES: f64 = 12.0;
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
+/// Looks in a period of the shortest waves of the surface, at least: a facet that turns away between two looks is told where it does
+/// to a part of that, and single facets make the worst pulses at grazing incidence.
+const LOOKS_PER_PERIOD: f64 = 30.0;
 /// What speckle of some hundred resolution cells adds to the error of a pulse in the worst of many, dB.
 const WORST_PULSE_DB: f64 = 2.0;
 
@@ -226,6 +231,7 @@ pub fn settle(
             bounce,
         }
     };
+    let farthest_look = farthest_look(scene);
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
     // The least that a rung may cost: one look a node, gains as far apart as they may be by themselves.
@@ -268,6 +274,10 @@ pub fn settle(
             if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
                 continue;
             }
+            let far = node_pulses.div_ceil(looks as u64) > farthest_look && looks < LOOKS_PER_NODE;
+            if far && asked.scatter_pulses.is_none() {
+                continue;
+            }
             for (&gain_pulses, gain) in gain_rungs.iter().zip(&gains) {
                 // What was found for long blocks holds where six instants of gain fit in.
                 let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain_pulses;
@@ -304,6 +314,14 @@ pub fn settle(
         }
     }
     Ok(best)
+}
+
+/// Most pulses from look to look: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets, `T = sqrt(2 pi 2 d / g)` in deep water.
+fn farthest_look(scene: &Scene) -> u64 {
+    let Some(sea) = &scene.sea else { return u64::MAX };
+    let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();
+    let pulses = period_s / LOOKS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);
+    (pulses.floor() as u64).max(1)
 }
 
 /// Error of the echo itself, the worst pair.
