@@ -7,9 +7,11 @@
 //!
 //! Nobody in the stream waits for whoever asks: a channel of bounded length is looked at, and what is found is answered.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -19,6 +21,8 @@ use crate::transport::health::Health;
 
 /// Changes that may wait to be taken.
 const WAITING: usize = 64;
+/// How often who waits for an answer looks whether the run is over.
+const GLANCE: Duration = Duration::from_millis(20);
 
 /// Why a change is not taken.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -58,6 +62,7 @@ pub struct Control {
     requests: Sender<Request>,
     changes: Arc<Changes>,
     health: Arc<OnceLock<Arc<Health>>>,
+    over: Arc<AtomicBool>,
     total: u64,
 }
 
@@ -66,14 +71,28 @@ pub(super) struct Desk {
     requests: Receiver<Request>,
     changes: Arc<Changes>,
     health: Arc<OnceLock<Arc<Health>>>,
+    over: Arc<AtomicBool>,
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Release);
+    }
 }
 
 /// The two ends, for a run of so many pulses.
 pub(super) fn control(changes: &Arc<Changes>, total: u64) -> (Control, Desk) {
     let (sender, receiver) = bounded(WAITING);
     let health = Arc::new(OnceLock::new());
-    let asks = Control { requests: sender, changes: Arc::clone(changes), health: Arc::clone(&health), total };
-    (asks, Desk { requests: receiver, changes: Arc::clone(changes), health })
+    let over = Arc::new(AtomicBool::new(false));
+    let asks = Control {
+        requests: sender,
+        changes: Arc::clone(changes),
+        health: Arc::clone(&health),
+        over: Arc::clone(&over),
+        total,
+    };
+    (asks, Desk { requests: receiver, changes: Arc::clone(changes), health, over })
 }
 
 impl Control {
@@ -86,7 +105,15 @@ impl Control {
         let (answer, answered) = bounded(1);
         let request = Request { platform, change, answer };
         self.requests.send(request).map_err(|_| ControlError::Over)?;
-        Ok(answered.recv().map_err(|_| ControlError::Over)??)
+        loop {
+            // A request that comes as the run ends stays in the channel unseen: nobody answers it.
+            let over = self.over.load(Ordering::Acquire);
+            match answered.recv_timeout(GLANCE) {
+                Ok(taken) => return Ok(taken?),
+                Err(RecvTimeoutError::Timeout) if !over => {}
+                Err(_) => return Err(ControlError::Over),
+            }
+        }
     }
 
     /// How far the run is.
@@ -120,5 +147,29 @@ impl Desk {
             // Who asked may have gone.
             let _ = answer.try_send(taken);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+
+    use super::*;
+    use crate::time::{PulseTimes, TimeTag};
+
+    /// A request that is in the channel when the run ends is refused, although nobody has seen it.
+    #[test]
+    fn nobody_waits_for_a_run_that_is_over() {
+        let times = PulseTimes::uniform(1.0).unwrap();
+        let changes = Changes::new(&["mast".to_owned()], &times, TimeTag::default());
+        let (asks, desk) = control(&Arc::new(changes), 10);
+        let other = asks.clone();
+        let waits = thread::spawn(move || other.change(None, Change::Clear));
+        while desk.requests.is_empty() {
+            thread::yield_now();
+        }
+        drop(desk);
+        assert_eq!(waits.join().unwrap(), Err(ControlError::Over));
+        assert_eq!(asks.change(None, Change::Clear), Err(ControlError::Over));
     }
 }
