@@ -122,6 +122,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             gusts: None,
         }],
         clocks: nereus::scene::clock::Clocks::default(),
+        calibration: Vec::new(),
+        events: Vec::new(),
+        control: false,
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
             pace: Pace::Realtime,

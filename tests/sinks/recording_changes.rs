@@ -1,6 +1,6 @@
 //! Changes of reports in recordings: every one up to the last pulse, in files that grow, in segments, and joined.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use nereus::pulse::SampleFormat;
@@ -73,6 +73,8 @@ fn where_nothing_can_change_there_is_no_file() {
 
 #[cfg(feature = "hdf5")]
 mod files {
+    use std::path::Path;
+
     use hdf5::types::FixedUnicode;
     use hdf5::{File, H5Type};
     use nereus::sinks::hdf5::Hdf5Sink;
