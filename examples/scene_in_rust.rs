@@ -107,9 +107,6 @@ fn show(pulse: &Pulse, replica: &[Complex32]) {
 fn main() -> Result<(), Box<dyn Error>> {
     let run = Run {
         start_live: false,
-        events: Vec::new(),
-        control: false,
-        calibration: Vec::new(),
         scene: scene()?,
         nav: vec![PlatformNav {
             truth: TrackSource::Straight {

@@ -66,6 +66,15 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     .map_err(CliError::Signal)?;
     let (status, watcher) = progress::watch(stream.schedule().count);
     let live = stream.live_navigation();
+    if let (Some(live), Some(rehearsed)) = (&live, stream.rehearsed()) {
+        let first = rehearsed.scene.radar.emissions.emission(rehearsed.scene.start, stream.schedule().first);
+        for (platform, origin, last) in live.standing() {
+            let last = last.map_or_else(|| "nowhere".to_owned(), |last| last.to_string());
+            say(format_args!(
+                "platform '{platform}' by {origin} is at {last}; pulses begin when it is at {first}"
+            ));
+        }
+    }
     let log = stream.log();
     let open = door
         .zip(stream.control())

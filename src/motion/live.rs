@@ -119,9 +119,9 @@ struct Shared {
 /// What a node rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Rests {
-    OnFixes,
-    OnThePast,
-    OnStale,
+    Fixes,
+    Past,
+    Stale,
 }
 
 /// A node of the path.
@@ -382,7 +382,7 @@ impl Grown {
         let of = |n: usize| self.entry(n).q.unwrap_or(q);
         let turn = turn(number, around, of, |n| self.entry(n).fix.time.since(entry.fix.time));
         let (fix, arrived) = (entry.fix.time, entry.arrived);
-        Some(Step { node, turn, rests: Rests::OnFixes, fix, arrived, adrift: false })
+        Some(Step { node, turn, rests: Rests::Fixes, fix, arrived, adrift: false })
     }
 
     /// The attitude of a node, its sign that of the one before. One that cannot be told is that of the one before, or level to the North.
@@ -419,7 +419,7 @@ impl Grown {
         }
         step = self.with_what_is_left(step);
         if std::mem::take(&mut self.after_gap) {
-            step.rests = step.rests.max(Rests::OnThePast);
+            step.rests = step.rests.max(Rests::Past);
         }
         self.append(step);
     }
@@ -500,7 +500,7 @@ impl Grown {
                 continue;
             }
             let Some(mut step) = self.hasty(of, number) else { continue };
-            step.rests = Rests::OnThePast;
+            step.rests = Rests::Past;
             if let Some(end) = end.filter(|end| end.adrift) {
                 let Some(known) = self.known_by_now(of, end.node.time) else { continue };
                 self.set_out(&end, known);
@@ -534,7 +534,7 @@ impl Grown {
             }
         };
         let (fix, arrived) = (entry.fix.time, entry.arrived);
-        Some(Step { node, turn, rests: Rests::OnThePast, fix, arrived, adrift: false })
+        Some(Step { node, turn, rests: Rests::Past, fix, arrived, adrift: false })
     }
 
     /// What the fixes at hand say of an instant.
@@ -591,7 +591,7 @@ impl Grown {
         let on = Step {
             node: Node { time: to, p, v, a },
             turn: Turn { q, first, second },
-            rests: if stale { Rests::OnStale } else { Rests::OnThePast },
+            rests: if stale { Rests::Stale } else { Rests::Past },
             fix: last.fix.time,
             arrived: last.arrived,
             adrift: true,
@@ -629,17 +629,17 @@ impl Grown {
             }
         };
         let rest = |rests: Rests, step: &Step| {
-            let stale = if rests == Rests::OnStale { flags::NAV_STALE } else { 0 };
+            let stale = if rests == Rests::Stale { flags::NAV_STALE } else { 0 };
             let (age_s, flags) = match rests {
-                Rests::OnFixes => (0.0, 0),
+                Rests::Fixes => (0.0, 0),
                 _ => (t.since(step.fix).max(0.0), flags::NAV_EXTRAPOLATED | stale),
             };
             (age_s, flags, Some(step.arrived))
         };
-        let (state, rests) = if !(t >= first.node.time) {
-            (beyond(first), rest(Rests::OnThePast, first))
+        let (state, rests) = if first.node.time.since(t) > 0.0 {
+            (beyond(first), rest(Rests::Past, first))
         } else if t > last.node.time {
-            (beyond(last), rest(last.rests.max(Rests::OnThePast), last))
+            (beyond(last), rest(last.rests.max(Rests::Past), last))
         } else if self.path.len() < 2 {
             (beyond(last), rest(last.rests, last))
         } else {
@@ -671,7 +671,7 @@ fn beside(step: Step, jets: Jets) -> Step {
     Step {
         node: Node { time: step.node.time, p: p[0], v: p[1], a: p[2] },
         turn: Turn { q: q[0], first: q[1], second: q[2] },
-        rests: step.rests.max(Rests::OnThePast),
+        rests: step.rests.max(Rests::Past),
         ..step
     }
 }

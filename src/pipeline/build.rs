@@ -552,12 +552,15 @@ impl PulseStream {
             (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
         let begun = Instant::now();
         pool.install(|| warm_up(&factory, &range, &mut workspaces));
-        let nav = live.map(|flown| {
-            flown.nav.took(begun.elapsed());
-            factory.illumination.fly(flown.tracks);
-            flown.nav.await_begin(first, stop);
-            flown.nav
-        });
+        let nav = match live {
+            Some(flown) => {
+                flown.nav.took(begun.elapsed());
+                factory.illumination.fly(flown.tracks);
+                flown.nav.await_begin(first, stop)?;
+                Some(flown.nav)
+            }
+            None => None,
+        };
         let factory = factory;
         let opened = open_all(&sinks, &header)?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {

@@ -9,7 +9,7 @@
 //!   begin when the navigation of every live platform has reached the emission of the first one: from then on one second
 //!   of the run is one second of navigation.
 //! * **While it runs** a block is made when the tracks reach its last emission and the light time after it. It cannot wait longer than
-//!   `deadline - lead`, with `lead` twice the longest time a block has taken so far (at most half of the latency): then
+//!   `deadline - lead`, with `lead` twice the longest time a block has taken of late (at most half of the latency): then
 //!   tracks are extrapolated, and the pulses say so. So with a latency of support + block + lead, and what the receiver itself is late, every pulse has
 //!   the bits that a file would give.
 //! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left, and counted.
@@ -136,7 +136,7 @@ struct Bell {
 pub struct LiveNav {
     flights: Vec<Flight>,
     bell: Arc<Bell>,
-    /// Longest time that a block has taken, ns.
+    /// Longest time that a block has taken of late, ns.
     longest_ns: AtomicU64,
 }
 
@@ -200,14 +200,7 @@ impl LiveNav {
             let faults: Vec<BuildError> = silent
                 .iter()
                 .filter(|flight| waited_s > flight.source.patience_s)
-                .map(|flight| {
-                    flight.fault(LiveFault::Silent {
-                        origin: flight.source.origin.clone(),
-                        patience_s: flight.source.patience_s,
-                        good: flight.feed.counts().good,
-                        unusable: flight.gate.unusable.load(Ordering::Relaxed),
-                    })
-                })
+                .map(|flight| flight.silent())
                 .collect();
             if !faults.is_empty() {
                 return Err(BuildErrors(faults));
@@ -255,13 +248,24 @@ impl LiveNav {
     }
 
     /// Waits until navigation has reached the first pulse, or `stop` is set; the schedule begins then.
-    pub(super) fn await_begin(&self, first: TimeTag, stop: &AtomicBool) {
+    ///
+    /// # Errors
+    /// Sources that fall silent before.
+    pub(super) fn await_begin(&self, first: TimeTag, stop: &AtomicBool) -> Result<(), BuildErrors> {
+        let mut silent_since = vec![(None, Instant::now()); self.flights.len()];
         loop {
             let news = self.bell.heard();
-            let reached =
-                |flight: &Flight| flight.track.last_fix().is_some_and(|last| last.since(first) >= 0.0);
-            if self.flights.iter().all(reached) || stop.load(Ordering::Acquire) {
+            let short = |flight: &Flight| flight.track.last_fix().is_none_or(|last| first.since(last) > 0.0);
+            if !self.flights.iter().any(short) || stop.load(Ordering::Acquire) {
                 break;
+            }
+            for (flight, (last, since)) in self.flights.iter().zip(&mut silent_since) {
+                let now = flight.track.last_fix();
+                if now != *last {
+                    (*last, *since) = (now, Instant::now());
+                } else if short(flight) && since.elapsed().as_secs_f64() > flight.source.patience_s {
+                    return Err(flight.silent().into());
+                }
             }
             self.bell.wait(news, Instant::now() + LOOK);
         }
@@ -270,6 +274,13 @@ impl LiveNav {
             let last = flight.track.last_fix().filter(|last| last.since(first) > 0.0);
             let _ = flight.gate.begun.set((now, last.unwrap_or(first)));
         }
+        Ok(())
+    }
+
+    /// Where the navigation of each platform has got to.
+    pub fn standing(&self) -> impl Iterator<Item = (&str, &Origin, Option<TimeTag>)> {
+        let of = |flight: &'_ Flight| flight.track.last_fix();
+        self.flights.iter().map(move |flight| (flight.name.as_str(), &flight.source.origin, of(flight)))
     }
 
     /// Waits until all tracks reach an instant, until they may have to go on without it, or `stop` is set; then they do.
@@ -292,9 +303,11 @@ impl LiveNav {
         }
     }
 
-    /// Notes how long a block has taken.
+    /// Notes how long a block has taken. What was long once is forgotten in time: a stall of the machine is no reason to wait less for ever.
     pub(super) fn took(&self, time: Duration) {
-        self.longest_ns.fetch_max(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+        let ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        let longest = self.longest_ns.load(Ordering::Relaxed);
+        self.longest_ns.store(ns.max(longest - longest / 64), Ordering::Relaxed);
     }
 
     /// What became of the navigation so far.
@@ -342,6 +355,15 @@ fn refused(run: &Run) -> Vec<BuildError> {
 }
 
 impl Flight {
+    fn silent(&self) -> BuildError {
+        self.fault(LiveFault::Silent {
+            origin: self.source.origin.clone(),
+            patience_s: self.source.patience_s,
+            good: self.feed.counts().good,
+            unusable: self.gate.unusable.load(Ordering::Relaxed),
+        })
+    }
+
     fn fault(&self, source: LiveFault) -> BuildError {
         BuildError::Live { platform: self.name.clone(), source }
     }
