@@ -95,7 +95,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
         say(format_args!("warning: {warning}"));
     }
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
-    let stream = build::stream(&run, 0..pulses)?;
+    let stream = build::rehearse(&run, 0..pulses)?;
     let bytes = stream.predicted_bytes();
     let (status, watcher) = progress::watch(pulses);
     let lasts = args.pulses.is_none().then_some(TRIAL);
@@ -103,7 +103,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     watcher.finish();
     let measured = measured?;
     // Calibrated once the stream has had its machine and its memory for itself.
-    let priced = build::stream(&run, 0..pulses)?.priced()?;
+    let priced = build::rehearse(&run, 0..pulses)?.priced()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
     let report = report(&run, &measured, begun, judged.as_ref(), priced, bytes);
     let text = if args.json {

@@ -83,7 +83,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         say(format_args!("warning: {warning}"));
     }
     let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
-    let stream = build::stream(&unrecorded, 0..run.scene.pulses)?;
+    let stream = build::rehearse(&unrecorded, 0..run.scene.pulses)?;
     for note in stream.notes() {
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));

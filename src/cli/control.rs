@@ -211,14 +211,27 @@ fn converse(source: &mut impl BufRead, subject: &Subject, mut send: impl FnMut(S
     }
 }
 
+/// How long an answer is waited for.
+#[cfg(unix)]
+const ANSWER: std::time::Duration = std::time::Duration::from_secs(10);
+
 /// Sends a line to a run and returns its answer.
 #[cfg(unix)]
 pub(super) fn ask(path: &Path, line: &str) -> io::Result<String> {
     let mut stream = std::os::unix::net::UnixStream::connect(path)?;
-    stream.write_all(line.as_bytes())?;
-    stream.write_all(b"\n")?;
+    stream.set_read_timeout(Some(ANSWER))?;
+    // Who turns a client away says why before the line can be sent.
+    let sent = stream.write_all(format!("{line}\n").as_bytes());
     let mut text = String::new();
-    io::BufReader::new(stream.take(1 << 16)).read_line(&mut text)?;
+    match io::BufReader::new(stream.take(1 << 16)).read_line(&mut text) {
+        Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
+            let why = "no answer within 10 s: the run is not ready yet, or busy; ask again";
+            return Err(io::Error::new(io::ErrorKind::TimedOut, why));
+        }
+        Err(error) => return Err(error),
+        Ok(_) if text.is_empty() => sent?,
+        Ok(_) => {}
+    }
     match text.strip_suffix('\n') {
         Some(answer) => Ok(answer.to_owned()),
         None => Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the run ended before it answered")),

@@ -56,10 +56,11 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
     let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
+    let (asked, signalled) = (Arc::clone(&stop), AtomicBool::new(false));
     ctrlc::set_handler(move || {
+        asked.store(true, Ordering::Release);
         // The second signal of an impatient user ends the program where it is.
-        if asked.swap(true, Ordering::AcqRel) {
+        if signalled.swap(true, Ordering::AcqRel) {
             std::process::exit(130);
         }
     })

@@ -65,7 +65,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     for warning in &run.warnings {
         say(format_args!("warning: {warning}"));
     }
-    let stream = build::stream(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
+    let stream = build::rehearse(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
     let (threads, facets) = (stream.threads(), stream.factory().facets());
     let scene = &run.scene;
     let sampled =

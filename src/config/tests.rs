@@ -61,6 +61,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'file', path = 'README.md', floor_dbi = -40 }")]),
         (COASTAL, &[(track, "{ kind = 'sbet', path = 'README.md', gps_week = 2000 }")]),
         (COASTAL, &[("sink", "[{ kind = 'nav', device = 'file:x' }]")]),
+        (COASTAL, &[("stream.pacer_core", "1"), ("stream.lock_memory", "true")]),
         (COASTAL, &[(track, "{ kind = 'nmea', path = 'README.md', attitude = 'constant' }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', lat_deg = 1, lon_deg = 2, lead_us = 1 }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', position_m = [0, 0, 0], lead_us = 1 }")]),

@@ -124,6 +124,10 @@ fn raw(from: &Turn, to: &Turn, basis: &Basis) -> (DVec4, DVec4) {
 pub(super) fn between(from: &Turn, to: &Turn, basis: &Basis) -> (DQuat, DVec3) {
     let (q, rate) = raw(from, to, basis);
     let norm2 = q.length_squared();
+    // Opposite attitudes, between which there is no way: recorded tracks are refused before.
+    if norm2 < 1e-4 {
+        return (DQuat::from_vec4(from.q.normalize()), DVec3::ZERO);
+    }
     let (q_, rate_) = (DQuat::from_vec4(q), DQuat::from_vec4(rate));
     // The scalar part of dq/dt q* is the change of length, which normalising takes away.
     let omega = rate_.mul_quat(q_.conjugate()).xyz() * (2.0 / norm2);

@@ -16,7 +16,7 @@
 //!
 //!   with `p_n`, `v_n` the last fix and its velocity (as sent; else from the last three fixes), `t_e` the end of the path so far, and `o` the quintic
 //!   that brings what was told before back to what is known now, without a jump in position, velocity or acceleration, within
-//!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2. The attitude is held.
+//!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2, and no faster than some 30 deg/s where the attitude is off. The attitude is held.
 //!   When fixes come again the path goes back to them in the same way, and what is told is flagged until it has.
 //! * **Stale**: more than `max_extrapolation_s` after the last fix. The motion still goes on as it was, flagged.
 //! * A time between fixes of more than `max_gap_s` is not interpolated: the fixes before it are as at the end of a file, those after it
@@ -65,6 +65,8 @@ use crate::time::TimeTag;
 pub const KEPT_S: f64 = 300.0;
 /// Acceleration with which a path goes back to its fixes, m/s^2.
 const REJOIN_MPS2: f64 = 20.0;
+/// Rate at which an attitude does, rad/s.
+const REJOIN_RAD_S: f64 = 0.5;
 /// The shortest time in which it does, s.
 const REJOIN_S: f64 = 0.3;
 /// Fixes whose polynomial gives the derivatives where no more are there.
@@ -216,7 +218,12 @@ impl Jets {
 impl Back {
     fn of(from: TimeTag, offset: Jets) -> Self {
         let [away, apart, _] = offset.p.map(DVec3::length);
-        let span_s = REJOIN_S.max((5.8 * away / REJOIN_MPS2).sqrt()).max(4.0 * apart / REJOIN_MPS2);
+        // Of a small turn, the length of the difference of quaternions is half the angle.
+        let turn_rad = 2.0 * offset.q[0].length().min(std::f64::consts::SQRT_2);
+        let span_s = REJOIN_S
+            .max((5.8 * away / REJOIN_MPS2).sqrt())
+            .max(4.0 * apart / REJOIN_MPS2)
+            .max(1.9 * turn_rad / REJOIN_RAD_S);
         Self { from, span_s, offset }
     }
 

@@ -45,6 +45,9 @@ use crate::nav::errors::{AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFa
 use crate::nav::{self, AttitudeSource, FileSource, Fix, Gusts, LoadReport, NavError, Place, TrackSource};
 use crate::time::TimeTag;
 
+/// How much of a rehearsal lies before the run, s: what servos look back.
+const REHEARSED_S: f64 = 2.0;
+
 /// Where a platform is, and how it moves, at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
@@ -378,7 +381,13 @@ impl Track {
                 let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
                 Ok((track, Some(SourceReport { load: recording.report, fit })))
             }
-            TrackSource::Live(live) => match &live.rehearsal {
+            TrackSource::Live(live) => match live.rehearsal.as_deref() {
+                Some(TrackSource::File(file)) => {
+                    let mut recording = nav::load(file)?;
+                    rehearse_at(start, &mut recording.fixes);
+                    let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
+                    Ok((track, Some(SourceReport { load: recording.report, fit })))
+                }
                 Some(rehearsal) => Self::from_source(rehearsal, frame, start),
                 None => Err(TrackError::NoRehearsal.into()),
             },
@@ -538,6 +547,19 @@ impl Track {
             Kind::Reported(reports) => Ok(reports.at(t)?.state),
             Kind::Live(live) => Ok(live.told(t).state),
         }
+    }
+}
+
+/// Moves a recorded rehearsal in time so that the run begins within it, [`REHEARSED_S`] after its first fix, unless it does already.
+fn rehearse_at(start: TimeTag, fixes: &mut [Fix]) {
+    let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else { return };
+    if start.since(first.time) >= 0.0 && last.time.since(start) > 0.0 {
+        return;
+    }
+    let lead_s = REHEARSED_S.min(0.1 * last.time.since(first.time));
+    let (begin, from) = (start.plus(-lead_s), first.time);
+    for fix in fixes {
+        fix.time = begin.plus(fix.time.since(from));
     }
 }
 

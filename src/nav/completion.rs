@@ -17,7 +17,9 @@
 //! height or heading is missing for longer.
 //!
 //! A stream does not believe a single date from the future: an epoch more than `wait_s` after the one before counts when the
-//! next one follows it; if the next one follows the one before instead, it was a step of the clock.
+//! next one follows it; if the next one follows the one before instead, it was a step of the clock. Nor does it stay behind one that was
+//! believed: the third of three epochs that follow one another from more than 5 s earlier is taken, and its time may then be earlier than that
+//! of fixes that were told.
 //!
 //! Limits: not more than 16,384 epochs of a stream wait.
 //!
@@ -94,6 +96,9 @@ pub struct CompletionCounts {
     pub headings_filled: u64,
 }
 
+/// Epochs in a row after which a stream that has stepped back is believed.
+const STAYS: u32 = 3;
+
 /// Completes epochs.
 #[derive(Clone, Debug)]
 pub struct Completer {
@@ -109,6 +114,8 @@ pub struct Completer {
     last: Option<TimeTag>,
     /// An epoch far ahead of it.
     ahead: Option<(TimeTag, Epoch)>,
+    /// The last of epochs far behind it that follow one another, and how many.
+    back: Option<(TimeTag, u32)>,
     waiting: VecDeque<(TimeTag, Epoch)>,
     /// Number of the first epoch that waits.
     first: u64,
@@ -141,6 +148,7 @@ impl Completer {
             undated: VecDeque::new(),
             last: None,
             ahead: None,
+            back: None,
             waiting: VecDeque::new(),
             first: 0,
             height: Filling::new(true),
@@ -222,10 +230,11 @@ impl Completer {
                     self.take(ahead, epoch, see);
                 }
                 step_s = after_s;
-            } else if after_s >= -DISORDER_S {
+            } else if after_s >= -DISORDER_S && !(step_s > 0.0 && step_s <= self.wait_s) {
                 self.counts.out_of_order += 1;
                 return;
             } else if step_s > 0.0 {
+                // This one follows what is sure: the other was a step of the clock.
                 self.ahead = None;
                 self.counts.clock_steps += 1;
             }
@@ -239,7 +248,21 @@ impl Completer {
         } else {
             self.counts.clock_steps += 1;
             see(Told::StepsBack { line: epoch.line, time, before: last });
+            if self.wait_s.is_finite() && self.stays_back(time) {
+                // What came before was the step: a stream is heard from here on.
+                self.finish(see);
+                self.last = None;
+                self.take(time, epoch, see);
+            }
         }
+    }
+
+    /// Whether an epoch that steps back is the last of [`STAYS`] that follow one another.
+    fn stays_back(&mut self, time: TimeTag) -> bool {
+        let before = self.back.filter(|(before, _)| (0.0..=self.wait_s).contains(&time.since(*before)));
+        let count = before.map_or(1, |(_, count)| count + 1);
+        self.back = Some((time, count));
+        count >= STAYS
     }
 
     /// The next epoch in the order of time.
@@ -248,6 +271,7 @@ impl Completer {
             see(Told::Follows { line: epoch.line, time, before });
         }
         self.last = Some(time);
+        self.back = None;
         // From here on heights are above the ellipsoid.
         epoch.altitude_m = epoch.height_m(self.datum, self.undulation_m).filter(|height| height.abs() < 1e8);
         epoch.separation_m = Some(0.0);

@@ -27,6 +27,7 @@ use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError};
+use crate::nav::TrackSource;
 use crate::nav::changes::{ChangeFault, Changes};
 use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
@@ -331,8 +332,15 @@ pub type RunFailure = RunError<PulseError, SinkError>;
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
 pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
-    let Some((rehearsed, nav)) = LiveNav::open(run)? else { return rehearsal(run, range) };
-    let mut stream = rehearsal(&rehearsed, range)?;
+    if run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_))) {
+        // Nobody waits for navigation to be told this.
+        let faults = given(run, &range);
+        if !faults.is_empty() {
+            return Err(BuildErrors(faults));
+        }
+    }
+    let Some((rehearsed, nav)) = LiveNav::open(run)? else { return rehearse(run, range) };
+    let mut stream = rehearse(&rehearsed, range)?;
     let mut tracks = tracks(&rehearsed.nav, &rehearsed.scene)?.0;
     for (platform, (tracks, source)) in tracks.iter_mut().zip(&run.nav).enumerate() {
         if let Some(track) = nav.track(platform) {
@@ -344,14 +352,21 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     Ok(stream)
 }
 
-/// Makes a run ready whose flights are known beforehand.
-fn rehearsal(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+/// Faults of outputs and of the pulses that are asked.
+fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
     let mut faults: Vec<BuildError> =
         sinks::preflight(&run.sinks).into_iter().map(BuildError::from).collect();
-    let scene = &run.scene;
-    if range.is_empty() || range.end > scene.pulses {
-        faults.push(BuildError::Range { from: range.start, to: range.end, pulses: scene.pulses });
+    let pulses = run.scene.pulses;
+    if range.is_empty() || range.end > pulses {
+        faults.push(BuildError::Range { from: range.start, to: range.end, pulses });
     }
+    faults
+}
+
+/// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its rehearsal flown.
+pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+    let mut faults = given(run, &range);
+    let scene = &run.scene;
     let threads = match run.stream.threads {
         0 => thread::available_parallelism().map_or(1, usize::from),
         n => n,
@@ -648,7 +663,9 @@ fn generate(
         let _watch = crew.watch();
         while let Some(mut claim) = crew.claim(|first| first - first % length + length) {
             let begun = nav.map(|nav| {
-                let after = claim.first + claim.slots.len() as u64;
+                // A block is made whole, whatever part of it was claimed.
+                let block = claim.first - claim.first % length + length;
+                let after = block.max(claim.first + claim.slots.len() as u64);
                 let need = factory.illumination.rests_on(after);
                 nav.hold(need, due.deadline(claim.first), due.latency, due.stop());
                 Instant::now()

@@ -35,6 +35,8 @@ use crate::transport::{Pace, Policy};
 pub const MOST_AHEAD_S: f64 = 5.0;
 /// Between looks at the stop flag.
 const LOOK: Duration = Duration::from_millis(20);
+/// How long a time of a block counts at least.
+const FORGOTTEN: Duration = Duration::from_secs(5);
 /// What a block is always given, beside the time it takes.
 const LEAST_LEAD: Duration = Duration::from_millis(2);
 /// From the last fix to the first pulse of a run that begins with its navigation, s: what making it ready may take.
@@ -136,8 +138,14 @@ struct Bell {
 pub struct LiveNav {
     flights: Vec<Flight>,
     bell: Arc<Bell>,
-    /// Longest time that a block has taken of late, ns.
-    longest_ns: AtomicU64,
+    blocks: Mutex<Blocks>,
+}
+
+/// The longest times that blocks have taken, since an instant and in the stretch before it.
+struct Blocks {
+    since: Instant,
+    longest: Duration,
+    before: Duration,
 }
 
 impl LiveNav {
@@ -180,7 +188,8 @@ impl LiveNav {
         if !faults.is_empty() {
             return Err(BuildErrors(faults));
         }
-        let live = Arc::new(Self { flights, bell, longest_ns: AtomicU64::new(0) });
+        let blocks = Blocks { since: Instant::now(), longest: Duration::ZERO, before: Duration::ZERO };
+        let live = Arc::new(Self { flights, bell, blocks: Mutex::new(blocks) });
         live.await_first()?;
         let rehearsed = live.rehearsed(run)?;
         Ok(Some((rehearsed, live)))
@@ -229,13 +238,13 @@ impl LiveNav {
                 _ => {}
             }
             run.nav[flight.platform].truth = match (&flight.source.rehearsal, flight.track.last_known()) {
-                (Some(rehearsal), _) => (**rehearsal).clone(),
                 (None, Some((time, place, velocity))) => TrackSource::Straight {
                     place: Place::Local(place + velocity * first.since(time)),
                     velocity,
                     attitude: Some(flight.track.told(time).state.attitude),
                 },
-                (None, None) => continue,
+                // Its track is that of the rehearsal, see [`Track::from_source`].
+                _ => continue,
             };
         }
         if faults.is_empty() { Ok(run) } else { Err(BuildErrors(faults)) }
@@ -285,8 +294,7 @@ impl LiveNav {
 
     /// Waits until all tracks reach an instant, until they may have to go on without it, or `stop` is set; then they do.
     pub(super) fn hold(&self, need: TimeTag, deadline: Instant, latency: Duration, stop: &AtomicBool) {
-        let longest = Duration::from_nanos(self.longest_ns.load(Ordering::Relaxed));
-        let lead = (2 * longest + LEAST_LEAD).min(latency / 2);
+        let lead = (2 * self.longest() + LEAST_LEAD).min(latency / 2);
         let until = deadline.checked_sub(lead).unwrap_or(deadline);
         loop {
             let news = self.bell.heard();
@@ -303,11 +311,18 @@ impl LiveNav {
         }
     }
 
-    /// Notes how long a block has taken. What was long once is forgotten in time: a stall of the machine is no reason to wait less for ever.
+    /// Notes how long a block has taken. What was long once is forgotten after 5 to 10 s: a stall of the machine is no reason to wait less for ever.
     pub(super) fn took(&self, time: Duration) {
-        let ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
-        let longest = self.longest_ns.load(Ordering::Relaxed);
-        self.longest_ns.store(ns.max(longest - longest / 64), Ordering::Relaxed);
+        let mut blocks = self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
+        if blocks.since.elapsed() > FORGOTTEN {
+            *blocks = Blocks { since: Instant::now(), before: blocks.longest, longest: Duration::ZERO };
+        }
+        blocks.longest = blocks.longest.max(time);
+    }
+
+    fn longest(&self) -> Duration {
+        let blocks = self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
+        blocks.longest.max(blocks.before)
     }
 
     /// What became of the navigation so far.

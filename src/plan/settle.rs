@@ -38,7 +38,7 @@ const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
 /// to a part of that, and single facets make the worst pulses at grazing incidence.
 const LOOKS_PER_PERIOD: f64 = 30.0;
 /// What speckle of some hundred resolution cells adds to the error of a pulse in the worst of many, dB.
-const WORST_PULSE_DB: f64 = 2.0;
+const WORST_PULSE_DB: f64 = 3.0;
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -181,7 +181,13 @@ fn a_flight_over_a_terminal_has_the_bits_of_its_file() {
         assert!(live.len() > 5 && live.iter().map(|(_, bytes)| bytes.len()).sum::<usize>() > 1_000_000);
         for ((name, live), (other, file)) in live.iter().zip(&file) {
             assert_eq!(name, other);
-            assert!(live == file, "{name} differs");
+            // A stall of the machine makes a pulse late, whatever moves it.
+            let late = |bytes: &[u8]| {
+                let bits = bytes.chunks_exact(4).map(|four| u32::from_le_bytes(four.try_into().unwrap()));
+                bits.map(|bits| bits & !nereus::pulse::flags::LATE).collect::<Vec<_>>()
+            };
+            let same = if name == "/pulse/flags.bin" { late(live) == late(file) } else { live == file };
+            assert!(same, "{name} differs");
         }
     }
 }

@@ -94,7 +94,7 @@ pub fn standing(errors: &Errors, given: &[Given], epoch_s: f64) -> Standing {
         match one.change {
             Change::Step { axis, value } => standing.error[axis] += si(axis, value),
             Change::Bias { axis, value } => {
-                standing.error[axis] = si(axis, value) - errors.model().axes[axis].bias;
+                standing.error[axis] = si(axis, value) - errors.constant(axis);
                 ramps[axis][1] = one.t_s;
             }
             Change::Ramp { axis, value } => {

@@ -254,6 +254,11 @@ impl Errors {
         &self.model
     }
 
+    /// The constant part of the error of an axis: the bias that is given, and the one that was drawn.
+    pub fn constant(&self, axis: usize) -> f64 {
+        self.model.axes[axis].bias + self.biases[axis]
+    }
+
     /// The error of an axis in the report of an epoch, which was `t_s` after pulse 0, before rounding.
     pub fn value(&self, axis: usize, epoch: i64, t_s: f64) -> f64 {
         self.model.axes[axis].known(t_s)[0] + self.biases[axis] + self.random(axis, epoch)

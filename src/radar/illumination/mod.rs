@@ -290,7 +290,11 @@ impl Illumination {
     /// light time, and two pulses more.
     pub fn rests_on(&self, index: u64) -> TimeTag {
         let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-        let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + window_s + GUARD_S;
+        let opens_s = match &self.radar.window.gate {
+            Gate::Fixed { start_s } => start_s.max(0.0),
+            Gate::Follow { .. } => self.axes_span_s,
+        };
+        let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + opens_s + window_s + GUARD_S;
         self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
     }
 
