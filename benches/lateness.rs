@@ -126,7 +126,7 @@ fn measure(scene: &Path, prf_hz: f64, seconds: f64, ahead: bool, busy: bool, fol
         bare_us[1],
         bare_us[2],
         received["pulses"],
-        received["missing_pulses"],
+        received["missing"],
     );
 }
 
