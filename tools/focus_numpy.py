@@ -22,6 +22,7 @@ import numpy as np
 
 C = 299_792_458.0
 CELLS = 8
+POLARISATIONS = {"H": 1, "V": 2, "R": 3, "L": 4}
 
 
 class Path:
@@ -165,7 +166,7 @@ def cubic(cells, at):
 def focus(rec, channel, points, rows, nav="true", window="none", aperture="none", flat=False):
     """The image of points [y, x, 3]."""
     _, tx_name, rx_name, letters = rec.channels[channel]
-    code = {"H": 1, "V": 2, "R": 3, "L": 4}[letters[1]]
+    code = POLARISATIONS[letters[1]]
     rows = [r for r in rows if rec.tx_pol[r] in (0, code)]
     transmitter, receiver = rec.path("transmitter", tx_name, nav), rec.path("receiver", rx_name, nav)
     weights = taper(aperture, (np.arange(len(rows)) + 0.5) / len(rows) - 0.5)
@@ -205,7 +206,9 @@ def main():
     import h5py
 
     rec = Recording(args.recording)
-    names = [row[0] for row in rec.channels]
+    # Channels of calibration bear a word in place of two polarisations and carry no echo.
+    echoes = [row[0] for row in rec.channels if len(row[3]) == 2 and set(row[3]) <= set(POLARISATIONS)]
+    names = echoes
     made, how, rows = None, {}, range(rec.n)
     if args.image:
         with h5py.File(args.image, "r") as f:
@@ -220,7 +223,13 @@ def main():
         side -= side.mean()
         points = grid(args.centre_m[0] + side, args.centre_m[1] + side, 0.0)
     if args.channel:
-        names = [n for n in names if n == args.channel]
+        if args.channel not in echoes:
+            known = args.channel in [row[0] for row in rec.channels]
+            what = "is a calibration channel and carries no echo" if known else "is not in the recording"
+            parser.error(f"channel {args.channel} {what}; allowed: {', '.join(echoes)}")
+        if args.channel not in names:
+            parser.error(f"channel {args.channel} is not in the image; allowed: {', '.join(names)}")
+        names = [args.channel]
     report = {"recording": args.recording, "pulses": len(rows), "channels": {}}
     begun = time.monotonic()
     for name in names:

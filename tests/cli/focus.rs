@@ -105,6 +105,47 @@ fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
     assert!(truth.iter().any(|line| line.contains("near")), "{truth:?}");
 }
 
+/// `configs/selftest.toml`: an echo, a tone, a loopback.
+fn with_calibration(folder: &std::path::Path, kind: &str, out: &str) {
+    let scenario = package().join("configs/selftest.toml");
+    let kind = format!("sink.0.kind={kind:?}");
+    let run = ["run", scenario.to_str().unwrap(), "--pulses", "0..8", "--set", &kind, "--out", out];
+    let ended = nereus(folder, &run);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+}
+
+#[test]
+fn channels_of_calibration_are_left_out_and_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    with_calibration(folder.path(), "plain", "s.plain");
+    let on_the_corner =
+        ["focus", "s.plain", "--centre-m", "3300,0", "--size-m", "16", "--pixel-m", "0.25", "--json"];
+    let ended = nereus(folder.path(), &on_the_corner);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    let channels = report["channels"].as_array().unwrap();
+    assert_eq!(channels.iter().map(|c| c["name"].as_str().unwrap()).collect::<Vec<_>>(), ["VV"]);
+    // The radar equation: 100 W, 30 dBi at both ends, 100 m^2 at a height of 2 m, seen from 30 m.
+    let range_m = 3300f64.hypot(28.0);
+    let wanted_dbw = 10.0
+        * (100.0 * 1e6 * 0.029_979_245_8f64.powi(2) * 100.0 / (4.0 * std::f64::consts::PI).powi(3)).log10()
+        - 40.0 * range_m.log10();
+    // An eighth of a metre off the pixel: 0.04 dB. Noise 46 dB below: 0.05 dB. A pulse between samples: 0.09 dB.
+    assert!((channels[0]["peak_dbw"].as_f64().unwrap() - wanted_dbw).abs() < 0.2, "{wanted_dbw} {report}");
+    for (name, kind) in [("tone", "tone"), ("loopback", "loopback")] {
+        let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", name]].concat());
+        let told =
+            format!("channel {name} is a calibration channel ({kind}) and carries no echo; allowed: VV");
+        assert!(ended.code == 2 && ended.stderr.contains(&told), "{}", ended.stderr);
+    }
+    let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", "HH"]].concat());
+    assert!(
+        ended.code == 2 && ended.stderr.contains("HH is not in the recording; allowed: VV"),
+        "{}",
+        ended.stderr
+    );
+}
+
 #[test]
 fn what_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();

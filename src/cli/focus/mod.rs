@@ -85,7 +85,7 @@ pub struct FocusArgs {
     /// Image to make: a picture of each channel (.png), complex values of all (.h5); may be given twice
     #[arg(long, value_name = "PATH")]
     pub out: Vec<PathBuf>,
-    /// Channels to focus [default: all]
+    /// Channels to focus [default: all channels of echoes]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub channel: Vec<String>,
     /// Use only these pulses, the last one excluded
@@ -156,6 +156,22 @@ pub enum FocusError {
         name: String,
         /// What there is.
         allowed: String,
+    },
+    /// A channel that carries no echo.
+    #[error("channel {name} is a calibration channel ({kind}) and carries no echo; allowed: {allowed}")]
+    Calibration {
+        /// What was asked.
+        name: String,
+        /// `tone` or `loopback`.
+        kind: String,
+        /// Channels of echoes.
+        allowed: String,
+    },
+    /// Nothing but calibration channels.
+    #[error("{}: holds no channel of echoes", path.display())]
+    NoEchoes {
+        /// The recording.
+        path: PathBuf,
     },
     /// A value out of range.
     #[error("--{key} {found}: allowed: {allowed}")]
@@ -275,16 +291,25 @@ fn check(args: &FocusArgs) -> Result<(), FocusError> {
     Ok(())
 }
 
+/// Channels asked for, or all of echoes. Those of calibration bear a word in place of two polarisations.
 fn channels(args: &FocusArgs, recording: &Recording) -> Result<Vec<usize>, FocusError> {
     let all = &recording.header.channels;
-    if args.channel.is_empty() {
-        return Ok((0..all.len()).collect());
+    let echoes: Vec<usize> = (0..all.len()).filter(|place| all[*place].is_of_echoes()).collect();
+    if echoes.is_empty() {
+        return Err(FocusError::NoEchoes { path: args.recording.clone() });
     }
-    let place = |name: &String| {
-        all.iter().position(|channel| channel.name == *name).ok_or_else(|| FocusError::Channel {
+    if args.channel.is_empty() {
+        return Ok(echoes);
+    }
+    let allowed = || echoes.iter().map(|place| all[*place].name.as_str()).collect::<Vec<_>>().join(", ");
+    let place = |name: &String| match all.iter().position(|channel| channel.name == *name) {
+        None => Err(FocusError::Channel { name: name.clone(), allowed: allowed() }),
+        Some(place) if !echoes.contains(&place) => Err(FocusError::Calibration {
             name: name.clone(),
-            allowed: all.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
-        })
+            kind: all[place].polarisations.clone(),
+            allowed: allowed(),
+        }),
+        Some(place) => Ok(place),
     };
     args.channel.iter().map(place).collect()
 }
