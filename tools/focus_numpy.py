@@ -139,12 +139,10 @@ def compress(rec, samples, doppler, window, flat):
     turned = rec.replica * np.exp(2j * np.pi * doppler * (np.arange(m) / rec.fs - rec.tc / 2))
     q, s = np.fft.fft(turned, n), np.fft.fft(samples, n)
     x = np.fft.fftfreq(n, 1 / rec.fs) / rec.band
-    if flat:
-        weight = taper(window, x)
-        spectrum = np.divide(s * weight, q, out=np.zeros_like(s), where=weight != 0) * rec.fs / rec.band
-    else:
-        weight = np.ones_like(x) if window == "none" else taper(window, x)
-        spectrum = s * np.conj(q) * weight / np.sum(np.abs(rec.replica) ** 2)
+    weight = np.ones_like(x) if window == "none" and not flat else taper(window, x)
+    filtered = np.divide(weight, q, out=np.zeros_like(q), where=weight != 0) if flat else weight * np.conj(q)
+    # An echo that is the turned replica itself, of amplitude 1 and no delay, must come out as 1.
+    spectrum = s * filtered / np.fft.ifft(q * filtered)[0].real
     wide = np.zeros(n * CELLS, complex)
     wide[: n // 2], wide[-(n // 2) :] = spectrum[: n // 2], spectrum[n // 2 :]
     return np.fft.ifft(wide) * CELLS
