@@ -10,7 +10,7 @@ same pixels, and prints the difference: rms of the difference over rms of this p
     I(x) = sum_m w_m C_m(tau_m) exp(+j 2 pi f0 tau_m) / sum_m w_m,    tau_m for a wave that leaves at t_m + Tc/2
 
 C_m: correlation with the replica, turned by the Doppler of the image's middle, eight cells a sample, cubic between cells. Exit 1 when
-the limit is not kept. Needs numpy and h5py.
+the limit is not kept, an image is no number or nothing was compared. Needs numpy and h5py.
 """
 import argparse
 import json
@@ -190,6 +190,12 @@ def grid(x, y, height):
     return np.stack([px, py, np.full_like(px, height)], axis=-1)
 
 
+def kept(entries, limit_db):
+    """Whether all images keep the limit: NaN keeps none, and neither does nothing."""
+    differences = [entry["difference_db"] for entry in entries]
+    return bool(differences) and all(d <= limit_db for d in differences)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("recording")
@@ -198,9 +204,11 @@ def main():
     parser.add_argument("--centre-m", type=float, nargs=2, default=[0.0, 0.0], help="without --image")
     parser.add_argument("--size-m", type=float, default=128.0, help="without --image")
     parser.add_argument("--pixel-m", type=float, default=1.0, help="without --image")
-    parser.add_argument("--limit-db", type=float, help="exit 1 when an image differs by more")
+    parser.add_argument("--limit-db", type=float, help="with --image: exit 1 when it differs by more")
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
+    if args.limit_db is not None and not args.image:
+        parser.error("--limit-db needs --image: there is nothing to compare with")
     import h5py
 
     rec = Recording(args.recording)
@@ -215,6 +223,9 @@ def main():
             points = grid(f["x_m"][:], f["y_m"][:], float(a["height_m"]))
         rows = np.flatnonzero((rec.index >= a["first_pulse"]) & (rec.index < a["end_pulse"]))
         how = {"nav": a["nav"], "window": a["window"], "aperture": a["aperture"], "flat": a["filter"] == "flat"}
+        strange = [n for n in made if n not in echoes]
+        if strange:
+            parser.error(f"channels of the image that are not in the recording: {', '.join(strange)}")
         names = [n for n in names if n in made]
     else:
         side = np.arange(round(args.size_m / args.pixel_m)) * args.pixel_m
@@ -239,8 +250,10 @@ def main():
             "peak_dbw": float(20 * np.log10(max(np.abs(image).max(), 1e-200))),
         }
         if made is not None:
-            off = np.sum(np.abs(made[name] - image) ** 2) / max(np.sum(np.abs(image) ** 2), 1e-300)
-            entry["difference_db"] = float(10 * np.log10(max(off, 1e-30)))
+            # Two images of nothing but zeros agree in nothing: 0/0.
+            with np.errstate(invalid="ignore", divide="ignore"):
+                off = np.sum(np.abs(made[name] - image) ** 2) / np.sum(np.abs(image) ** 2)
+                entry["difference_db"] = float(10 * np.log10(np.maximum(off, 1e-30)))
         report["channels"][name] = entry
     report["seconds"] = time.monotonic() - begun
     if args.json:
@@ -250,8 +263,7 @@ def main():
             difference = f", differs by {entry['difference_db']:.1f} dB" if "difference_db" in entry else ""
             x, y = entry["peak_m"]
             print(f"{name}: peak {entry['peak_dbw']:.1f} dBW at {x:.2f} m East, {y:.2f} m North{difference}")
-    worst = max((e.get("difference_db", -np.inf) for e in report["channels"].values()), default=-np.inf)
-    return 1 if args.limit_db is not None and not worst <= args.limit_db else 0
+    return 0 if args.limit_db is None or kept(report["channels"].values(), args.limit_db) else 1
 
 
 if __name__ == "__main__":

@@ -205,6 +205,54 @@ fn the_independent_processor_agrees() {
     }
 }
 
+#[cfg(feature = "hdf5")]
+#[test]
+fn the_independent_processor_does_not_pass_what_it_did_not_compare() {
+    let can = std::process::Command::new("python3").args(["-c", "import numpy, h5py, tomllib"]).output();
+    if !can.is_ok_and(|ended| ended.status.success()) {
+        println!("skipped: no python3 with numpy, h5py, tomllib");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    with_calibration(folder.path(), "hdf5", "s.h5");
+    let make = ["focus", "s.h5", "--centre-m", "3300,0", "--size-m", "16", "--out", "i.h5"];
+    let ended = nereus(folder.path(), &make);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    // Copies of the image: one whose values are no numbers, of nothing, of a channel that the recording does not have.
+    let copies = "import h5py, shutil\n\
+        for name in 'nan', 'zero', 'other':\n    \
+            shutil.copy('i.h5', name + '.h5')\n    \
+            with h5py.File(name + '.h5', 'r+') as f:\n        \
+                f['image'][0, 0, 0] = float('nan') if name == 'nan' else 0\n        \
+                if name == 'zero': f['x_m'][:] += 1e6; f['image'][:] = 0\n        \
+                if name == 'other': del f.attrs['channels']; f.attrs['channels'] = ['HV']\n";
+    let python = |arguments: &[&str]| {
+        let ended = std::process::Command::new("python3")
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = [ended.stdout, ended.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
+        (ended.status.code().unwrap(), said)
+    };
+    assert_eq!(python(&["-c", copies]), (0, String::new()));
+    let tool = package().join("tools/focus_numpy.py");
+    for (more, code, words) in [
+        (&["--image", "i.h5"][..], 0, "VV: peak"),
+        (&["--image", "i.h5", "--channel", "VV"], 0, "VV: peak"),
+        (&["--image", "nan.h5"], 1, "differs by nan dB"),
+        (&["--image", "zero.h5"], 1, "differs by nan dB"),
+        (&["--image", "other.h5"], 2, "not in the recording: HV"),
+        (&["--image", "i.h5", "--channel", "HH"], 2, "HH is not in the recording; allowed: VV"),
+        (&["--image", "i.h5", "--channel", "tone"], 2, "tone is a calibration channel"),
+        (&[], 2, "--limit-db needs --image"),
+    ] {
+        let given = [&[tool.to_str().unwrap(), "s.h5", "--limit-db", "-50"], more].concat();
+        let (ended, said) = python(&given);
+        assert!(ended == code && said.contains(words), "{more:?}: {ended}, {said}");
+    }
+}
+
 #[test]
 fn commands_of_the_page_are_understood() {
     let page = fs::read_to_string(package().join("docs/imaging.md")).unwrap();
