@@ -147,6 +147,28 @@ fn channels_of_calibration_are_left_out_and_refused_by_name() {
 }
 
 #[test]
+fn an_image_lies_where_the_window_looks_by_latitude_and_longitude() {
+    let folder = tempfile::tempdir().unwrap();
+    let beside = "{ kind = \"beside\", platform = \"plane\", across_m = -3000.0, lead_us = 1.5 }";
+    let there = "{ kind = \"at\", lat_deg = 52.001, lon_deg = 4.0005, lead_us = 1.5 }";
+    let origin = "seed = 5\norigin_lat_deg = 52.0\norigin_lon_deg = 4.0\norigin_h_m = 43.0";
+    let scenario = SCENARIO.replace(beside, there).replace("seed = 5", origin);
+    fs::write(folder.path().join("s.toml"), scenario).unwrap();
+    let ended = nereus(folder.path(), &["run", "s.toml", "--pace", "fast", "--pulses", "10..14"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let ended = nereus(folder.path(), &["focus", "r.plain", "--size-m", "8", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    // Radii of curvature of WGS-84 at 52 degrees, 43 m up: 111.27 m and 34.34 m. The centre is whole metres.
+    let (sin, cos) = 52f64.to_radians().sin_cos();
+    let (a_m, e2) = (6_378_137.0, 0.006_694_38);
+    let w = 1.0 - e2 * sin * sin;
+    let north_m = (a_m * (1.0 - e2) / w.powf(1.5) + 43.0) * 0.001f64.to_radians();
+    let east_m = (a_m / w.sqrt() + 43.0) * cos * 0.0005f64.to_radians();
+    assert_eq!(report["centre_m"], serde_json::json!([east_m.round(), north_m.round(), 0.0]));
+}
+
+#[test]
 fn what_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), &["--pulses", "10..14"]);
@@ -157,6 +179,7 @@ fn what_is_wrong_is_told() {
         (&["r.plain", "--size-m", "1e9"], "1 to 32768 pixels"),
         (&["r.plain", "--pixel-m", "0"], "pixels of 0 m"),
         (&["r.plain", "--percentile", "0"], "--percentile 0"),
+        (&["r.plain", "--size-m", "16,8", "--looks", "9"], "--looks 9: allowed: up to the shorter side"),
         (&["r.plain", "--out", "a.jpg"], ".png or .h5"),
         (&["r.plain", "--centre-m", "1,2,3"], "two numbers"),
     ] {

@@ -183,6 +183,18 @@ pub enum FocusError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// More looks than pixels.
+    #[error(
+        "--looks {looks}: allowed: up to the shorter side of the image, which has {columns} x {rows} pixels"
+    )]
+    Looks {
+        /// As asked.
+        looks: usize,
+        /// Pixels to the East.
+        columns: usize,
+        /// Pixels to the North.
+        rows: usize,
+    },
     /// The scenario does not tell where an antenna sits.
     #[error(
         "--nav reported needs platform and lever_arm_m of the {kind} '{name}', which the scenario in the recording does not tell"
@@ -354,7 +366,12 @@ fn ground(
     };
     let width = args.size_m[0];
     let height = args.size_m.get(1).copied().unwrap_or(width);
-    Ok(Ground::map([x, y, args.height_m], [width, height], args.pixel_m)?)
+    let ground = Ground::map([x, y, args.height_m], [width, height], args.pixel_m)?;
+    if args.looks > ground.pixels[0].min(ground.pixels[1]) {
+        let [columns, rows] = ground.pixels;
+        return Err(FocusError::Looks { looks: args.looks, columns, rows });
+    }
+    Ok(ground)
 }
 
 fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, FocusError> {
