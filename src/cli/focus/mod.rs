@@ -29,6 +29,8 @@ use crate::imaging::range_compress::{
 };
 use crate::imaging::recording::{Recording, RecordingError};
 use crate::imaging::taper::Taper;
+use crate::pipeline::build::available_bytes;
+use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
 use scenario::Scenario;
 
@@ -254,9 +256,10 @@ struct Outputs {
 pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliError> {
     check(args)?;
     let range = args.pulses.map(|p| p.first..p.end);
-    let recording = Recording::open(&args.recording, range).map_err(FocusError::from)?;
+    let choose = |header: &Header| channels(args, header);
+    let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
     let scenario = Scenario::of(&recording);
-    let channels = channels(args, &recording)?;
+    let channels = recording.channels().to_vec();
     let outputs = outputs(args, &recording, &channels)?;
     let ground = ground(args, &recording, &scenario, channels[0])?;
     let compressor = compressor(args, &recording)?;
@@ -304,8 +307,8 @@ fn check(args: &FocusArgs) -> Result<(), FocusError> {
 }
 
 /// Channels asked for, or all of echoes. Those of calibration bear a word in place of two polarisations.
-fn channels(args: &FocusArgs, recording: &Recording) -> Result<Vec<usize>, FocusError> {
-    let all = &recording.header.channels;
+fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError> {
+    let all = &header.channels;
     let echoes: Vec<usize> = (0..all.len()).filter(|place| all[*place].is_of_echoes()).collect();
     if echoes.is_empty() {
         return Err(FocusError::NoEchoes { path: args.recording.clone() });
