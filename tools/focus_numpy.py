@@ -10,7 +10,7 @@ same pixels, and prints the difference: rms of the difference over rms of this p
     I(x) = sum_m w_m C_m(tau_m) exp(+j 2 pi f0 tau_m) / sum_m w_m,    tau_m for a wave that leaves at t_m + Tc/2
 
 C_m: correlation with the replica, turned by the Doppler of the image's middle, eight cells a sample, cubic between cells. Exit 1 when
-the limit is not kept. Needs numpy and h5py.
+the limit is not kept, an image is no number or nothing was compared. Needs numpy and h5py.
 """
 import argparse
 import json
@@ -22,6 +22,7 @@ import numpy as np
 
 C = 299_792_458.0
 CELLS = 8
+POLARISATIONS = {"H": 1, "V": 2, "R": 3, "L": 4}
 
 
 class Path:
@@ -138,12 +139,10 @@ def compress(rec, samples, doppler, window, flat):
     turned = rec.replica * np.exp(2j * np.pi * doppler * (np.arange(m) / rec.fs - rec.tc / 2))
     q, s = np.fft.fft(turned, n), np.fft.fft(samples, n)
     x = np.fft.fftfreq(n, 1 / rec.fs) / rec.band
-    if flat:
-        weight = taper(window, x)
-        spectrum = np.divide(s * weight, q, out=np.zeros_like(s), where=weight != 0) * rec.fs / rec.band
-    else:
-        weight = np.ones_like(x) if window == "none" else taper(window, x)
-        spectrum = s * np.conj(q) * weight / np.sum(np.abs(rec.replica) ** 2)
+    weight = np.ones_like(x) if window == "none" and not flat else taper(window, x)
+    filtered = np.divide(weight, q, out=np.zeros_like(q), where=weight != 0) if flat else weight * np.conj(q)
+    # An echo that is the turned replica itself, of amplitude 1 and no delay, must come out as 1.
+    spectrum = s * filtered / np.fft.ifft(q * filtered)[0].real
     wide = np.zeros(n * CELLS, complex)
     wide[: n // 2], wide[-(n // 2) :] = spectrum[: n // 2], spectrum[n // 2 :]
     return np.fft.ifft(wide) * CELLS
@@ -165,7 +164,7 @@ def cubic(cells, at):
 def focus(rec, channel, points, rows, nav="true", window="none", aperture="none", flat=False):
     """The image of points [y, x, 3]."""
     _, tx_name, rx_name, letters = rec.channels[channel]
-    code = {"H": 1, "V": 2, "R": 3, "L": 4}[letters[1]]
+    code = POLARISATIONS[letters[1]]
     rows = [r for r in rows if rec.tx_pol[r] in (0, code)]
     transmitter, receiver = rec.path("transmitter", tx_name, nav), rec.path("receiver", rx_name, nav)
     weights = taper(aperture, (np.arange(len(rows)) + 0.5) / len(rows) - 0.5)
@@ -191,6 +190,12 @@ def grid(x, y, height):
     return np.stack([px, py, np.full_like(px, height)], axis=-1)
 
 
+def kept(entries, limit_db):
+    """Whether all images keep the limit: NaN keeps none, and neither does nothing."""
+    differences = [entry["difference_db"] for entry in entries]
+    return bool(differences) and all(d <= limit_db for d in differences)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("recording")
@@ -199,13 +204,17 @@ def main():
     parser.add_argument("--centre-m", type=float, nargs=2, default=[0.0, 0.0], help="without --image")
     parser.add_argument("--size-m", type=float, default=128.0, help="without --image")
     parser.add_argument("--pixel-m", type=float, default=1.0, help="without --image")
-    parser.add_argument("--limit-db", type=float, help="exit 1 when an image differs by more")
+    parser.add_argument("--limit-db", type=float, help="with --image: exit 1 when it differs by more")
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
+    if args.limit_db is not None and not args.image:
+        parser.error("--limit-db needs --image: there is nothing to compare with")
     import h5py
 
     rec = Recording(args.recording)
-    names = [row[0] for row in rec.channels]
+    # Channels of calibration bear a word in place of two polarisations and carry no echo.
+    echoes = [row[0] for row in rec.channels if len(row[3]) == 2 and set(row[3]) <= set(POLARISATIONS)]
+    names = echoes
     made, how, rows = None, {}, range(rec.n)
     if args.image:
         with h5py.File(args.image, "r") as f:
@@ -214,13 +223,22 @@ def main():
             points = grid(f["x_m"][:], f["y_m"][:], float(a["height_m"]))
         rows = np.flatnonzero((rec.index >= a["first_pulse"]) & (rec.index < a["end_pulse"]))
         how = {"nav": a["nav"], "window": a["window"], "aperture": a["aperture"], "flat": a["filter"] == "flat"}
+        strange = [n for n in made if n not in echoes]
+        if strange:
+            parser.error(f"channels of the image that are not in the recording: {', '.join(strange)}")
         names = [n for n in names if n in made]
     else:
         side = np.arange(round(args.size_m / args.pixel_m)) * args.pixel_m
         side -= side.mean()
         points = grid(args.centre_m[0] + side, args.centre_m[1] + side, 0.0)
     if args.channel:
-        names = [n for n in names if n == args.channel]
+        if args.channel not in echoes:
+            known = args.channel in [row[0] for row in rec.channels]
+            what = "is a calibration channel and carries no echo" if known else "is not in the recording"
+            parser.error(f"channel {args.channel} {what}; allowed: {', '.join(echoes)}")
+        if args.channel not in names:
+            parser.error(f"channel {args.channel} is not in the image; allowed: {', '.join(names)}")
+        names = [args.channel]
     report = {"recording": args.recording, "pulses": len(rows), "channels": {}}
     begun = time.monotonic()
     for name in names:
@@ -232,8 +250,10 @@ def main():
             "peak_dbw": float(20 * np.log10(max(np.abs(image).max(), 1e-200))),
         }
         if made is not None:
-            off = np.sum(np.abs(made[name] - image) ** 2) / max(np.sum(np.abs(image) ** 2), 1e-300)
-            entry["difference_db"] = float(10 * np.log10(max(off, 1e-30)))
+            # Two images of nothing but zeros agree in nothing: 0/0.
+            with np.errstate(invalid="ignore", divide="ignore"):
+                off = np.sum(np.abs(made[name] - image) ** 2) / np.sum(np.abs(image) ** 2)
+                entry["difference_db"] = float(10 * np.log10(np.maximum(off, 1e-30)))
         report["channels"][name] = entry
     report["seconds"] = time.monotonic() - begun
     if args.json:
@@ -243,8 +263,7 @@ def main():
             difference = f", differs by {entry['difference_db']:.1f} dB" if "difference_db" in entry else ""
             x, y = entry["peak_m"]
             print(f"{name}: peak {entry['peak_dbw']:.1f} dBW at {x:.2f} m East, {y:.2f} m North{difference}")
-    worst = max((e.get("difference_db", -np.inf) for e in report["channels"].values()), default=-np.inf)
-    return 1 if args.limit_db is not None and not worst <= args.limit_db else 0
+    return 0 if args.limit_db is None or kept(report["channels"].values(), args.limit_db) else 1
 
 
 if __name__ == "__main__":

@@ -452,7 +452,7 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
 }
 
 /// Memory that the system says it can give, bytes; `None` where it does not say.
-pub(super) fn available_bytes() -> Option<u64> {
+pub(crate) fn available_bytes() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)

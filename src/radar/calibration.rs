@@ -12,10 +12,12 @@
 //!
 //! ```text
 //! tone      turned by -2 pi (f_0 + df) x ,  x = x_R + y_R (w_n + i/fs)
-//! loopback  turned by -2 pi f_0 (d_n + y_R i/fs) ,  d_n = x_R + y_R w_n - x_T: what an echo is turned by
+//! loopback  turned by -2 pi f_0 x ,         x = x_R - x_T + (y_R - y_T) (w_n + i/fs)
 //! ```
 //!
-//! The loopback is sent when the receiver's own window has been open for `d`, so its place in the window tells nothing of clocks.
+//! The loopback goes through a cable without length: what the transmitter's oscillator sends at `t_n + w_n + i/fs` is mixed with the receiver's of that same
+//! instant, so a clock that both share leaves no turn at all. An echo left `w_n` earlier, and is turned by what a shared clock does in between ([`super::clock`]).
+//! It is sent when the receiver's own window has been open for `d`, so its place in the window tells nothing of clocks.
 //! Whole turns are taken off before they cost digits: the phase of a tone is right to 2e-8 turns for any length of run (`df` below 1e8 Hz).
 //!
 //! The transform that makes the loopback has the period of the echo's, so the whole pulse must lie in the window; what the filter rings beyond that wraps around and
@@ -204,22 +206,19 @@ impl Generators {
         for (place, generator) in self.list.iter().enumerate() {
             let channel = self.first + place;
             let Generator { of, amplitude, pulse: samples } = generator;
-            let ends = |transmitter: Option<usize>| {
+            let apart = |transmitter: Option<usize>| {
                 let clocks = self.clocks.as_ref();
-                clocks.map_or([0.0; 2], |clocks| clocks.between(transmitter, of.receiver, index, window_s))
+                clocks.map_or([0.0; 2], |clocks| clocks.apart(transmitter, of.receiver, index, window_s))
             };
-            let (turns, per_sample) = match of.signal {
+            let (ideal, sent_hz, offset_hz, [x_s, y]) = match of.signal {
                 Signal::Tone { offset_hz } => {
-                    let [x_s, y] = ends(None);
                     let ideal = turns(offset_hz, &self.times, index, window_s);
-                    let sent_hz = self.carrier_hz + offset_hz;
-                    (ideal - (sent_hz * x_s).rem_euclid(1.0), (offset_hz - sent_hz * y) / self.sample_rate_hz)
+                    (ideal, self.carrier_hz + offset_hz, offset_hz, apart(None))
                 }
-                Signal::Loopback { transmitter, .. } => {
-                    let [delay_s, y] = ends(Some(transmitter));
-                    (-(self.carrier_hz * delay_s).rem_euclid(1.0), -self.carrier_hz * y / self.sample_rate_hz)
-                }
+                Signal::Loopback { transmitter, .. } => (0.0, self.carrier_hz, 0.0, apart(Some(transmitter))),
             };
+            let turns = ideal - (sent_hz * x_s).rem_euclid(1.0);
+            let per_sample = (offset_hz - sent_hz * y) / self.sample_rate_hz;
             let noise: &[Complex64] = if of.noise {
                 receiver.noise(index, channel, &mut scratch.bins, of_receiver);
                 &scratch.bins

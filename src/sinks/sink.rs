@@ -12,6 +12,7 @@ use thiserror::Error;
 use super::port::PortCounts;
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat};
+use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 use crate::transport::fanout::{Fed, Feed};
 
@@ -66,8 +67,16 @@ pub struct ChannelRow {
     pub transmitter: String,
     /// Name of the receiver.
     pub receiver: String,
-    /// Receive letter, then transmit letter.
+    /// Receive letter, then transmit letter; of a calibration channel `tone` or `loopback`.
     pub polarisations: String,
+}
+
+impl ChannelRow {
+    /// Whether it carries echoes, not a signal of calibration.
+    pub fn is_of_echoes(&self) -> bool {
+        self.polarisations.chars().count() == 2
+            && self.polarisations.chars().all(|letter| Polarisation::from_letter(letter).is_some())
+    }
 }
 
 /// A transmitter-receiver pair of the truth record.

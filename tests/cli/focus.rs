@@ -105,6 +105,69 @@ fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
     assert!(truth.iter().any(|line| line.contains("near")), "{truth:?}");
 }
 
+/// `configs/selftest.toml`: an echo, a tone, a loopback.
+fn with_calibration(folder: &std::path::Path, kind: &str, out: &str) {
+    let scenario = package().join("configs/selftest.toml");
+    let kind = format!("sink.0.kind={kind:?}");
+    let run = ["run", scenario.to_str().unwrap(), "--pulses", "0..8", "--set", &kind, "--out", out];
+    let ended = nereus(folder, &run);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+}
+
+#[test]
+fn channels_of_calibration_are_left_out_and_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    with_calibration(folder.path(), "plain", "s.plain");
+    let on_the_corner =
+        ["focus", "s.plain", "--centre-m", "3300,0", "--size-m", "16", "--pixel-m", "0.25", "--json"];
+    let ended = nereus(folder.path(), &on_the_corner);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    let channels = report["channels"].as_array().unwrap();
+    assert_eq!(channels.iter().map(|c| c["name"].as_str().unwrap()).collect::<Vec<_>>(), ["VV"]);
+    // The radar equation: 100 W, 30 dBi at both ends, 100 m^2 at a height of 2 m, seen from 30 m.
+    let range_m = 3300f64.hypot(28.0);
+    let wanted_dbw = 10.0
+        * (100.0 * 1e6 * 0.029_979_245_8f64.powi(2) * 100.0 / (4.0 * std::f64::consts::PI).powi(3)).log10()
+        - 40.0 * range_m.log10();
+    // An eighth of a metre off the pixel: 0.04 dB. Noise 46 dB below: 0.05 dB. A pulse between samples: 0.09 dB.
+    assert!((channels[0]["peak_dbw"].as_f64().unwrap() - wanted_dbw).abs() < 0.2, "{wanted_dbw} {report}");
+    for (name, kind) in [("tone", "tone"), ("loopback", "loopback")] {
+        let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", name]].concat());
+        let told =
+            format!("channel {name} is a calibration channel ({kind}) and carries no echo; allowed: VV");
+        assert!(ended.code == 2 && ended.stderr.contains(&told), "{}", ended.stderr);
+    }
+    let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", "HH"]].concat());
+    assert!(
+        ended.code == 2 && ended.stderr.contains("HH is not in the recording; allowed: VV"),
+        "{}",
+        ended.stderr
+    );
+}
+
+#[test]
+fn an_image_lies_where_the_window_looks_by_latitude_and_longitude() {
+    let folder = tempfile::tempdir().unwrap();
+    let beside = "{ kind = \"beside\", platform = \"plane\", across_m = -3000.0, lead_us = 1.5 }";
+    let there = "{ kind = \"at\", lat_deg = 52.001, lon_deg = 4.0005, lead_us = 1.5 }";
+    let origin = "seed = 5\norigin_lat_deg = 52.0\norigin_lon_deg = 4.0\norigin_h_m = 43.0";
+    let scenario = SCENARIO.replace(beside, there).replace("seed = 5", origin);
+    fs::write(folder.path().join("s.toml"), scenario).unwrap();
+    let ended = nereus(folder.path(), &["run", "s.toml", "--pace", "fast", "--pulses", "10..14"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let ended = nereus(folder.path(), &["focus", "r.plain", "--size-m", "8", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    // Radii of curvature of WGS-84 at 52 degrees, 43 m up: 111.27 m and 34.34 m. The centre is whole metres.
+    let (sin, cos) = 52f64.to_radians().sin_cos();
+    let (a_m, e2) = (6_378_137.0, 0.006_694_38);
+    let w = 1.0 - e2 * sin * sin;
+    let north_m = (a_m * (1.0 - e2) / w.powf(1.5) + 43.0) * 0.001f64.to_radians();
+    let east_m = (a_m / w.sqrt() + 43.0) * cos * 0.0005f64.to_radians();
+    assert_eq!(report["centre_m"], serde_json::json!([east_m.round(), north_m.round(), 0.0]));
+}
+
 #[test]
 fn what_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -116,6 +179,7 @@ fn what_is_wrong_is_told() {
         (&["r.plain", "--size-m", "1e9"], "1 to 32768 pixels"),
         (&["r.plain", "--pixel-m", "0"], "pixels of 0 m"),
         (&["r.plain", "--percentile", "0"], "--percentile 0"),
+        (&["r.plain", "--size-m", "16,8", "--looks", "9"], "--looks 9: allowed: up to the shorter side"),
         (&["r.plain", "--out", "a.jpg"], ".png or .h5"),
         (&["r.plain", "--centre-m", "1,2,3"], "two numbers"),
     ] {
@@ -161,6 +225,54 @@ fn the_independent_processor_agrees() {
             // Cells of 1/16 sample, linear: -65 dB, and what noise beyond the band adds to that.
             assert!(report["channels"][channel]["difference_db"].as_f64().unwrap() < -55.0, "{report}");
         }
+    }
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn the_independent_processor_does_not_pass_what_it_did_not_compare() {
+    let can = std::process::Command::new("python3").args(["-c", "import numpy, h5py, tomllib"]).output();
+    if !can.is_ok_and(|ended| ended.status.success()) {
+        println!("skipped: no python3 with numpy, h5py, tomllib");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    with_calibration(folder.path(), "hdf5", "s.h5");
+    let make = ["focus", "s.h5", "--centre-m", "3300,0", "--size-m", "16", "--out", "i.h5"];
+    let ended = nereus(folder.path(), &make);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    // Copies of the image: one whose values are no numbers, of nothing, of a channel that the recording does not have.
+    let copies = "import h5py, shutil\n\
+        for name in 'nan', 'zero', 'other':\n    \
+            shutil.copy('i.h5', name + '.h5')\n    \
+            with h5py.File(name + '.h5', 'r+') as f:\n        \
+                f['image'][0, 0, 0] = float('nan') if name == 'nan' else 0\n        \
+                if name == 'zero': f['x_m'][:] += 1e6; f['image'][:] = 0\n        \
+                if name == 'other': del f.attrs['channels']; f.attrs['channels'] = ['HV']\n";
+    let python = |arguments: &[&str]| {
+        let ended = std::process::Command::new("python3")
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = [ended.stdout, ended.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
+        (ended.status.code().unwrap(), said)
+    };
+    assert_eq!(python(&["-c", copies]), (0, String::new()));
+    let tool = package().join("tools/focus_numpy.py");
+    for (more, code, words) in [
+        (&["--image", "i.h5"][..], 0, "VV: peak"),
+        (&["--image", "i.h5", "--channel", "VV"], 0, "VV: peak"),
+        (&["--image", "nan.h5"], 1, "differs by nan dB"),
+        (&["--image", "zero.h5"], 1, "differs by nan dB"),
+        (&["--image", "other.h5"], 2, "not in the recording: HV"),
+        (&["--image", "i.h5", "--channel", "HH"], 2, "HH is not in the recording; allowed: VV"),
+        (&["--image", "i.h5", "--channel", "tone"], 2, "tone is a calibration channel"),
+        (&[], 2, "--limit-db needs --image"),
+    ] {
+        let given = [&[tool.to_str().unwrap(), "s.h5", "--limit-db", "-50"], more].concat();
+        let (ended, said) = python(&given);
+        assert!(ended == code && said.contains(words), "{more:?}: {ended}, {said}");
     }
 }
 

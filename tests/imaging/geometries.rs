@@ -163,6 +163,11 @@ path = "unused"
 }
 
 pub fn record(scenario: &str) -> Recording {
+    record_and(scenario, |path| Recording::open(path, None).unwrap())
+}
+
+/// Records into a plain folder that goes away afterwards.
+pub fn record_and<T>(scenario: &str, read: impl FnOnce(&Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording");
     let out = format!("{:?}", path.to_str().unwrap());
@@ -170,7 +175,7 @@ pub fn record(scenario: &str) -> Recording {
     let run = config::parse(scenario, Path::new("test.toml"), &change).unwrap();
     let stream = build::stream(&run, 0..run.scene.pulses).unwrap();
     stream.run(&Arc::new(AtomicBool::new(false)), None).unwrap().result.unwrap();
-    Recording::open(&path, None).unwrap()
+    read(&path)
 }
 
 pub fn compressor(recording: &Recording, filter: RangeFilter, taper: Taper) -> Compressor {

@@ -174,43 +174,64 @@ fn codes_are_those_of_the_converter() {
 fn clocks_turn_both_signals() {
     let calm = scenario(&[]);
     let receiver = [("receiver.0.clock.offset_s", "1e-11"), ("receiver.0.clock.drift", "3e-10")];
-    let both = [receiver[0], receiver[1], ("transmitter.0.clock.offset_s", "4e-11")];
+    let transmitter = [("transmitter.0.clock.offset_s", "4e-11"), ("transmitter.0.clock.drift", "-5e-9")];
     let of = [0, 1000];
     let right = pulses(&calm, &of);
-    for (settings, x_t) in [(&receiver[..], 0.0), (&both[..], 4e-11)] {
-        for (a, b) in right.iter().zip(pulses(&scenario(settings), &of)) {
-            let t_s = a.index as f64 / 222.0;
+    for (settings, [x_t, y_t], [x_r, y_r]) in [
+        (receiver.to_vec(), [0.0; 2], [1e-11, 3e-10]),
+        (transmitter.to_vec(), [4e-11, -5e-9], [0.0; 2]),
+        ([receiver, transmitter].concat(), [4e-11, -5e-9], [1e-11, 3e-10]),
+    ] {
+        for (a, b) in right.iter().zip(pulses(&scenario(&settings), &of)) {
+            let turned = |place: usize, i: usize| {
+                let of = |pulse: &Pulse| channel(pulse, place)[i].arg() / TAU;
+                apart(of(&b), of(a))
+            };
+            // Both clocks at the instant of the sample.
+            let at =
+                |[x, y]: [f64; 2], i: usize| x + y * (a.index as f64 / 222.0 + 20.0013e-6 + i as f64 / FS_HZ);
             for i in [0, 200, 511] {
-                let after_s = 20.0013e-6 + f64::from(i) / FS_HZ;
-                let x_s = 1e-11 + 3e-10 * (t_s + after_s);
-                let turned = |place: usize| {
-                    let of = |pulse: &Pulse| channel(pulse, place)[i as usize].arg() / TAU;
-                    apart(of(&b), of(a))
-                };
                 // Twice the rounding of phases; 1e10 Hz x 1e-9 s is ten turns, to 1e-15.
-                assert!(apart(turned(1), -(10e9 + OFFSET_HZ) * x_s).abs() < 5e-8);
-                if i == 200 {
-                    assert!(apart(turned(2), -10e9 * (x_s - x_t)).abs() < 5e-8);
-                }
+                assert!(apart(turned(1, i), -(10e9 + OFFSET_HZ) * at([x_r, y_r], i)).abs() < 5e-8);
             }
-            let [calm_us, wrong_us] = [a, &b].map(|pulse| {
+            // The pulse lies in samples 123.4 to 223.4. The transmitter turns by 4e-5 from the first of these samples to the last.
+            for i in [130, 175, 217] {
+                let x_s = at([x_r, y_r], i) - at([x_t, y_t], i);
+                assert!(apart(turned(2, i), -10e9 * x_s).abs() < 5e-8, "{i}: {:e}", turned(2, i));
+            }
+            let [calm_at, wrong_at] = [a, &b].map(|pulse| {
                 let peak = channel(pulse, 2)
                     .into_iter()
                     .enumerate()
                     .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
                 peak.unwrap().0
             });
-            assert_eq!(calm_us, wrong_us);
+            assert_eq!(calm_at, wrong_at);
         }
     }
-    // One clock for both: the pulse comes back as it left, but for what the clock has run on since.
-    let shared = [receiver[0], receiver[1], ("transmitter.0.clock.offset_s", "0.0")];
-    let mut shared = scenario(&shared);
-    shared.clocks.transmitters = shared.clocks.receivers.clone();
-    for (a, b) in right.iter().zip(pulses(&shared, &of)) {
-        let turned = apart(channel(&b, 2)[200].arg() / TAU, channel(a, 2)[200].arg() / TAU);
-        assert!(apart(turned, -10e9 * 3e-10 * (20.0013e-6 + 2e-6)).abs() < 5e-8, "{turned:e}");
+}
+
+#[test]
+fn one_clock_for_both_ends_does_not_turn_the_loopback() {
+    let calm = scenario(&[]);
+    // Wrong, drifting and noisy.
+    let settings = [
+        ("transmitter.0.clock.offset_s", "1e-11"),
+        ("transmitter.0.clock.drift", "3e-10"),
+        ("transmitter.0.clock.preset", "\"tcxo\""),
+        ("receiver.0.clock.same_as", "\"tx\""),
+    ];
+    let of = [0, 7, 1000];
+    let [mut echoes, mut tones] = [0.0f64; 2];
+    for (a, b) in pulses(&calm, &of).iter().zip(pulses(&scenario(&settings), &of)) {
+        assert_eq!(channel(&b, 2), channel(a, 2));
+        let moved = |place: usize| {
+            channel(a, place).iter().zip(channel(&b, place)).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max)
+        };
+        (echoes, tones) = (echoes.max(moved(0)), tones.max(moved(1)));
     }
+    // The clock is there: it moves what is not a cable.
+    assert!(echoes > 0.0 && tones > 1e-6, "{echoes:e} {tones:e}");
 }
 
 #[test]

@@ -29,6 +29,8 @@ use crate::imaging::range_compress::{
 };
 use crate::imaging::recording::{Recording, RecordingError};
 use crate::imaging::taper::Taper;
+use crate::pipeline::build::available_bytes;
+use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
 use scenario::Scenario;
 
@@ -85,7 +87,7 @@ pub struct FocusArgs {
     /// Image to make: a picture of each channel (.png), complex values of all (.h5); may be given twice
     #[arg(long, value_name = "PATH")]
     pub out: Vec<PathBuf>,
-    /// Channels to focus [default: all]
+    /// Channels to focus [default: all channels of echoes]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub channel: Vec<String>,
     /// Use only these pulses, the last one excluded
@@ -157,6 +159,22 @@ pub enum FocusError {
         /// What there is.
         allowed: String,
     },
+    /// A channel that carries no echo.
+    #[error("channel {name} is a calibration channel ({kind}) and carries no echo; allowed: {allowed}")]
+    Calibration {
+        /// What was asked.
+        name: String,
+        /// `tone` or `loopback`.
+        kind: String,
+        /// Channels of echoes.
+        allowed: String,
+    },
+    /// Nothing but calibration channels.
+    #[error("{}: holds no channel of echoes", path.display())]
+    NoEchoes {
+        /// The recording.
+        path: PathBuf,
+    },
     /// A value out of range.
     #[error("--{key} {found}: allowed: {allowed}")]
     Value {
@@ -166,6 +184,18 @@ pub enum FocusError {
         found: String,
         /// What is allowed.
         allowed: &'static str,
+    },
+    /// More looks than pixels.
+    #[error(
+        "--looks {looks}: allowed: up to the shorter side of the image, which has {columns} x {rows} pixels"
+    )]
+    Looks {
+        /// As asked.
+        looks: usize,
+        /// Pixels to the East.
+        columns: usize,
+        /// Pixels to the North.
+        rows: usize,
     },
     /// The scenario does not tell where an antenna sits.
     #[error(
@@ -226,9 +256,10 @@ struct Outputs {
 pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliError> {
     check(args)?;
     let range = args.pulses.map(|p| p.first..p.end);
-    let recording = Recording::open(&args.recording, range).map_err(FocusError::from)?;
+    let choose = |header: &Header| channels(args, header);
+    let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
     let scenario = Scenario::of(&recording);
-    let channels = channels(args, &recording)?;
+    let channels = recording.channels().to_vec();
     let outputs = outputs(args, &recording, &channels)?;
     let ground = ground(args, &recording, &scenario, channels[0])?;
     let compressor = compressor(args, &recording)?;
@@ -275,16 +306,25 @@ fn check(args: &FocusArgs) -> Result<(), FocusError> {
     Ok(())
 }
 
-fn channels(args: &FocusArgs, recording: &Recording) -> Result<Vec<usize>, FocusError> {
-    let all = &recording.header.channels;
-    if args.channel.is_empty() {
-        return Ok((0..all.len()).collect());
+/// Channels asked for, or all of echoes. Those of calibration bear a word in place of two polarisations.
+fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError> {
+    let all = &header.channels;
+    let echoes: Vec<usize> = (0..all.len()).filter(|place| all[*place].is_of_echoes()).collect();
+    if echoes.is_empty() {
+        return Err(FocusError::NoEchoes { path: args.recording.clone() });
     }
-    let place = |name: &String| {
-        all.iter().position(|channel| channel.name == *name).ok_or_else(|| FocusError::Channel {
+    if args.channel.is_empty() {
+        return Ok(echoes);
+    }
+    let allowed = || echoes.iter().map(|place| all[*place].name.as_str()).collect::<Vec<_>>().join(", ");
+    let place = |name: &String| match all.iter().position(|channel| channel.name == *name) {
+        None => Err(FocusError::Channel { name: name.clone(), allowed: allowed() }),
+        Some(place) if !echoes.contains(&place) => Err(FocusError::Calibration {
             name: name.clone(),
-            allowed: all.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
-        })
+            kind: all[place].polarisations.clone(),
+            allowed: allowed(),
+        }),
+        Some(place) => Ok(place),
     };
     args.channel.iter().map(place).collect()
 }
@@ -329,7 +369,12 @@ fn ground(
     };
     let width = args.size_m[0];
     let height = args.size_m.get(1).copied().unwrap_or(width);
-    Ok(Ground::map([x, y, args.height_m], [width, height], args.pixel_m)?)
+    let ground = Ground::map([x, y, args.height_m], [width, height], args.pixel_m)?;
+    if args.looks > ground.pixels[0].min(ground.pixels[1]) {
+        let [columns, rows] = ground.pixels;
+        return Err(FocusError::Looks { looks: args.looks, columns, rows });
+    }
+    Ok(ground)
 }
 
 fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, FocusError> {

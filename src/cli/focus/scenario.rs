@@ -5,6 +5,7 @@
 use toml::{Table, Value};
 
 use super::FocusError;
+use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::imaging::recording::Recording;
 
 /// The scenario of a recording; empty where it holds none.
@@ -71,12 +72,25 @@ impl Scenario {
     }
 }
 
+/// East and North of a point given as such, or by latitude and longitude at the height of the origin, as the scenario is read.
+fn place(aim: &Table, recording: &Recording) -> Option<[f64; 2]> {
+    if let Some([x, y, _]) = numbers(aim, "position_m") {
+        return Some([x, y]);
+    }
+    let key = |name: &str| aim.get(name).and_then(number);
+    let origin = recording.header.origin?;
+    let frame = SceneFrame::at(Geodetic::from_deg(origin.lat_deg, origin.lon_deg, origin.h_m), Earth::Flat);
+    let point = Geodetic::from_deg(key("lat_deg")?, key("lon_deg")?, origin.h_m);
+    let [x, y, _] = frame.from_geodetic(point)?.to_array();
+    Some([x, y])
+}
+
 /// A point of the scene, or one beside a platform.
 fn aim_point(aim: &Table, recording: &Recording, pulse: usize) -> Option<[f64; 2]> {
     let key = |name: &str| aim.get(name).and_then(number).unwrap_or(0.0);
     match aim.get("kind")?.as_str()? {
         "at" => {
-            let [x, y, _] = numbers(aim, "position_m")?;
+            let [x, y] = place(aim, recording)?;
             let [vx, vy, _] = numbers(aim, "velocity_mps").unwrap_or([0.0; 3]);
             let since_s = recording.index[pulse] as f64 / recording.header.prf_hz;
             Some([x + vx * since_s, y + vy * since_s])

@@ -8,7 +8,10 @@
 //! * the receiver's path while echoes of the image arrive (microseconds) is straight: `v^2 dt^2/2R`, 4e-9 m for 10 us in orbit;
 //! * linear interpolation between cells: [`interpolation_error_db`](crate::imaging::range_compress::interpolation_error_db), which
 //!   dominates the rest;
-//! * f32: `2^-24` of the largest cell number, 16384 of 1/16 sample: 6e-5 sample. Sums of hundreds of pulses: -120 dB of the largest term.
+//! * f32: cells are counted from a whole one near the middle of the run, so its place in the window costs nothing: `2^-24` of the
+//!   cells that a run spans, a few hundred. Sums of hundreds of pulses: -120 dB of the largest term.
+//!
+//! Pulses are compressed up to 64 at a time, and fewer where their cells would take more than 256 MiB.
 //!
 //! Tiles are shared out to the threads of the pool in use; every pixel adds its pulses in their order, so the image is the same for any number
 //! of threads.
@@ -23,8 +26,12 @@ use crate::imaging::ground::Ground;
 use crate::imaging::phase_path::delay_s;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Pulses that are compressed at a time.
-const BATCH: usize = 64;
+/// Most pulses that are compressed at a time.
+const MOST_AT_A_TIME: usize = 64;
+/// Memory of the cells of compressed pulses, bytes; one pulse may take more.
+const MOST_CELL_BYTES: usize = 256 << 20;
+/// Beyond so many cells from a run's middle, or from the window's start, nothing is heard: whole numbers then fit i32 in any sum of two.
+const FAR_CELLS: i32 = 1 << 29;
 /// Pixels of a tile along x and y.
 const TILE: [usize; 2] = [64, 16];
 /// Longest run of pixels.
@@ -55,6 +62,20 @@ struct Tile {
 
 /// The images of several grounds; `done` hears how many pulses are in. Compression is shared.
 pub fn fast(aperture: &Aperture, grounds: &[Ground], done: &(dyn Fn(usize) + Sync)) -> Vec<Vec<Complex32>> {
+    in_batches(aperture, grounds, done, batch(aperture.compressor.cells()))
+}
+
+/// Pulses of so many cells to compress at a time.
+fn batch(cells: usize) -> usize {
+    (MOST_CELL_BYTES / (cells.max(1).saturating_mul(size_of::<Complex32>()))).clamp(1, MOST_AT_A_TIME)
+}
+
+fn in_batches(
+    aperture: &Aperture,
+    grounds: &[Ground],
+    done: &(dyn Fn(usize) + Sync),
+    batch: usize,
+) -> Vec<Vec<Complex32>> {
     let variant = Variant::fastest();
     let sights: Vec<Vec<Sight>> = grounds.iter().map(|ground| sights(aperture, ground)).collect();
     let runs: Vec<usize> = grounds
@@ -66,7 +87,7 @@ pub fn fast(aperture: &Aperture, grounds: &[Ground], done: &(dyn Fn(usize) + Syn
     let mut sums: Vec<Vec<Complex32>> =
         tiles.iter().map(|tile| vec![Complex32::ZERO; tile.size[0] * tile.size[1]]).collect();
     let scale = 1.0 / aperture.weights();
-    for (batch, pulses) in aperture.pulses.chunks(BATCH).enumerate() {
+    for (part, pulses) in aperture.pulses.chunks(batch).enumerate() {
         let cells: Vec<Vec<Complex32>> = pulses
             .par_iter()
             .map(|pulse| {
@@ -76,7 +97,7 @@ pub fn fast(aperture: &Aperture, grounds: &[Ground], done: &(dyn Fn(usize) + Syn
                 cells
             })
             .collect();
-        let from = batch * BATCH;
+        let from = part * batch;
         sums.par_iter_mut().zip(&tiles).for_each(|(sum, tile)| {
             let work = TileTask {
                 carrier_hz: aperture.carrier_hz,
@@ -243,9 +264,15 @@ fn add<const RUN: usize>(
 ) {
     let half = (RUN / 2) as i32;
     let phase = delay.map(|d| steps(carrier_hz * d));
+    // Counted from a whole cell, so that f32 holds only what a run spans.
+    let middle = (delay[0] - window_start_s) * cell_rate_hz;
+    let base = middle.floor();
     let mut place = delay.map(|d| (cell_rate_hz * d) as f32);
-    place[0] = ((delay[0] - window_start_s) * cell_rate_hz) as f32;
-    let last = cells.len().saturating_sub(2) as f32;
+    place[0] = (middle - base) as f32;
+    // Clamped as a whole number: a run that far away hears nothing, see below.
+    let far = i64::from(FAR_CELLS);
+    let base = (base as i64).clamp(-2 * far, 2 * far) as i32;
+    let last = cells.len().saturating_sub(2).min(FAR_CELLS as usize) as i32;
     let (mut re, mut im) = ([0f32; RUN], [0f32; RUN]);
     let (mut at, mut part) = ([0u32; RUN], [0f32; RUN]);
     for k in 0..RUN {
@@ -253,12 +280,17 @@ fn add<const RUN: usize>(
         let turn = phase[3].wrapping_mul(i).wrapping_add(phase[2]).wrapping_mul(i).wrapping_add(phase[1]);
         let (cos, sin) = cos_sin(turn.wrapping_mul(i).wrapping_add(phase[0]));
         let x = i as f32;
-        let cell = place[0] + x * (place[1] + x * (place[2] + x * place[3]));
-        let inside = cell >= 0.0 && cell <= last + 1.0;
-        let held = if inside { cell.min(last) } else { 0.0 };
-        let floor = held as i32;
-        at[k] = floor as u32;
-        part[k] = if inside { cell - floor as f32 } else { 0.0 };
+        let away = place[0] + x * (place[1] + x * (place[2] + x * place[3]));
+        // Floor, which not every processor has as an instruction.
+        let whole = away as i32;
+        let whole = whole - i32::from((whole as f32) > away);
+        let cell = base.wrapping_add(whole);
+        let rest = away - whole as f32;
+        // The last cell is the upper end of the last pair.
+        let end = cell == last + 1 && rest == 0.0;
+        let inside = away.abs() <= FAR_CELLS as f32 && cell >= 0 && (cell <= last || end);
+        at[k] = if inside { cell.min(last) } else { 0 } as u32;
+        part[k] = if end { 1.0 } else { rest };
         re[k] = if inside { cos } else { 0.0 };
         im[k] = if inside { sin } else { 0.0 };
     }
@@ -296,7 +328,10 @@ fn sine(turns: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::imaging::backproject::PulseEcho;
     use crate::imaging::phase_path::PhasePath;
+    use crate::imaging::range_compress::{Compressor, PulseShape, RangeFilter};
+    use crate::imaging::taper::Taper;
 
     #[test]
     fn cosines_and_sines_of_all_turns() {
@@ -307,6 +342,40 @@ mod tests {
             // (pi/2)^13/13! = 5.7e-8 is left out of the series; some roundings of 6e-8.
             assert!((f64::from(cos) - exact.cos()).abs() < 4e-7, "{phase}");
             assert!((f64::from(sin) - exact.sin()).abs() < 4e-7, "{phase}");
+        }
+    }
+
+    #[test]
+    fn batches_keep_the_budget_and_do_not_change_a_bit() {
+        // 768 samples of 16 cells; a million of them, 128 MB a pulse; more than the budget.
+        assert_eq!([767 * 16 + 1, 16_000_000, usize::MAX].map(batch), [64, 2, 1]);
+        let times_s: Vec<f64> = (0..10).map(|i| f64::from(i) / 500.0).collect();
+        let points = times_s.iter().map(|t| [200.0 * t, -900.0, 300.0]).collect();
+        let path = PhasePath::new(times_s.clone(), points).unwrap();
+        let replica: Vec<Complex32> = (0..20).map(|i| Complex32::cis(0.05 * (i * i) as f32)).collect();
+        let shape = PulseShape { replica: &replica, sample_rate_hz: 1e8, bandwidth_hz: 6e7, pulse_s: 2e-7 };
+        let compressor = Compressor::new(shape, 128, RangeFilter::Matched, Taper::Uniform, 8).unwrap();
+        let samples: Vec<Complex32> = (0..128).map(|i| Complex32::cis((i * i) as f32)).collect();
+        let echo = |t: &f64| PulseEcho {
+            emission_s: *t,
+            window_start_s: 6.1e-6,
+            weight: 1.0 + 10.0 * t,
+            samples: &samples,
+        };
+        let aperture = Aperture {
+            carrier_hz: 1e10,
+            compressor: &compressor,
+            transmitter: &path,
+            receiver: &path,
+            pulses: times_s.iter().map(echo).collect(),
+            centre_m: [0.0; 3],
+        };
+        let ground = Ground::map([0.0; 3], [40.0, 20.0], 1.0).unwrap();
+        let image = |batch: usize| in_batches(&aperture, &[ground], &|_| (), batch).remove(0);
+        let whole = image(64);
+        assert!(whole.iter().all(|z| z.norm() > 0.0));
+        for batch in [1, 3, 9] {
+            assert_eq!(image(batch), whole, "{batch}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Reads recordings for processing: HDF5 files and plain folders ([`crate::sinks`]).
 //!
 //! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before the first and after the
-//! last pulse of a part.
+//! last pulse of a part. Samples are read in blocks of rows, and only the channels asked for are kept: 8 bytes a sample.
 //!
 //! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one. No reported one is recorded: it is
 //! `p + C l`, `p` and `C` position and attitude that the platform reports, `l` the lever arm (body axes) that the caller knows.
@@ -30,6 +30,8 @@ use crate::sinks::sink::{Header, SinkError};
 
 /// Rows read beyond those asked for.
 const AROUND: usize = 64;
+/// Samples of all channels that are read at a time, bytes in the file.
+const BLOCK_BYTES: usize = 4 << 20;
 
 /// Why a recording cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -62,6 +64,24 @@ pub enum RecordingError {
         end: u64,
         /// Pulses asked for.
         asked: Range<u64>,
+    },
+    /// Samples that do not fit in memory.
+    #[error(
+        "{}: {channels} channels of {pulses} pulses are {needed_mib} MiB of samples, {available_mib} MiB are free; \
+         fewer channels or pulses (--channel, --pulses)",
+        path.display()
+    )]
+    Memory {
+        /// The recording.
+        path: PathBuf,
+        /// Channels asked for.
+        channels: usize,
+        /// Pulses asked for.
+        pulses: usize,
+        /// What their samples take.
+        needed_mib: u64,
+        /// What may be taken.
+        available_mib: u64,
     },
     /// A column that is not there.
     #[error("{}: /{column} is not in the recording", path.display())]
@@ -99,6 +119,8 @@ pub struct Recording {
     /// Place of the pulses in use among those rows.
     rows: Range<usize>,
     numbers: BTreeMap<String, (usize, Vec<f64>)>,
+    /// Channels whose samples are held.
+    channels: Vec<usize>,
     samples: Vec<Complex32>,
 }
 
@@ -154,10 +176,85 @@ impl Source {
     }
 }
 
+/// Samples of some channels, pulse by pulse.
+fn samples(
+    path: &Path,
+    source: &Source,
+    list: &[Column],
+    rows: Range<usize>,
+    channels: &[usize],
+    most_bytes: Option<u64>,
+) -> Result<Vec<Complex32>, RecordingError> {
+    let header = source.header();
+    let count = rows.len().saturating_mul(channels.len()).saturating_mul(header.layout.samples);
+    let needed = (count as u64).saturating_mul(size_of::<Complex32>() as u64);
+    let too_many = |available: u64| RecordingError::Memory {
+        path: path.to_owned(),
+        channels: channels.len(),
+        pulses: rows.len(),
+        needed_mib: needed.div_ceil(1 << 20),
+        available_mib: available >> 20,
+    };
+    if let Some(available) = most_bytes.filter(|most| needed > *most) {
+        return Err(too_many(available));
+    }
+    let Some(column) = list.iter().find(|column| column.path == "iq") else {
+        return Err(RecordingError::Missing { path: path.to_owned(), column: "iq".to_owned() });
+    };
+    // Mid-rise: a code stands for the middle of its step.
+    let step = header.adc.map_or(1.0, |adc| adc.step) as f32;
+    let level = |code: i16| (f32::from(code) + 0.5) * step;
+    let mut samples = Vec::new();
+    samples.try_reserve_exact(count).map_err(|_| too_many(most_bytes.unwrap_or(0)))?;
+    let block = (BLOCK_BYTES / column.row_bytes().max(1)).max(1);
+    for first in rows.clone().step_by(block) {
+        let read = source.rows(path, column, first..(first + block).min(rows.end))?;
+        let row = header.layout.samples * header.layout.channels;
+        let windows = |pulse: usize| {
+            channels.iter().map(move |channel| {
+                let at = pulse * row + channel * header.layout.samples;
+                at..at + header.layout.samples
+            })
+        };
+        for place in (0..(first + block).min(rows.end) - first).flat_map(windows) {
+            match &read {
+                Rows::Cf32(values) => samples.extend_from_slice(values.get(place).unwrap_or_default()),
+                Rows::Ci16(codes) => {
+                    let codes = codes.get(place).unwrap_or_default();
+                    samples.extend(codes.iter().map(|code| Complex32::new(level(code.re), level(code.im))));
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(samples)
+}
+
 impl Recording {
-    /// Reads the pulses of a recording (by their numbers), or all of them.
+    /// Reads the pulses of a recording (by their numbers), or all of them, in all channels.
     pub fn open(path: &Path, pulses: Option<Range<u64>>) -> Result<Self, RecordingError> {
+        Self::open_channels(path, pulses, None, |header| Ok((0..header.channels.len()).collect()))
+    }
+
+    /// The same with the samples of some channels only, which the header may tell, as long as they take no more bytes than that.
+    pub fn open_channels<E: From<RecordingError>>(
+        path: &Path,
+        pulses: Option<Range<u64>>,
+        most_bytes: Option<u64>,
+        choose: impl FnOnce(&Header) -> Result<Vec<usize>, E>,
+    ) -> Result<Self, E> {
         let source = Source::open(path)?;
+        let channels = choose(source.header())?;
+        Ok(Self::read(path, &source, pulses, most_bytes, channels)?)
+    }
+
+    fn read(
+        path: &Path,
+        source: &Source,
+        pulses: Option<Range<u64>>,
+        most_bytes: Option<u64>,
+        channels: Vec<usize>,
+    ) -> Result<Self, RecordingError> {
         let header = source.header().clone();
         let list = columns(&header);
         let all = source.pulses();
@@ -189,16 +286,7 @@ impl Recording {
                 _ => {}
             }
         }
-        let samples = match read("iq", used.clone())? {
-            Rows::Cf32(samples) => samples,
-            Rows::Ci16(codes) => {
-                // Mid-rise: a code stands for the middle of its step.
-                let step = header.adc.map_or(1.0, |adc| adc.step) as f32;
-                let level = |code: i16| (f32::from(code) + 0.5) * step;
-                codes.iter().map(|code| Complex32::new(level(code.re), level(code.im))).collect()
-            }
-            _ => Vec::new(),
-        };
+        let samples = samples(path, source, &list, used.clone(), &channels, most_bytes)?;
         let rows = used.start - known.start..used.end - known.start;
         let scalar = |name: &str| numbers.get(name).map(|(_, values)| values.clone()).unwrap_or_default();
         // Whole nanoseconds are taken apart as integers: seconds since 1970 in f64 would be rounded to 2e-7 s.
@@ -218,6 +306,7 @@ impl Recording {
             path_s,
             rows,
             numbers,
+            channels,
             samples,
         })
     }
@@ -227,11 +316,17 @@ impl Recording {
         self.index.len()
     }
 
-    /// Samples of a channel in a pulse in use.
+    /// Places of the channels whose samples were read.
+    pub fn channels(&self) -> &[usize] {
+        &self.channels
+    }
+
+    /// Samples of a channel in a pulse in use; none of a channel that was not read.
     pub fn window(&self, pulse: usize, channel: usize) -> &[Complex32] {
-        let layout = &self.header.layout;
-        let at = (pulse * layout.channels + channel) * layout.samples;
-        self.samples.get(at..at + layout.samples).unwrap_or_default()
+        let Some(place) = self.channels.iter().position(|held| *held == channel) else { return &[] };
+        let samples = self.header.layout.samples;
+        let at = (pulse * self.channels.len() + place) * samples;
+        self.samples.get(at..at + samples).unwrap_or_default()
     }
 
     /// Whether what left with a pulse is what a channel listens to.

@@ -229,12 +229,18 @@ impl RunningClocks {
         self.of_ends(self.pairs.get(pair).copied().unwrap_or_default(), pulse, after_s)
     }
 
-    /// The same for a transmitter (without one: for what comes at the right time) and a receiver by their places.
-    pub fn between(&self, transmitter: Option<usize>, receiver: usize, pulse: u64, after_s: f64) -> [f64; 2] {
+    /// Reading of a receiver's clock less that of a transmitter's (without one: less the time) at one instant, `after_s` after the
+    /// emission of a pulse, s, and its derivative: zero for a clock that both share.
+    pub fn apart(&self, transmitter: Option<usize>, receiver: usize, pulse: u64, after_s: f64) -> [f64; 2] {
         let of = |list: &[Option<usize>], place: usize| list.get(place).copied().flatten();
         let [transmitters, receivers] = &self.antennas;
-        let sends = transmitter.and_then(|place| of(transmitters, place));
-        self.of_ends([sends, of(receivers, receiver)], pulse, after_s)
+        let (sends, hears) = (transmitter.and_then(|place| of(transmitters, place)), of(receivers, receiver));
+        if sends == hears {
+            return [0.0; 2];
+        }
+        let reading = |end: Option<usize>| end.map_or([0.0; 2], |clock| self.reading(clock, pulse));
+        let ([x_t, y_t], [x_r, y_r]) = (reading(sends), reading(hears));
+        [x_r - x_t + (y_r - y_t) * after_s, y_r - y_t]
     }
 
     fn of_ends(&self, ends: [Option<usize>; 2], pulse: u64, after_s: f64) -> [f64; 2] {
