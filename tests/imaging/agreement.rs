@@ -81,8 +81,8 @@ fn late_in_a_long_window_an_image_is_as_good_as_early() {
         let found_db = difference_db(&found, &reference(&aperture, &ground));
         let predicted_db = interpolation_error_db(BAND_HZ, 16.0 * RATE_HZ);
         println!("sample {first}: fast differs by {found_db:.1} dB, interpolation {predicted_db:.1} dB");
-        // As above. Cells counted from the window's start in f32, 1.6e6 of them, would be off by 1/14 cell rms:
-        // 2 pi 17 MHz / (14 x 1.6 GHz) = -46 dB.
+        // As above. Cells counted from the window's start in f32, 1.6e6 of them, are whole eighths: off by
+        // 1/28 cell rms, 2 pi 17 MHz / (28 x 1.6 GHz) = -52 dB.
         assert!(found_db < predicted_db + 2.0, "{first}: {found_db}");
     }
 }
