@@ -132,8 +132,6 @@ use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use window::GUARD_SAMPLES;
 use window::Window;
 
-/// Rounding of windows and emissions, s.
-const GUARD_S: f64 = 1e-3;
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
 const MANOEUVRE_MPS: f64 = 1000.0;
 /// Instants of the run at which its longest delay is sought.
@@ -284,18 +282,6 @@ impl Illumination {
     /// Other tracks, in the order of the platforms, where those that it was prepared with were a rehearsal.
     pub fn fly(&mut self, tracks: Vec<PlatformTracks>) {
         self.tracks = tracks;
-    }
-
-    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later emissions, the longest
-    /// light time, and two pulses more.
-    pub fn rests_on(&self, index: u64) -> TimeTag {
-        let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-        let opens_s = match &self.radar.window.gate {
-            Gate::Fixed { start_s } => start_s.max(0.0),
-            Gate::Follow { .. } => self.axes_span_s,
-        };
-        let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + opens_s + window_s + GUARD_S;
-        self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
     }
 
     /// The pair of each channel.

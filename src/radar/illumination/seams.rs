@@ -12,6 +12,7 @@ use crate::radar::fault::mounts;
 use crate::radar::illumination::window::Window;
 use crate::scene::Radar;
 use crate::scene::radar::{AimFrom, Gate, Pointing};
+use crate::time::TimeTag;
 
 /// Times closer than this are not told apart, s: pulses are a nanosecond apart at least.
 const TIE_S: f64 = 0.5e-9;
@@ -40,7 +41,22 @@ pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
     found
 }
 
+/// Rounding of windows and emissions, s.
+const GUARD_S: f64 = 1e-3;
+
 impl Illumination {
+    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later emissions, the longest
+    /// light time, and two pulses more.
+    pub fn rests_on(&self, index: u64) -> TimeTag {
+        let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let opens_s = match &self.radar.window.gate {
+            Gate::Fixed { start_s } => start_s.max(0.0),
+            Gate::Follow { .. } => self.axes_span_s,
+        };
+        let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + opens_s + window_s + GUARD_S;
+        self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
+    }
+
     /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by.
     pub fn unbroken(&self, block: Range<u64>, index: u64) -> Range<u64> {
         let mut part = block.clone();
