@@ -1,7 +1,7 @@
 //! NMEA 0183 logs.
 //!
 //! Positions come from GGA, RMC and GLL, dates from RMC and ZDA, heights from GGA, headings from HDT and
-//! the whole attitude from PASHR; sentences of one epoch (the same time of day) become one [`Fix`](super::Fix), GGA
+//! the whole attitude from PASHR; sentences of one epoch (the same time of day) become one [`Fix`], GGA
 //! before RMC before GLL. A sentence may have anything before its `$` on the line (a logger's time
 //! stamp). Sentences with a wrong checksum, without one, of other kinds, void or unreadable are
 //! skipped, counted in the [`LoadReport`] and never an error by themselves; a log that
