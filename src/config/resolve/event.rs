@@ -37,18 +37,7 @@ fn event(
     use keys::event::{AT_S, CHANGE, PLATFORM, PULSE};
     let written = section.exactly_one(&[&PULSE, &AT_S]);
     let (pulse, at_s) = (section.count(&PULSE), section.number(&AT_S));
-    let platform = match (section.has(&PLATFORM), &platforms.names[..]) {
-        (false, [_]) => {
-            section.name(&PLATFORM);
-            Some(0)
-        }
-        (false, _) => {
-            section.name(&PLATFORM);
-            section.fault(&PLATFORM, Problem::Missing { allowed: PLATFORM.kind.allowed() });
-            None
-        }
-        (true, _) => platforms.find(&section, &PLATFORM),
-    };
+    let platform = platforms.find_or_only(&section, &PLATFORM);
     let change = section.line(&CHANGE).and_then(|text| {
         let change = text.parse::<Change>();
         change.map_err(|error| section.fault(&CHANGE, Problem::Refused { error: error.to_string() })).ok()

@@ -98,6 +98,20 @@ impl Names {
         }
         found
     }
+
+    /// The same where the name may be left out, if there is only one.
+    fn find_or_only(&self, section: &Section<'_>, key: &'static Key) -> Option<usize> {
+        if section.has(key) {
+            return self.find(section, key);
+        }
+        // Told to be read, for the message about keys that are not.
+        section.name(key);
+        if let [_] = &self.names[..] {
+            return Some(0);
+        }
+        section.fault(key, Problem::Missing { allowed: key.kind.allowed() });
+        None
+    }
 }
 
 /// Reads a whole scenario.

@@ -19,19 +19,7 @@ pub(super) fn nav(section: &Section<'_>, ground: &Ground, platforms: &Names) -> 
         let device = Device::of(text.to_str().unwrap_or_default(), baud.unwrap_or_default());
         device.map_err(|error| section.fault(&DEVICE, Problem::Device { error: error.to_string() })).ok()
     });
-    let platform = match (section.has(&PLATFORM), &platforms.names[..]) {
-        (false, [_]) => {
-            // Told to be read, for the message about keys that are not.
-            section.name(&PLATFORM);
-            Some(0)
-        }
-        (false, _) => {
-            section.name(&PLATFORM);
-            section.fault(&PLATFORM, Problem::Missing { allowed: PLATFORM.kind.allowed() });
-            None
-        }
-        (true, _) => platforms.find(section, &PLATFORM),
-    };
+    let platform = platforms.find_or_only(section, &PLATFORM);
     let words = match section.choice(&FORMAT) {
         Some("inspvaxa") => Some(Words::InspvaxAscii),
         Some("inspvaxb") => Some(Words::InspvaxBinary),
