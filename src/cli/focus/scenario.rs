@@ -1,21 +1,14 @@
-//! What focusing needs of the scenario in a recording: lever arms, and where to look.
+//! What focusing needs of the scenario in a recording: where to look.
 //!
 //! Only these keys are read, so that files which the scenario names (tracks, hulls) may be missing.
 
 use toml::{Table, Value};
 
-use super::FocusError;
 use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::imaging::recording::Recording;
 
 /// The scenario of a recording; empty where it holds none.
 pub(super) struct Scenario(Table);
-
-/// Where an antenna sits.
-pub(super) struct Mount {
-    pub platform: String,
-    pub lever_arm_m: [f64; 3],
-}
 
 fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
@@ -36,19 +29,11 @@ impl Scenario {
         all.iter().filter_map(Value::as_table).find(|t| t.get("name").and_then(Value::as_str) == Some(name))
     }
 
-    /// Platform and lever arm of an antenna (`kind`: `transmitter` or `receiver`).
-    pub fn mount(&self, kind: &'static str, name: &str) -> Result<Mount, FocusError> {
-        let antenna = self.antenna(kind, name);
-        let platform = antenna.and_then(|t| t.get("platform")).and_then(Value::as_str);
-        let (Some(antenna), Some(platform)) = (antenna, platform) else {
-            return Err(FocusError::NoLeverArm { kind, name: name.to_owned() });
-        };
-        let lever_arm_m = match antenna.get("lever_arm_m") {
-            None => [0.0; 3],
-            Some(_) => numbers(antenna, "lever_arm_m")
-                .ok_or_else(|| FocusError::NoLeverArm { kind, name: name.to_owned() })?,
-        };
-        Ok(Mount { platform: platform.to_owned(), lever_arm_m })
+    /// Whether an antenna radiates alike in all directions, so that its boresight says nothing.
+    pub fn is_isotropic(&self, kind: &str, name: &str) -> bool {
+        let aperture =
+            self.antenna(kind, name).and_then(|t| t.get("antenna")?.as_table()?.get("kind")?.as_str());
+        aperture == Some("isotropic")
     }
 
     /// Where range gate or antennas of a channel look at a pulse in use, East and North, m: what the window follows, else what the receiver

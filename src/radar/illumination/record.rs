@@ -2,13 +2,13 @@
 
 use std::time::Instant;
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat};
 
 use super::{Illumination, beside};
 use crate::geometry::light_time::{LightTime, bistatic};
 use crate::motion::pointing::PhaseCentre;
 use crate::motion::track::State;
-use crate::pulse::{AntennaRecord, PlatformRecord, Pulse};
+use crate::pulse::{PlatformRecord, Pulse};
 use crate::radar::emission::{Emission, TrackFailure};
 use crate::radar::fault::{RadarError, TrackUse, mounts};
 use crate::scene::radar::{AntennaMount, Gate, Polarisation};
@@ -44,16 +44,16 @@ impl Illumination {
                 report.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
             *slot = PlatformRecord { age_s: report.age_s, flags: report.flags, ..navigation(&report.state) };
             record.flags |= report.flags;
+            for (antenna, (_, mount)) in record.antennas.iter_mut().zip(mounts(&self.radar)) {
+                if mount.platform == platform {
+                    let centre = PhaseCentre::of(&report.state, mount.lever_arm);
+                    antenna.reported_phase_centre_m = centre.position.to_array();
+                }
+            }
         }
-        for (place, ((slot, centre), (_, mount))) in
-            record.antennas.iter_mut().zip(&own.centres).zip(mounts(&self.radar)).enumerate()
-        {
-            let reported = record.nav_reported.get(mount.platform).copied().unwrap_or_default();
-            *slot = AntennaRecord {
-                phase_centre_m: centre.position.to_array(),
-                boresight_quat: quaternion(&own.axes(place)),
-                reported_phase_centre_m: reported_centre(&reported, mount),
-            };
+        for (antenna, (slot, centre)) in record.antennas.iter_mut().zip(&own.centres).enumerate() {
+            slot.phase_centre_m = centre.position.to_array();
+            slot.boresight_quat = quaternion(&own.axes(antenna));
         }
         let (pairs, targets) = (self.pairs.len(), self.targets.len());
         for pair in 0..pairs {
@@ -118,11 +118,4 @@ fn quaternion(axes: &DMat3) -> [f64; 4] {
     let q = DQuat::from_mat3(axes);
     let q = if q.w < 0.0 { -q } else { q };
     [q.w, q.x, q.y, q.z]
-}
-
-/// Where a platform's report puts an antenna.
-fn reported_centre(report: &PlatformRecord, mount: &AntennaMount) -> [f64; 3] {
-    let [w, x, y, z] = report.attitude_quat;
-    let arm = DQuat::from_xyzw(x, y, z, w) * mount.lever_arm.raw();
-    (DVec3::from(report.position_m) + arm).to_array()
 }
