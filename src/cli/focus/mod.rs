@@ -111,7 +111,7 @@ pub struct FocusArgs {
     #[arg(long, value_enum, default_value_t = FocusTaper::None)]
     pub window: FocusTaper,
     /// Doppler band about the aim of the antennas from which a pixel takes its pulses: Hz, or `all` for all pulses [default: the pulse rate, where the image reaches beyond it]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub doppler_hz: Option<DopplerBand>,
     /// Taper over the pulses, or over the Doppler band
     #[arg(long, value_enum, default_value_t = FocusTaper::None)]
