@@ -17,6 +17,7 @@ use super::progress;
 use super::say;
 use super::sea::{SeaError, save_canvas};
 use crate::imaging::backproject::{Aperture, PulseEcho, fast};
+use crate::imaging::canvas::Canvas;
 use crate::imaging::ground::{Ground, GroundError};
 use crate::imaging::image_file::{ImageFile, ImageFileError};
 use crate::imaging::map_file::Attribute;
@@ -131,6 +132,9 @@ pub struct FocusArgs {
     /// Picture in decibels over such a span below the brightest pixel (instead of amplitudes)
     #[arg(long, value_name = "DB")]
     pub dynamic_db: Option<f64>,
+    /// All channels in one picture, side by side
+    #[arg(long)]
+    pub panels: bool,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -278,9 +282,19 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     let seconds = begun.elapsed().as_secs_f64();
     let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
     let mut made = Vec::new();
-    for (output, focused) in outputs.pictures.into_iter().zip(&focused) {
-        made.push(output.path().to_owned());
-        picture(args, &recording, &ground, focused, output)?;
+    let drawn = |focused| picture(args, &recording, &ground, focused);
+    if args.panels {
+        let canvases: Vec<Canvas> = focused.iter().map(drawn).collect::<Result<_, _>>()?;
+        let canvas = Canvas::tiled(&canvases, canvases.len().isqrt(), [255; 3]);
+        for output in outputs.pictures {
+            made.push(output.path().to_owned());
+            save_canvas(output, &canvas)?;
+        }
+    } else {
+        for (output, focused) in outputs.pictures.into_iter().zip(&focused) {
+            made.push(output.path().to_owned());
+            save_canvas(output, &drawn(focused)?)?;
+        }
     }
     if let Some(output) = outputs.values {
         made.push(output.path().to_owned());
@@ -348,6 +362,8 @@ fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Resul
                     let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
                     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
                     let path = match channels.len() {
+                        _ if args.panels && made.pictures.is_empty() => path.clone(),
+                        _ if args.panels => break,
                         1 => path.clone(),
                         _ => path.with_file_name(format!("{stem}_{name}.png")),
                     };
@@ -503,8 +519,7 @@ fn picture(
     recording: &Recording,
     ground: &Ground,
     focused: &Focused,
-    output: Output,
-) -> Result<(), CliError> {
+) -> Result<Canvas, CliError> {
     let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
     let (power, cells) = multilook(&power, ground.pixels, args.looks);
     let (values, quantity, limits) = match args.dynamic_db {
@@ -530,7 +545,7 @@ fn picture(
         [low, low + cells[axis] as f64 * step]
     };
     let ([left, right], [lower, upper]) = (edge(0), edge(1));
-    let canvas = Picture {
+    let picture = Picture {
         title: &title,
         x: Axis { label: "East, m", from: left, to: right },
         y: Axis { label: "North, m", from: lower, to: upper },
@@ -538,12 +553,10 @@ fn picture(
         limits,
         reduction: if args.dynamic_db.is_some() { Reduction::MeanPower } else { Reduction::Mean },
         scale_bar: Some("m"),
-        size_px: 768,
+        size_px: if args.panels { 512 } else { 768 },
         ..Picture::new(&values, cells).map_err(SeaError::from)?
-    }
-    .draw()
-    .map_err(SeaError::from)?;
-    Ok(save_canvas(output, &canvas)?)
+    };
+    Ok(picture.draw().map_err(SeaError::from)?)
 }
 
 fn values(
