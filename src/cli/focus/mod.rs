@@ -1,10 +1,14 @@
 //! `nereus focus`: an image of a recording.
 
+mod aim;
+mod compare;
+mod forecast;
 mod report;
 mod scenario;
+mod table;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -41,6 +45,8 @@ pub enum FocusNav {
     True,
     /// Positions and attitudes as reported, and lever arms of the scenario
     Reported,
+    /// Both, side by side: what the errors of the reports do, predicted and measured
+    Both,
 }
 
 /// Tapers.
@@ -77,7 +83,7 @@ impl FocusTaper {
 }
 
 /// `nereus focus`
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct FocusArgs {
     /// Recording: an HDF5 file or a plain folder
     pub recording: PathBuf,
@@ -126,6 +132,12 @@ pub struct FocusArgs {
     /// Picture in decibels over such a span below the brightest pixel (instead of amplitudes)
     #[arg(long, value_name = "DB")]
     pub dynamic_db: Option<f64>,
+    /// With --nav both: a recording of the same scenario without what is wrong, whose image by true navigation is the measure [default: this one]
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+    /// With --nav both: picture of a point's cut in cross-range, predicted and measured (the first one on the image), one a channel
+    #[arg(long, value_name = "PNG")]
+    pub cuts: Option<PathBuf>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -213,6 +225,14 @@ pub enum FocusError {
         /// The channel.
         channel: String,
     },
+    /// A recording to compare with that is of something else.
+    #[error("--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets", path.display())]
+    Against {
+        /// The recording.
+        path: PathBuf,
+        /// What is not the same.
+        what: &'static str,
+    },
     /// An output that is neither picture nor HDF5.
     #[error("--out {}: allowed: a name that ends in .png or .h5", path.display())]
     Kind {
@@ -260,7 +280,11 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
     let scenario = Scenario::of(&recording);
     let channels = recording.channels().to_vec();
-    let outputs = outputs(args, &recording, &channels)?;
+    let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
+    if args.nav == FocusNav::Both {
+        return compare::compare(args, &recording, &scenario, &names, out);
+    }
+    let outputs = outputs(args, &names)?;
     let ground = ground(args, &recording, &scenario, channels[0])?;
     let compressor = compressor(args, &recording)?;
     let begun = Instant::now();
@@ -269,7 +293,6 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         focused.push(one(args, &recording, &scenario, &compressor, &ground, *channel)?);
     }
     let seconds = begun.elapsed().as_secs_f64();
-    let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
     let mut made = Vec::new();
     for (output, focused) in outputs.pictures.into_iter().zip(&focused) {
         made.push(output.path().to_owned());
@@ -284,6 +307,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
 }
 
 fn check(args: &FocusArgs) -> Result<(), FocusError> {
+    compare::check(args)?;
     let bad = |key, found: String, allowed| Err(FocusError::Value { key, found, allowed });
     if !(args.centre_m.is_empty() || args.centre_m.len() == 2) {
         return bad("centre-m", format!("{:?}", args.centre_m), "two numbers X,Y");
@@ -329,21 +353,13 @@ fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError>
     args.channel.iter().map(place).collect()
 }
 
-fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Result<Outputs, FocusError> {
+/// Where images of such names go.
+fn outputs(args: &FocusArgs, names: &[String]) -> Result<Outputs, FocusError> {
     let mut made = Outputs { pictures: Vec::new(), values: None };
     for path in &args.out {
         match path.extension().and_then(|e| e.to_str()) {
             Some("png") if made.pictures.is_empty() => {
-                for channel in channels {
-                    // Several pictures bear the names of their channels.
-                    let name = &recording.header.channels[*channel].name;
-                    // A recording of unknown origin may hold any name.
-                    let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
-                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-                    let path = match channels.len() {
-                        1 => path.clone(),
-                        _ => path.with_file_name(format!("{stem}_{name}.png")),
-                    };
+                for path in pictures(path, names) {
                     made.pictures.push(Output::plan(&path, FileKind::Png, args.force)?);
                 }
             }
@@ -354,6 +370,20 @@ fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Resul
         }
     }
     Ok(made)
+}
+
+/// Several pictures bear the names of what they show.
+fn pictures(path: &Path, names: &[String]) -> Vec<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let named = |name: &String| {
+        // A recording of unknown origin may hold any name.
+        let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
+        match names.len() {
+            1 => path.to_owned(),
+            _ => path.with_file_name(format!("{stem}_{name}.png")),
+        }
+    };
+    names.iter().map(named).collect()
 }
 
 fn ground(
@@ -401,11 +431,42 @@ fn path(
     kind: &'static str,
     name: &str,
 ) -> Result<PhasePath, FocusError> {
-    if args.nav == FocusNav::True {
+    if args.nav != FocusNav::Reported {
         return Ok(recording.true_path(name)?);
     }
     let mount = scenario.mount(kind, name)?;
     Ok(recording.reported_path(&mount.platform, mount.lever_arm_m)?)
+}
+
+/// The pulses of a channel, seen from such paths.
+fn aperture<'a>(
+    args: &FocusArgs,
+    recording: &'a Recording,
+    compressor: &'a Compressor,
+    ground: &Ground,
+    [transmitter, receiver]: [&'a PhasePath; 2],
+    channel: usize,
+) -> Result<Aperture<'a>, FocusError> {
+    let lit: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
+    if lit.is_empty() {
+        return Err(FocusError::Dark { channel: recording.header.channels[channel].name.clone() });
+    }
+    let taper = args.aperture.taper();
+    let weight = |place: usize| taper.weight((place as f64 + 0.5) / lit.len() as f64 - 0.5);
+    let echo = |(place, pulse): (usize, &usize)| PulseEcho {
+        emission_s: recording.emission_s[*pulse],
+        window_start_s: recording.window_start_s[*pulse],
+        weight: weight(place),
+        samples: recording.window(*pulse, channel),
+    };
+    Ok(Aperture {
+        carrier_hz: recording.header.carrier_hz,
+        compressor,
+        transmitter,
+        receiver,
+        pulses: lit.iter().enumerate().map(echo).collect(),
+        centre_m: ground.centre_m(),
+    })
 }
 
 /// Focuses one channel.
@@ -420,27 +481,9 @@ fn one(
     let row = &recording.header.channels[channel];
     let transmitter = path(args, recording, scenario, "transmitter", &row.transmitter)?;
     let receiver = path(args, recording, scenario, "receiver", &row.receiver)?;
-    let lit: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
-    if lit.is_empty() {
-        return Err(FocusError::Dark { channel: row.name.clone() });
-    }
-    let taper = args.aperture.taper();
-    let weight = |place: usize| taper.weight((place as f64 + 0.5) / lit.len() as f64 - 0.5);
-    let echo = |(place, pulse): (usize, &usize)| PulseEcho {
-        emission_s: recording.emission_s[*pulse],
-        window_start_s: recording.window_start_s[*pulse],
-        weight: weight(place),
-        samples: recording.window(*pulse, channel),
-    };
-    let aperture = Aperture {
-        carrier_hz: recording.header.carrier_hz,
-        compressor,
-        transmitter: &transmitter,
-        receiver: &receiver,
-        pulses: lit.iter().enumerate().map(echo).collect(),
-        centre_m: ground.centre_m(),
-    };
-    let total = lit.len() as u64;
+    let aperture = aperture(args, recording, compressor, ground, [&transmitter, &receiver], channel)?;
+    let pulses = aperture.pulses.len();
+    let total = pulses as u64;
     let (status, watcher) = progress::watch_of(total, "pulses focused");
     let image = fast(&aperture, std::slice::from_ref(ground), &|done| {
         let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
@@ -449,7 +492,7 @@ fn one(
     watcher.finish();
     Ok(Focused {
         channel,
-        pulses: lit.len(),
+        pulses,
         image: image.into_iter().next().unwrap_or_default(),
         support: Support::of(&aperture, ground.centre_m()),
         targets: targets(args, recording, &aperture, ground, channel)?,
@@ -464,30 +507,32 @@ fn targets(
     ground: &Ground,
     channel: usize,
 ) -> Result<Vec<(String, Option<PointTarget>)>, FocusError> {
+    let (names, places): (Vec<_>, Vec<_>) = expected(recording, ground, channel).into_iter().unzip();
+    let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
+    Ok(names.into_iter().zip(found).collect())
+}
+
+/// Targets of the truth record, and where they should be on the image.
+fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(String, [f64; 3])> {
     let row = &recording.header.channels[channel];
-    let (mut names, mut places) = (Vec::new(), Vec::new());
     // Delays are true: where they belong is told by the true paths, whatever the processor believes.
     let (Ok(transmitter), Ok(receiver)) =
         (recording.true_path(&row.transmitter), recording.true_path(&row.receiver))
     else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
-    for (place, name) in recording.header.targets.iter().enumerate() {
-        let Some(delays_s) = recording.delays_s(&row.transmitter, &row.receiver, place) else { continue };
+    let inside = |point: &[f64; 3]| {
+        (0..2).all(|axis| {
+            let [low, high] = ground.edges_m(axis);
+            (low..=high).contains(&point[axis])
+        })
+    };
+    let place = |(place, name): (usize, &String)| {
+        let delays_s = recording.delays_s(&row.transmitter, &row.receiver, place)?;
         let found = locate(&transmitter, &receiver, &recording.emission_s, &delays_s, ground.centre_m());
-        let inside = |point: &[f64; 3]| {
-            (0..2).all(|axis| {
-                let [low, high] = ground.edges_m(axis);
-                (low..=high).contains(&point[axis])
-            })
-        };
-        if let Some(point) = found.filter(inside) {
-            names.push(name.clone());
-            places.push(point);
-        }
-    }
-    let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
-    Ok(names.into_iter().zip(found).collect())
+        found.filter(inside).map(|point| (name.clone(), point))
+    };
+    recording.header.targets.iter().enumerate().filter_map(place).collect()
 }
 
 fn picture(
@@ -514,6 +559,7 @@ fn picture(
     let nav = match args.nav {
         FocusNav::True => "true",
         FocusNav::Reported => "reported",
+        FocusNav::Both => "true and reported",
     };
     let title = format!("{name}, {} pulses, {nav} navigation", focused.pulses);
     let step = args.pixel_m * args.looks as f64;
