@@ -3,6 +3,7 @@
 
 mod agreement;
 mod channels;
+mod degradation;
 mod extremes;
 mod geometries;
 mod navigation;

@@ -289,6 +289,19 @@ impl Look<'_> {
         )
     }
 
+    /// What the image by reported paths has at `at_m`, of a point that by the true paths appears at `point_m` with an amplitude of 1: every delay iterated.
+    pub fn amplitude(&self, point_m: [f64; 3], at_m: [f64; 3]) -> Complex64 {
+        let [transmitter, receiver] = self.reported;
+        let late = |t: &f64| delay_s(transmitter, receiver, *t, at_m) - delay_s(self.truth[0], self.truth[1], *t, point_m);
+        let pulses = self.times_s.iter().zip(self.weights).map(|(t, weight)| ([0.0; 2], late(t), *weight)).collect();
+        self.model(at_m, pulses).at(at_m)
+    }
+
+    fn model(&self, about_m: [f64; 3], pulses: Vec<([f64; 2], f64, f64)>) -> Model {
+        let (carrier_hz, bandwidth_hz) = (self.carrier_hz, self.bandwidth_hz);
+        Model { about_m, pulses, carrier_hz, bandwidth_hz, chi: Chi::of(self.taper) }
+    }
+
     /// Delays of a point by true paths, s.
     fn true_delays_s(&self, point_m: [f64; 3]) -> Vec<f64> {
         self.times_s.iter().map(|t| delay_s(self.truth[0], self.truth[1], *t, point_m)).collect()
@@ -309,13 +322,8 @@ impl Look<'_> {
                 let [x, y, _] = delay_gradient(ends[0], ends[1], *t, about_m);
                 [x, y]
             };
-            Model {
-                about_m,
-                pulses: self.times_s.iter().zip(delta_s).zip(self.weights).map(|((t, d), w)| (gradient(t), *d, *w)).collect(),
-                carrier_hz: self.carrier_hz,
-                bandwidth_hz: self.bandwidth_hz,
-                chi: Chi::of(self.taper),
-            }
+            let pulses = self.times_s.iter().zip(delta_s).zip(self.weights);
+            self.model(about_m, pulses.map(|((t, delta), weight)| (gradient(t), *delta, *weight)).collect())
         };
         let seen = |model: &Model, support: &Support| respond(&|grounds| model.images(grounds), support, model.about_m);
         let still = model(point_m, self.truth, &vec![0.0; true_s.len()]);
