@@ -72,7 +72,11 @@ fn no_error_is_exactly_nothing() {
     // And the point is that of theory: a sinc of both bands.
     for (cut, lobe) in found.response.cuts.iter().zip([-13.26, -13.26]) {
         assert!((cut.width_m / cut.cell_m - 0.8859).abs() < 2e-4, "{}", cut.width_m / cut.cell_m);
-        assert!(cut.lobes.iter().flatten().all(|found| (found.level_db - lobe).abs() < 0.01), "{:?}", cut.lobes);
+        assert!(
+            cut.lobes.iter().flatten().all(|found| (found.level_db - lobe).abs() < 0.01),
+            "{:?}",
+            cut.lobes
+        );
     }
 }
 
@@ -102,7 +106,10 @@ fn a_ramp_moves_and_a_bias_moves() {
     for climb_mps in [1e-3, 0.02, -0.3, 2.0] {
         let found = predicted(|t| [0.0, 0.0, climb_mps * (t - 1.0)], Taper::Uniform);
         let law = ramp_cells(climb_mps * SIGHT, APERTURE_S, LAMBDA_M);
-        println!("{climb_mps} m/s: {:+.4} cells, law {law:+.4}; loss {:.1e} dB", found.shift_cells[1], found.loss_db);
+        println!(
+            "{climb_mps} m/s: {:+.4} cells, law {law:+.4}; loss {:.1e} dB",
+            found.shift_cells[1], found.loss_db
+        );
         // The path runs through the gate by 0.9 cells at 2 m/s: sinc^2 over the aperture.
         assert!((found.shift_cells[1] / law - 1.0).abs() < 1e-3, "{:?} {law}", found.shift_cells);
         assert!((found.terms.linear_cells / law - 1.0).abs() < 1e-3);
@@ -134,7 +141,10 @@ fn a_ramp_moves_and_a_bias_moves() {
 #[test]
 fn a_step_splits_the_main_lobe() {
     for phase in [0.3, 1.482, -1.482, 2.5] {
-        let found = predicted(|t| [0.0, 0.0, if t < 1.0 - 0.5 / PRF_HZ { 0.0 } else { height_m(phase) }], Taper::Uniform);
+        let found = predicted(
+            |t| [0.0, 0.0, if t < 1.0 - 0.5 / PRF_HZ { 0.0 } else { height_m(phase) }],
+            Taper::Uniform,
+        );
         let (peak, level_db) = step_peak(phase);
         // The middle between the half-power points of the closed form.
         let half = 10f64.powf(0.05 * level_db) * 0.5f64.sqrt();
@@ -153,7 +163,10 @@ fn a_step_splits_the_main_lobe() {
         );
         assert!((found.loss_db + level_db).abs() < 5e-3, "{} {level_db}", found.loss_db);
         assert!((found.shift_cells[1] - law).abs() < 2e-3, "{:?} {law}", found.shift_cells);
-        assert!((found.terms.mean_cells + phase * BAND_HZ / CARRIER_HZ / (2.0 * std::f64::consts::TAU)).abs() < 1e-4);
+        assert!(
+            (found.terms.mean_cells + phase * BAND_HZ / CARRIER_HZ / (2.0 * std::f64::consts::TAU)).abs()
+                < 1e-4
+        );
     }
 }
 
@@ -167,7 +180,12 @@ fn a_bend_is_a_quadratic_phase() {
             term *= Complex64::new(0.0, q) / f64::from(k + 1);
         }
         let found = predicted(|t| [0.0, 0.0, height_m(q) * (t - 1.0 + 0.5 / PRF_HZ).powi(2)], Taper::Uniform);
-        println!("{q:.3} rad: {:.4} dB, series {:.4}; {:?}", found.loss_db, -20.0 * sum.norm().log10(), found.terms);
+        println!(
+            "{q:.3} rad: {:.4} dB, series {:.4}; {:?}",
+            found.loss_db,
+            -20.0 * sum.norm().log10(),
+            found.terms
+        );
         assert!((found.loss_db + 20.0 * sum.norm().log10()).abs() < 2e-3);
         assert!((found.terms.quadratic_rad / q - 1.0).abs() < 1e-3 && found.terms.rest_rad < 1e-3 * q);
     }
@@ -222,7 +240,8 @@ fn short_and_long_correlation_have_their_limits() {
     assert!((gauss_markov_db(1.0, 1e-6, 1.0) - white_db(1.0)).abs() < 1e-4);
     // First order in sigma^2: -2 sigma^2 (1/2 - (r - 1 + e^-r)/r^2), r = T/tau.
     let (sigma, r): (f64, f64) = (1e-3, 10.0);
-    let law = -10.0 * std::f64::consts::LOG10_E * sigma * sigma * (1.0 - 2.0 * (r - 1.0 + (-r).exp()) / (r * r));
+    let law =
+        -10.0 * std::f64::consts::LOG10_E * sigma * sigma * (1.0 - 2.0 * (r - 1.0 + (-r).exp()) / (r * r));
     assert!((gauss_markov_db(sigma, 0.1, 1.0) / law - 1.0).abs() < 1e-5);
 }
 
@@ -247,8 +266,13 @@ fn what_cannot_be_predicted_is_not() {
     assert!(refused.to_string().contains("row 1 of the recording"), "{refused}");
     // Kilometres of error: a place, or none; never no number.
     for bias_m in [1e3, 1e5, 1e8] {
-        if let Some(found) = looked(|t| [bias_m * t, bias_m, -bias_m], Taper::Uniform, |look| look.predict([0.0; 3])) {
-            assert!(found.loss_db.is_finite() && found.shift_cells.iter().all(|x| x.is_finite()), "{found:?}");
+        if let Some(found) =
+            looked(|t| [bias_m * t, bias_m, -bias_m], Taper::Uniform, |look| look.predict([0.0; 3]))
+        {
+            assert!(
+                found.loss_db.is_finite() && found.shift_cells.iter().all(|x| x.is_finite()),
+                "{found:?}"
+            );
         }
     }
     // Noise of many radians leaves no main lobe, or a poor one.
@@ -301,7 +325,8 @@ fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
     let right = respond(&|grounds| images(&known, grounds), &cells, TARGET_M).unwrap();
     let support = Support::of(&believed, prediction.fitted_m).unwrap();
     let wrong = respond(&|grounds| images(&believed, grounds), &support, prediction.fitted_m).unwrap();
-    let at = |aperture: &Aperture, place: [f64; 3]| images(aperture, &[Ground::line(place, [0.0; 3], 1)])[0][0];
+    let at =
+        |aperture: &Aperture, place: [f64; 3]| images(aperture, &[Ground::line(place, [0.0; 3], 1)])[0][0];
     let turned = at(&believed, prediction.response.place_m) * at(&known, TARGET_M).conj();
     let moved: [f64; 2] = std::array::from_fn(|k| wrong.place_m[k] - right.place_m[k]);
     let measured = Measured {
@@ -322,7 +347,11 @@ fn images_are_as_predicted_for_every_kind_of_error() {
         ("bias", 0, "position = { bias_m = [3.0, -5.0, 2.0] }"),
         ("white", 0, "position = { white_m = [0.0, 0.0, 2e-3] }"),
         ("Gauss-Markov", 0, "position = { gm_sigma_m = [1e-3, 1e-3, 2e-3], gm_tau_s = 0.03 }"),
-        ("late and seldom", 0, "rate_hz = 50.0\nlatency_s = 0.02\nvelocity = { white_mps = [0.0, 0.0, 0.08] }"),
+        (
+            "late and seldom",
+            0,
+            "rate_hz = 50.0\nlatency_s = 0.02\nvelocity = { white_mps = [0.0, 0.0, 0.08] }",
+        ),
         ("lever arm", 0, "lever_arm_error_m = [0.5, 1.0, 0.3]"),
         ("transmitter", 3, "position = { bias_m = [3.0, 4.0, 1.0] }"),
         ("many cells", 0, "position = { bias_m = [0.0, 30.0, 0.0], ramp_mps = [0.0, 0.0, 4.0] }"),
@@ -345,8 +374,18 @@ fn images_are_as_predicted_for_every_kind_of_error() {
         let (p, m) = (&said.response.cuts[1], &found.wrong.cuts[1]);
         println!(
             "{name}: loss {:.4} {:.4} dB; range {:+.4} {:+.4}, cross-range {:+.4} {:+.4} cells; widths {:.4} {:.4} m; {:?} {:?}; {:+.4} {:+.4} rad",
-            said.loss_db, found.loss_db, said.shift_cells[0], found.shift_cells[0], said.shift_cells[1],
-            found.shift_cells[1], p.width_m, m.width_m, p.highest(), m.highest(), said.phase_rad, found.phase_rad
+            said.loss_db,
+            found.loss_db,
+            said.shift_cells[0],
+            found.shift_cells[0],
+            said.shift_cells[1],
+            found.shift_cells[1],
+            p.width_m,
+            m.width_m,
+            p.highest(),
+            m.highest(),
+            said.phase_rad,
+            found.phase_rad
         );
         // What was asked: 0.1 dB, a fiftieth of a cell, 0.3 dB and a twentieth of a cell.
         assert!((said.loss_db - found.loss_db).abs() < 0.1, "{name}");
@@ -355,7 +394,10 @@ fn images_are_as_predicted_for_every_kind_of_error() {
         }
         assert!((p.width_m / m.width_m - 1.0).abs() < 0.01, "{name}");
         let (a, b) = (p.highest().unwrap(), m.highest().unwrap());
-        assert!((a.level_db - b.level_db).abs() < 0.3 && (a.cells.abs() - b.cells.abs()).abs() < 0.05, "{name}: {a:?} {b:?}");
+        assert!(
+            (a.level_db - b.level_db).abs() < 0.3 && (a.cells.abs() - b.cells.abs()).abs() < 0.05,
+            "{name}: {a:?} {b:?}"
+        );
         let turned = (said.phase_rad - found.phase_rad).rem_euclid(std::f64::consts::TAU);
         assert!(turned.min(std::f64::consts::TAU - turned) < 0.05, "{name}: {turned}");
         // Errors do something, or the test is none.

@@ -41,7 +41,8 @@ impl Aim {
     /// Mean over pulses (times of the recording's paths) of the product of both field gains towards a point, ENU, m; none where a track does not
     /// reach so far. Both directions at the emission: the receiver turns by next to nothing in the time that an echo takes.
     pub fn gain(&self, times_s: &[f64], point_m: [f64; 3]) -> Option<f64> {
-        let surroundings = Surroundings { tracks: &self.tracks, frame: &self.scene.frame, start: self.scene.start };
+        let surroundings =
+            Surroundings { tracks: &self.tracks, frame: &self.scene.frame, start: self.scene.start };
         let [x, y, z] = point_m;
         let target: Point<Enu> = Point::new(x, y, z);
         let mut sum = 0.0;

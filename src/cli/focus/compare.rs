@@ -12,8 +12,8 @@ use serde::Serialize;
 use super::aim::Aim;
 use super::forecast::{Law, laws};
 use super::{
-    CliError, FocusArgs, FocusError, FocusNav, FocusTaper, Focused, Header, Scenario, aperture, channels, compressor,
-    expected, ground, one, outputs, path, picture, pictures, table, values,
+    CliError, FocusArgs, FocusError, FocusNav, FocusTaper, Focused, Header, Scenario, aperture, channels,
+    compressor, expected, ground, one, outputs, path, picture, pictures, table, values,
 };
 use crate::cli::sea::{SeaError, save_canvas};
 use crate::imaging::backproject::{Aperture, fast};
@@ -165,7 +165,8 @@ pub(super) fn compare(
     let mut images = Vec::with_capacity(2 * places.len());
     for (place, channel) in places.iter().enumerate() {
         let right_place = measure.recording.channels()[place];
-        let both = Both { args, recording, scenario, compressor: &compressor, ground: &ground, measure: &measure };
+        let both =
+            Both { args, recording, scenario, compressor: &compressor, ground: &ground, measure: &measure };
         let (channel, [right, wrong]) = both.channel(*channel, right_place)?;
         told.push(channel);
         images.extend([right, wrong]);
@@ -293,13 +294,13 @@ impl Both<'_> {
         });
         let mut targets = Vec::new();
         for (name, point_m) in expected(recording, ground, channel) {
-            let right_m = rights.iter().find(|(other, _)| *other == name).map_or(point_m, |(_, place)| *place);
+            let right_m =
+                rights.iter().find(|(other, _)| *other == name).map_or(point_m, |(_, place)| *place);
             let aim_loss_db = match &aim {
-                Some([Some(wrong), Some(right)]) => {
-                    wrong.gain(&times_s, point_m).zip(right.gain(&times_s, right_m)).map(|(wrong, right)| {
-                        20.0 * (right / wrong).log10()
-                    })
-                }
+                Some([Some(wrong), Some(right)]) => wrong
+                    .gain(&times_s, point_m)
+                    .zip(right.gain(&times_s, right_m))
+                    .map(|(wrong, right)| 20.0 * (right / wrong).log10()),
                 _ => None,
             }
             .filter(|loss| loss.is_finite());
@@ -412,7 +413,9 @@ fn pixels(
     let [columns, _] = ground.pixels;
     let far = |pixel: usize| {
         let [x, y, _] = ground.point_m((pixel % columns) as f64, (pixel / columns) as f64);
-        points.iter().all(|[px, py]| support.cells([x - px, y - py]).iter().any(|cells| cells.abs() > POINT_CELLS))
+        points
+            .iter()
+            .all(|[px, py]| support.cells([x - px, y - py]).iter().any(|cells| cells.abs() > POINT_CELLS))
     };
     let wide = |z: Complex32| Complex64::new(z.re.into(), z.im.into());
     let (mut count, mut sums, mut squares, mut cross) = (0, [0.0; 2], [0.0; 2], Complex64::ZERO);
@@ -448,7 +451,11 @@ fn draw(channel: &Channel, output: Output) -> Result<(), CliError> {
     let canvas = Plot {
         title: &format!("{}, {point}: reported navigation", channel.name),
         x: PlotAxis { label: "cross-range, cells from the peak", spacing: Spacing::Linear, limits: None },
-        y: PlotAxis { label: "over the peak without error, dB", spacing: Spacing::Decibels, limits: Some(limits) },
+        y: PlotAxis {
+            label: "over the peak without error, dB",
+            spacing: Spacing::Decibels,
+            limits: Some(limits),
+        },
         curves: &[
             Curve { name: "measured", points: measured, mark: Mark::Line },
             Curve { name: "predicted", points: predicted, mark: Mark::Dots },

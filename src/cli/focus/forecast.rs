@@ -1,4 +1,5 @@
-//! What the errors of `[platform.errors.position]` do, by closed forms alone: from the scenario of a recording and the geometry at the middle pulse.
+//! What the errors of `[platform.errors.position]` do, by closed forms alone: from the scenario of a recording and the lines of sight at the first, the
+//! middle and the last pulse.
 //!
 //! Left out: presets, drawn biases, walks, rounding, and random parts of reports that do not come with every pulse; errors of attitude and lever arm; turbulence.
 
@@ -17,10 +18,10 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub(super) enum Law {
-    /// A constant moves everything in range.
-    Bias { path_m: f64, range_cells: f64 },
-    /// A ramp moves everything in cross-range.
-    Ramp { path_mps: f64, cross_range_cells: f64 },
+    /// A constant moves everything in range, and across as the line of sight turns.
+    Bias { path_m: f64, range_cells: f64, cross_range_cells: f64 },
+    /// A ramp moves everything in cross-range, and in range by what it has grown to.
+    Ramp { path_mps: f64, range_cells: f64, cross_range_cells: f64 },
     /// A sinusoid raises paired echoes.
     Sinusoid { beta_rad: f64, echoes: PairedEchoes },
     /// A step splits the main lobe; peak and shift where it comes in the middle of an aperture without taper.
@@ -39,22 +40,28 @@ pub(super) fn laws(
     point_m: [f64; 3],
     untapered: bool,
 ) -> Vec<Law> {
-    let (Some(first_s), Some(last_s)) = (look.times_s.first(), look.times_s.last()) else { return Vec::new() };
+    let (Some(first_s), Some(last_s)) = (look.times_s.first(), look.times_s.last()) else {
+        return Vec::new();
+    };
     let count = look.times_s.len() as f64;
     let aperture_s = (last_s - first_s) * count / (count - 1.0).max(1.0);
     let middle_s = 0.5 * (first_s + last_s);
     let wavelength_m = SPEED_OF_LIGHT_MPS / look.carrier_hz;
     let wave_number = std::f64::consts::TAU / wavelength_m;
-    // One platform may carry both ends: their unit vectors add up.
-    let mut carried: Vec<(String, [f64; 3])> = Vec::new();
+    // One platform may carry both ends: their unit vectors add up. At the first, the middle and the last pulse.
+    let instants_s = [*first_s, middle_s, *last_s];
+    let mut carried: Vec<(String, [[f64; 3]; 3])> = Vec::new();
     for ((kind, name), path) in
         [("transmitter", &row.transmitter), ("receiver", &row.receiver)].into_iter().zip(look.truth)
     {
         let Ok(mount) = scenario.mount(kind, name) else { return Vec::new() };
-        let towards = glam::DVec3::from(path.at(middle_s)) - glam::DVec3::from(point_m);
-        let towards = towards.normalize_or_zero().to_array();
+        let towards = instants_s.map(|t| {
+            (glam::DVec3::from(path.at(t)) - glam::DVec3::from(point_m)).normalize_or_zero().to_array()
+        });
         match carried.iter_mut().find(|(platform, _)| *platform == mount.platform) {
-            Some((_, sum)) => *sum = std::array::from_fn(|k| sum[k] + towards[k]),
+            Some((_, sum)) => {
+                *sum = std::array::from_fn(|i| std::array::from_fn(|k| sum[i][k] + towards[i][k]));
+            }
             None => carried.push((mount.platform, towards)),
         }
     }
@@ -62,29 +69,41 @@ pub(super) fn laws(
     for (platform, towards) in carried {
         let Some(errors) = scenario.errors(&platform) else { continue };
         let Some(position) = errors.get("position").and_then(toml::Value::as_table) else { continue };
-        let along = |key: &str| -> f64 {
+        let [_, middle, _] = towards;
+        let sight = |key: &str| -> [f64; 3] {
             let axes: [f64; 3] = numbers(position, key).unwrap_or([0.0; 3]);
-            (0..3).map(|k| axes[k] * towards[k]).sum()
+            towards.map(|towards| (0..3).map(|k| axes[k] * towards[k]).sum())
         };
+        let along = |key: &str| sight(key)[1];
         let spread = |key: &str| -> f64 {
             let axes: [f64; 3] = numbers(position, key).unwrap_or([0.0; 3]);
-            (0..3).map(|k| (axes[k] * towards[k]).powi(2)).sum::<f64>().sqrt()
+            (0..3).map(|k| (axes[k] * middle[k]).powi(2)).sum::<f64>().sqrt()
         };
         let number = |table: &Table, key: &str, default: f64| {
             table.get(key).and_then(super::scenario::number).unwrap_or(default)
         };
         // Without a rate every pulse has its own report.
         let every_pulse = errors.get("preset").is_none() && number(errors, "rate_hz", 0.0) == 0.0;
-        let bias_m = along("bias_m");
-        if bias_m != 0.0 {
+        // The line of sight turns: a constant grows along it, and so does what grows.
+        let slope_mps =
+            |[first, _, last]: [f64; 3]| (last - first) / (last_s - first_s).max(f64::MIN_POSITIVE);
+        let cross_cells = |rate_mps: f64| ramp_cells(rate_mps, aperture_s, wavelength_m);
+        let bias_m = sight("bias_m");
+        if bias_m != [0.0; 3] {
             told.push(Law::Bias {
-                path_m: bias_m,
-                range_cells: -bias_m * look.bandwidth_hz / SPEED_OF_LIGHT_MPS,
+                path_m: bias_m[1],
+                range_cells: -bias_m[1] * look.bandwidth_hz / SPEED_OF_LIGHT_MPS,
+                cross_range_cells: cross_cells(slope_mps(bias_m)),
             });
         }
-        let path_mps = along("ramp_mps");
-        if path_mps != 0.0 {
-            told.push(Law::Ramp { path_mps, cross_range_cells: ramp_cells(path_mps, aperture_s, wavelength_m) });
+        let ramp_mps = sight("ramp_mps");
+        if ramp_mps != [0.0; 3] {
+            let grown_m = std::array::from_fn(|i| ramp_mps[i] * (instants_s[i] - scenario.pulse_zero_s));
+            told.push(Law::Ramp {
+                path_mps: ramp_mps[1],
+                range_cells: -grown_m[1] * look.bandwidth_hz / SPEED_OF_LIGHT_MPS,
+                cross_range_cells: cross_cells(slope_mps(grown_m)),
+            });
         }
         let amplitude_m = along("sinusoid_m").abs();
         if amplitude_m > 0.0 {

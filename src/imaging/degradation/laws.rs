@@ -87,7 +87,15 @@ pub fn gauss_markov_db(sigma_rad: f64, tau_s: f64, aperture_s: f64) -> f64 {
     };
     let steps = 4096;
     let h = 1.0 / f64::from(steps);
-    let weight = |i: i32| if i == 0 || i == steps { 1.0 } else if i % 2 == 1 { 4.0 } else { 2.0 };
+    let weight = |i: i32| {
+        if i == 0 || i == steps {
+            1.0
+        } else if i % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        }
+    };
     let sum: f64 = (0..=steps).map(|i| weight(i) * law(f64::from(i) * h)).sum();
     10.0 * (sum * h / 3.0).log10()
 }

@@ -128,7 +128,8 @@ pub fn respond(
     }
     let [cells, dense] = CUT;
     let cut = |peak_m: [f64; 3]| {
-        let lines = steps.map(|step| Ground::line(peak_m, scaled(step, 1.0 / dense as f64), 2 * cells * dense + 1));
+        let lines =
+            steps.map(|step| Ground::line(peak_m, scaled(step, 1.0 / dense as f64), 2 * cells * dense + 1));
         let images = evaluate(&lines);
         let power = images.iter().map(|image| image.iter().map(Complex64::norm_sqr).collect::<Vec<f64>>());
         (lines, power.collect::<Vec<_>>())
@@ -292,8 +293,11 @@ impl Look<'_> {
     /// What the image by reported paths has at `at_m`, of a point that by the true paths appears at `point_m` with an amplitude of 1: every delay iterated.
     pub fn amplitude(&self, point_m: [f64; 3], at_m: [f64; 3]) -> Complex64 {
         let [transmitter, receiver] = self.reported;
-        let late = |t: &f64| delay_s(transmitter, receiver, *t, at_m) - delay_s(self.truth[0], self.truth[1], *t, point_m);
-        let pulses = self.times_s.iter().zip(self.weights).map(|(t, weight)| ([0.0; 2], late(t), *weight)).collect();
+        let late = |t: &f64| {
+            delay_s(transmitter, receiver, *t, at_m) - delay_s(self.truth[0], self.truth[1], *t, point_m)
+        };
+        let pulses =
+            self.times_s.iter().zip(self.weights).map(|(t, weight)| ([0.0; 2], late(t), *weight)).collect();
         self.model(at_m, pulses).at(at_m)
     }
 
@@ -325,7 +329,9 @@ impl Look<'_> {
             let pulses = self.times_s.iter().zip(delta_s).zip(self.weights);
             self.model(about_m, pulses.map(|((t, delta), weight)| (gradient(t), *delta, *weight)).collect())
         };
-        let seen = |model: &Model, support: &Support| respond(&|grounds| model.images(grounds), support, model.about_m);
+        let seen = |model: &Model, support: &Support| {
+            respond(&|grounds| model.images(grounds), support, model.about_m)
+        };
         let still = model(point_m, self.truth, &vec![0.0; true_s.len()]);
         let cells = self.support(self.truth, point_m)?;
         let without = seen(&still, &cells)?;
@@ -365,7 +371,8 @@ impl Model {
         for ([gx, gy], delta_s, weight) in &self.pulses {
             let late_s = delta_s + gx * x + gy * y;
             let turns = self.carrier_hz * late_s;
-            sum += Complex64::cis(TAU * (turns - turns.round())) * (weight * self.chi.at(self.bandwidth_hz * late_s));
+            sum += Complex64::cis(TAU * (turns - turns.round()))
+                * (weight * self.chi.at(self.bandwidth_hz * late_s));
             weights += weight;
         }
         if weights == 0.0 { Complex64::ZERO } else { sum / weights }
