@@ -82,23 +82,40 @@ fn no_error_is_exactly_nothing() {
 
 #[test]
 fn a_sinusoid_raises_paired_echoes() {
-    for beta in [0.05, 0.4446, 1.0, 1.8] {
+    for beta in [0.2, 0.4446, 1.0, 1.8] {
         for phase in [0.0f64, 1.0] {
-            // Six cells away. Hann's side lobes are zero at whole cells, so main lobe and echoes leave each other alone.
-            let law = paired_echoes(beta, 3.0, APERTURE_S);
-            let error = |t: f64| [0.0, 0.0, height_m(beta) * (std::f64::consts::TAU * 3.0 * t + phase).sin()];
+            // Nine cells away. Hann's side lobes are zero at whole cells, so that the main lobe leaves the level of the echoes alone.
+            let law = paired_echoes(beta, 4.5, APERTURE_S);
+            let error =
+                |t: f64| [0.0, 0.0, height_m(beta) * (std::f64::consts::TAU * 4.5 * t + phase).sin()];
             let found = predicted(error, Taper::Hann);
             let cut = &found.response.cuts[1];
             println!("beta {beta}: {law:?}; loss {:.4} dB, {:?}", found.loss_db, cut.lobes);
-            // 1e-3 of an amplitude is 0.009 dB. The skirts of the pair behind the first add 1e-3 of an echo at a beta of 1.8.
+            // 1e-3 of an amplitude is 0.009 dB; pairs behind the first one add their skirts to it.
             assert!((found.loss_db + law.main_db).abs() < 2e-3, "{} {}", found.loss_db, law.main_db);
+            // The main lobe's skirt passes through zero there, with a slope of J0/(n (n^2 - 1)) against a top that bends by 1.13 J1: that moves the top.
+            let moved = bessel_ratio(beta) / (9.0 * 80.0) / 1.13;
             for lobe in cut.lobes.iter().flatten() {
                 assert!((lobe.level_db - law.level_db).abs() < 0.02, "{lobe:?} {law:?}");
-                assert!((lobe.cells.abs() - law.distance_cells).abs() < 5e-3, "{lobe:?} {law:?}");
+                assert!((lobe.cells.abs() - law.distance_cells).abs() < 1.2 * moved + 1e-3, "{lobe:?} {moved}");
             }
             assert!(found.shift_cells.iter().all(|cells| cells.abs() < 2e-3), "{:?}", found.shift_cells);
         }
     }
+}
+
+/// `J0(x)/J1(x)` by their power series.
+fn bessel_ratio(x: f64) -> f64 {
+    let series = |order: i32| {
+        let mut term = if order == 0 { 1.0 } else { 0.5 * x };
+        let mut sum = 0.0;
+        for k in 1..30 {
+            sum += term;
+            term *= -0.25 * x * x / f64::from(k * (k + order));
+        }
+        sum
+    };
+    series(0) / series(1)
 }
 
 #[test]

@@ -54,6 +54,8 @@ pub(super) struct Channel {
     pub pulses: usize,
     /// Length of a cell in range and in cross-range in the middle of the image, m, by theory.
     pub cell_m: Option<[f64; 2]>,
+    /// Directions in which shifts in range and in cross-range count, East and North, in the middle of the image.
+    pub directions: Option<[[f64; 2]; 2]>,
     pub pixels: Pixels,
     pub targets: Vec<Target>,
 }
@@ -108,9 +110,11 @@ pub(super) struct Figures {
 }
 
 impl Figures {
-    /// The higher one of the lobes of the cut in cross-range.
-    pub fn highest(&self) -> Option<Lobe> {
-        self.cross_range_lobes.iter().flatten().copied().max_by(|a, b| a.level_db.total_cmp(&b.level_db))
+    /// The side (before or behind the peak in cross-range) on which the highest lobe stands.
+    pub fn highest_side(&self) -> usize {
+        let level = |lobe: &Option<Lobe>| lobe.map_or(f64::NEG_INFINITY, |lobe| lobe.level_db);
+        let [before, behind] = &self.cross_range_lobes;
+        usize::from(level(behind) > level(before))
     }
 }
 
@@ -328,6 +332,7 @@ impl Both<'_> {
             name: row.name.clone(),
             pulses: wrong.pulses,
             cell_m: right.support.map(|s| s.cuts().map(|(_, cell)| cell)),
+            directions: right.support.map(|s| s.cuts().map(|(direction, _)| direction)),
             pixels,
             targets,
         };

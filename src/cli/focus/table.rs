@@ -74,10 +74,12 @@ fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
 }
 
 fn tell_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
+    // Two paired echoes are equally high: the same one in both rows.
+    let side = target.predicted.as_ref().map_or(0, Figures::highest_side);
     let row = |name: &str, kind: &str, figures: Option<&Figures>| match figures {
         None => format!("  {name:<16} {kind:<9} not found"),
         Some(f) => {
-            let lobe = f.highest().map_or(format!("{:>7} {:>7}", "-", "-"), |lobe| {
+            let lobe = f.cross_range_lobes[side].map_or(format!("{:>7} {:>7}", "-", "-"), |lobe| {
                 format!("{:>+7.3} {:>7.2}", lobe.cells, lobe.level_db)
             });
             format!(
