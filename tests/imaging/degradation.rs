@@ -86,8 +86,7 @@ fn a_sinusoid_raises_paired_echoes() {
         for phase in [0.0f64, 1.0] {
             // Nine cells away. Hann's side lobes are zero at whole cells, so that the main lobe leaves the level of the echoes alone.
             let law = paired_echoes(beta, 4.5, APERTURE_S);
-            let error =
-                |t: f64| [0.0, 0.0, height_m(beta) * (std::f64::consts::TAU * 4.5 * t + phase).sin()];
+            let error = |t: f64| [0.0, 0.0, height_m(beta) * (std::f64::consts::TAU * 4.5 * t + phase).sin()];
             let found = predicted(error, Taper::Hann);
             let cut = &found.response.cuts[1];
             println!("beta {beta}: {law:?}; loss {:.4} dB, {:?}", found.loss_db, cut.lobes);
@@ -97,7 +96,10 @@ fn a_sinusoid_raises_paired_echoes() {
             let moved = bessel_ratio(beta) / (9.0 * 80.0) / 1.13;
             for lobe in cut.lobes.iter().flatten() {
                 assert!((lobe.level_db - law.level_db).abs() < 0.02, "{lobe:?} {law:?}");
-                assert!((lobe.cells.abs() - law.distance_cells).abs() < 1.2 * moved + 1e-3, "{lobe:?} {moved}");
+                assert!(
+                    (lobe.cells.abs() - law.distance_cells).abs() < 1.2 * moved + 1e-3,
+                    "{lobe:?} {moved}"
+                );
             }
             assert!(found.shift_cells.iter().all(|cells| cells.abs() < 2e-3), "{:?}", found.shift_cells);
         }

@@ -29,6 +29,8 @@ use crate::pipeline::build::available_bytes;
 
 /// Cells about a point that are no sea.
 const POINT_CELLS: f64 = 10.0;
+/// Points of a cut to a dot of the prediction.
+const DOTS: usize = 8;
 /// Lowest level of a picture of cuts, dB.
 const FLOOR_DB: f64 = -60.0;
 
@@ -85,9 +87,9 @@ pub(super) struct Target {
     pub aim_loss_db: Option<f64>,
     pub predicted: Option<Figures>,
     pub measured: Option<Figures>,
-    /// Cuts in cross-range, power over the peak without error.
+    /// Cuts in cross-range by true navigation, by reported navigation and as predicted: power over the peak without error.
     #[serde(skip)]
-    pub curves: [Vec<[f64; 2]>; 2],
+    pub curves: [Vec<[f64; 2]>; 3],
 }
 
 /// How a point looks by reported navigation beside true navigation.
@@ -312,8 +314,9 @@ impl Both<'_> {
             let measured =
                 prediction.as_ref().and_then(|p| measured(&look, p, [&known, &believed], [right_m, point_m]));
             let curves = [
-                prediction.as_ref().map(|p| curve(&p.response, 1.0)),
-                measured.as_ref().map(|(right, wrong, _)| curve(wrong, right.amplitude)),
+                measured.as_ref().map(|(right, _, _)| curve(right, right.amplitude, 1)),
+                measured.as_ref().map(|(right, wrong, _)| curve(wrong, right.amplitude, 1)),
+                prediction.as_ref().map(|p| curve(&p.response, 1.0, DOTS)),
             ]
             .map(Option::unwrap_or_default);
             targets.push(Target {
@@ -389,12 +392,12 @@ fn images(aperture: &Aperture, grounds: &[Ground]) -> Vec<Vec<Complex64>> {
     fast(aperture, grounds, &|_| ()).into_iter().map(|image| image.into_iter().map(wide).collect()).collect()
 }
 
-/// A cut in cross-range: cells from the peak, power over that of a peak.
-fn curve(response: &Response, amplitude: f64) -> Vec<[f64; 2]> {
+/// A cut in cross-range: cells from the peak, power over that of a peak; every so many points.
+fn curve(response: &Response, amplitude: f64, every: usize) -> Vec<[f64; 2]> {
     let [cells, dense] = CUT;
     let place = |i: usize| i as f64 / dense as f64 - cells as f64;
     let power = response.cuts[1].power.iter().enumerate();
-    power.map(|(i, p)| [place(i), p / (amplitude * amplitude)]).collect()
+    power.map(|(i, p)| [place(i), p / (amplitude * amplitude)]).step_by(every).collect()
 }
 
 /// Both images where there are no points.
@@ -449,8 +452,8 @@ fn pixels(
 /// The cut in cross-range of the first point that has one.
 fn draw(channel: &Channel, output: Output) -> Result<(), CliError> {
     let shown = channel.targets.iter().find(|target| target.curves.iter().all(|curve| !curve.is_empty()));
-    let none = [Vec::new(), Vec::new()];
-    let [predicted, measured] = shown.map_or(&none, |target| &target.curves);
+    let none = [Vec::new(), Vec::new(), Vec::new()];
+    let [right, measured, predicted] = shown.map_or(&none, |target| &target.curves);
     let point = shown.map_or("no point on the image", |target| target.name.as_str());
     let limits = [10f64.powf(0.1 * FLOOR_DB), 10f64.powf(0.3)];
     let canvas = Plot {
@@ -462,6 +465,7 @@ fn draw(channel: &Channel, output: Output) -> Result<(), CliError> {
             limits: Some(limits),
         },
         curves: &[
+            Curve { name: "true navigation", points: right, mark: Mark::Line },
             Curve { name: "measured", points: measured, mark: Mark::Line },
             Curve { name: "predicted", points: predicted, mark: Mark::Dots },
         ],
