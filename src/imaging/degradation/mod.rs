@@ -48,6 +48,7 @@
 pub mod laws;
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use num_complex::Complex64;
 
@@ -337,7 +338,7 @@ impl Look<'_> {
         let without = seen(&still, &cells)?;
         let wrong = model(fitted_m, self.reported, &error(fitted_m));
         let response = seen(&wrong, &self.support(self.reported, fitted_m)?)?;
-        let moved: [f64; 2] = std::array::from_fn(|k| response.place_m[k] - point_m[k]);
+        let moved: [f64; 2] = std::array::from_fn(|k| response.place_m[k] - without.place_m[k]);
         let shift_cells = cells.cells(moved);
         let lengths = cells.cuts();
         Some(Prediction {
@@ -389,27 +390,39 @@ impl Model {
 }
 
 /// Response of the range compression to a point: transform of the taper over the band, tabled.
-struct Chi(Vec<f64>);
+struct Chi(&'static [f64]);
 
 impl Chi {
     fn of(taper: Taper) -> Self {
-        let cells = 256;
-        let weights: Vec<[f64; 2]> = (0..cells)
-            .map(|i| (f64::from(i) + 0.5) / f64::from(cells) - 0.5)
-            .map(|x| [x, taper.weight(x)])
-            .collect();
-        let sum: f64 = weights.iter().map(|[_, w]| w).sum();
-        let at = |u: f64| weights.iter().map(|[x, w]| w * (2.0 * PI * u * x).cos()).sum::<f64>() / sum;
-        Self((0..=TABLE[0] * TABLE[1]).map(|i| at(i as f64 / TABLE[1] as f64)).collect())
+        static TABLES: [OnceLock<Vec<f64>>; 4] = [const { OnceLock::new() }; 4];
+        let table = match taper {
+            Taper::Uniform => &TABLES[0],
+            Taper::Hann => &TABLES[1],
+            Taper::Taylor => &TABLES[2],
+            Taper::Kaiser => &TABLES[3],
+        };
+        Self(table.get_or_init(|| transform(taper)))
     }
 
     /// At so many cells; nothing beyond the table.
     fn at(&self, cells: f64) -> f64 {
         let place = cells.abs() * TABLE[1] as f64;
         let before = place as usize;
-        match (self.0.get(before), self.0.get(before + 1)) {
+        match (self.0.get(before), self.0.get(before.saturating_add(1))) {
             (Some(a), Some(b)) => a + (b - a) * (place - before as f64),
             _ => 0.0,
         }
     }
+}
+
+/// Transform of a taper, 1 at no distance.
+fn transform(taper: Taper) -> Vec<f64> {
+    let cells = 256;
+    let weights: Vec<[f64; 2]> = (0..cells)
+        .map(|i| (f64::from(i) + 0.5) / f64::from(cells) - 0.5)
+        .map(|x| [x, taper.weight(x)])
+        .collect();
+    let sum: f64 = weights.iter().map(|[_, w]| w).sum();
+    let at = |u: f64| weights.iter().map(|[x, w]| w * (2.0 * PI * u * x).cos()).sum::<f64>() / sum;
+    (0..=TABLE[0] * TABLE[1]).map(|i| at(i as f64 / TABLE[1] as f64)).collect()
 }
