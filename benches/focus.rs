@@ -45,6 +45,7 @@ fn focus(c: &mut Criterion) {
         receiver: &receiver,
         pulses: echoes(count),
         centre_m: [0.0; 3],
+        gate: None,
     };
     let mut group = c.benchmark_group("focus, two aircraft");
     group.sample_size(10);

@@ -83,7 +83,7 @@ fn receive(c: &mut Criterion) {
         samples: 286,
         format: receiver.sample_format(),
         platforms: 0,
-        phase_centres: 0,
+        antennas: 0,
         targets: 0,
         pairs: 0,
         ships: 0,

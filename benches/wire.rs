@@ -48,7 +48,7 @@ fn header(format: SampleFormat) -> Header {
             samples: 384,
             format,
             platforms: 2,
-            phase_centres: 0,
+            antennas: 0,
             targets: 0,
             pairs: 0,
             ships: 0,

@@ -42,8 +42,8 @@ pub struct Layout {
     pub format: SampleFormat,
     /// Platforms in the navigation record.
     pub platforms: usize,
-    /// Antenna phase centres: transmitters first, then receivers.
-    pub phase_centres: usize,
+    /// Antennas: transmitters first, then receivers.
+    pub antennas: usize,
     /// Targets in the truth record.
     pub targets: usize,
     /// Transmitter-receiver pairs in the truth record.
@@ -109,6 +109,27 @@ impl Default for PlatformRecord {
     }
 }
 
+/// Where an antenna is and looks at the emission of a pulse (ENU of the scene's origin).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AntennaRecord {
+    /// True phase centre, metres.
+    pub phase_centre_m: [f64; 3],
+    /// True axes (x the boresight, z the antenna's up) to ENU, Hamilton, scalar first.
+    pub boresight_quat: [f64; 4],
+    /// Phase centre by reported position and attitude of the platform and the lever arm as designed, metres.
+    pub reported_phase_centre_m: [f64; 3],
+}
+
+impl Default for AntennaRecord {
+    fn default() -> Self {
+        Self {
+            phase_centre_m: [0.0; 3],
+            boresight_quat: [1.0, 0.0, 0.0, 0.0],
+            reported_phase_centre_m: [0.0; 3],
+        }
+    }
+}
+
 /// One pulse: what every sink receives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pulse {
@@ -128,8 +149,8 @@ pub struct Pulse {
     pub nav_true: Vec<PlatformRecord>,
     /// Reported state per platform.
     pub nav_reported: Vec<PlatformRecord>,
-    /// True phase centres, ENU metres: transmitters, then receivers.
-    pub phase_centre_m: Vec<[f64; 3]>,
+    /// Antennas: transmitters, then receivers.
+    pub antennas: Vec<AntennaRecord>,
     /// Truth: `[pair][target]` delay, seconds (NaN if the target has no such echo).
     pub target_delay_s: Vec<f64>,
     /// Truth: `[pair][target]` Doppler, Hz, positive when closing.
@@ -162,7 +183,7 @@ impl Pulse {
             },
             nav_true: vec![PlatformRecord::default(); layout.platforms],
             nav_reported: vec![PlatformRecord::default(); layout.platforms],
-            phase_centre_m: vec![[0.0; 3]; layout.phase_centres],
+            antennas: vec![AntennaRecord::default(); layout.antennas],
             target_delay_s: vec![0.0; layout.targets * layout.pairs],
             target_doppler_hz: vec![0.0; layout.targets * layout.pairs],
             ship_position_m: vec![[0.0; 3]; layout.ships],
@@ -187,7 +208,7 @@ impl Pulse {
         }
         self.nav_true.clone_from(&other.nav_true);
         self.nav_reported.clone_from(&other.nav_reported);
-        self.phase_centre_m.clone_from(&other.phase_centre_m);
+        self.antennas.clone_from(&other.antennas);
         self.target_delay_s.clone_from(&other.target_delay_s);
         self.target_doppler_hz.clone_from(&other.target_doppler_hz);
         self.ship_position_m.clone_from(&other.ship_position_m);
@@ -208,7 +229,7 @@ impl Layout {
         std::mem::size_of::<Pulse>()
             + self.channels * self.samples * sample
             + 2 * self.platforms * std::mem::size_of::<PlatformRecord>()
-            + self.phase_centres * 24
+            + self.antennas * std::mem::size_of::<AntennaRecord>()
             + 16 * self.targets * self.pairs
             + 56 * self.ships
             + 8 * self.clocks

@@ -94,6 +94,9 @@ class Recording:
         turned = rotate(self.file[base + "attitude_quat"][: self.n], arm)
         return Path(self.times, self.file[base + "position_m"][: self.n] + turned)
 
+    def boresight(self, antenna, row):
+        return rotate(self.file[f"nav/{antenna}/boresight_quat"][row][None], np.array([1.0, 0, 0]))[0]
+
 
 def taper(name, x):
     """Weights at x, -1/2 to 1/2; zero beyond."""
@@ -161,13 +164,20 @@ def cubic(cells, at):
     )
 
 
-def focus(rec, channel, points, rows, nav="true", window="none", aperture="none", flat=False):
-    """The image of points [y, x, 3]."""
+def closing(transmitter, receiver, leaves, points, h=1e-4):
+    """Rate of the delay of points [..., 3], central difference: h^2 of a third derivative of 1e-9 s/s^3."""
+    return (delays(transmitter, receiver, leaves + h, points) - delays(transmitter, receiver, leaves - h, points)) / (2 * h)
+
+
+def focus(rec, channel, points, rows, nav="true", window="none", aperture="none", flat=False, doppler_hz=np.nan):
+    """The image of points [y, x, 3]. With doppler_hz a point takes the pulses in which its Doppler is that of the aim within half of it."""
     _, tx_name, rx_name, letters = rec.channels[channel]
     code = POLARISATIONS[letters[1]]
     rows = [r for r in rows if rec.tx_pol[r] in (0, code)]
     transmitter, receiver = rec.path("transmitter", tx_name, nav), rec.path("receiver", rx_name, nav)
-    weights = taper(aperture, (np.arange(len(rows)) + 0.5) / len(rows) - 0.5)
+    gated = np.isfinite(doppler_hz)
+    weights = np.ones(len(rows)) if gated else taper(aperture, (np.arange(len(rows)) + 0.5) / len(rows) - 0.5)
+    total = np.zeros(points.shape[:2])
     middle = 0.5 * (points[0, 0] + points[-1, -1])
     image = np.zeros(points.shape[:2], complex)
     for row, weight in zip(rows, weights):
@@ -181,8 +191,16 @@ def focus(rec, channel, points, rows, nav="true", window="none", aperture="none"
         lag = (tau - rec.window_start[row]) * rec.fs
         heard = (lag >= 0) & (lag <= len(samples) - 1)
         value = cubic(cells, np.where(heard, lag, 0.0) * CELLS)
+        if gated:
+            h = 1e-4
+            tau0 = float(delays(transmitter, receiver, leaves, middle[None])[0])
+            look = transmitter.speed(leaves, h) @ rec.boresight(tx_name, row)
+            look += receiver.speed(leaves + tau0, h) @ rec.boresight(rx_name, row)
+            away = -rec.f0 * closing(transmitter, receiver, leaves, points) - rec.f0 * look / C
+            weight = taper(aperture, away / doppler_hz)
+        total += weight
         image += np.where(heard, weight * value * np.exp(2j * np.pi * ((rec.f0 * tau) % 1.0)), 0)
-    return image / weights.sum()
+    return np.divide(image, total, out=np.zeros_like(image), where=total != 0)
 
 
 def grid(x, y, height):
@@ -215,7 +233,7 @@ def main():
     # Channels of calibration bear a word in place of two polarisations and carry no echo.
     echoes = [row[0] for row in rec.channels if len(row[3]) == 2 and set(row[3]) <= set(POLARISATIONS)]
     names = echoes
-    made, how, rows = None, {}, range(rec.n)
+    made, how, rows, bands = None, {}, range(rec.n), {}
     if args.image:
         with h5py.File(args.image, "r") as f:
             a = {k: v.decode() if isinstance(v, bytes) else v for k, v in f.attrs.items()}
@@ -223,6 +241,7 @@ def main():
             points = grid(f["x_m"][:], f["y_m"][:], float(a["height_m"]))
         rows = np.flatnonzero((rec.index >= a["first_pulse"]) & (rec.index < a["end_pulse"]))
         how = {"nav": a["nav"], "window": a["window"], "aperture": a["aperture"], "flat": a["filter"] == "flat"}
+        bands = dict(zip(made, np.atleast_1d(a["doppler_hz"])))
         strange = [n for n in made if n not in echoes]
         if strange:
             parser.error(f"channels of the image that are not in the recording: {', '.join(strange)}")
@@ -243,7 +262,7 @@ def main():
     begun = time.monotonic()
     for name in names:
         channel = [row[0] for row in rec.channels].index(name)
-        image = focus(rec, channel, points, rows, **how)
+        image = focus(rec, channel, points, rows, doppler_hz=bands.get(name, np.nan), **how)
         peak = np.unravel_index(np.argmax(np.abs(image)), image.shape)
         entry = {
             "peak_m": [float(v) for v in points[peak][:2]],

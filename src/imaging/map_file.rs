@@ -47,6 +47,8 @@ pub enum Attribute<'a> {
     Text(&'a str),
     /// A number.
     Real(f64),
+    /// Several numbers.
+    Reals(&'a [f64]),
     /// A count.
     Whole(u64),
 }
@@ -182,6 +184,9 @@ pub(super) fn create(
         match value {
             Attribute::Text(value) => attribute(&file, name, &text(value)?),
             Attribute::Real(value) => attribute(&file, name, value),
+            Attribute::Reals(values) => {
+                file.new_attr_builder().with_data(*values).create(*name).map(|_| ()).map_err(Into::into)
+            }
             Attribute::Whole(value) => attribute(&file, name, value),
         }?;
     }

@@ -6,7 +6,8 @@
 //! I(d) = a sinc(b_1 . d) sinc(b_2 . d),   b_1 = B grad tau,   b_2 = f0 (grad tau_last - grad tau_first) M/(M - 1)
 //! ```
 //!
-//! `grad tau` the gradient of the bistatic delay along the plane (`(u_T + u_R)/c` projected), cycles per metre; `M` pulses. `b_1` and `b_2` need
+//! `grad tau` the gradient of the bistatic delay along the plane (`(u_T + u_R)/c` projected), cycles per metre; `M` pulses, those that
+//! the point takes through the gate of the aperture. `b_1` and `b_2` need
 //! not be perpendicular. So the cut **in range** runs along the line of equal Doppler (across `b_2`), the cut **in cross-range** along
 //! the line of equal delay (across `b_1`): each is one sinc. Half-power width `0.8859 / |b . e|` along the cut `e` (of a taper:
 //! [`Taper::width`]), highest side lobe -13.26 dB, a cell is `1 / |b . e|`.
@@ -38,7 +39,7 @@
 use glam::{DMat2, DVec2};
 use num_complex::Complex32;
 
-use super::backproject::{Aperture, fast};
+use super::backproject::{Aperture, PulseEcho, fast};
 use super::ground::Ground;
 use super::phase_path::{PhasePath, delay_gradient, delay_s};
 use super::taper::Taper;
@@ -60,7 +61,8 @@ pub struct Support {
 impl Support {
     /// Of an aperture at a point; none without two pulses, or where range and cross-range are one direction.
     pub fn of(aperture: &Aperture, point_m: [f64; 3]) -> Option<Self> {
-        let pulses = &aperture.pulses;
+        let taken = (0..aperture.pulses.len()).filter(|place| aperture.takes(*place, point_m));
+        let pulses: Vec<&PulseEcho> = taken.filter_map(|place| aperture.pulses.get(place)).collect();
         let (first, last) = (pulses.first()?, pulses.last()?);
         let gradient = |emission_s: f64| {
             let middle_s = emission_s + aperture.compressor.middle_s();

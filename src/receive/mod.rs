@@ -50,7 +50,7 @@ const STREAMS: usize = 4096;
 /// What the wire does not carry.
 pub const NOT_CARRIED: &[&str] = &[
     "nav/*/true",
-    "nav/*/phase_centre_m",
+    "nav/*/{phase_centre_m,reported_phase_centre_m,boresight_quat}",
     "truth",
     "replica",
     "config",

@@ -134,7 +134,7 @@ impl Roster {
                 Format::Ci16 => SampleFormat::Ci16,
             },
             platforms: platforms.len(),
-            phase_centres: 0,
+            antennas: 0,
             targets: 0,
             pairs: 0,
             ships: 0,

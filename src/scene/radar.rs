@@ -65,7 +65,7 @@ impl Radar {
             samples: self.window.samples,
             format: if self.adc.is_some() { SampleFormat::Ci16 } else { SampleFormat::Cf32 },
             platforms,
-            phase_centres: self.transmitters.len() + self.receivers.len(),
+            antennas: self.transmitters.len() + self.receivers.len(),
             targets,
             pairs: self.pairs().len(),
             ships: 0,

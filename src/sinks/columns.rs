@@ -10,7 +10,8 @@
 //! | `nav/<platform>/{true,reported}/position_m`, `velocity_mps` | f64 | ENU `[3]`; `true` is missing in what was received over the wire |
 //! | `nav/<platform>/{true,reported}/attitude_quat` | f64 | body to ENU `[4]`, scalar first |
 //! | `nav/<platform>/{true,reported}/age_s`, `flags` | f64, u32 | emission less epoch of the navigation that this rests on; see [`crate::pulse::flags`] |
-//! | `nav/<antenna>/phase_centre_m` | f64 | ENU `[3]` |
+//! | `nav/<antenna>/phase_centre_m`, `reported_phase_centre_m` | f64 | ENU `[3]`: true; by reported state and the lever arm as designed |
+//! | `nav/<antenna>/boresight_quat` | f64 | true axes of the antenna (x the boresight) to ENU `[4]`, scalar first |
 //! | `truth/delay_s`, `truth/doppler_hz` | f64 | `[pair, target]`; only when there are targets |
 //! | `truth/ship_position_m`, `truth/ship_velocity_mps` | f64 | ENU `[ship, 3]`, midship at the waterline; only when there are ships |
 //! | `truth/ship_heading_deg` | f64 | `[ship]`, clockwise from the North of the scene |
@@ -92,6 +93,8 @@ enum From {
     Age(Nav, usize),
     NavFlags(Nav, usize),
     PhaseCentre(usize),
+    Boresight(usize),
+    ReportedPhaseCentre(usize),
     Delay,
     Doppler,
     ShipPosition,
@@ -146,6 +149,9 @@ pub fn columns(header: &Header) -> Vec<Column> {
     }
     for (a, name) in header.antennas().enumerate() {
         add(format!("nav/{name}/phase_centre_m"), Element::F64, &[3], From::PhaseCentre(a));
+        add(format!("nav/{name}/boresight_quat"), Element::F64, &[4], From::Boresight(a));
+        let reported = From::ReportedPhaseCentre(a);
+        add(format!("nav/{name}/reported_phase_centre_m"), Element::F64, &[3], reported);
     }
     if layout.targets > 0 && layout.pairs > 0 {
         let shape = [layout.pairs, layout.targets];
@@ -314,7 +320,9 @@ impl From {
             Self::Velocity(nav, p) => nav.of(pulse, p).map_or(&[], |r| &r.velocity_mps),
             Self::Attitude(nav, p) => nav.of(pulse, p).map_or(&[], |r| &r.attitude_quat),
             Self::Age(nav, p) => nav.of(pulse, p).map_or(&[], |r| std::slice::from_ref(&r.age_s)),
-            Self::PhaseCentre(a) => pulse.phase_centre_m.get(a).map_or(&[], |c| c),
+            Self::PhaseCentre(a) => pulse.antennas.get(a).map_or(&[], |r| &r.phase_centre_m),
+            Self::Boresight(a) => pulse.antennas.get(a).map_or(&[], |r| &r.boresight_quat),
+            Self::ReportedPhaseCentre(a) => pulse.antennas.get(a).map_or(&[], |r| &r.reported_phase_centre_m),
             Self::Delay => &pulse.target_delay_s,
             Self::Doppler => &pulse.target_doppler_hz,
             Self::ShipPosition => pulse.ship_position_m.as_flattened(),

@@ -304,7 +304,7 @@ impl Header {
             (
                 "transmitters and receivers",
                 self.transmitters.len() + self.receivers.len(),
-                self.layout.phase_centres,
+                self.layout.antennas,
             ),
             ("targets", self.targets.len(), self.layout.targets),
             ("pairs", self.pairs.len(), self.layout.pairs),

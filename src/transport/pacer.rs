@@ -351,7 +351,7 @@ pub(super) mod tests {
         samples: 1,
         format: SampleFormat::Cf32,
         platforms: 0,
-        phase_centres: 0,
+        antennas: 0,
         targets: 0,
         pairs: 0,
         ships: 0,

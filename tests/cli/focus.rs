@@ -29,12 +29,14 @@ name = "t"
 platform = "plane"
 power_w = 1000.0
 lever_arm_m = [1.0, 0.5, 1.5]
-antenna = { kind = "isotropic", gain_dbi = 20.0 }
+antenna = { kind = "rectangle", width_m = 0.5, height_m = 0.1 }
+pointing = { kind = "beside", platform = "plane", across_m = -3000.0 }
 [[receiver]]
 name = "r"
 platform = "plane"
 lever_arm_m = [-1.0, 0.5, 1.5]
-antenna = { kind = "isotropic", gain_dbi = 20.0 }
+antenna = { kind = "ellipse", width_m = 0.5, height_m = 0.1 }
+pointing = { kind = "beside", platform = "plane", across_m = -3000.0 }
 [[target]]
 name = "near"
 position_m = [12.0, -30.0, 0.0]
@@ -85,6 +87,15 @@ fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
     }
     for picture in ["a_HH.png", "a_VV.png"] {
         assert!(fs::read(folder.path().join(picture)).unwrap().starts_with(b"\x89PNG"));
+    }
+    // 400 Hz tell 115 m of the track apart: the corners of 128 m lie beyond, those of 48 m do not.
+    assert_eq!(report["channels"][0]["doppler_hz"], 400.0);
+    for (more, found) in
+        [(&["--size-m", "48"][..], None), (&["--size-m", "128", "--doppler-hz", "all"], None)]
+    {
+        let ended = nereus(folder.path(), &[&["focus", "r.plain", "--json"], more].concat());
+        let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+        assert_eq!(report["channels"][0]["doppler_hz"].as_f64(), found, "{more:?}");
     }
     let again = ["focus", "r.plain", "--size-m", "128", "--out", "a.png"];
     let ended = nereus(folder.path(), &again);
@@ -172,6 +183,8 @@ fn an_image_lies_where_the_window_looks_by_latitude_and_longitude() {
 fn what_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), &["--pulses", "10..14"]);
+    let isotropic = "transmitter.0.antenna={ kind = 'isotropic' }";
+    recorded(folder.path(), &["--pulses", "10..14", "--set", isotropic, "--out", "isotropic.plain"]);
     for (arguments, words) in [
         (&["nothing.h5"][..], "nothing.h5"),
         (&["r.plain", "--channel", "HV"], "allowed: HH, VV"),
@@ -182,6 +195,8 @@ fn what_is_wrong_is_told() {
         (&["r.plain", "--size-m", "16,8", "--looks", "9"], "--looks 9: allowed: up to the shorter side"),
         (&["r.plain", "--out", "a.jpg"], ".png or .h5"),
         (&["r.plain", "--centre-m", "1,2,3"], "two numbers"),
+        (&["r.plain", "--doppler-hz", "-3"], "allowed: a number of Hz above 0, or all"),
+        (&["isotropic.plain", "--doppler-hz", "90"], "its antennas are isotropic; allowed: all"),
     ] {
         let ended = nereus(folder.path(), &[&["focus"], arguments].concat());
         assert!(ended.code == 2 && ended.stderr.contains(words), "{arguments:?}: {}", ended.stderr);
@@ -207,6 +222,8 @@ fn the_independent_processor_agrees() {
         &["--nav", "true"][..],
         &["--nav", "reported", "--window", "taylor", "--aperture", "kaiser", "--filter", "flat"],
         &["--window", "hann", "--pulses", "20..60", "--height-m", "6"],
+        &["--doppler-hz", "90", "--aperture", "hann"],
+        &["--doppler-hz", "90", "--nav", "reported"],
     ] {
         let make = ["focus", "r.h5", "--size-m", "96,64", "--pixel-m", "0.9", "--out", "i.h5", "--force"];
         let ended = nereus(folder.path(), &[&make[..], how].concat());

@@ -65,7 +65,7 @@ fn gain_that_an_aim_costs_is_told_against_a_recording_without_it() {
     let right =
         ["--set", "transmitter.0.pointing.bias_az_deg=0", "--set", "receiver.0.pointing.bias_az_deg=0"];
     recorded(folder.path(), "misaim", "n.plain", &right);
-    let words = ["focus", "m.plain", "--json", "--against", "n.plain"];
+    let words = ["focus", "m.plain", "--json", "--against", "n.plain", "--doppler-hz", "all"];
     let ended = nereus(folder.path(), &[&words[..], &BOTH[..]].concat());
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
@@ -79,7 +79,8 @@ fn gain_that_an_aim_costs_is_told_against_a_recording_without_it() {
     assert!((of(&target["predicted"]["loss_db"]) - law).abs() < 2e-3, "{law} {target}");
     assert!((of(&target["measured"]["loss_db"]) - law).abs() < 0.02, "{law} {target}");
     // Without another recording there is nothing to see: reports are right.
-    let ended = nereus(folder.path(), &[&["focus", "m.plain", "--json"], &BOTH[..]].concat());
+    let ended =
+        nereus(folder.path(), &[&["focus", "m.plain", "--json", "--doppler-hz", "all"], &BOTH[..]].concat());
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
     let target = &report["channels"][0]["targets"][0];
     assert!(target["aim_loss_db"].is_null() && of(&target["measured"]["loss_db"]).abs() < 1e-6, "{target}");

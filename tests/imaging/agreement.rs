@@ -70,6 +70,7 @@ fn late_in_a_long_window_an_image_is_as_good_as_early() {
             receiver: &receiver,
             pulses: Vec::new(),
             centre_m: [0.0; 3],
+            gate: None,
         };
         let echo = |t: &f64| PulseEcho { emission_s: *t, window_start_s: 0.0, weight: 1.0, samples: &window };
         aperture.pulses = times_s.iter().map(echo).collect();

@@ -308,7 +308,7 @@ struct Measured {
 
 fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
     let truth = [recording.true_path("t").unwrap(), recording.true_path("r").unwrap()];
-    let reported = ["a", "b"].map(|platform| recording.reported_path(platform, [0.0; 3]).unwrap());
+    let reported = ["t", "r"].map(|antenna| recording.reported_path(antenna).unwrap());
     let compressor = compressor(recording, RangeFilter::Flat, Taper::Taylor);
     let weigh = |mut aperture: Aperture<'_>| -> Vec<f64> {
         let count = aperture.pulses.len() as f64;

@@ -98,6 +98,7 @@ fn image(case: &Case) -> Result<usize, TestCaseError> {
         receiver: &receiver,
         pulses: times_s.iter().map(echo).collect(),
         centre_m: ground.centre_m(),
+        gate: None,
     };
     let window_start_s = match case.start_of_window {
         Start::Heard(part) => {

@@ -212,5 +212,6 @@ pub fn aperture<'a>(
             })
             .collect(),
         centre_m: [0.0; 3],
+        gate: None,
     }
 }

@@ -17,7 +17,9 @@ fn all_finite(scene: &Scene, tracks: &[nereus::motion::PlatformTracks], index: u
     assert!(contacts.delay_s.iter().chain(&contacts.delay_rate).all(|column| finite(column)));
     assert!(contacts.amplitude.iter().flatten().all(|a| a.is_finite()));
     assert!(finite(&record.target_delay_s) && finite(&record.target_doppler_hz));
-    assert!(record.phase_centre_m.iter().all(|p| finite(p)));
+    assert!(record.antennas.iter().all(|a| finite(&a.phase_centre_m)
+        && finite(&a.boresight_quat)
+        && finite(&a.reported_phase_centre_m)));
     contacts.len()
 }
 

@@ -125,7 +125,7 @@ pub fn buffers(scene: &Scene) -> (Contacts, Pulse) {
         samples: 1,
         format: SampleFormat::Cf32,
         platforms: scene.platforms.len(),
-        phase_centres: scene.radar.transmitters.len() + scene.radar.receivers.len(),
+        antennas: scene.radar.transmitters.len() + scene.radar.receivers.len(),
         targets: scene.targets.len(),
         pairs,
         ships: 0,

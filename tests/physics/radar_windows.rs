@@ -258,7 +258,7 @@ fn the_record_holds_both_tracks() {
     assert_eq!(record.nav_reported[1].position_m, [1001.0, 0.0, 500.0]);
     assert_ne!(record.nav_true[1].attitude_quat, record.nav_reported[1].attitude_quat);
     // Forward is north, starboard east, down negative up.
-    let centre = record.phase_centre_m[1];
+    let centre = record.antennas[1].phase_centre_m;
     assert!(
         (Point::<nereus::frames::Enu>::from_raw(centre.into()) - point([1002.0, 1.0, 503.0])).norm() < 1e-12
     );

@@ -37,7 +37,7 @@ pub fn slot(channels: usize, samples: usize, format: SampleFormat) -> Pulse {
         samples,
         format,
         platforms: 0,
-        phase_centres: 0,
+        antennas: 0,
         targets: 0,
         pairs: 0,
         ships: 0,

@@ -41,7 +41,7 @@ pub fn header(format: SampleFormat) -> Header {
             samples: 50,
             format,
             platforms: 2,
-            phase_centres: 2,
+            antennas: 2,
             targets: 3,
             pairs: 1,
             ships: 2,
@@ -92,8 +92,10 @@ pub fn fill(pulse: &mut Pulse, header: &Header, n: u64) {
         pulse.nav_true[p] = record(100 + 20 * p);
         pulse.nav_reported[p] = record(200 + 20 * p);
     }
-    for (a, centre) in pulse.phase_centre_m.iter_mut().enumerate() {
-        *centre = [value(300 + 3 * a), value(301 + 3 * a), value(302 + 3 * a)];
+    for (a, antenna) in pulse.antennas.iter_mut().enumerate() {
+        antenna.phase_centre_m = [value(300 + 3 * a), value(301 + 3 * a), value(302 + 3 * a)];
+        antenna.boresight_quat = std::array::from_fn(|i| value(320 + 4 * a + i));
+        antenna.reported_phase_centre_m = std::array::from_fn(|i| value(340 + 3 * a + i));
     }
     for k in 0..pulse.target_delay_s.len() {
         pulse.target_delay_s[k] = if k == 1 { f64::NAN } else { value(400 + k) };
@@ -157,6 +159,10 @@ def check(rec, first, count):
     same("truth/clock/tx/x_s", value(700)[:, 0])
     same("nav/mast/phase_centre_m", value(300, 301, 302))
     same("nav/pod/phase_centre_m", value(303, 304, 305))
+    same("nav/mast/boresight_quat", value(320, 321, 322, 323))
+    same("nav/pod/boresight_quat", value(324, 325, 326, 327))
+    same("nav/mast/reported_phase_centre_m", value(340, 341, 342))
+    same("nav/pod/reported_phase_centre_m", value(343, 344, 345))
     delay = value(400, 401, 402); delay[:, 1] = np.nan
     same("truth/delay_s", delay[:, None, :])
     same("truth/doppler_hz", value(500, 501, 502)[:, None, :])

@@ -83,7 +83,7 @@ fn a_scene_with_nothing_but_samples() {
     let bare = Header {
         layout: Layout {
             platforms: 0,
-            phase_centres: 0,
+            antennas: 0,
             targets: 0,
             pairs: 0,
             ships: 0,
@@ -237,7 +237,7 @@ fn what_cannot_be_made_leaves_nothing() {
     let lost = dir.path().join("none/rec.h5");
     assert!(matches!(Hdf5Sink::create(&lost, None, false, &header), Err(SinkError::Io { .. })));
     let mut wrong = pulse(&header, 0);
-    wrong.phase_centre_m.pop();
+    wrong.antennas.pop();
     let mut sink = Hdf5Sink::create(&dir.path().join("b.h5"), None, false, &header).unwrap();
     let error = sink.write(&wrong).unwrap_err();
     assert!(matches!(error, SinkError::Pulse { expected: 3, found: 0, .. }), "{error}");

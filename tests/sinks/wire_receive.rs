@@ -21,7 +21,7 @@ use crate::wire_fixture::{datagrams, kind, received, word};
 fn carried(pulse: &Pulse) -> Pulse {
     let mut carried = pulse.clone();
     carried.nav_true = vec![Default::default(); pulse.nav_reported.len()];
-    carried.phase_centre_m.clear();
+    carried.antennas.clear();
     carried.target_delay_s.clear();
     carried.target_doppler_hz.clear();
     carried.ship_position_m.clear();

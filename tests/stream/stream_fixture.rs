@@ -17,7 +17,7 @@ pub const LAYOUT: Layout = Layout {
     samples: 64,
     format: SampleFormat::Cf32,
     platforms: 2,
-    phase_centres: 2,
+    antennas: 2,
     targets: 3,
     pairs: 1,
     ships: 0,

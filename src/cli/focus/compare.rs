@@ -13,14 +13,13 @@ use super::aim::Aim;
 use super::forecast::{Law, laws};
 use super::{
     CliError, FocusArgs, FocusError, FocusNav, FocusTaper, Focused, Header, Scenario, aperture, channels,
-    compressor, expected, ground, one, outputs, path, picture, pictures, table, values,
+    compressor, expected, ground, one, outputs, paths, picture, pictures, table, values,
 };
 use crate::cli::sea::{SeaError, save_canvas};
 use crate::imaging::backproject::{Aperture, fast};
 use crate::imaging::degradation::{CUT, Lobe, Look, PhaseTerms, Prediction, Response, respond};
 use crate::imaging::ground::Ground;
 use crate::imaging::output::{FileKind, Output};
-use crate::imaging::phase_path::PhasePath;
 use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, Spacing};
 use crate::imaging::point_target::Support;
 use crate::imaging::range_compress::Compressor;
@@ -261,38 +260,27 @@ impl Both<'_> {
         )?;
         let wrong = one(&by(FocusNav::Reported), recording, self.scenario, self.compressor, ground, channel)?;
         let row = &recording.header.channels[channel];
-        let paths = |nav, of: &Recording, scenario: &Scenario| -> Result<[PhasePath; 2], FocusError> {
-            let args = by(nav);
-            Ok([
-                path(&args, of, scenario, "transmitter", &row.transmitter)?,
-                path(&args, of, scenario, "receiver", &row.receiver)?,
-            ])
-        };
-        let truth = paths(FocusNav::True, recording, self.scenario)?;
-        let reported = paths(FocusNav::Reported, recording, self.scenario)?;
-        let right_paths = paths(FocusNav::True, self.measure.recording, self.measure.scenario)?;
-        let believed =
-            aperture(args, recording, self.compressor, ground, [&reported[0], &reported[1]], channel)?;
+        let truth = paths(FocusNav::True, recording, channel)?;
+        let reported = paths(FocusNav::Reported, recording, channel)?;
+        let right_paths = paths(FocusNav::True, self.measure.recording, right_channel)?;
+        let believed = aperture(
+            args,
+            recording,
+            self.scenario,
+            self.compressor,
+            ground,
+            [&reported[0], &reported[1]],
+            channel,
+        )?;
         let known = aperture(
             args,
             self.measure.recording,
+            self.measure.scenario,
             self.measure.compressor,
             ground,
             [&right_paths[0], &right_paths[1]],
             right_channel,
         )?;
-        let times_s: Vec<f64> =
-            believed.pulses.iter().map(|pulse| pulse.emission_s + self.compressor.middle_s()).collect();
-        let weights: Vec<f64> = believed.pulses.iter().map(|pulse| pulse.weight).collect();
-        let look = Look {
-            carrier_hz: recording.header.carrier_hz,
-            bandwidth_hz: recording.header.bandwidth_hz,
-            taper: args.window.taper(),
-            times_s: &times_s,
-            weights: &weights,
-            truth: [&truth[0], &truth[1]],
-            reported: [&reported[0], &reported[1]],
-        };
         let rights = expected(self.measure.recording, ground, right_channel);
         let aim = args.against.as_ref().map(|_| {
             [(recording, channel), (self.measure.recording, right_channel)]
@@ -300,6 +288,24 @@ impl Both<'_> {
         });
         let mut targets = Vec::new();
         for (name, point_m) in expected(recording, ground, channel) {
+            // Pulses that the point takes through the gate, and what they weigh there.
+            let pulses = believed.pulses.iter().enumerate();
+            let (times_s, weights): (Vec<f64>, Vec<f64>) = pulses
+                .filter(|(place, _)| believed.takes(*place, point_m))
+                .map(|(place, pulse)| {
+                    let middle_s = pulse.emission_s + self.compressor.middle_s();
+                    (middle_s, believed.weight(place, pulse, point_m))
+                })
+                .unzip();
+            let look = Look {
+                carrier_hz: recording.header.carrier_hz,
+                bandwidth_hz: recording.header.bandwidth_hz,
+                taper: args.window.taper(),
+                times_s: &times_s,
+                weights: &weights,
+                truth: [&truth[0], &truth[1]],
+                reported: [&reported[0], &reported[1]],
+            };
             let right_m =
                 rights.iter().find(|(other, _)| *other == name).map_or(point_m, |(_, place)| *place);
             let aim_loss_db = match &aim {

@@ -54,15 +54,15 @@ pub(super) fn laws(
     for ((kind, name), path) in
         [("transmitter", &row.transmitter), ("receiver", &row.receiver)].into_iter().zip(look.truth)
     {
-        let Ok(mount) = scenario.mount(kind, name) else { return Vec::new() };
+        let Some(platform) = scenario.platform(kind, name) else { return Vec::new() };
         let towards = instants_s.map(|t| {
             (glam::DVec3::from(path.at(t)) - glam::DVec3::from(point_m)).normalize_or_zero().to_array()
         });
-        match carried.iter_mut().find(|(platform, _)| *platform == mount.platform) {
+        match carried.iter_mut().find(|(carrier, _)| carrier == platform) {
             Some((_, sum)) => {
                 *sum = std::array::from_fn(|i| std::array::from_fn(|k| sum[i][k] + towards[i][k]));
             }
-            None => carried.push((mount.platform, towards)),
+            None => carried.push((platform.to_owned(), towards)),
         }
     }
     let mut told = Vec::new();

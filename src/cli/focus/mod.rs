@@ -3,6 +3,7 @@
 mod aim;
 mod compare;
 mod forecast;
+mod gating;
 mod report;
 mod scenario;
 mod table;
@@ -36,6 +37,7 @@ use crate::imaging::taper::Taper;
 use crate::pipeline::build::available_bytes;
 use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
+pub use gating::DopplerBand;
 use scenario::Scenario;
 
 /// Which navigation the processor believes.
@@ -43,7 +45,7 @@ use scenario::Scenario;
 pub enum FocusNav {
     /// True phase centres
     True,
-    /// Positions and attitudes as reported, and lever arms of the scenario
+    /// Phase centres as the platforms report them
     Reported,
     /// Both, side by side: what the errors of the reports do, predicted and measured
     Both,
@@ -114,7 +116,10 @@ pub struct FocusArgs {
     /// Taper over the band
     #[arg(long, value_enum, default_value_t = FocusTaper::None)]
     pub window: FocusTaper,
-    /// Taper over the pulses
+    /// Doppler band about the aim of the antennas from which a pixel takes its pulses: Hz, or `all` for all pulses [default: the pulse rate, where the image reaches beyond it]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub doppler_hz: Option<DopplerBand>,
+    /// Taper over the pulses, or over the Doppler band
     #[arg(long, value_enum, default_value_t = FocusTaper::None)]
     pub aperture: FocusTaper,
     /// Filter of the range compression
@@ -209,15 +214,15 @@ pub enum FocusError {
         /// Pixels to the North.
         rows: usize,
     },
-    /// The scenario does not tell where an antenna sits.
+    /// A Doppler band about the aim of an antenna that has none.
     #[error(
-        "--nav reported needs platform and lever_arm_m of the {kind} '{name}', which the scenario in the recording does not tell"
+        "--doppler-hz {hz}: channel {channel} has no aim that it could lie about: its antennas are isotropic; allowed: all"
     )]
-    NoLeverArm {
-        /// `transmitter` or `receiver`.
-        kind: &'static str,
-        /// Its name.
-        name: String,
+    NoAim {
+        /// As asked.
+        hz: f64,
+        /// The channel.
+        channel: String,
     },
     /// No pulse carries what a channel listens to.
     #[error("channel {channel}: none of the pulses left in its polarisation")]
@@ -261,6 +266,8 @@ impl FocusError {
 struct Focused {
     channel: usize,
     pulses: usize,
+    /// Processed Doppler bandwidth; none: every pixel takes every pulse.
+    doppler_hz: Option<f64>,
     image: Vec<Complex32>,
     support: Option<Support>,
     targets: Vec<(String, Option<PointTarget>)>,
@@ -424,24 +431,21 @@ fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, Foc
         .map_err(|source| FocusError::Compress { path: args.recording.clone(), source })
 }
 
-fn path(
-    args: &FocusArgs,
-    recording: &Recording,
-    scenario: &Scenario,
-    kind: &'static str,
-    name: &str,
-) -> Result<PhasePath, FocusError> {
-    if args.nav != FocusNav::Reported {
-        return Ok(recording.true_path(name)?);
-    }
-    let mount = scenario.mount(kind, name)?;
-    Ok(recording.reported_path(&mount.platform, mount.lever_arm_m)?)
+/// Paths of the phase centres of a channel, transmitter and receiver, as the navigation in use tells them.
+fn paths(nav: FocusNav, recording: &Recording, channel: usize) -> Result<[PhasePath; 2], RecordingError> {
+    let row = &recording.header.channels[channel];
+    let path = |name: &str| match nav {
+        FocusNav::True | FocusNav::Both => recording.true_path(name),
+        FocusNav::Reported => recording.reported_path(name),
+    };
+    Ok([path(&row.transmitter)?, path(&row.receiver)?])
 }
 
 /// The pulses of a channel, seen from such paths.
 fn aperture<'a>(
     args: &FocusArgs,
     recording: &'a Recording,
+    scenario: &Scenario,
     compressor: &'a Compressor,
     ground: &Ground,
     [transmitter, receiver]: [&'a PhasePath; 2],
@@ -459,14 +463,21 @@ fn aperture<'a>(
         weight: weight(place),
         samples: recording.window(*pulse, channel),
     };
-    Ok(Aperture {
+    let mut aperture = Aperture {
         carrier_hz: recording.header.carrier_hz,
         compressor,
         transmitter,
         receiver,
         pulses: lit.iter().enumerate().map(echo).collect(),
         centre_m: ground.centre_m(),
-    })
+        gate: None,
+    };
+    aperture.gate = gating::gate(args, recording, scenario, &aperture, ground, channel, &lit)?;
+    if aperture.gate.is_some() {
+        // The taper runs over the band then.
+        aperture.pulses.iter_mut().for_each(|pulse| pulse.weight = 1.0);
+    }
+    Ok(aperture)
 }
 
 /// Focuses one channel.
@@ -478,10 +489,9 @@ fn one(
     ground: &Ground,
     channel: usize,
 ) -> Result<Focused, FocusError> {
-    let row = &recording.header.channels[channel];
-    let transmitter = path(args, recording, scenario, "transmitter", &row.transmitter)?;
-    let receiver = path(args, recording, scenario, "receiver", &row.receiver)?;
-    let aperture = aperture(args, recording, compressor, ground, [&transmitter, &receiver], channel)?;
+    let [transmitter, receiver] = paths(args.nav, recording, channel)?;
+    let ends = [&transmitter, &receiver];
+    let aperture = aperture(args, recording, scenario, compressor, ground, ends, channel)?;
     let pulses = aperture.pulses.len();
     let total = pulses as u64;
     let (status, watcher) = progress::watch_of(total, "pulses focused");
@@ -493,6 +503,7 @@ fn one(
     Ok(Focused {
         channel,
         pulses,
+        doppler_hz: aperture.gate.as_ref().map(|gate| gate.bandwidth_hz),
         image: image.into_iter().next().unwrap_or_default(),
         support: Support::of(&aperture, ground.centre_m()),
         targets: targets(args, recording, &aperture, ground, channel)?,
@@ -603,6 +614,8 @@ fn values(
         named(args.filter.to_possible_value()),
     ];
     let (first, last) = (recording.index[0], recording.index[recording.index.len() - 1]);
+    // Not a number: all pulses.
+    let doppler_hz: Vec<f64> = focused.iter().map(|f| f.doppler_hz.unwrap_or(f64::NAN)).collect();
     let attributes = [
         ("recording", Attribute::Text(&args.recording.display().to_string())),
         ("nav", Attribute::Text(&nav)),
@@ -612,6 +625,7 @@ fn values(
         ("first_pulse", Attribute::Whole(first)),
         ("end_pulse", Attribute::Whole(last + 1)),
         ("height_m", Attribute::Real(args.height_m)),
+        ("doppler_hz", Attribute::Reals(&doppler_hz)),
         ("carrier_hz", Attribute::Real(recording.header.carrier_hz)),
     ];
     let file = ImageFile { attributes: &attributes, channels: names, ground, images: &images };

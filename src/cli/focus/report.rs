@@ -34,6 +34,8 @@ pub(super) struct Report {
 struct Channel {
     name: String,
     pulses: usize,
+    /// Doppler band about the aim from which a pixel takes its pulses, Hz; none: all pulses.
+    doppler_hz: Option<f64>,
     /// Length of a cell in range and in cross-range in the middle of the image, m, by theory.
     cell_m: Option<[f64; 2]>,
     mean_dbw: f64,
@@ -95,6 +97,7 @@ fn channel(args: &FocusArgs, recording: &Recording, ground: &Ground, focused: &F
     Channel {
         name: recording.header.channels[focused.channel].name.clone(),
         pulses: focused.pulses,
+        doppler_hz: focused.doppler_hz,
         cell_m: focused.support.map(|s| s.cuts().map(|(_, cell)| cell)),
         mean_dbw: db(mean(1)),
         peak_dbw: db(power.iter().copied().fold(0.0, f64::max)),
@@ -142,9 +145,10 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
             Some([range, cross]) => format!("cells of {range:.2} m by {cross:.2} m"),
             None => "no cross-range".to_owned(),
         };
+        let band = channel.doppler_hz.map_or(String::new(), |hz| format!(" in a band of {hz:.1} Hz"));
         writeln!(
             out,
-            "{:<11} mean {:.1} dBW, peak {:.1} dBW, contrast {:.2}; {} pulses, {cells}",
+            "{:<11} mean {:.1} dBW, peak {:.1} dBW, contrast {:.2}; {} pulses{band}, {cells}",
             channel.name, channel.mean_dbw, channel.peak_dbw, channel.contrast, channel.pulses
         )?;
         for target in &channel.targets {

@@ -1,10 +1,9 @@
-//! What focusing needs of the scenario in a recording: lever arms, and where to look.
+//! What focusing needs of the scenario in a recording: where to look.
 //!
 //! Only these keys are read, so that files which the scenario names (tracks, hulls) may be missing.
 
 use toml::{Table, Value};
 
-use super::FocusError;
 use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::imaging::recording::Recording;
 
@@ -13,12 +12,6 @@ pub(super) struct Scenario {
     table: Table,
     /// Emission of pulse 0 on the clock of the recording's paths, s.
     pub pulse_zero_s: f64,
-}
-
-/// Where an antenna sits.
-pub(super) struct Mount {
-    pub platform: String,
-    pub lever_arm_m: [f64; 3],
 }
 
 pub(super) fn number(value: &Value) -> Option<f64> {
@@ -44,19 +37,16 @@ impl Scenario {
         all.iter().filter_map(Value::as_table).find(|t| t.get("name").and_then(Value::as_str) == Some(name))
     }
 
-    /// Platform and lever arm of an antenna (`kind`: `transmitter` or `receiver`).
-    pub fn mount(&self, kind: &'static str, name: &str) -> Result<Mount, FocusError> {
-        let antenna = self.antenna(kind, name);
-        let platform = antenna.and_then(|t| t.get("platform")).and_then(Value::as_str);
-        let (Some(antenna), Some(platform)) = (antenna, platform) else {
-            return Err(FocusError::NoLeverArm { kind, name: name.to_owned() });
-        };
-        let lever_arm_m = match antenna.get("lever_arm_m") {
-            None => [0.0; 3],
-            Some(_) => numbers(antenna, "lever_arm_m")
-                .ok_or_else(|| FocusError::NoLeverArm { kind, name: name.to_owned() })?,
-        };
-        Ok(Mount { platform: platform.to_owned(), lever_arm_m })
+    /// Platform that carries an antenna (`kind`: `transmitter` or `receiver`).
+    pub fn platform(&self, kind: &str, name: &str) -> Option<&str> {
+        self.antenna(kind, name)?.get("platform")?.as_str()
+    }
+
+    /// Whether an antenna radiates alike in all directions, so that its boresight says nothing.
+    pub fn is_isotropic(&self, kind: &str, name: &str) -> bool {
+        let aperture =
+            self.antenna(kind, name).and_then(|t| t.get("antenna")?.as_table()?.get("kind")?.as_str());
+        aperture == Some("isotropic")
     }
 
     /// `[platform.errors]` of a platform, where it has some.

@@ -13,6 +13,8 @@
 //!
 //! Pulses are compressed up to 64 at a time, and fewer where their cells would take more than 256 MiB.
 //!
+//! Through a [gate](super::Gate) the place in the band is a quadratic along the run; runs outside the band are passed over.
+//!
 //! Tiles are shared out to the threads of the pool in use; every pixel adds its pulses in their order, so the image is the same for any number
 //! of threads.
 
@@ -21,6 +23,7 @@ use num_complex::Complex32;
 use rayon::prelude::*;
 
 use super::Aperture;
+use super::gate::{Table, closing};
 use crate::cpu::{Task, Variant};
 use crate::imaging::ground::Ground;
 use crate::imaging::phase_path::delay_s;
@@ -44,12 +47,15 @@ const C: f64 = SPEED_OF_LIGHT_MPS;
 #[derive(Clone, Copy)]
 struct Sight {
     from: DVec3,
+    from_mps: DVec3,
     /// Receiver when the echo of the middle of the image arrives.
     to: DVec3,
     to_mps: DVec3,
     /// That delay, s.
     middle_s: f64,
     window_start_s: f64,
+    /// Doppler of the aim, Hz; not used without a gate.
+    aim_hz: f64,
 }
 
 /// One tile of one image.
@@ -84,27 +90,41 @@ fn in_batches(
         .map(|(ground, sights)| run_pixels(aperture.carrier_hz, ground, sights))
         .collect();
     let tiles: Vec<Tile> = grounds.iter().enumerate().flat_map(|(i, ground)| tiles(i, ground)).collect();
-    let mut sums: Vec<Vec<Complex32>> =
-        tiles.iter().map(|tile| vec![Complex32::ZERO; tile.size[0] * tile.size[1]]).collect();
+    let mut sums: Vec<Sum> = tiles
+        .iter()
+        .map(|tile| {
+            let pixels = tile.size[0] * tile.size[1];
+            Sum {
+                value: vec![Complex32::ZERO; pixels],
+                weight: vec![0.0; if aperture.gate.is_some() { pixels } else { 0 }],
+            }
+        })
+        .collect();
+    let table = aperture.gate.as_ref().map(|gate| (gate.bandwidth_hz, gate.table()));
     let scale = 1.0 / aperture.weights();
     for (part, pulses) in aperture.pulses.chunks(batch).enumerate() {
         let cells: Vec<Vec<Complex32>> = pulses
             .par_iter()
             .map(|pulse| {
-                let mut cells = aperture.compressor.compress(pulse.samples, aperture.doppler_hz(pulse));
+                let mut cells = aperture
+                    .compressor
+                    .compress(pulse.samples, aperture.doppler_hz(pulse, aperture.centre_m));
                 let weight = (pulse.weight * scale) as f32;
                 cells.iter_mut().for_each(|cell| *cell *= weight);
                 cells
             })
             .collect();
         let from = part * batch;
+        let weights: Vec<f32> = pulses.iter().map(|pulse| (pulse.weight * scale) as f32).collect();
         sums.par_iter_mut().zip(&tiles).for_each(|(sum, tile)| {
             let work = TileTask {
                 carrier_hz: aperture.carrier_hz,
                 cell_rate_hz: aperture.compressor.cell_rate_hz(),
                 ground: &grounds[tile.ground],
                 sights: &sights[tile.ground][from..from + pulses.len()],
+                weights: &weights,
                 cells: &cells,
+                gate: table.as_ref().map(|(bandwidth_hz, table)| (*bandwidth_hz, table)),
                 tile: *tile,
                 sum,
             };
@@ -119,9 +139,12 @@ fn in_batches(
     }
     let mut images: Vec<Vec<Complex32>> =
         grounds.iter().map(|ground| vec![Complex32::ZERO; ground.len()]).collect();
-    for (tile, sum) in tiles.iter().zip(&sums) {
+    for (tile, sum) in tiles.iter().zip(&mut sums) {
         let columns = grounds[tile.ground].pixels[0];
-        for (j, row) in sum.chunks_exact(tile.size[0]).enumerate() {
+        for (value, weight) in sum.value.iter_mut().zip(&sum.weight) {
+            *value = if *weight == 0.0 { Complex32::ZERO } else { *value / *weight };
+        }
+        for (j, row) in sum.value.chunks_exact(tile.size[0]).enumerate() {
             let at = (tile.first[1] + j) * columns + tile.first[0];
             images[tile.ground][at..at + row.len()].copy_from_slice(row);
         }
@@ -134,16 +157,21 @@ fn sights(aperture: &Aperture, ground: &Ground) -> Vec<Sight> {
     aperture
         .pulses
         .iter()
-        .map(|pulse| {
+        .enumerate()
+        .map(|(place, pulse)| {
             let leaves_s = aperture.middle_s(pulse);
             let tau_s = delay_s(aperture.transmitter, aperture.receiver, leaves_s, middle_m);
             let (to, to_mps) = aperture.receiver.state(leaves_s + tau_s);
+            let (from, from_mps) = aperture.transmitter.state(leaves_s);
+            let gate = aperture.gate.as_ref();
             Sight {
-                from: aperture.transmitter.state(leaves_s).0,
+                from,
+                from_mps,
                 to,
                 to_mps,
                 middle_s: tau_s,
                 window_start_s: pulse.window_start_s,
+                aim_hz: gate.and_then(|gate| gate.aim_hz.get(place).copied()).unwrap_or(f64::NAN),
             }
         })
         .collect()
@@ -190,9 +218,20 @@ struct TileTask<'a> {
     cell_rate_hz: f64,
     ground: &'a Ground,
     sights: &'a [Sight],
+    /// Weights of the pulses, of which the cells have theirs already.
+    weights: &'a [f32],
     cells: &'a [Vec<Complex32>],
+    /// Bandwidth, Hz, and taper.
+    gate: Option<(f64, &'a Table)>,
     tile: Tile,
-    sum: &'a mut [Complex32],
+    sum: &'a mut Sum,
+}
+
+/// What a tile has taken so far.
+struct Sum {
+    value: Vec<Complex32>,
+    /// Weights of every pixel; empty without a gate.
+    weight: Vec<f32>,
 }
 
 struct Runs<'a, const RUN: usize>(TileTask<'a>);
@@ -205,13 +244,33 @@ impl<const RUN: usize> Task for Runs<'_, RUN> {
         let work = self.0;
         let [width, _] = work.tile.size;
         let half = (RUN / 2) as f64;
-        for (sight, cells) in work.sights.iter().zip(work.cells) {
-            for (j, row) in work.sum.chunks_exact_mut(width).enumerate() {
+        let Sum { value, weight } = work.sum;
+        for ((sight, cells), share) in work.sights.iter().zip(work.cells).zip(work.weights) {
+            for (j, row) in value.chunks_exact_mut(width).enumerate() {
                 let y = (work.tile.first[1] + j) as f64;
                 for (r, run) in row.chunks_mut(RUN).enumerate() {
                     let x = (work.tile.first[0] + r * RUN) as f64 + half;
-                    let delay = sight.cubic(work.ground, x, y);
-                    add::<RUN>(delay, sight.window_start_s, work.carrier_hz, work.cell_rate_hz, cells, run);
+                    let mut taken = [1f32; RUN];
+                    if let Some((bandwidth_hz, table)) = work.gate {
+                        let place = sight.place(work.ground, x, y, work.carrier_hz, bandwidth_hz);
+                        if !gated::<RUN>(place, table, &mut taken) {
+                            continue;
+                        }
+                        let at = j * width + r * RUN;
+                        for (sum, taken) in weight.iter_mut().skip(at).zip(&taken[..run.len()]) {
+                            *sum += taken * share;
+                        }
+                    }
+                    let (carrier_hz, cell_rate_hz) = (work.carrier_hz, work.cell_rate_hz);
+                    add::<RUN>(
+                        sight.cubic(work.ground, x, y),
+                        sight.window_start_s,
+                        carrier_hz,
+                        cell_rate_hz,
+                        cells,
+                        &taken,
+                        run,
+                    );
                 }
             }
         }
@@ -246,6 +305,38 @@ impl Sight {
     }
 }
 
+impl Sight {
+    /// Place in the Doppler band of a pixel, and its first and half its second derivative over the number of the pixel along x.
+    #[inline(always)]
+    fn place(&self, ground: &Ground, x: f64, y: f64, carrier_hz: f64, bandwidth_hz: f64) -> [f64; 3] {
+        let point =
+            DVec3::from(ground.first_m) + DVec3::from(ground.step_x_m) * x + DVec3::from(ground.step_y_m) * y;
+        let step = DVec3::from(ground.step_x_m);
+        let out = closing(self.from_mps, point - self.from, step);
+        let back = closing(self.to_mps, point - self.to, step);
+        let scale = carrier_hz / (C * bandwidth_hz);
+        let [value, first, half] = std::array::from_fn(|i| (out[i] + back[i]) * scale);
+        [value - self.aim_hz / bandwidth_hz, first, half]
+    }
+}
+
+/// Weights of a run in a band, from the place of its middle and its derivatives; whether there is any.
+#[inline(always)]
+fn gated<const RUN: usize>(place: [f64; 3], table: &Table, taken: &mut [f32; RUN]) -> bool {
+    let half = (RUN / 2) as f64;
+    let reach = half * (place[1].abs() + half * place[2].abs());
+    // Not a number: no aim, or no place.
+    if !(place[0].abs() - reach <= 0.5) {
+        return false;
+    }
+    let [u, first, second] = place.map(|p| p as f32);
+    for (k, taken) in taken.iter_mut().enumerate() {
+        let x = k as f32 - half as f32;
+        *taken = table.weight(u + x * (first + x * second));
+    }
+    true
+}
+
 /// Steps of `2^-32` turn of a number of turns, its whole part left out.
 #[inline(always)]
 fn steps(turns: f64) -> i32 {
@@ -260,6 +351,7 @@ fn add<const RUN: usize>(
     carrier_hz: f64,
     cell_rate_hz: f64,
     cells: &[Complex32],
+    taken: &[f32; RUN],
     run: &mut [Complex32],
 ) {
     let half = (RUN / 2) as i32;
@@ -291,8 +383,9 @@ fn add<const RUN: usize>(
         let inside = away.abs() <= FAR_CELLS as f32 && cell >= 0 && (cell <= last || end);
         at[k] = if inside { cell.min(last) } else { 0 } as u32;
         part[k] = if end { 1.0 } else { rest };
-        re[k] = if inside { cos } else { 0.0 };
-        im[k] = if inside { sin } else { 0.0 };
+        let weight = if inside { taken[k] } else { 0.0 };
+        re[k] = weight * cos;
+        im[k] = weight * sin;
     }
     for (k, sum) in run.iter_mut().enumerate() {
         let at = at[k] as usize;
@@ -369,6 +462,7 @@ mod tests {
             receiver: &path,
             pulses: times_s.iter().map(echo).collect(),
             centre_m: [0.0; 3],
+            gate: None,
         };
         let ground = Ground::map([0.0; 3], [40.0, 20.0], 1.0).unwrap();
         let image = |batch: usize| in_batches(&aperture, &[ground], &|_| (), batch).remove(0);
@@ -397,8 +491,8 @@ mod tests {
             let leaves_s = 0.05;
             let middle_s = delay_s(&transmitter, &receiver, leaves_s, ground.centre_m());
             let (to, to_mps) = receiver.state(leaves_s + middle_s);
-            let sight =
-                Sight { from: transmitter.state(leaves_s).0, to, to_mps, middle_s, window_start_s: 0.0 };
+            let (from, from_mps) = transmitter.state(leaves_s);
+            let sight = Sight { from, from_mps, to, to_mps, middle_s, window_start_s: 0.0, aim_hz: 0.0 };
             let run = run_pixels(10e9, &ground, &[sight]);
             let mut worst = 0.0f64;
             for (i, j) in [(0, 0), (199, 0), (17, 149), (198, 149), (100, 75)] {

@@ -14,19 +14,25 @@
 //! * [`reference`](reference()): f64, written from the equation; every delay iterated, every echo evaluated exactly from its spectrum. Slow.
 //! * [`fast`](fast()): f32 samples, both cores. What it leaves out, and how it is bounded, stands there.
 //!
+//! With a [`Gate`] each pixel takes the pulses in whose Doppler band it lies, and is divided by the weights of these.
+//!
 //! No amplitude is corrected for gain or range; the height is one plane (or the points given). Points that a window does not cover get nothing
 //! from its pulse. Only one polarisation may leave with a pulse that is used: the caller chooses the pulses.
 
 mod fast;
+mod gate;
 mod reference;
 
+use glam::DVec3;
 use num_complex::Complex32;
 
 use super::ground::Ground;
 use super::phase_path::{PhasePath, delay_rate, delay_s};
 use super::range_compress::Compressor;
+use crate::units::SPEED_OF_LIGHT_MPS;
 
 pub use fast::fast;
+pub use gate::Gate;
 pub use reference::reference;
 
 /// One pulse of one channel.
@@ -56,6 +62,8 @@ pub struct Aperture<'a> {
     pub pulses: Vec<PulseEcho<'a>>,
     /// The point whose Doppler is taken out before compression, m.
     pub centre_m: [f64; 3],
+    /// Pulses that a pixel takes; none: all.
+    pub gate: Option<Gate>,
 }
 
 impl Aperture<'_> {
@@ -69,11 +77,34 @@ impl Aperture<'_> {
         delay_s(self.transmitter, self.receiver, self.middle_s(pulse), point_m)
     }
 
-    /// Doppler of the centre in a pulse, Hz.
-    fn doppler_hz(&self, pulse: &PulseEcho) -> f64 {
-        -self.carrier_hz * delay_rate(self.transmitter, self.receiver, self.middle_s(pulse), self.centre_m)
+    /// Doppler of a point at rest in a pulse, Hz.
+    pub fn doppler_hz(&self, pulse: &PulseEcho, point_m: [f64; 3]) -> f64 {
+        -self.carrier_hz * delay_rate(self.transmitter, self.receiver, self.middle_s(pulse), point_m)
     }
 
+    /// Doppler of what both antennas look at in a pulse, Hz: `f0 (v_T . b_T + v_R . b_R)/c`, `b` their boresights (unit vectors, ENU).
+    pub fn aim_hz(&self, pulse: &PulseEcho, boresights: [[f64; 3]; 2]) -> f64 {
+        let [out, back] = boresights.map(DVec3::from);
+        let leaves_s = self.middle_s(pulse);
+        let tau_s = self.delay_s(pulse, self.centre_m);
+        let closing_mps =
+            self.transmitter.state(leaves_s).1.dot(out) + self.receiver.state(leaves_s + tau_s).1.dot(back);
+        self.carrier_hz * closing_mps / SPEED_OF_LIGHT_MPS
+    }
+
+    /// Whether a point takes a pulse (by its place in the list).
+    pub fn takes(&self, place: usize, point_m: [f64; 3]) -> bool {
+        let (Some(gate), Some(pulse)) = (&self.gate, self.pulses.get(place)) else { return true };
+        gate.place(place, self.doppler_hz(pulse, point_m)).abs() <= 0.5
+    }
+
+    /// Weight of a pulse (by its place in the list) at a point.
+    pub fn weight(&self, place: usize, pulse: &PulseEcho, point_m: [f64; 3]) -> f64 {
+        let gate = self.gate.as_ref();
+        pulse.weight * gate.map_or(1.0, |gate| gate.weight(place, self.doppler_hz(pulse, point_m)))
+    }
+
+    /// Sum of all weights, for points that take every pulse.
     fn weights(&self) -> f64 {
         let sum: f64 = self.pulses.iter().map(|pulse| pulse.weight).sum();
         if sum == 0.0 { 1.0 } else { sum }

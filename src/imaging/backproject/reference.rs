@@ -14,22 +14,27 @@ pub fn reference(aperture: &Aperture, ground: &Ground) -> Vec<Complex64> {
     let spectra: Vec<Vec<Complex64>> = aperture
         .pulses
         .par_iter()
-        .map(|pulse| compressor.spectrum(pulse.samples, aperture.doppler_hz(pulse)))
+        .map(|pulse| compressor.spectrum(pulse.samples, aperture.doppler_hz(pulse, aperture.centre_m)))
         .collect();
     let all: Vec<[f64; 3]> = points(ground).collect();
     let last = (compressor.samples() - 1) as f64;
     all.par_iter()
         .map(|point| {
-            let mut sum = Complex64::ZERO;
-            for (pulse, spectrum) in aperture.pulses.iter().zip(&spectra) {
+            let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
+            for (place, (pulse, spectrum)) in aperture.pulses.iter().zip(&spectra).enumerate() {
+                let weight = aperture.weight(place, pulse, *point);
+                weights += weight;
+                if weight == 0.0 {
+                    continue;
+                }
                 let tau_s = aperture.delay_s(pulse, *point);
                 let lag = (tau_s - pulse.window_start_s) * compressor.sample_rate_hz();
                 if (0.0..=last).contains(&lag) {
                     let turns = (aperture.carrier_hz * tau_s).fract();
-                    sum += exact(spectrum, lag) * Complex64::cis(TAU * turns) * pulse.weight;
+                    sum += exact(spectrum, lag) * Complex64::cis(TAU * turns) * weight;
                 }
             }
-            sum / aperture.weights()
+            if weights == 0.0 { Complex64::ZERO } else { sum / weights }
         })
         .collect()
 }

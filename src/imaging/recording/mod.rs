@@ -3,8 +3,8 @@
 //! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before the first and after the
 //! last pulse of a part. Samples are read in blocks of rows, and only the channels asked for are kept: 8 bytes a sample.
 //!
-//! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one. No reported one is recorded: it is
-//! `p + C l`, `p` and `C` position and attitude that the platform reports, `l` the lever arm (body axes) that the caller knows.
+//! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one, `reported_phase_centre_m` what the platform's reports make of it with the
+//! lever arm as designed.
 //!
 //! ```no_run
 //! use nereus::imaging::recording::Recording;
@@ -341,19 +341,20 @@ impl Recording {
         self.phase_path(self.points(&format!("nav/{antenna}/phase_centre_m"))?)
     }
 
-    /// Path of the phase centre that a platform's reports tell of a lever arm (forward, starboard, down, m).
-    pub fn reported_path(&self, platform: &str, lever_arm_m: [f64; 3]) -> Result<PhasePath, RecordingError> {
-        let positions = self.points(&format!("nav/{platform}/reported/position_m"))?;
-        let (_, attitudes) = self.column(&format!("nav/{platform}/reported/attitude_quat"))?;
-        let lever = DVec3::from(lever_arm_m);
-        let centre = |(position, q): (&[f64; 3], &[f64])| {
-            let attitude = match q {
-                [w, x, y, z] => DQuat::from_xyzw(*x, *y, *z, *w).normalize(),
-                _ => DQuat::IDENTITY,
-            };
-            (DVec3::from(*position) + attitude * lever).to_array()
+    /// Path of an antenna's phase centre as its platform reports it.
+    pub fn reported_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
+        self.phase_path(self.points(&format!("nav/{antenna}/reported_phase_centre_m"))?)
+    }
+
+    /// Where an antenna truly looks in each pulse in use: unit vectors, ENU.
+    pub fn boresights(&self, antenna: &str) -> Result<Vec<[f64; 3]>, RecordingError> {
+        let (_, axes) = self.column(&format!("nav/{antenna}/boresight_quat"))?;
+        let ahead = |q: &[f64; 4]| {
+            let [w, x, y, z] = *q;
+            (DQuat::from_xyzw(x, y, z, w).normalize() * DVec3::X).to_array()
         };
-        self.phase_path(positions.iter().zip(attitudes.chunks_exact(4)).map(centre).collect())
+        let all: Vec<[f64; 3]> = axes.as_chunks::<4>().0.iter().map(ahead).collect();
+        Ok(all.get(self.rows.clone()).map(<[_]>::to_vec).unwrap_or_default())
     }
 
     /// Position and velocity that a platform reports at a pulse in use, ENU, m and m/s.

@@ -139,7 +139,7 @@ fn header(meta: &Value) -> Option<Header> {
             samples: usize::try_from(iq["shape"][1].as_u64()?).ok()?,
             format,
             platforms: platforms.len(),
-            phase_centres: transmitters.len() + receivers.len(),
+            antennas: transmitters.len() + receivers.len(),
             targets: targets.len(),
             pairs: pairs.len(),
             ships: ships.len(),

@@ -80,7 +80,7 @@
 //! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
 //! let illumination = Illumination::new(&scene, 0.333e-6, tracks)?;
 //! let layout = Layout {
-//!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, phase_centres: 2, targets: 1, pairs: 1,
+//!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, antennas: 2, targets: 1, pairs: 1,
 //!     ships: 0, clocks: 0,
 //! };
 //! let (mut workspace, mut contacts) = (illumination.workspace(), Contacts::new(1, 1, 1));
@@ -93,37 +93,36 @@
 
 mod facets;
 mod nodes;
+mod record;
 mod sea;
 mod seams;
 pub mod snapshot;
+mod survey;
 pub mod tiles;
 mod visibility;
 mod window;
 
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 
 use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::frames::{SceneFrame, Vector};
 use crate::geometry::bistatic::Basis;
-use crate::geometry::light_time::{LightTime, Path, bistatic};
+use crate::geometry::light_time::Path;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::motion::track::State;
 use crate::pulse::costs::{Costs, Stage};
-use crate::pulse::{PlatformRecord, Pulse, flags};
+use crate::pulse::{Pulse, flags};
 use crate::radar::antenna::{Antenna, field};
 use crate::radar::clock::RunningClocks;
 use crate::radar::emission::{Circumstances, Emission, TrackFailure};
-use crate::radar::fault::{RadarError, RadarFault, TrackUse, check_numbers, check_references, mounts};
+use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
 use crate::scattering::contact::Contacts;
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair, Pointing, Polarisation};
-use crate::scene::sea::PatchPlace;
-use crate::scene::{Patch, Radar, Scene, Sea, Target};
+use crate::scene::radar::{Aim, Pair, Polarisation};
+use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
@@ -454,82 +453,6 @@ impl Illumination {
         RadarError::Track { index, platform: self.platforms[platform].clone(), which, source }
     }
 
-    fn fill_record(&self, index: u64, own: &Emission, record: &mut Pulse) -> Result<(), RadarError> {
-        let t = self.radar.emissions.emission(self.start, index);
-        record.index = index;
-        record.time = t;
-        record.flags = 0;
-        record.tx_pol = self.radar.tx_polarisation.of_pulse(index).map_or(0, Polarisation::code);
-        record.nav_arrived = None;
-        for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
-            *slot = navigation(state);
-            if let Some(live) = tracks.truth.as_live() {
-                let told = live.told(t);
-                (slot.age_s, slot.flags) = (told.age_s, told.flags);
-                record.flags |= told.flags;
-                let earlier = |before: Instant| told.arrived.map_or(before, |arrived| arrived.min(before));
-                record.nav_arrived = record.nav_arrived.map_or(told.arrived, |before| Some(earlier(before)));
-            }
-        }
-        for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {
-            let which = TrackUse::Reported;
-            let report = self.tracks[platform].reported.report(t);
-            let report =
-                report.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
-            *slot = PlatformRecord { age_s: report.age_s, flags: report.flags, ..navigation(&report.state) };
-            record.flags |= report.flags;
-        }
-        for (slot, centre) in record.phase_centre_m.iter_mut().zip(&own.centres) {
-            *slot = centre.position.to_array();
-        }
-        let (pairs, targets) = (self.pairs.len(), self.targets.len());
-        for pair in 0..pairs {
-            let delays = record.target_delay_s.iter_mut().skip(pair * targets);
-            let dopplers = record.target_doppler_hz.iter_mut().skip(pair * targets);
-            for (target, (delay_s, doppler_hz)) in delays.zip(dopplers).take(targets).enumerate() {
-                let path = &own.paths[target * pairs + pair];
-                *delay_s = path.delay_s;
-                *doppler_hz = path.doppler_hz(self.radar.carrier_hz);
-            }
-        }
-        if let Some(clocks) = &self.clocks {
-            for (clock, x_s) in record.clock_x_s.iter_mut().enumerate() {
-                *x_s = clocks.reading(clock, index)[0];
-            }
-        }
-        record.window_start_s = self.window_start_s(index, t)?;
-        Ok(())
-    }
-
-    /// Start of the window after the emission at `t`, s: earlier than nominal by what the clocks are wrong.
-    fn window_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
-        let nominal_s = self.nominal_start_s(index, t)?;
-        let Some(clocks) = &self.clocks else { return Ok(nominal_s) };
-        Ok(nominal_s - clocks.window_shift_s(index, nominal_s))
-    }
-
-    /// The same by the clocks of the radar: what is recorded.
-    fn nominal_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
-        let (aim, lead_s, aim_from) = match &self.radar.window.gate {
-            Gate::Fixed { start_s } => return Ok(*start_s),
-            Gate::Follow { aim, lead_s, aim_from } => (aim, *lead_s, *aim_from),
-        };
-        let Some(pair) = self.pairs.first() else { return Ok(-lead_s) };
-        let failed = |platform| {
-            move |source| self.track_error(index, TrackFailure { platform, which: aim_from.into(), source })
-        };
-        let end = |mount: &AntennaMount| {
-            let state =
-                self.tracks[mount.platform].known(aim_from).state(t).map_err(failed(mount.platform))?;
-            Ok(PhaseCentre::of(&state, mount.lever_arm))
-        };
-        let tx = end(&self.radar.transmitters[pair.transmitter].antenna)?;
-        let rx = end(&self.radar.receivers[pair.receiver].antenna)?;
-        let beside = beside(aim).unwrap_or(0);
-        let (position, velocity) = self.surroundings().aim_point(aim, aim_from, t).map_err(failed(beside))?;
-        Ok(bistatic(LightTime::Exact, &tx, position, velocity, &rx).delay_s - lead_s)
-    }
-
     /// The emissions that may be heard in the window of pulse `index`.
     fn audible(&self, index: u64, own: &Emission, window: &Window) -> Result<Range<u64>, RadarError> {
         let Some((least_s, most_s)) = self.delay_span_s(index, own, *window)? else {
@@ -671,111 +594,6 @@ impl Illumination {
             };
             amplitude[channel] = gains * heard;
         }
-    }
-
-    /// The longest delay at a few dozen instants spread over the run, s.
-    fn longest_delay_s(&self) -> Result<f64, RadarError> {
-        let mut emission = Emission::default();
-        let mut longest_s = 0f64;
-        if self.pulses == 0 {
-            return Ok(0.0);
-        }
-        for index in self.soundings() {
-            self.evaluate(index, &mut emission)?;
-            let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
-            let span = self.delay_span_s(index, &emission, window)?;
-            longest_s = longest_s.max(span.map_or(0.0, |(_, most)| most));
-        }
-        Ok(longest_s)
-    }
-
-    /// Where the patch lies at a few dozen instants spread over the run, with their times after pulse 0, s.
-    fn patches(&self, sea: &Sea) -> Result<Vec<(f64, Patch)>, RadarError> {
-        self.soundings()
-            .map(|index| {
-                let t = self.radar.emissions.emission(self.start, index);
-                let patch = sea::patch_at(&sea.patch, &sea.place, &self.surroundings(), t);
-                let elapsed_s = self.radar.emissions.interval_s(0, index);
-                Ok((elapsed_s, patch.map_err(|failure| self.track_error(index, failure))?))
-            })
-            .collect()
-    }
-
-    /// A few dozen pulses spread over the run, the first and the last among them.
-    fn soundings(&self) -> impl Iterator<Item = u64> + use<> {
-        let last = self.pulses.saturating_sub(1);
-        let count = SOUNDINGS.min(last);
-        (0..=count)
-            .map(move |sounding| (u128::from(last) * u128::from(sounding) / u128::from(count.max(1))) as u64)
-    }
-
-    /// A bound on how fast the patch moves, m/s: 0 where it stays; of a point beside a platform, twice the greatest speed of that
-    /// platform at a few dozen instants spread over the run (in a turn the point is faster than the platform).
-    fn patch_speed_mps(&self, sea: &Sea) -> Result<f64, RadarError> {
-        let platform = match &sea.place {
-            PatchPlace::Fixed => return Ok(0.0),
-            PatchPlace::Follow { aim: Aim::Point { velocity, .. }, .. } => return Ok(velocity.norm()),
-            PatchPlace::Follow { aim: Aim::Beside { platform, .. }, .. } => *platform,
-        };
-        let mut emission = Emission::default();
-        let mut fastest_mps = 0f64;
-        for index in self.soundings() {
-            self.evaluate(index, &mut emission)?;
-            fastest_mps = fastest_mps.max(emission.states[platform].velocity.norm());
-        }
-        Ok(2.0 * fastest_mps)
-    }
-
-    /// Whether all tracks reach from the first emission, less what servos look back, to the last plus
-    /// `after_s`.
-    fn check_cover(&self, after_s: f64, faults: &mut Vec<RadarFault>) {
-        if self.pulses == 0 {
-            return;
-        }
-        let first = self.start;
-        let last = self.radar.emissions.emission(first, self.pulses - 1);
-        for (platform, tracks) in self.tracks.iter().enumerate() {
-            for (which, track) in [(TrackUse::Truth, &tracks.truth), (TrackUse::Reported, &tracks.reported)] {
-                let (from, to) = (first.plus(-self.looks_back_s(platform, which)), last.plus(after_s));
-                if let Err(source) = track.covers(from, to) {
-                    let platform = self.platforms[platform].clone();
-                    faults.push(RadarFault::Track { platform, which, from, to, source });
-                }
-            }
-        }
-    }
-
-    /// Whether an antenna is aimed by a report that jumps: gains then jump as well, at any pulse.
-    pub fn aim_jumps(&self) -> bool {
-        mounts(&self.radar).any(|(_, mount)| match &mount.pointing {
-            Pointing::At { aim, aim_from: AimFrom::Reported, .. } => {
-                let known = [Some(mount.platform), beside(aim)];
-                known.into_iter().flatten().any(|platform| self.tracks[platform].reported.jumps())
-            }
-            _ => false,
-        })
-    }
-
-    /// The longest servo lag with which a track is asked, s.
-    fn looks_back_s(&self, platform: usize, which: TrackUse) -> f64 {
-        mounts(&self.radar)
-            .filter_map(|(_, mount)| match &mount.pointing {
-                Pointing::At { aim, aim_from, lag_s, .. } => {
-                    let asked = mount.platform == platform || beside(aim) == Some(platform);
-                    (asked && TrackUse::from(*aim_from) == which).then_some(*lag_s)
-                }
-                Pointing::Fixed { .. } => None,
-            })
-            .fold(0.0, f64::max)
-    }
-}
-
-fn navigation(state: &State) -> PlatformRecord {
-    PlatformRecord {
-        position_m: state.position.to_array(),
-        velocity_mps: state.velocity.to_array(),
-        attitude_quat: state.attitude.to_wxyz(),
-        ..PlatformRecord::default()
     }
 }
 

@@ -219,7 +219,7 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
             samples,
             format,
             platforms: platforms.len(),
-            phase_centres: transmitters.len() + receivers.len(),
+            antennas: transmitters.len() + receivers.len(),
             targets: targets.len(),
             pairs: pairs.len(),
             ships: ships.len(),

@@ -33,7 +33,7 @@
 //! use nereus::time::TimeTag;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let layout = Layout { channels: 1, samples: 384, format: SampleFormat::Cf32, platforms: 1,
-//!     phase_centres: 0, targets: 0, pairs: 0, ships: 0, clocks: 0 };
+//!     antennas: 0, targets: 0, pairs: 0, ships: 0, clocks: 0 };
 //! let channel = ChannelRow { name: "HH".into(), transmitter: "tx".into(), receiver: "rx".into(), polarisations: "HH".into() };
 //! let header = Header { software: "example".into(), carrier_hz: 10e9, sample_rate_hz: 100e6, bandwidth_hz: 60e6,
 //!     pulse_s: 1e-6, prf_hz: 222.0, channels: vec![channel], pairs: vec![], origin: None, seed: 1, config: String::new(),
