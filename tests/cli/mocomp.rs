@@ -104,7 +104,7 @@ fn what_is_wrong_is_told() {
     // One pulse has no cross-range: told, not refused.
     let one = ["focus", "s.plain", "--pulses", "290..291"];
     let ended = nereus(folder.path(), &[&one[..], &BOTH[..]].concat());
-    assert!(ended.code == 0 && ended.stdout.contains("not found"), "{}{}", ended.stdout, ended.stderr);
+    assert!(ended.code == 0 && ended.stdout.contains("no cross-range"), "{}{}", ended.stdout, ended.stderr);
 }
 
 #[test]
