@@ -120,7 +120,11 @@ pub struct MeasuredCut {
 
 /// Measures a cut of power; none where there is no main lobe with both its sides in it.
 pub fn measure_cut(power: &[f64]) -> Option<MeasuredCut> {
-    let top = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    measure_lobe(power, (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?)
+}
+
+/// The same with the lobe about a point of the cut as the main one, the highest or not.
+pub(super) fn measure_lobe(power: &[f64], top: usize) -> Option<MeasuredCut> {
     if top == 0 || top + 1 >= power.len() || power[top] <= 0.0 || !power[top].is_finite() {
         return None;
     }

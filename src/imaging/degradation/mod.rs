@@ -54,7 +54,7 @@ use num_complex::Complex64;
 
 use super::ground::Ground;
 use super::phase_path::{PhasePath, delay_gradient, delay_s};
-use super::point_target::{Support, brightest, locate, measure_cut};
+use super::point_target::{Support, brightest, locate, measure_lobe};
 use super::taper::Taper;
 
 /// Points of the search to either side, and in a cell.
@@ -147,8 +147,8 @@ pub fn respond(
     let mut highest = 0.0f64;
     let mut shapes = Vec::with_capacity(2);
     for (i, power) in power.into_iter().enumerate() {
-        let measured = measure_cut(&power)?;
         let (top, height) = summit(&power)?;
+        let measured = measure_lobe(&power, top.round() as usize)?;
         highest = highest.max(height);
         place_m = std::array::from_fn(|k| place_m[k] + (measured.peak - middle) * lines[i].step_x_m[k]);
         let cell_m = support.cuts()[i].1;
@@ -159,10 +159,13 @@ pub fn respond(
     Some(Response { place_m, amplitude: highest.sqrt(), cuts })
 }
 
-/// The highest point of a cut and its height, by a parabola; none at an end or of nothing.
+/// The highest point of a cut within a cell of its middle and its height, by a parabola; none at an end of that or of nothing. What lies further
+/// off, a neighbour or an echo that is higher than the main lobe, is another's.
 fn summit(power: &[f64]) -> Option<(f64, f64)> {
-    let top = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
-    if top == 0 || top + 1 >= power.len() || !(power[top] > 0.0 && power[top].is_finite()) {
+    let (middle, cell) = (power.len() / 2, CUT[1]);
+    let near = middle.saturating_sub(cell)..(middle + cell + 1).min(power.len());
+    let top = near.clone().max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    if top == near.start || top + 1 == near.end || !(power[top] > 0.0 && power[top].is_finite()) {
         return None;
     }
     Some(refined(power, top))
