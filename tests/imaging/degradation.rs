@@ -68,7 +68,9 @@ fn no_error_is_exactly_nothing() {
     let found = predicted(|_| [0.0; 3], Taper::Uniform);
     assert_eq!((found.loss_db, found.shift_cells, found.width_ratio), (0.0, [0.0; 2], [1.0; 2]));
     assert_eq!(found.terms, PhaseTerms::default());
-    assert_eq!((found.phase_rad, found.fitted_m), (0.0, [0.0; 3]));
+    assert_eq!(found.fitted_m, [0.0; 3]);
+    // The phase is that of the place found, which rounding moves by 1e-14 cells.
+    assert!(found.phase_rad.abs() < 1e-12, "{}", found.phase_rad);
     // And the point is that of theory: a sinc of both bands.
     for (cut, lobe) in found.response.cuts.iter().zip([-13.26, -13.26]) {
         assert!((cut.width_m / cut.cell_m - 0.8859).abs() < 2e-4, "{}", cut.width_m / cut.cell_m);
@@ -83,7 +85,7 @@ fn no_error_is_exactly_nothing() {
 #[test]
 fn a_sinusoid_raises_paired_echoes() {
     // From 1.43 rad on the first pair is higher than the main lobe.
-    for beta in [0.2, 0.4446, 1.0, 1.8] {
+    for beta in [0.2, 0.4446, 1.0, 1.3] {
         for phase in [0.0f64, 1.0] {
             // Nine cells away. Hann's side lobes are zero at whole cells, so that the main lobe leaves the level of the echoes alone.
             let law = paired_echoes(beta, 4.5, APERTURE_S);
@@ -93,8 +95,9 @@ fn a_sinusoid_raises_paired_echoes() {
             println!("beta {beta}: {law:?}; loss {:.4} dB, {:?}", found.loss_db, cut.lobes);
             // 1e-3 of an amplitude is 0.009 dB; pairs behind the first one add their skirts to it.
             assert!((found.loss_db + law.main_db).abs() < 2e-3, "{} {}", found.loss_db, law.main_db);
-            // The main lobe's skirt passes through zero there, with a slope of J0/(n (n^2 - 1)) against a top that bends by 1.13 J1: that moves the top.
-            let moved = bessel_ratio(beta) / (9.0 * 80.0) / 1.13;
+            // Skirts of the main lobe and of the second pair pass through zero there, with slopes of J0 and J2 over n (n^2 - 1), against a top that
+            // bends by 1.13 J1: that moves the top.
+            let moved = (bessel(0, beta) + bessel(2, beta)) / bessel(1, beta) / (9.0 * 80.0) / 1.13;
             for lobe in cut.lobes.iter().flatten() {
                 assert!((lobe.level_db - law.level_db).abs() < 0.02, "{lobe:?} {law:?}");
                 assert!(
@@ -107,18 +110,15 @@ fn a_sinusoid_raises_paired_echoes() {
     }
 }
 
-/// `J0(x)/J1(x)` by their power series.
-fn bessel_ratio(x: f64) -> f64 {
-    let series = |order: i32| {
-        let mut term = if order == 0 { 1.0 } else { 0.5 * x };
-        let mut sum = 0.0;
-        for k in 1..30 {
-            sum += term;
-            term *= -0.25 * x * x / f64::from(k * (k + order));
-        }
-        sum
-    };
-    series(0) / series(1)
+/// Bessel function of a small argument by its power series.
+fn bessel(order: i32, x: f64) -> f64 {
+    let mut term: f64 = (1..=order).map(|k| 0.5 * x / f64::from(k)).product();
+    let mut sum = 0.0;
+    for k in 1..30 {
+        sum += term;
+        term *= -0.25 * x * x / f64::from(k * (k + order));
+    }
+    sum
 }
 
 #[test]
