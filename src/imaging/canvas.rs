@@ -87,6 +87,28 @@ impl Canvas {
         Self { width, height, rgb: colour.repeat(width * height) }
     }
 
+    /// Canvases side by side, `columns` to a row, each in a box as large as the largest; what is left is filled. At most [`MAX_SIDE`] to a side.
+    pub fn tiled(canvases: &[Self], columns: usize, colour: Colour) -> Self {
+        let columns = columns.clamp(1, canvases.len().max(1));
+        let most = |side: fn(&Self) -> usize| canvases.iter().map(side).max().unwrap_or(1);
+        let [width, height] = [most(Self::width), most(Self::height)];
+        let rows = canvases.len().div_ceil(columns);
+        let mut whole = Self::new(columns * width, rows * height, colour);
+        for (place, canvas) in canvases.iter().enumerate() {
+            let [left, top] = [(place % columns) * width, (place / columns) * height];
+            if left + canvas.width > whole.width {
+                continue;
+            }
+            for (y, row) in canvas.rgb.chunks_exact(3 * canvas.width).enumerate() {
+                let at = 3 * ((top + y) * whole.width + left);
+                if let Some(target) = whole.rgb.get_mut(at..at + row.len()) {
+                    target.copy_from_slice(row);
+                }
+            }
+        }
+        whole
+    }
+
     /// Pixels across.
     pub fn width(&self) -> usize {
         self.width
@@ -288,6 +310,21 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tiles_lie_side_by_side() {
+        let (red, blue) = ([255, 0, 0], [0, 0, 255]);
+        let canvases = [Canvas::new(3, 2, red), Canvas::new(2, 4, blue), Canvas::new(3, 4, red)];
+        let whole = Canvas::tiled(&canvases, 2, [9, 9, 9]);
+        assert_eq!((whole.width(), whole.height()), (6, 8));
+        let at = |x, y| whole.pixel(x, y).unwrap();
+        assert_eq!((at(2, 1), at(2, 2), at(3, 3), at(5, 0)), (red, [9; 3], blue, [9; 3]));
+        assert_eq!((at(0, 4), at(2, 7), at(3, 4)), (red, red, [9; 3]));
+        assert_eq!(Canvas::tiled(&[], 2, red), Canvas::new(1, 1, red));
+        // More than a canvas may have: what does not fit is left out.
+        let wide = Canvas::tiled(&vec![Canvas::new(MAX_SIDE / 2 + 1, 1, red); 3], 3, blue);
+        assert_eq!((wide.width(), wide.pixel(0, 0)), (MAX_SIDE, Some(red)));
+    }
     use crate::imaging::colours::{INK, WHITE};
 
     const BLACK: Colour = [0; 3];

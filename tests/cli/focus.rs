@@ -97,6 +97,10 @@ fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
         let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
         assert_eq!(report["channels"][0]["doppler_hz"].as_f64(), found, "{more:?}");
     }
+    let panels = ["focus", "r.plain", "--size-m", "32", "--panels", "--out", "p.png"];
+    assert_eq!(nereus(folder.path(), &panels).code, 0);
+    assert!(fs::read(folder.path().join("p.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(!folder.path().join("p_HH.png").exists());
     let again = ["focus", "r.plain", "--size-m", "128", "--out", "a.png"];
     let ended = nereus(folder.path(), &again);
     assert!(ended.code == 2 && ended.stderr.contains("--force"), "{}", ended.stderr);

@@ -13,7 +13,7 @@ use super::aim::Aim;
 use super::forecast::{Law, laws};
 use super::{
     CliError, FocusArgs, FocusError, FocusNav, FocusTaper, Focused, Header, Scenario, aperture, channels,
-    compressor, expected, ground, one, outputs, paths, picture, pictures, table, values,
+    compressor, expected, ground, one, outputs, paths, pictures, table, values,
 };
 use crate::cli::sea::{SeaError, save_canvas};
 use crate::imaging::backproject::{Aperture, fast};
@@ -177,14 +177,11 @@ pub(super) fn compare(
         images.extend([right, wrong]);
     }
     let mut made = Vec::new();
-    for (place, (output, focused)) in outputs.pictures.into_iter().zip(&images).enumerate() {
-        made.push(output.path().to_owned());
-        let nav = [FocusNav::True, FocusNav::Reported][place % 2];
-        picture(&FocusArgs { nav, ..args.clone() }, recording, &ground, focused, output)?;
-    }
+    let nav = |place: usize| [FocusNav::True, FocusNav::Reported][place % 2];
+    super::draw(args, recording, &ground, &images, outputs.pictures, nav, &mut made)?;
     for (output, channel) in cuts.into_iter().zip(&told) {
         made.push(output.path().to_owned());
-        draw(channel, output)?;
+        draw_cuts(channel, output)?;
     }
     if let Some(output) = outputs.values {
         made.push(output.path().to_owned());
@@ -456,7 +453,7 @@ fn pixels(
 }
 
 /// The cut in cross-range of the first point that has one.
-fn draw(channel: &Channel, output: Output) -> Result<(), CliError> {
+fn draw_cuts(channel: &Channel, output: Output) -> Result<(), CliError> {
     let shown = channel.targets.iter().find(|target| target.curves.iter().all(|curve| !curve.is_empty()));
     let none = [Vec::new(), Vec::new(), Vec::new()];
     let [right, measured, predicted] = shown.map_or(&none, |target| &target.curves);

@@ -21,6 +21,7 @@ use super::progress;
 use super::say;
 use super::sea::{SeaError, save_canvas};
 use crate::imaging::backproject::{Aperture, PulseEcho, fast};
+use crate::imaging::canvas::Canvas;
 use crate::imaging::ground::{Ground, GroundError};
 use crate::imaging::image_file::{ImageFile, ImageFileError};
 use crate::imaging::map_file::Attribute;
@@ -137,6 +138,9 @@ pub struct FocusArgs {
     /// Picture in decibels over such a span below the brightest pixel (instead of amplitudes)
     #[arg(long, value_name = "DB")]
     pub dynamic_db: Option<f64>,
+    /// All channels in one picture, side by side
+    #[arg(long)]
+    pub panels: bool,
     /// With --nav both: a recording of the same scenario without what is wrong, whose image by true navigation is the measure [default: this one]
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
@@ -301,16 +305,41 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     }
     let seconds = begun.elapsed().as_secs_f64();
     let mut made = Vec::new();
-    for (output, focused) in outputs.pictures.into_iter().zip(&focused) {
-        made.push(output.path().to_owned());
-        picture(args, &recording, &ground, focused, output)?;
-    }
+    draw(args, &recording, &ground, &focused, outputs.pictures, |_| args.nav, &mut made)?;
     if let Some(output) = outputs.values {
         made.push(output.path().to_owned());
         values(args, &recording, &ground, &names, &focused, output)?;
     }
     let report = report::report(args, &recording, &ground, &focused, seconds, made);
     report::print(args, &report, out)
+}
+
+/// Draws images into their files, or all into one; `nav` tells by which navigation each was made.
+fn draw(
+    args: &FocusArgs,
+    recording: &Recording,
+    ground: &Ground,
+    focused: &[Focused],
+    outputs: Vec<Output>,
+    nav: impl Fn(usize) -> FocusNav,
+    made: &mut Vec<PathBuf>,
+) -> Result<(), CliError> {
+    let drawn = |(place, focused)| {
+        picture(&FocusArgs { nav: nav(place), ..args.clone() }, recording, ground, focused)
+    };
+    if args.panels {
+        for output in outputs {
+            let canvases: Vec<Canvas> = focused.iter().enumerate().map(drawn).collect::<Result<_, _>>()?;
+            made.push(output.path().to_owned());
+            save_canvas(output, &Canvas::tiled(&canvases, canvases.len().isqrt(), [255; 3]))?;
+        }
+        return Ok(());
+    }
+    for (output, focused) in outputs.into_iter().zip(focused.iter().enumerate()) {
+        made.push(output.path().to_owned());
+        save_canvas(output, &drawn(focused)?)?;
+    }
+    Ok(())
 }
 
 fn check(args: &FocusArgs) -> Result<(), FocusError> {
@@ -366,7 +395,8 @@ fn outputs(args: &FocusArgs, names: &[String]) -> Result<Outputs, FocusError> {
     for path in &args.out {
         match path.extension().and_then(|e| e.to_str()) {
             Some("png") if made.pictures.is_empty() => {
-                for path in pictures(path, names) {
+                let all = if args.panels { vec![path.clone()] } else { pictures(path, names) };
+                for path in all {
                     made.pictures.push(Output::plan(&path, FileKind::Png, args.force)?);
                 }
             }
@@ -551,8 +581,7 @@ fn picture(
     recording: &Recording,
     ground: &Ground,
     focused: &Focused,
-    output: Output,
-) -> Result<(), CliError> {
+) -> Result<Canvas, CliError> {
     let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
     let (power, cells) = multilook(&power, ground.pixels, args.looks);
     let (values, quantity, limits) = match args.dynamic_db {
@@ -579,7 +608,7 @@ fn picture(
         [low, low + cells[axis] as f64 * step]
     };
     let ([left, right], [lower, upper]) = (edge(0), edge(1));
-    let canvas = Picture {
+    let picture = Picture {
         title: &title,
         x: Axis { label: "East, m", from: left, to: right },
         y: Axis { label: "North, m", from: lower, to: upper },
@@ -587,12 +616,10 @@ fn picture(
         limits,
         reduction: if args.dynamic_db.is_some() { Reduction::MeanPower } else { Reduction::Mean },
         scale_bar: Some("m"),
-        size_px: 768,
+        size_px: if args.panels { 512 } else { 768 },
         ..Picture::new(&values, cells).map_err(SeaError::from)?
-    }
-    .draw()
-    .map_err(SeaError::from)?;
-    Ok(save_canvas(output, &canvas)?)
+    };
+    Ok(picture.draw().map_err(SeaError::from)?)
 }
 
 fn values(
