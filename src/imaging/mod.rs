@@ -9,6 +9,7 @@
 //! | [`ground`] | the points of an image |
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
+//! | [`degradation`] | what wrong navigation makes of a point: predicted from the paths, closed forms |
 //! | [`multilook`] | means of power, percentiles |
 //! | [`statistics`] | K law, its shape from samples and by Ward and Watts |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
@@ -44,6 +45,7 @@ pub mod range_compress;
 pub mod ground;
 pub mod backproject;
 pub mod point_target;
+pub mod degradation;
 pub mod multilook;
 pub mod statistics;
 pub mod canvas;

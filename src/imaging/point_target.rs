@@ -66,12 +66,23 @@ impl Support {
         let (first, last) = (pulses.first()?, pulses.last()?);
         let gradient = |emission_s: f64| {
             let middle_s = emission_s + aperture.compressor.middle_s();
-            let [x, y, _] = delay_gradient(aperture.transmitter, aperture.receiver, middle_s, point_m);
-            DVec2::new(x, y)
+            delay_gradient(aperture.transmitter, aperture.receiver, middle_s, point_m)
         };
-        let share = pulses.len() as f64 / (pulses.len() as f64 - 1.0).max(1.0);
-        let across = (gradient(last.emission_s) - gradient(first.emission_s)) * (aperture.carrier_hz * share);
-        let along = gradient(pulses[pulses.len() / 2].emission_s) * aperture.compressor.bandwidth_hz();
+        let gradients = [first, &pulses[pulses.len() / 2], last].map(|pulse| gradient(pulse.emission_s));
+        Self::spanned(gradients, pulses.len(), aperture.carrier_hz, aperture.compressor.bandwidth_hz())
+    }
+
+    /// Of the gradients of the delay (s/m) in the first, the middle and the last of so many pulses.
+    pub(super) fn spanned(
+        gradients: [[f64; 3]; 3],
+        pulses: usize,
+        carrier_hz: f64,
+        bandwidth_hz: f64,
+    ) -> Option<Self> {
+        let [first, middle, last] = gradients.map(|[x, y, _]| DVec2::new(x, y));
+        let share = pulses as f64 / (pulses as f64 - 1.0).max(1.0);
+        let across = (last - first) * (carrier_hz * share);
+        let along = middle * bandwidth_hz;
         let independent = along.perp_dot(across).abs() > 1e-9 * along.length() * across.length();
         independent.then(|| Self { range: along.to_array(), cross: across.to_array() })
     }
@@ -109,7 +120,11 @@ pub struct MeasuredCut {
 
 /// Measures a cut of power; none where there is no main lobe with both its sides in it.
 pub fn measure_cut(power: &[f64]) -> Option<MeasuredCut> {
-    let top = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    measure_lobe(power, (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?)
+}
+
+/// The same with the lobe about a point of the cut as the main one, the highest or not.
+pub(super) fn measure_lobe(power: &[f64], top: usize) -> Option<MeasuredCut> {
     if top == 0 || top + 1 >= power.len() || power[top] <= 0.0 || !power[top].is_finite() {
         return None;
     }
@@ -199,7 +214,10 @@ pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2])
     let peaks: Vec<[f64; 3]> = fast(aperture, &chips, &|_| ())
         .iter()
         .zip(&chips)
-        .map(|(image, chip)| brightest(image, chip))
+        .map(|(image, chip)| {
+            let power: Vec<f64> = image.iter().map(|z| f64::from(z.norm_sqr())).collect();
+            brightest(&power, chip).0
+        })
         .collect();
     let [cells, dense] = CUT;
     let lines: Vec<Ground> = peaks
@@ -259,22 +277,22 @@ fn judge(
     })
 }
 
-/// The brightest pixel's place, refined by a parabola along both sides of the grid.
-fn brightest(image: &[Complex32], chip: &Ground) -> [f64; 3] {
+/// The brightest pixel's place, refined by a parabola along both sides of the grid, and whether it lies within the grid's edge.
+pub(super) fn brightest(power: &[f64], chip: &Ground) -> ([f64; 3], bool) {
     let [columns, rows] = chip.pixels;
-    let power = |i: usize, j: usize| f64::from(image[j * columns + i].norm_sqr());
-    let top = (0..image.len()).max_by(|a, b| image[*a].norm_sqr().total_cmp(&image[*b].norm_sqr()));
+    let at = |i: usize, j: usize| power[j * columns + i];
+    let top = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]));
     let (i, j) = top.map_or((0, 0), |top| (top % columns, top / columns));
     let shift = |before: f64, at: f64, after: f64| {
         let bend = before - 2.0 * at + after;
         if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 }
     };
     if i == 0 || j == 0 || i + 1 >= columns || j + 1 >= rows {
-        return chip.point_m(i as f64, j as f64);
+        return (chip.point_m(i as f64, j as f64), false);
     }
-    let x = i as f64 + shift(power(i - 1, j), power(i, j), power(i + 1, j));
-    let y = j as f64 + shift(power(i, j - 1), power(i, j), power(i, j + 1));
-    chip.point_m(x, y)
+    let x = i as f64 + shift(at(i - 1, j), at(i, j), at(i + 1, j));
+    let y = j as f64 + shift(at(i, j - 1), at(i, j), at(i, j + 1));
+    (chip.point_m(x, y), true)
 }
 
 /// Where on the plane of `start_m` a target appears whose delays are recorded: the point at rest whose delays come nearest (least squares,

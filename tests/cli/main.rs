@@ -10,6 +10,7 @@ mod inspection;
 mod live_navigation;
 #[cfg(feature = "hdf5")]
 mod oracle;
+mod mocomp;
 mod nav;
 mod program;
 mod python_tools;

@@ -46,7 +46,14 @@ fn commands_of_the_readme_that_only_print_work() {
 #[test]
 fn tools_of_the_readme_exist() {
     let readme = fs::read_to_string(package().join("README.md")).unwrap();
-    for tool in ["tools/quickstart", "tools/test", "tools/gallery", "tools/baseline.py", "tools/steady.py"] {
+    for tool in [
+        "tools/quickstart",
+        "tools/test",
+        "tools/gallery",
+        "tools/baseline.py",
+        "tools/steady.py",
+        "tools/mocomp",
+    ] {
         assert!(readme.contains(tool) && package().join(tool).is_file(), "{tool}");
     }
 }

@@ -4,6 +4,7 @@
 mod agreement;
 mod beams;
 mod channels;
+mod degradation;
 mod extremes;
 mod geometries;
 mod navigation;

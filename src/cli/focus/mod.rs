@@ -1,11 +1,15 @@
 //! `nereus focus`: an image of a recording.
 
+mod aim;
+mod compare;
+mod forecast;
 mod gating;
 mod report;
 mod scenario;
+mod table;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -44,6 +48,8 @@ pub enum FocusNav {
     True,
     /// Phase centres as the platforms report them
     Reported,
+    /// Both, side by side: what the errors of the reports do, predicted and measured
+    Both,
 }
 
 /// Tapers.
@@ -80,7 +86,7 @@ impl FocusTaper {
 }
 
 /// `nereus focus`
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct FocusArgs {
     /// Recording: an HDF5 file or a plain folder
     pub recording: PathBuf,
@@ -135,6 +141,12 @@ pub struct FocusArgs {
     /// All channels in one picture, side by side
     #[arg(long)]
     pub panels: bool,
+    /// With --nav both: a recording of the same scenario without what is wrong, whose image by true navigation is the measure [default: this one]
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+    /// With --nav both: picture of a point's cut in cross-range, predicted and measured (the first one on the image), one a channel
+    #[arg(long, value_name = "PNG")]
+    pub cuts: Option<PathBuf>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -222,6 +234,14 @@ pub enum FocusError {
         /// The channel.
         channel: String,
     },
+    /// A recording to compare with that is of something else.
+    #[error("--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets", path.display())]
+    Against {
+        /// The recording.
+        path: PathBuf,
+        /// What is not the same.
+        what: &'static str,
+    },
     /// An output that is neither picture nor HDF5.
     #[error("--out {}: allowed: a name that ends in .png or .h5", path.display())]
     Kind {
@@ -271,7 +291,11 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
     let scenario = Scenario::of(&recording);
     let channels = recording.channels().to_vec();
-    let outputs = outputs(args, &recording, &channels)?;
+    let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
+    if args.nav == FocusNav::Both {
+        return compare::compare(args, &recording, &scenario, &names, out);
+    }
+    let outputs = outputs(args, &names)?;
     let ground = ground(args, &recording, &scenario, channels[0])?;
     let compressor = compressor(args, &recording)?;
     let begun = Instant::now();
@@ -280,22 +304,8 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         focused.push(one(args, &recording, &scenario, &compressor, &ground, *channel)?);
     }
     let seconds = begun.elapsed().as_secs_f64();
-    let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
     let mut made = Vec::new();
-    let drawn = |focused| picture(args, &recording, &ground, focused);
-    if args.panels {
-        let canvases: Vec<Canvas> = focused.iter().map(drawn).collect::<Result<_, _>>()?;
-        let canvas = Canvas::tiled(&canvases, canvases.len().isqrt(), [255; 3]);
-        for output in outputs.pictures {
-            made.push(output.path().to_owned());
-            save_canvas(output, &canvas)?;
-        }
-    } else {
-        for (output, focused) in outputs.pictures.into_iter().zip(&focused) {
-            made.push(output.path().to_owned());
-            save_canvas(output, &drawn(focused)?)?;
-        }
-    }
+    draw(args, &recording, &ground, &focused, outputs.pictures, |_| args.nav, &mut made)?;
     if let Some(output) = outputs.values {
         made.push(output.path().to_owned());
         values(args, &recording, &ground, &names, &focused, output)?;
@@ -304,7 +314,36 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     report::print(args, &report, out)
 }
 
+/// Draws images into their files, or all into one; `nav` tells by which navigation each was made.
+fn draw(
+    args: &FocusArgs,
+    recording: &Recording,
+    ground: &Ground,
+    focused: &[Focused],
+    outputs: Vec<Output>,
+    nav: impl Fn(usize) -> FocusNav,
+    made: &mut Vec<PathBuf>,
+) -> Result<(), CliError> {
+    let drawn = |(place, focused)| {
+        picture(&FocusArgs { nav: nav(place), ..args.clone() }, recording, ground, focused)
+    };
+    if args.panels {
+        for output in outputs {
+            let canvases: Vec<Canvas> = focused.iter().enumerate().map(drawn).collect::<Result<_, _>>()?;
+            made.push(output.path().to_owned());
+            save_canvas(output, &Canvas::tiled(&canvases, canvases.len().isqrt(), [255; 3]))?;
+        }
+        return Ok(());
+    }
+    for (output, focused) in outputs.into_iter().zip(focused.iter().enumerate()) {
+        made.push(output.path().to_owned());
+        save_canvas(output, &drawn(focused)?)?;
+    }
+    Ok(())
+}
+
 fn check(args: &FocusArgs) -> Result<(), FocusError> {
+    compare::check(args)?;
     let bad = |key, found: String, allowed| Err(FocusError::Value { key, found, allowed });
     if !(args.centre_m.is_empty() || args.centre_m.len() == 2) {
         return bad("centre-m", format!("{:?}", args.centre_m), "two numbers X,Y");
@@ -350,23 +389,14 @@ fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError>
     args.channel.iter().map(place).collect()
 }
 
-fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Result<Outputs, FocusError> {
+/// Where images of such names go.
+fn outputs(args: &FocusArgs, names: &[String]) -> Result<Outputs, FocusError> {
     let mut made = Outputs { pictures: Vec::new(), values: None };
     for path in &args.out {
         match path.extension().and_then(|e| e.to_str()) {
             Some("png") if made.pictures.is_empty() => {
-                for channel in channels {
-                    // Several pictures bear the names of their channels.
-                    let name = &recording.header.channels[*channel].name;
-                    // A recording of unknown origin may hold any name.
-                    let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
-                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-                    let path = match channels.len() {
-                        _ if args.panels && made.pictures.is_empty() => path.clone(),
-                        _ if args.panels => break,
-                        1 => path.clone(),
-                        _ => path.with_file_name(format!("{stem}_{name}.png")),
-                    };
+                let all = if args.panels { vec![path.clone()] } else { pictures(path, names) };
+                for path in all {
                     made.pictures.push(Output::plan(&path, FileKind::Png, args.force)?);
                 }
             }
@@ -377,6 +407,20 @@ fn outputs(args: &FocusArgs, recording: &Recording, channels: &[usize]) -> Resul
         }
     }
     Ok(made)
+}
+
+/// Several pictures bear the names of what they show.
+fn pictures(path: &Path, names: &[String]) -> Vec<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let named = |name: &String| {
+        // A recording of unknown origin may hold any name.
+        let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
+        match names.len() {
+            1 => path.to_owned(),
+            _ => path.with_file_name(format!("{stem}_{name}.png")),
+        }
+    };
+    names.iter().map(named).collect()
 }
 
 fn ground(
@@ -421,10 +465,49 @@ fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, Foc
 fn paths(nav: FocusNav, recording: &Recording, channel: usize) -> Result<[PhasePath; 2], RecordingError> {
     let row = &recording.header.channels[channel];
     let path = |name: &str| match nav {
-        FocusNav::True => recording.true_path(name),
+        FocusNav::True | FocusNav::Both => recording.true_path(name),
         FocusNav::Reported => recording.reported_path(name),
     };
     Ok([path(&row.transmitter)?, path(&row.receiver)?])
+}
+
+/// The pulses of a channel, seen from such paths.
+fn aperture<'a>(
+    args: &FocusArgs,
+    recording: &'a Recording,
+    scenario: &Scenario,
+    compressor: &'a Compressor,
+    ground: &Ground,
+    [transmitter, receiver]: [&'a PhasePath; 2],
+    channel: usize,
+) -> Result<Aperture<'a>, FocusError> {
+    let lit: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
+    if lit.is_empty() {
+        return Err(FocusError::Dark { channel: recording.header.channels[channel].name.clone() });
+    }
+    let taper = args.aperture.taper();
+    let weight = |place: usize| taper.weight((place as f64 + 0.5) / lit.len() as f64 - 0.5);
+    let echo = |(place, pulse): (usize, &usize)| PulseEcho {
+        emission_s: recording.emission_s[*pulse],
+        window_start_s: recording.window_start_s[*pulse],
+        weight: weight(place),
+        samples: recording.window(*pulse, channel),
+    };
+    let mut aperture = Aperture {
+        carrier_hz: recording.header.carrier_hz,
+        compressor,
+        transmitter,
+        receiver,
+        pulses: lit.iter().enumerate().map(echo).collect(),
+        centre_m: ground.centre_m(),
+        gate: None,
+    };
+    aperture.gate = gating::gate(args, recording, scenario, &aperture, ground, channel, &lit)?;
+    if aperture.gate.is_some() {
+        // The taper runs over the band then.
+        aperture.pulses.iter_mut().for_each(|pulse| pulse.weight = 1.0);
+    }
+    Ok(aperture)
 }
 
 /// Focuses one channel.
@@ -436,34 +519,11 @@ fn one(
     ground: &Ground,
     channel: usize,
 ) -> Result<Focused, FocusError> {
-    let row = &recording.header.channels[channel];
     let [transmitter, receiver] = paths(args.nav, recording, channel)?;
-    let lit: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
-    if lit.is_empty() {
-        return Err(FocusError::Dark { channel: row.name.clone() });
-    }
-    let taper = args.aperture.taper();
-    let echo = |(place, pulse): (usize, &usize)| PulseEcho {
-        emission_s: recording.emission_s[*pulse],
-        window_start_s: recording.window_start_s[*pulse],
-        weight: taper.weight((place as f64 + 0.5) / lit.len() as f64 - 0.5),
-        samples: recording.window(*pulse, channel),
-    };
-    let mut aperture = Aperture {
-        carrier_hz: recording.header.carrier_hz,
-        compressor,
-        transmitter: &transmitter,
-        receiver: &receiver,
-        pulses: lit.iter().enumerate().map(echo).collect(),
-        centre_m: ground.centre_m(),
-        gate: None,
-    };
-    aperture.gate = gating::gate(args, recording, scenario, &aperture, ground, channel, &lit)?;
-    if aperture.gate.is_some() {
-        // The taper runs over the band then.
-        aperture.pulses.iter_mut().for_each(|pulse| pulse.weight = 1.0);
-    }
-    let total = lit.len() as u64;
+    let ends = [&transmitter, &receiver];
+    let aperture = aperture(args, recording, scenario, compressor, ground, ends, channel)?;
+    let pulses = aperture.pulses.len();
+    let total = pulses as u64;
     let (status, watcher) = progress::watch_of(total, "pulses focused");
     let image = fast(&aperture, std::slice::from_ref(ground), &|done| {
         let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
@@ -472,7 +532,7 @@ fn one(
     watcher.finish();
     Ok(Focused {
         channel,
-        pulses: lit.len(),
+        pulses,
         doppler_hz: aperture.gate.as_ref().map(|gate| gate.bandwidth_hz),
         image: image.into_iter().next().unwrap_or_default(),
         support: Support::of(&aperture, ground.centre_m()),
@@ -488,30 +548,32 @@ fn targets(
     ground: &Ground,
     channel: usize,
 ) -> Result<Vec<(String, Option<PointTarget>)>, FocusError> {
+    let (names, places): (Vec<_>, Vec<_>) = expected(recording, ground, channel).into_iter().unzip();
+    let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
+    Ok(names.into_iter().zip(found).collect())
+}
+
+/// Targets of the truth record, and where they should be on the image.
+fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(String, [f64; 3])> {
     let row = &recording.header.channels[channel];
-    let (mut names, mut places) = (Vec::new(), Vec::new());
     // Delays are true: where they belong is told by the true paths, whatever the processor believes.
     let (Ok(transmitter), Ok(receiver)) =
         (recording.true_path(&row.transmitter), recording.true_path(&row.receiver))
     else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
-    for (place, name) in recording.header.targets.iter().enumerate() {
-        let Some(delays_s) = recording.delays_s(&row.transmitter, &row.receiver, place) else { continue };
+    let inside = |point: &[f64; 3]| {
+        (0..2).all(|axis| {
+            let [low, high] = ground.edges_m(axis);
+            (low..=high).contains(&point[axis])
+        })
+    };
+    let place = |(place, name): (usize, &String)| {
+        let delays_s = recording.delays_s(&row.transmitter, &row.receiver, place)?;
         let found = locate(&transmitter, &receiver, &recording.emission_s, &delays_s, ground.centre_m());
-        let inside = |point: &[f64; 3]| {
-            (0..2).all(|axis| {
-                let [low, high] = ground.edges_m(axis);
-                (low..=high).contains(&point[axis])
-            })
-        };
-        if let Some(point) = found.filter(inside) {
-            names.push(name.clone());
-            places.push(point);
-        }
-    }
-    let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
-    Ok(names.into_iter().zip(found).collect())
+        found.filter(inside).map(|point| (name.clone(), point))
+    };
+    recording.header.targets.iter().enumerate().filter_map(place).collect()
 }
 
 fn picture(
@@ -537,6 +599,7 @@ fn picture(
     let nav = match args.nav {
         FocusNav::True => "true",
         FocusNav::Reported => "reported",
+        FocusNav::Both => "true and reported",
     };
     let title = format!("{name}, {} pulses, {nav} navigation", focused.pulses);
     let step = args.pixel_m * args.looks as f64;

@@ -71,6 +71,7 @@ pub(super) fn report(
         nav: match args.nav {
             FocusNav::True => "true",
             FocusNav::Reported => "reported",
+            FocusNav::Both => "both",
         },
         pulses: recording.pulses(),
         first_pulse: recording.index[0],

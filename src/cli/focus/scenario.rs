@@ -8,25 +8,38 @@ use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::imaging::recording::Recording;
 
 /// The scenario of a recording; empty where it holds none.
-pub(super) struct Scenario(Table);
+pub(super) struct Scenario {
+    table: Table,
+    /// Emission of pulse 0 on the clock of the recording's paths, s.
+    pub pulse_zero_s: f64,
+}
 
-fn number(value: &Value) -> Option<f64> {
+pub(super) fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
 }
 
-fn numbers<const N: usize>(table: &Table, key: &str) -> Option<[f64; N]> {
+pub(super) fn numbers<const N: usize>(table: &Table, key: &str) -> Option<[f64; N]> {
     let list: Vec<f64> = table.get(key)?.as_array()?.iter().map(number).collect::<Option<_>>()?;
     list.try_into().ok()
 }
 
 impl Scenario {
     pub fn of(recording: &Recording) -> Self {
-        Self(recording.header.config.parse().unwrap_or_default())
+        // Intervals of a staggered sequence are not known here: the mean is.
+        let first_s = recording.emission_s.first().copied().unwrap_or(0.0);
+        let since_s = recording.index.first().map_or(0.0, |index| *index as f64 / recording.header.prf_hz);
+        let table = recording.header.config.parse().unwrap_or_default();
+        Self { table, pulse_zero_s: first_s - since_s }
     }
 
     fn antenna(&self, kind: &str, name: &str) -> Option<&Table> {
-        let all = self.0.get(kind)?.as_array()?;
+        let all = self.table.get(kind)?.as_array()?;
         all.iter().filter_map(Value::as_table).find(|t| t.get("name").and_then(Value::as_str) == Some(name))
+    }
+
+    /// Platform that carries an antenna (`kind`: `transmitter` or `receiver`).
+    pub fn platform(&self, kind: &str, name: &str) -> Option<&str> {
+        self.antenna(kind, name)?.get("platform")?.as_str()
     }
 
     /// Whether an antenna radiates alike in all directions, so that its boresight says nothing.
@@ -36,12 +49,19 @@ impl Scenario {
         aperture == Some("isotropic")
     }
 
+    /// `[platform.errors]` of a platform, where it has some.
+    pub fn errors(&self, platform: &str) -> Option<&Table> {
+        let all = self.table.get("platform")?.as_array()?;
+        let named = |t: &&Table| t.get("name").and_then(Value::as_str) == Some(platform);
+        all.iter().filter_map(Value::as_table).find(named)?.get("errors")?.as_table()
+    }
+
     /// Where range gate or antennas of a channel look at a pulse in use, East and North, m: what the window follows, else what the receiver
     /// aims at, else what the transmitter aims at, else the middle of the patch, else the origin.
     pub fn aim(&self, recording: &Recording, channel: usize, pulse: usize) -> [f64; 2] {
         let row = recording.header.channels.get(channel);
         let table = |path: &[&str]| -> Option<&Table> {
-            path.iter().try_fold(&self.0, |table, key| table.get(*key)?.as_table())
+            path.iter().try_fold(&self.table, |table, key| table.get(*key)?.as_table())
         };
         let pointing = |kind: &str, name: &str| self.antenna(kind, name)?.get("pointing")?.as_table();
         let aims = [

@@ -99,7 +99,7 @@ impl Aperture<'_> {
     }
 
     /// Weight of a pulse (by its place in the list) at a point.
-    fn weight(&self, place: usize, pulse: &PulseEcho, point_m: [f64; 3]) -> f64 {
+    pub fn weight(&self, place: usize, pulse: &PulseEcho, point_m: [f64; 3]) -> f64 {
         let gate = self.gate.as_ref();
         pulse.weight * gate.map_or(1.0, |gate| gate.weight(place, self.doppler_hz(pulse, point_m)))
     }

@@ -1,0 +1,143 @@
+//! The table of `nereus focus --nav both`.
+
+use std::io::Write;
+
+use super::compare::{Channel, Comparison, Figures, Target};
+use super::forecast::Law;
+use super::{CliError, FocusArgs, say};
+
+pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
+    if args.json {
+        let text = serde_json::to_string(comparison).map_err(|error| CliError::Output(error.into()))?;
+        return writeln!(out, "{text}").map_err(CliError::Output);
+    }
+    tell(comparison, out).map_err(CliError::Output)?;
+    for path in &comparison.out {
+        say(format_args!("{}", path.display()));
+    }
+    Ok(())
+}
+
+fn tell(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
+    let [x, y, z] = of.centre_m;
+    writeln!(
+        out,
+        "images      {} x {} pixels of {} m about {x:.1} m East, {y:.1} m North, {z:.1} m up",
+        of.pixels[0], of.pixels[1], of.pixel_m
+    )?;
+    writeln!(
+        out,
+        "pulses      {} ({} to {}); reported navigation beside true{}",
+        of.pulses,
+        of.first_pulse,
+        of.last_pulse,
+        of.against.as_ref().map_or(String::new(), |path| format!(" navigation of {path}"))
+    )?;
+    for channel in &of.channels {
+        tell_channel(channel, out)?;
+    }
+    Ok(())
+}
+
+fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
+    let cells = match channel.cell_m {
+        Some([range, cross]) => format!("cells of {range:.2} m by {cross:.3} m"),
+        None => "no cross-range".to_owned(),
+    };
+    writeln!(out, "{:<11} {} pulses, {cells}", channel.name, channel.pulses)?;
+    let pixels = &channel.pixels;
+    if let (Some(loss), Some([right, wrong]), Some(coherence)) =
+        (pixels.mean_loss_db, pixels.contrast, pixels.coherence)
+    {
+        writeln!(
+            out,
+            "  {} pixels without points: mean power lost {loss:.2} dB, contrast {right:.2} becomes {wrong:.2}, coherence {coherence:.3}",
+            pixels.count
+        )?;
+    }
+    if !channel.targets.is_empty() {
+        writeln!(
+            out,
+            "  {:<16} {:<9} {:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>6} {:>7} {:>7} {:>7}",
+            "", "", "loss", "range", "", "cross", "", "width", "", "lobe", "", "phase"
+        )?;
+        writeln!(
+            out,
+            "  {:<16} {:<9} {:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>6} {:>7} {:>7} {:>7}",
+            "", "", "dB", "cells", "m", "cells", "m", "range", "cross", "cells", "dB", "rad"
+        )?;
+    }
+    for target in &channel.targets {
+        tell_target(target, out)?;
+    }
+    Ok(())
+}
+
+fn tell_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
+    // Two paired echoes are equally high: the same one in both rows.
+    let side = target.predicted.as_ref().map_or(0, Figures::highest_side);
+    let row = |name: &str, kind: &str, figures: Option<&Figures>| match figures {
+        None => format!("  {name:<16} {kind:<9} not found"),
+        Some(f) => {
+            let lobe = f.cross_range_lobes[side].map_or(format!("{:>7} {:>7}", "-", "-"), |lobe| {
+                format!("{:>+7.3} {:>7.2}", lobe.cells, lobe.level_db)
+            });
+            format!(
+                "  {name:<16} {kind:<9} {:>7.3} {:>+8.3} {:>+8.3} {:>+8.3} {:>+8.3} {:>6.3} {:>6.3} {lobe} {:>+7.3}",
+                f.loss_db,
+                f.shift_cells[0],
+                f.shift_m[0],
+                f.shift_cells[1],
+                f.shift_m[1],
+                f.width_ratio[0],
+                f.width_ratio[1],
+                f.phase_rad
+            )
+        }
+    };
+    writeln!(out, "{}", row(&target.name, "predicted", target.predicted.as_ref()))?;
+    writeln!(out, "{}", row("", "measured", target.measured.as_ref()))?;
+    if let Some(terms) = &target.terms {
+        writeln!(
+            out,
+            "  {:<16} paths     mean {:+.3} cells of range, slope {:+.3} cells of cross-range, bend {:+.3} rad at the ends, rest {:.3} rad rms",
+            "", terms.mean_cells, terms.linear_cells, terms.quadratic_rad, terms.rest_rad
+        )?;
+    }
+    if let Some(loss_db) = target.aim_loss_db {
+        writeln!(out, "  {:<16} scenario  aim: {loss_db:.3} dB of gain less, both ways", "")?;
+    }
+    for law in &target.laws {
+        writeln!(out, "  {:<16} scenario  {}", "", words(law))?;
+    }
+    Ok(())
+}
+
+fn words(law: &Law) -> String {
+    match law {
+        Law::Bias { path_m, range_cells, cross_range_cells } => format!(
+            "bias of {path_m:+.3} m of path: {range_cells:+.3} cells of range, {cross_range_cells:+.3} of cross-range"
+        ),
+        Law::Ramp { path_mps, range_cells, cross_range_cells } => format!(
+            "ramp of {path_mps:+.4} m/s of path: {range_cells:+.3} cells of range, {cross_range_cells:+.3} of cross-range"
+        ),
+        Law::Sinusoid { beta_rad, echoes } => format!(
+            "sinusoid of {beta_rad:.4} rad: main lobe {:.3} dB, echoes at +-{:.3} cells, {:.2} dB",
+            echoes.main_db, echoes.distance_cells, echoes.level_db
+        ),
+        Law::Step { phase_rad, loss_db: Some(loss), cross_range_cells: Some(cells) } => {
+            format!(
+                "step of {phase_rad:+.4} rad in the middle: loss {loss:.3} dB, {cells:+.3} cells of cross-range"
+            )
+        }
+        Law::Step { phase_rad, .. } => format!("step of {phase_rad:+.4} rad"),
+        Law::White { sigma_rad, mean_loss_db } => {
+            format!("white noise of {sigma_rad:.4} rad: mean loss {mean_loss_db:.3} dB")
+        }
+        Law::GaussMarkov { sigma_rad, tau_s, mean_loss_db } => {
+            format!(
+                "Gauss-Markov noise of {sigma_rad:.4} rad, {tau_s} s: mean loss at the place expected {mean_loss_db:.3} dB"
+            )
+        }
+    }
+}
