@@ -325,8 +325,8 @@ impl Sight {
 fn gated<const RUN: usize>(place: [f64; 3], table: &Table, taken: &mut [f32; RUN]) -> bool {
     let half = (RUN / 2) as f64;
     let reach = half * (place[1].abs() + half * place[2].abs());
-    // Not a number: no aim, or no place.
-    if !(place[0].abs() - reach <= 0.5) {
+    // No number where there is no aim.
+    if place[0].is_nan() || place[0].abs() - reach > 0.5 {
         return false;
     }
     let [u, first, second] = place.map(|p| p as f32);
