@@ -37,6 +37,8 @@ pub enum Room {
     Clock = 34,
     /// Pulses at which the error of an echo is measured.
     SampledPulses = 64,
+    /// Samples of a law of clutter: index = sample, part = law.
+    Bootstrap = 65,
 }
 
 /// The stream at an address.

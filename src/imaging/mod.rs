@@ -11,7 +11,7 @@
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
 //! | [`degradation`] | what wrong navigation makes of a point: predicted from the paths, closed forms |
 //! | [`multilook`] | means of power, percentiles |
-//! | [`statistics`] | K law, its shape from samples and by Ward and Watts |
+//! | [`statistics`] | K, Weibull and Rayleigh laws of clutter: fits, how good they are, shapes as measured |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
 //! | [`plot`] | curves on linear, logarithmic or decibel axes |
 //! | [`colours`] | colour maps of even steps |
