@@ -11,6 +11,7 @@ use super::focus::FocusArgs;
 use super::nav::NavArgs;
 use super::sea::SeaArgs;
 use super::sea::snapshot::SnapshotArgs;
+use super::speckle::SpeckleArgs;
 use super::table::TableArgs;
 use super::wake::WakeArgs;
 
@@ -48,6 +49,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// Make an image of a recording: range compression and bistatic back-projection
     Focus(Box<FocusArgs>),
+    /// Fit laws to the speckle of the sea over the azimuth of the wind: shape parameters, how well they fit, a picture
+    Speckle(Box<SpeckleArgs>),
     /// Receive pulses that are sent as VITA 49.2, and tell gaps, lateness and navigation
     Receive(ReceiveArgs),
     /// Inspect, convert, play and spoil recorded navigation

@@ -9,6 +9,7 @@ use super::control::ControlFault;
 use super::focus::FocusError;
 use super::nav::NavToolError;
 use super::sea::SeaError;
+use super::speckle::SpeckleError;
 use super::table::TableError;
 use crate::config::ConfigError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
@@ -77,6 +78,9 @@ pub enum CliError {
     /// No image of a recording.
     #[error(transparent)]
     Focus(#[from] FocusError),
+    /// No statistics of speckle.
+    #[error(transparent)]
+    Speckle(#[from] SpeckleError),
     /// Nothing can be received.
     #[error(transparent)]
     Receive(#[from] ReceiveError),
@@ -95,7 +99,8 @@ impl CliError {
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
             | Self::Control(_)
-            | Self::Table(_) => 2,
+            | Self::Table(_)
+            | Self::Speckle(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.
             Self::Receive(ReceiveError::Record(SinkError::Io { .. } | SinkError::Hdf5 { .. }))

@@ -16,6 +16,7 @@ mod progress;
 mod receive;
 mod run;
 mod sea;
+mod speckle;
 mod table;
 mod tradeoff;
 mod wake;
@@ -40,6 +41,7 @@ pub use nav::{
 };
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
+pub use speckle::{SpeckleArgs, SpeckleError};
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
     TableFresnelArgs, TableHullArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs,
@@ -90,6 +92,7 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
         Command::Focus(args) => focus::focus(args, out),
+        Command::Speckle(args) => speckle::speckle(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
     }

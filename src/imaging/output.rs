@@ -33,6 +33,8 @@ pub enum FileKind {
     SeaState,
     /// Table of settings and what they reach, CSV.
     Settings,
+    /// Table of the statistics of speckle, CSV.
+    Speckle,
 }
 
 impl FileKind {
@@ -42,12 +44,14 @@ impl FileKind {
             Self::Hdf5 => *b"\x89HDF\r\n\x1a\n",
             Self::SeaState => *b"NEREUSEA",
             Self::Settings => *b"setting,",
+            Self::Speckle => *b"psi_deg,",
         }
     }
 
     fn name(self) -> &'static str {
         match self {
             Self::Settings => "table of settings",
+            Self::Speckle => "table of speckle",
             Self::Png => "PNG picture",
             Self::Hdf5 => "HDF5 file",
             Self::SeaState => "saved sea",

@@ -10,6 +10,7 @@ pub mod build;
 pub mod changing;
 pub mod control;
 pub mod forecast;
+pub mod gather;
 pub mod knobs;
 pub mod live;
 pub mod memory;

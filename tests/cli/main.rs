@@ -23,6 +23,7 @@ mod sea_check;
 mod setup_script;
 mod sigma0_page;
 mod snapshot;
+mod speckle;
 mod ship_tables;
 mod table_golden;
 mod tables;

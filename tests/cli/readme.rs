@@ -28,7 +28,7 @@ fn commands_of_the_readme_are_understood() {
     }
     for word in [
         "run", "check", "new", "merge", "sea", "snapshot", "wake", "table", "bench", "tradeoff", "receive",
-        "nav", "focus",
+        "nav", "focus", "speckle",
     ] {
         assert!(commands.iter().any(|words| words[1] == word), "README does not show {word}");
     }

@@ -6,6 +6,7 @@ mod forecast;
 mod gating;
 mod report;
 mod scenario;
+mod speckle;
 mod table;
 
 use std::io::Write;
@@ -34,6 +35,7 @@ use crate::imaging::range_compress::{
     CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
 use crate::imaging::recording::{Recording, RecordingError};
+use crate::imaging::statistics::SampleFault;
 use crate::imaging::taper::Taper;
 use crate::pipeline::build::available_bytes;
 use crate::sinks::sink::Header;
@@ -147,6 +149,9 @@ pub struct FocusArgs {
     /// With --nav both: picture of a point's cut in cross-range, predicted and measured (the first one on the image), one a channel
     #[arg(long, value_name = "PNG")]
     pub cuts: Option<PathBuf>,
+    /// Fit K, Weibull and Rayleigh laws to pixels a resolution cell apart (docs/speckle.md)
+    #[arg(long)]
+    pub speckle: bool,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -242,6 +247,14 @@ pub enum FocusError {
         /// What is not the same.
         what: &'static str,
     },
+    /// Pixels that no law can be fitted to.
+    #[error("--speckle, channel {channel}: {source}")]
+    Speckle {
+        /// The channel.
+        channel: String,
+        /// What is wrong.
+        source: SampleFault,
+    },
     /// An output that is neither picture nor HDF5.
     #[error("--out {}: allowed: a name that ends in .png or .h5", path.display())]
     Kind {
@@ -310,7 +323,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         made.push(output.path().to_owned());
         values(args, &recording, &ground, &names, &focused, output)?;
     }
-    let report = report::report(args, &recording, &ground, &focused, seconds, made);
+    let report = report::report(args, &recording, &ground, &focused, seconds, made)?;
     report::print(args, &report, out)
 }
 

@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{
-    CliError, FocusArgs, FocusNav, Focused, Ground, Recording, interpolation_error_db, multilook,
-    oversampling, percentile, say,
+    CliError, FocusArgs, FocusError, FocusNav, Focused, Ground, Recording, interpolation_error_db, multilook,
+    oversampling, percentile, say, speckle,
 };
+use crate::cli::speckle::Speckle;
 use crate::imaging::point_target::PointTarget;
 
 /// What `--json` prints.
@@ -44,6 +45,9 @@ struct Channel {
     percentile_amplitude: Option<f64>,
     /// `<I^2>/<I>^2` of the power: 2 for speckle.
     contrast: f64,
+    /// Laws fitted to single pixels; none unless asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speckle: Option<Speckle>,
     targets: Vec<Target>,
 }
 
@@ -62,11 +66,11 @@ pub(super) fn report(
     focused: &[Focused],
     seconds: f64,
     out: Vec<PathBuf>,
-) -> Report {
+) -> Result<Report, FocusError> {
     let header = &recording.header;
     let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, args.interpolation_db);
     let work: f64 = focused.iter().map(|f| f.pulses as f64 * ground.len() as f64).sum();
-    Report {
+    Ok(Report {
         recording: args.recording.display().to_string(),
         nav: match args.nav {
             FocusNav::True => "true",
@@ -82,19 +86,19 @@ pub(super) fn report(
         interpolation_db: interpolation_error_db(header.bandwidth_hz, header.sample_rate_hz * cells as f64),
         seconds,
         pulse_pixels_per_s: work / seconds.max(1e-9),
-        channels: focused.iter().map(|f| channel(args, recording, ground, f)).collect(),
+        channels: focused.iter().map(|f| channel(args, recording, ground, f)).collect::<Result<_, _>>()?,
         out,
-    }
+    })
 }
 
-fn channel(args: &FocusArgs, recording: &Recording, ground: &Ground, focused: &Focused) -> Channel {
+fn channel(args: &FocusArgs, recording: &Recording, ground: &Ground, focused: &Focused) -> Result<Channel, FocusError> {
     let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
     let (power, _) = multilook(&power, ground.pixels, args.looks);
     let mean = |order: i32| power.iter().map(|p| p.powi(order)).sum::<f64>() / power.len().max(1) as f64;
     let db = |p: f64| 10.0 * p.max(1e-300).log10();
     // Powers of 1e-15 W squared are no numbers of f32, but of f64.
     let contrast = if mean(1) > 0.0 { mean(2) / mean(1).powi(2) } else { 0.0 };
-    Channel {
+    Ok(Channel {
         name: recording.header.channels[focused.channel].name.clone(),
         pulses: focused.pulses,
         doppler_hz: focused.doppler_hz,
@@ -103,12 +107,13 @@ fn channel(args: &FocusArgs, recording: &Recording, ground: &Ground, focused: &F
         peak_dbw: db(power.iter().copied().fold(0.0, f64::max)),
         percentile_amplitude: percentile(&power, args.percentile).map(f64::sqrt),
         contrast,
+        speckle: speckle::of(args, recording, ground, focused)?,
         targets: focused
             .targets
             .iter()
             .map(|(name, found)| Target { name: name.clone(), found: *found })
             .collect(),
-    }
+    })
 }
 
 pub(super) fn print(args: &FocusArgs, report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
@@ -151,6 +156,9 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
             "{:<11} mean {:.1} dBW, peak {:.1} dBW, contrast {:.2}; {} pulses{band}, {cells}",
             channel.name, channel.mean_dbw, channel.peak_dbw, channel.contrast, channel.pulses
         )?;
+        if let Some(found) = &channel.speckle {
+            speckle::tell(found, out)?;
+        }
         for target in &channel.targets {
             match &target.found {
                 None => writeln!(out, "  {:<16} not found", target.name)?,

@@ -1,0 +1,293 @@
+//! `nereus speckle`: the statistics of sea clutter over the azimuth of the wind.
+
+mod fits;
+mod image;
+mod report;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use glam::DVec2;
+
+use super::args::Setting;
+use super::bench::load;
+use super::error::CliError;
+use super::progress;
+use super::say;
+use super::sea::{SeaError, save_canvas};
+use crate::config::Run;
+use crate::imaging::output::{FileKind, Output, OutputError};
+use crate::imaging::phase_path::PhasePathError;
+use crate::imaging::range_compress::CompressError;
+use crate::pipeline::accuracy::noiseless;
+use crate::pipeline::build::{self, available_bytes};
+use crate::pipeline::gather::gather;
+use crate::pipeline::outlook::patch_at;
+use crate::scene::Sea;
+pub(super) use fits::{Speckle, SpeckleSettings};
+use image::{Image, Pixels};
+use report::{Azimuth, Report};
+
+/// `nereus speckle`
+#[derive(Debug, Args)]
+pub struct SpeckleArgs {
+    /// Scenario file, with a sea
+    pub config: PathBuf,
+    /// Azimuths of the wind, evenly over 360 degrees from 0: downwind
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u64).range(1..=360))]
+    pub winds: u64,
+    /// Channels to look at [default: all]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub channel: Vec<String>,
+    /// Most pixels of the image across the look and along it; each is a resolution cell, and all lie on the patch
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, default_value = "500,1500")]
+    pub pixels: Vec<usize>,
+    /// Samples drawn from a fitted law for the probability of its distance; 0: none
+    #[arg(long, value_name = "N", default_value_t = 99, value_parser = clap::value_parser!(u64).range(..=100_000))]
+    pub resamples: u64,
+    /// Pixels at most, evenly over the image, whose distance from a law is tested
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(2..))]
+    pub test_pixels: u64,
+    /// Folder for speckle.csv and speckle.png
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
+    #[arg(long, value_name = "T")]
+    pub threads: Option<u64>,
+    /// Set a key of the scenario, e.g. sea.wind_ustar_mps=0.5
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Why there are no statistics.
+#[derive(Debug, thiserror::Error)]
+pub enum SpeckleError {
+    /// A value out of range.
+    #[error("--{key} {found}: allowed: {allowed}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// What was given.
+        found: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// No cell across the look.
+    #[error(
+        "{}: channel {channel} has no cross-range from the pulses that left in its polarisation; allowed: at least two, from different places that see the patch at different angles",
+        path.display()
+    )]
+    NoAperture {
+        /// The scenario.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+    },
+    /// An image too small for statistics.
+    #[error(
+        "{}: channel {channel} has {} x {} resolution cells of {:.3} m x {:.3} m (across the look and along it) on the patch; \
+         allowed: at least {least} cells along both: a larger scene.patch_size_m, a longer aperture, more bandwidth, or more --pixels",
+        path.display(), pixels[0], pixels[1], cell_m[0], cell_m[1]
+    )]
+    FewPixels {
+        /// The scenario.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Cells across the look and along it.
+        pixels: [usize; 2],
+        /// Their size, m.
+        cell_m: [f64; 2],
+        /// The least that is allowed.
+        least: usize,
+    },
+    /// A channel that hears nothing.
+    #[error("{}: channel {channel}: {source}; allowed: a window that covers the patch, antennas that light it", path.display())]
+    Silent {
+        /// The scenario.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// What is wrong.
+        source: crate::imaging::statistics::SampleFault,
+    },
+    /// No pulse to compress with.
+    #[error("{}: {source}", path.display())]
+    Compress {
+        /// The scenario.
+        path: PathBuf,
+        /// What is wrong.
+        source: CompressError,
+    },
+    /// Positions or times that are none.
+    #[error("{}: {source}", path.display())]
+    Path {
+        /// The scenario.
+        path: PathBuf,
+        /// What is wrong.
+        source: PhasePathError,
+    },
+    /// Pulses that do not fit in memory.
+    #[error(
+        "{}: {pulses} pulses are {needed_mib} MiB of samples, {available_mib} MiB are free; allowed: a shorter scene.duration_s or fewer channels",
+        path.display()
+    )]
+    Memory {
+        /// The scenario.
+        path: PathBuf,
+        /// Pulses of the run.
+        pulses: u64,
+        /// What they take.
+        needed_mib: u64,
+        /// What may be taken.
+        available_mib: u64,
+    },
+}
+
+/// Makes the echo of every azimuth, focuses it, fits and prints.
+pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let &[across, along] = args.pixels.as_slice() else {
+        let found = format!("{:?}", args.pixels);
+        return Err(SpeckleError::Value { key: "pixels", found, allowed: "two whole numbers X,Y" }.into());
+    };
+    let mut run = noiseless(&load(&args.config, &args.settings, &[], args.threads)?);
+    // Nothing waits to be released in time.
+    run.stream.ring_slots = 1;
+    let path = run.path.clone();
+    let Some(sea) = run.scene.sea.clone() else { return Err(SeaError::NoSea { path }.into()) };
+    let channels = channels(args, &run)?;
+    let files = files(args)?;
+    for warning in &run.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    let settings = SpeckleSettings {
+        resamples: usize::try_from(args.resamples).unwrap_or(usize::MAX),
+        test_pixels: usize::try_from(args.test_pixels).unwrap_or(usize::MAX),
+        seed: run.scene.seed,
+    };
+    let look_rad = look_rad(&run, &sea, channels[0])?;
+    let begun = Instant::now();
+    let mut azimuths = Vec::new();
+    for wind in 0..args.winds {
+        let psi_rad = std::f64::consts::TAU * wind as f64 / args.winds as f64;
+        say(format_args!("wind {:.1} degrees from the look ({} of {}) ...", psi_rad.to_degrees(), wind + 1, args.winds));
+        let mut turned = run.clone();
+        if let Some(sea) = &mut turned.scene.sea {
+            sea.water.wind.direction_rad = look_rad + psi_rad;
+        }
+        let pixels = Pixels { most: [across, along] };
+        for image in images(&turned, &sea, &channels, pixels)? {
+            azimuths.push(azimuth(&turned, &sea, image, &settings)?);
+        }
+    }
+    let report = Report::new(args, &run, &channels, azimuths, begun.elapsed().as_secs_f64(), &files);
+    let text = if args.json {
+        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
+    } else {
+        report.text()
+    };
+    if let Some(Files { table, picture, .. }) = files {
+        let csv = report.csv();
+        table.write(|partial| {
+            fs::write(partial, csv).map_err(OutputError::io(partial, "writing")).map_err(SeaError::from)
+        })?;
+        save_canvas(picture, &report.draw().map_err(SeaError::from)?)?;
+    }
+    out.write_all(text.as_bytes()).map_err(CliError::Output)
+}
+
+fn channels(args: &SpeckleArgs, run: &Run) -> Result<Vec<usize>, SeaError> {
+    let all = &run.scene.radar.channels;
+    if args.channel.is_empty() {
+        return Ok((0..all.len()).collect());
+    }
+    let place = |name: &String| {
+        all.iter().position(|channel| channel.name == *name).ok_or_else(|| SeaError::NoChannel {
+            name: name.clone(),
+            known: all.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(", "),
+        })
+    };
+    args.channel.iter().map(place).collect()
+}
+
+/// Files of `--out`.
+struct Files {
+    table: Output,
+    picture: Output,
+    paths: [PathBuf; 2],
+}
+
+/// The files of `--out`, whose folder is made where it is not there.
+fn files(args: &SpeckleArgs) -> Result<Option<Files>, SeaError> {
+    let Some(folder) = &args.out else { return Ok(None) };
+    fs::create_dir_all(folder).map_err(OutputError::io(folder, "making the folder"))?;
+    let paths = ["speckle.csv", "speckle.png"].map(|name| folder.join(name));
+    let plan = |path: &Path, kind| Output::plan(path, kind, args.force);
+    let (table, picture) = (plan(&paths[0], FileKind::Speckle)?, plan(&paths[1], FileKind::Png)?);
+    Ok(Some(Files { table, picture, paths }))
+}
+
+/// Middle of the patch when the middle pulse leaves, East and North, m.
+fn middle_m(run: &Run, sea: &Sea) -> Result<[f64; 2], CliError> {
+    let time_s = run.scene.radar.emissions.interval_s(0, run.scene.pulses / 2);
+    let patch = patch_at(run, sea, time_s)?;
+    let [low, high] = [0, patch.len() - 1].map(|place| patch.centre_m(patch.key(place)));
+    Ok([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])])
+}
+
+/// Direction in which the delay grows in the middle of the patch, counter-clockwise from East: where the platforms are, lever arms left out.
+fn look_rad(run: &Run, sea: &Sea, channel: usize) -> Result<f64, CliError> {
+    let scene = &run.scene;
+    let radar = &scene.radar;
+    let middle = DVec2::from(middle_m(run, sea)?);
+    let (tracks, _) = build::tracks(&run.nav, scene)?;
+    let time = radar.emissions.emission(scene.start, scene.pulses / 2);
+    let row = &radar.channels[channel];
+    let platforms =
+        [radar.transmitters[row.transmitter].antenna.platform, radar.receivers[row.receiver].antenna.platform];
+    let mut along = DVec2::ZERO;
+    for platform in platforms {
+        if let Ok(state) = tracks[platform].truth.state(time) {
+            let [x, y, _] = state.position.to_array();
+            along += (middle - DVec2::new(x, y)).normalize_or_zero();
+        }
+    }
+    Ok(along.to_angle())
+}
+
+/// The echo of all pulses, and its images.
+fn images(run: &Run, sea: &Sea, channels: &[usize], pixels: Pixels) -> Result<Vec<Image>, CliError> {
+    let total = run.scene.pulses;
+    let stream = build::rehearse(run, 0..total)?;
+    let layout = *stream.factory().layout();
+    let needed = (layout.slot_bytes() as u64).saturating_mul(total);
+    if let Some(available) = available_bytes().filter(|available| needed > *available) {
+        let path = run.path.clone();
+        let (needed_mib, available_mib) = (needed >> 20, available >> 20);
+        return Err(SpeckleError::Memory { path, pulses: total, needed_mib, available_mib }.into());
+    }
+    let replica = stream.factory().replica();
+    let (status, watcher) = progress::watch(total);
+    let gathered = gather(stream, Some(status));
+    watcher.finish();
+    let gathered = gathered?;
+    let middle_m = middle_m(run, sea)?;
+    Ok(image::images(run, sea, &gathered, &replica, channels, middle_m, pixels)?)
+}
+
+fn azimuth(run: &Run, sea: &Sea, image: Image, settings: &SpeckleSettings) -> Result<Azimuth, SpeckleError> {
+    let Image { powers, pixels, trend_db, geometry } = image;
+    let row = &run.scene.radar.channels[geometry.channel];
+    let silent = |source| SpeckleError::Silent { path: run.path.clone(), channel: row.name.clone(), source };
+    let speckle = Speckle::of(&powers, pixels, [1, 1], settings).map_err(silent)?;
+    Ok(Azimuth::new(run, sea, geometry, trend_db, speckle))
+}
