@@ -60,7 +60,10 @@ fn speckle_over_the_wind_becomes_a_table_and_a_picture() {
         let pair = |key: &str| [0, 1].map(|i| azimuth[key][i].as_f64().unwrap());
         // lambda R/(2 L) of 40 pulses, 20 m of track: 1.5 m; c/(2 B cos 30) = 1.44 m.
         let [across, along] = pair("cell_m");
-        assert!((across - 0.029979 * 2000.0 / 40.0).abs() < 0.01 && (along - 1.4423).abs() < 0.002, "{azimuth}");
+        assert!(
+            (across - 0.029979 * 2000.0 / 40.0).abs() < 0.01 && (along - 1.4423).abs() < 0.002,
+            "{azimuth}"
+        );
         assert!((azimuth["grazing_deg"][1].as_f64().unwrap() - 30.0).abs() < 0.01);
         // All pixels lie on the patch, and fill it to a cell.
         let pixels = number("pixels");
@@ -82,7 +85,8 @@ fn speckle_over_the_wind_becomes_a_table_and_a_picture() {
     assert_eq!(rows.records().map(|row| row.unwrap().len()).collect::<Vec<_>>(), [33; 8]);
     assert!(fs::read(folder.path().join("made/speckle.png")).unwrap().starts_with(b"\x89PNG"));
     // The same numbers in a text; what is there stays.
-    let text = nereus(folder.path(), &["speckle", "s.toml", "--winds", "1", "--resamples", "0", "--channel", "VV"]);
+    let text =
+        nereus(folder.path(), &["speckle", "s.toml", "--winds", "1", "--resamples", "0", "--channel", "VV"]);
     assert_eq!(text.code, 0, "{}", text.stderr);
     let contrast = format!("{:.3}", azimuths[1]["contrast"].as_f64().unwrap());
     assert!(text.stdout.contains(&contrast), "{contrast}: {}", text.stdout);
@@ -119,7 +123,8 @@ fn focus_fits_laws_to_pixels_a_cell_apart() {
     let folder = folder();
     let ended = nereus(folder.path(), &["run", "s.toml", "--pace", "fast"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    let asked = ["focus", "r.plain", "--centre-m", "0,0", "--size-m", "44,66", "--pixel-m", "0.5", "--speckle"];
+    let asked =
+        ["focus", "r.plain", "--centre-m", "0,0", "--size-m", "44,66", "--pixel-m", "0.5", "--speckle"];
     let ended = nereus(folder.path(), &[&asked[..], &["--json"]].concat());
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
@@ -138,6 +143,7 @@ fn focus_fits_laws_to_pixels_a_cell_apart() {
     assert!(tapered.stdout.contains("every 5 to the East and 5 to the North"), "{}", tapered.stdout);
     let plain = nereus(folder.path(), &["focus", "r.plain", "--centre-m", "0,0", "--size-m", "44", "--json"]);
     assert!(!plain.stdout.contains("speckle"), "{}", plain.stdout);
-    let silent = nereus(folder.path(), &["focus", "r.plain", "--centre-m", "9e4,0", "--size-m", "44", "--speckle"]);
+    let silent =
+        nereus(folder.path(), &["focus", "r.plain", "--centre-m", "9e4,0", "--size-m", "44", "--speckle"]);
     assert!(silent.code == 2 && silent.stderr.contains("pixels with power"), "{}", silent.stderr);
 }

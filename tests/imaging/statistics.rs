@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use nereus::imaging::statistics::{
-    Fit, KLaw, Kind, Law, Sample, SampleFault, blocks, goodness, histogram, likelihood, moments, regression, sea_shape,
-    trend,
+    Fit, KLaw, Kind, Law, Sample, SampleFault, blocks, goodness, histogram, likelihood, moments, regression,
+    sea_shape, trend,
 };
 use nereus::rng::{Room, stream};
 use proptest::prelude::*;
@@ -120,7 +120,13 @@ fn powers(law: &Law, count: usize, seed: u64, part: u64) -> Vec<f64> {
 }
 
 /// Deviations of the shape (of `1/nu` of a K law) and of the logarithm of the mean power over their stated errors, `[trial]`.
-fn deviations(law: &Law, count: usize, trials: u64, seed: u64, fit: fn(&Sample, Kind) -> Fit) -> Vec<[f64; 2]> {
+fn deviations(
+    law: &Law,
+    count: usize,
+    trials: u64,
+    seed: u64,
+    fit: fn(&Sample, Kind) -> Fit,
+) -> Vec<[f64; 2]> {
     (0..trials)
         .into_par_iter()
         .map(|trial| {
@@ -143,16 +149,23 @@ fn mean_and_rms(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 #[test]
 fn parameters_come_back_and_the_stated_errors_are_those_of_many_seeds() {
     let trials = 100;
-    for (kind, shape) in
-        [(Kind::K, 0.5), (Kind::K, 1.5), (Kind::K, 5.0), (Kind::Weibull, 0.8), (Kind::Weibull, 1.7), (Kind::Rayleigh, 2.0)]
-    {
+    for (kind, shape) in [
+        (Kind::K, 0.5),
+        (Kind::K, 1.5),
+        (Kind::K, 5.0),
+        (Kind::Weibull, 0.8),
+        (Kind::Weibull, 1.7),
+        (Kind::Rayleigh, 2.0),
+    ] {
         // Powers of the order of an echo.
         let law = Law::new(kind, shape, 3e-15);
         for (name, fit) in METHODS.into_iter().skip(1) {
             let found = deviations(&law, 4000, trials, 77, fit);
             for (axis, what) in ["shape", "power"].into_iter().enumerate() {
                 let [mean, rms] = mean_and_rms(found.iter().map(|d| d[axis]));
-                println!("{law:?} by {name}: {what} off by {mean:+.2} in the mean, {rms:.2} rms, of its error");
+                println!(
+                    "{law:?} by {name}: {what} off by {mean:+.2} in the mean, {rms:.2} rms, of its error"
+                );
                 if kind == Kind::Rayleigh && axis == 0 {
                     assert_eq!(rms, 0.0, "{law:?}");
                     continue;
@@ -181,7 +194,8 @@ fn shapes_by_moments_come_back_within_their_error() {
 
 /// 500 powers that any language can make: quantiles of `E^1.7`, E exponential.
 fn quantiles() -> Sample {
-    let powers: Vec<f64> = (0..500).map(|i| -(-(f64::from(i) + 0.5) / 500.0).ln_1p()).map(|e| e.powf(1.7)).collect();
+    let powers: Vec<f64> =
+        (0..500).map(|i| -(-(f64::from(i) + 0.5) / 500.0).ln_1p()).map(|e| e.powf(1.7)).collect();
     Sample::new(&powers).unwrap()
 }
 
@@ -190,7 +204,9 @@ fn fits_are_those_of_another_program() {
     // By scipy 1.x: Nelder and Mead on the likelihood of every power (special.kve), and on the squared distance of the same histogram; errors from the
     // products of numerical scores; roots by brentq. Bins of 0.02 of ln z: 2e-5 of curvature each, far below a thousandth of an error.
     let sample = quantiles();
-    let close = |found: f64, wanted: f64, within: f64| assert!((found / wanted - 1.0).abs() < within, "{found} {wanted}");
+    let close = |found: f64, wanted: f64, within: f64| {
+        assert!((found / wanted - 1.0).abs() < within, "{found} {wanted}")
+    };
     assert!((sample.contrast() - 4.109821414955206).abs() < 1e-9);
     let k = likelihood::fit(&sample, Kind::K);
     close(k.law.shape(), 0.6899849522362236, 1e-3);
@@ -267,7 +283,9 @@ fn shapes_over_azimuth_come_back_within_their_errors() {
         assert!((rms - 1.118).abs() < 0.2 && mean.abs() < 0.25, "{mean} {rms}");
     }
     // A line of constants, one azimuth, too few numbers.
-    assert!(regression::cosine(&[0.0, std::f64::consts::PI, std::f64::consts::TAU], &[1.0, 2.0, 3.0]).is_none());
+    assert!(
+        regression::cosine(&[0.0, std::f64::consts::PI, std::f64::consts::TAU], &[1.0, 2.0, 3.0]).is_none()
+    );
     assert!(regression::cosine(&[0.0, 1.0], &[1.0, 2.0]).is_none());
     assert!(regression::cosine(&[0.0, 1.0, 2.0], &[1.0, f64::INFINITY, 2.0]).is_none());
 }
@@ -296,18 +314,30 @@ fn extremes_are_told_or_refused() {
             for (name, fit) in METHODS {
                 let fit = fit(&sample, kind);
                 let power = fit.law.mean_power();
-                assert!(fit.law.shape() > 0.0 && power > 0.0 && power < f64::INFINITY, "{case} {name}: {fit:?}");
-                assert!(fit.shape_error >= 0.0 && fit.power_error >= 0.0 && fit.inverse_error >= 0.0, "{case} {name}: {fit:?}");
+                assert!(
+                    fit.law.shape() > 0.0 && power > 0.0 && power < f64::INFINITY,
+                    "{case} {name}: {fit:?}"
+                );
+                assert!(
+                    fit.shape_error >= 0.0 && fit.power_error >= 0.0 && fit.inverse_error >= 0.0,
+                    "{case} {name}: {fit:?}"
+                );
             }
             let tested = goodness::test(&sample, kind, 1, 1);
-            assert!((0.0..=1.0).contains(&tested.distance) && tested.probability.is_some(), "{case}: {tested:?}");
+            assert!(
+                (0.0..=1.0).contains(&tested.distance) && tested.probability.is_some(),
+                "{case}: {tested:?}"
+            );
         }
     }
     let zeros = Sample::new(&[0.0, 1.0, 2.0, 0.0]).unwrap();
     assert_eq!((zeros.len(), zeros.silent(), zeros.mean_power()), (2, 2, 1.5));
     // Very spiky, and not at all.
     let spiky = likelihood::fit(&Sample::new(&cases[5]).unwrap(), Kind::K);
-    assert!((spiky.law.shape() - 0.05).abs() < 4.0 * spiky.shape_error && spiky.shape_error < 0.005, "{spiky:?}");
+    assert!(
+        (spiky.law.shape() - 0.05).abs() < 4.0 * spiky.shape_error && spiky.shape_error < 0.005,
+        "{spiky:?}"
+    );
     for (name, fit) in METHODS {
         let even = fit(&Sample::new(&cases[6]).unwrap(), Kind::K);
         assert!(even.law.shape().recip() < 4.0 * even.inverse_error, "{name}: {even:?}");
@@ -322,7 +352,8 @@ fn few_facets_in_a_cell_lower_the_contrast() {
         let mut power = |_| {
             let (mut re, mut im) = (0.0, 0.0);
             for _ in 0..facets {
-                let (a, b): (f64, f64) = (StandardNormal.sample(&mut numbers), StandardNormal.sample(&mut numbers));
+                let (a, b): (f64, f64) =
+                    (StandardNormal.sample(&mut numbers), StandardNormal.sample(&mut numbers));
                 let length = a.hypot(b);
                 (re, im) = (re + a / length, im + b / length);
             }
@@ -330,7 +361,11 @@ fn few_facets_in_a_cell_lower_the_contrast() {
         };
         let sample = Sample::new(&(0..40_000).map(&mut power).collect::<Vec<f64>>()).unwrap();
         let wanted = 2.0 - 1.0 / facets as f64;
-        assert!((sample.contrast() - wanted).abs() < 4.0 * sample.contrast_error() + 1e-12, "{facets}: {}", sample.contrast());
+        assert!(
+            (sample.contrast() - wanted).abs() < 4.0 * sample.contrast_error() + 1e-12,
+            "{facets}: {}",
+            sample.contrast()
+        );
     }
 }
 
@@ -376,8 +411,10 @@ fn blocks_tell_the_error_of_pixels_that_are_alike() {
 #[test]
 fn the_fall_over_range_is_taken_out() {
     let ranges_m: Vec<f64> = (0..300).map(|j| 2400.0 + 4.0 * f64::from(j)).collect();
-    let mut powers: Vec<f64> =
-        ranges_m.iter().flat_map(|r| [1.0, 3.0].map(|p| p * 1e-15 * (r / 3000.0).powi(-4) * (-r / 900.0).exp())).collect();
+    let mut powers: Vec<f64> = ranges_m
+        .iter()
+        .flat_map(|r| [1.0, 3.0].map(|p| p * 1e-15 * (r / 3000.0).powi(-4) * (-r / 900.0).exp()))
+        .collect();
     let before = Sample::new(&powers).unwrap().contrast();
     let span_db = trend::remove(&mut powers, 2, &ranges_m).unwrap();
     // e^{-r/900} is no power of the range: the parabola leaves less than a hundredth.

@@ -91,7 +91,12 @@ pub(super) fn report(
     })
 }
 
-fn channel(args: &FocusArgs, recording: &Recording, ground: &Ground, focused: &Focused) -> Result<Channel, FocusError> {
+fn channel(
+    args: &FocusArgs,
+    recording: &Recording,
+    ground: &Ground,
+    focused: &Focused,
+) -> Result<Channel, FocusError> {
     let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
     let (power, _) = multilook(&power, ground.pixels, args.looks);
     let mean = |order: i32| power.iter().map(|p| p.powi(order)).sum::<f64>() / power.len().max(1) as f64;

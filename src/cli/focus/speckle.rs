@@ -20,8 +20,10 @@ pub(super) fn of(
         return Ok(None);
     }
     let header = &recording.header;
-    let fault = |source| FocusError::Speckle { channel: header.channels[focused.channel].name.clone(), source };
-    let powers: Vec<f64> = focused.image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
+    let fault =
+        |source| FocusError::Speckle { channel: header.channels[focused.channel].name.clone(), source };
+    let powers: Vec<f64> =
+        focused.image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
     let settings = SpeckleSettings { resamples: RESAMPLES, test_pixels: TEST_PIXELS, seed: header.seed };
     Speckle::of(&powers, ground.pixels, step(args, ground, focused), &settings).map(Some).map_err(fault)
 }

@@ -67,16 +67,14 @@ pub(super) fn images(
     let radar = &run.scene.radar;
     let compress = |source| SpeckleError::Compress { path: run.path.clone(), source };
     let pulse = waveform::from_description(&radar.waveform);
-    let (bandwidth_hz, pulse_s) = pulse.map_or((0.0, 0.0), |pulse| (pulse.bandwidth_hz(), pulse.duration_s()));
+    let (bandwidth_hz, pulse_s) =
+        pulse.map_or((0.0, 0.0), |pulse| (pulse.bandwidth_hz(), pulse.duration_s()));
     let shape = PulseShape { replica, sample_rate_hz: radar.sample_rate_hz, bandwidth_hz, pulse_s };
     let cells = oversampling(bandwidth_hz, radar.sample_rate_hz, INTERPOLATION_DB);
     // Flat within the band: the response is then a sinc that is zero a cell away, whatever the pulse.
     let compressor = Compressor::new(shape, radar.window.samples, RangeFilter::Flat, Taper::Uniform, cells)
         .map_err(compress)?;
-    channels
-        .iter()
-        .map(|channel| one(run, sea, gathered, &compressor, *channel, middle_m, pixels))
-        .collect()
+    channels.iter().map(|channel| one(run, sea, gathered, &compressor, *channel, middle_m, pixels)).collect()
 }
 
 fn one(
@@ -144,9 +142,11 @@ fn one(
     drop(status);
     watcher.finish();
     let image = image.into_iter().next().unwrap_or_default();
-    let mut powers: Vec<f64> = image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
+    let mut powers: Vec<f64> =
+        image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
     let middle = &aperture.pulses[aperture.pulses.len() / 2];
-    let range_m = |j: usize| 0.5 * SPEED_OF_LIGHT_MPS * aperture.delay_s(middle, ground.point_m(half[0], j as f64));
+    let range_m =
+        |j: usize| 0.5 * SPEED_OF_LIGHT_MPS * aperture.delay_s(middle, ground.point_m(half[0], j as f64));
     let ranges_m: Vec<f64> = (0..pixels[1]).map(range_m).collect();
     let trend_db = trend::remove(&mut powers, pixels[0], &ranges_m);
     // Seen from a point of the image.
@@ -170,9 +170,16 @@ fn one(
 }
 
 /// Cells across the look and along it that lie on the patch: as many as may be, then both sides by one factor.
-fn fitting(size_m: [f64; 2], [across, along]: [[f64; 2]; 2], cell_m: [f64; 2], most: [usize; 2]) -> [usize; 2] {
+fn fitting(
+    size_m: [f64; 2],
+    [across, along]: [[f64; 2]; 2],
+    cell_m: [f64; 2],
+    most: [usize; 2],
+) -> [usize; 2] {
     let side = |direction: [f64; 2], cell: f64, most: usize| {
-        let fit = (0..2).map(|axis| size_m[axis] / (direction[axis].abs() * cell).max(1e-12)).fold(f64::INFINITY, f64::min);
+        let fit = (0..2)
+            .map(|axis| size_m[axis] / (direction[axis].abs() * cell).max(1e-12))
+            .fold(f64::INFINITY, f64::min);
         fit.min(most as f64)
     };
     let sides = [side(across, cell_m[0], most[0]), side(along, cell_m[1], most[1])];

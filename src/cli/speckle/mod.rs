@@ -179,7 +179,12 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
     let mut azimuths = Vec::new();
     for wind in 0..args.winds {
         let psi_rad = std::f64::consts::TAU * wind as f64 / args.winds as f64;
-        say(format_args!("wind {:.1} degrees from the look ({} of {}) ...", psi_rad.to_degrees(), wind + 1, args.winds));
+        say(format_args!(
+            "wind {:.1} degrees from the look ({} of {}) ...",
+            psi_rad.to_degrees(),
+            wind + 1,
+            args.winds
+        ));
         let mut turned = run.clone();
         if let Some(sea) = &mut turned.scene.sea {
             sea.water.wind.direction_rad = look_rad + psi_rad;
@@ -252,8 +257,10 @@ fn look_rad(run: &Run, sea: &Sea, channel: usize) -> Result<f64, CliError> {
     let (tracks, _) = build::tracks(&run.nav, scene)?;
     let time = radar.emissions.emission(scene.start, scene.pulses / 2);
     let row = &radar.channels[channel];
-    let platforms =
-        [radar.transmitters[row.transmitter].antenna.platform, radar.receivers[row.receiver].antenna.platform];
+    let platforms = [
+        radar.transmitters[row.transmitter].antenna.platform,
+        radar.receivers[row.receiver].antenna.platform,
+    ];
     let mut along = DVec2::ZERO;
     for platform in platforms {
         if let Ok(state) = tracks[platform].truth.state(time) {

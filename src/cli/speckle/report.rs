@@ -174,7 +174,10 @@ impl Report {
             // An infinite shape is a word that any reader of CSV takes for what it is.
             let shape = |shape: &Shape| {
                 let shape_text = shape.shape.map_or("inf".to_owned(), |nu| format!("{nu:.5e}"));
-                format!(",{shape_text},{}", shape.error.map_or("inf".to_owned(), |error| format!("{error:.3e}")))
+                format!(
+                    ",{shape_text},{}",
+                    shape.error.map_or("inf".to_owned(), |error| format!("{error:.3e}"))
+                )
             };
             if let Some(fits) = speckle.law(Kind::K) {
                 csv += &shape(&fits.moments);
@@ -194,7 +197,12 @@ impl Report {
             }
             let _ = write!(csv, ",{}", speckle.test_pixels);
             for fits in &speckle.laws {
-                let _ = write!(csv, ",{:.5},{}", fits.distance, fits.probability.map_or(String::new(), |p| format!("{p:.4}")));
+                let _ = write!(
+                    csv,
+                    ",{:.5},{}",
+                    fits.distance,
+                    fits.probability.map_or(String::new(), |p| format!("{p:.4}"))
+                );
             }
             let _ = writeln!(csv, ",{}", number(azimuth.empirical));
         }
@@ -227,7 +235,8 @@ impl Report {
                 azimuth.psi_deg, azimuth.channel, speckle.mean_power_dbw, speckle.contrast
             );
             if let Some(fits) = speckle.law(Kind::K) {
-                let block = fits.likelihood.shape.zip(speckle.inverse_block_error).map(|(nu, error)| nu * nu * error);
+                let block =
+                    fits.likelihood.shape.zip(speckle.inverse_block_error).map(|(nu, error)| nu * nu * error);
                 let _ = write!(
                     text,
                     "  {}  {}  {:>7}  {}",
@@ -309,7 +318,9 @@ impl Report {
 fn cosine(azimuths: &[Azimuth], channel: &str, way: fn(&Azimuth) -> Option<&Shape>) -> Option<Cosine> {
     let own = azimuths.iter().filter(|azimuth| azimuth.channel == channel);
     let (psi_rad, shapes): (Vec<f64>, Vec<f64>) = own
-        .map(|azimuth| (azimuth.psi_deg.to_radians(), way(azimuth).and_then(|shape| shape.shape).unwrap_or(f64::NAN)))
+        .map(|azimuth| {
+            (azimuth.psi_deg.to_radians(), way(azimuth).and_then(|shape| shape.shape).unwrap_or(f64::NAN))
+        })
         .unzip();
     regression::cosine(&psi_rad, &shapes)
 }

@@ -53,7 +53,8 @@ pub(super) fn ln_bessel_k(order: f64, x: f64) -> LnBesselK {
         sum += weight * (1.0 + back);
         by_order += weight * (1.0 - back) * t;
         // x cosh t over that at the peak less 1: x cosh(peak + a) = hypotenuse cosh a + nu sinh a.
-        cosh += weight * (1.0 + back) * (hypotenuse * (2.0 * (0.5 * away).sinh().powi(2)) + order * away.sinh());
+        cosh +=
+            weight * (1.0 + back) * (hypotenuse * (2.0 * (0.5 * away).sinh().powi(2)) + order * away.sinh());
     }
     LnBesselK {
         ln: order * peak - hypotenuse + (h * sum).ln(),
@@ -73,7 +74,8 @@ pub(super) fn digamma(x: f64) -> f64 {
     let series = y
         * (1.0 / 12.0
             - y * (1.0 / 120.0
-                - y * (1.0 / 252.0 - y * (1.0 / 240.0 - y * (1.0 / 132.0 - y * (691.0 / 32760.0 - y / 12.0))))));
+                - y * (1.0 / 252.0
+                    - y * (1.0 / 240.0 - y * (1.0 / 132.0 - y * (691.0 / 32760.0 - y / 12.0))))));
     x.ln() - 0.5 / x - series - below
 }
 
@@ -92,16 +94,21 @@ mod tests {
             assert!((b.ln - wanted).abs() < 1e-13 * (1.0 + wanted.abs()), "{x}: {} {wanted}", b.ln);
             assert!((a.by_ln_x + 0.5 + x).abs() < 1e-12 * (1.0 + x), "{x}: {a:?}");
         }
-        for (order, x) in [(0.3, 0.2), (-0.9, 1e-8), (3.0, 5.0), (80.0, 30.0), (2000.0, 1500.0), (0.0, 1e-12)] {
+        for (order, x) in [(0.3, 0.2), (-0.9, 1e-8), (3.0, 5.0), (80.0, 30.0), (2000.0, 1500.0), (0.0, 1e-12)]
+        {
             let at = ln_bessel_k(order, x);
             let h = 1e-4;
             let differences = [
                 (ln_bessel_k(order + h, x).ln - ln_bessel_k(order - h, x).ln) / (2.0 * h),
-                (ln_bessel_k(order, x * f64::exp(h)).ln - ln_bessel_k(order, x * f64::exp(-h)).ln) / (2.0 * h),
+                (ln_bessel_k(order, x * f64::exp(h)).ln - ln_bessel_k(order, x * f64::exp(-h)).ln)
+                    / (2.0 * h),
             ];
             // Third derivatives times h^2/6, and rounding of logarithms of up to 1e4 over h.
             for (found, wanted) in [at.by_order, at.by_ln_x].into_iter().zip(differences) {
-                assert!((found - wanted).abs() < 1e-6 * (1.0 + wanted.abs()), "{order} {x}: {found} {wanted}");
+                assert!(
+                    (found - wanted).abs() < 1e-6 * (1.0 + wanted.abs()),
+                    "{order} {x}: {found} {wanted}"
+                );
             }
         }
     }
@@ -115,7 +122,10 @@ mod tests {
         let h = 1e-5;
         for x in [0.01, 0.3, 4.0, 9.9, 300.0] {
             let slope = (libm::lgamma(x + h) - libm::lgamma(x - h)) / (2.0 * h);
-            assert!((digamma(x) - slope).abs() < 1e-3 * (1.0 + slope.abs()) * if x < 0.1 { 1.0 } else { 1e-4 }, "{x}");
+            assert!(
+                (digamma(x) - slope).abs() < 1e-3 * (1.0 + slope.abs()) * if x < 0.1 { 1.0 } else { 1e-4 },
+                "{x}"
+            );
         }
     }
 }

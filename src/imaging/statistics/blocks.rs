@@ -27,7 +27,8 @@ pub fn inverse_shape_error(powers: &[f64], pixels: [usize; 2]) -> Option<f64> {
     let edges = |length: usize, i: usize| length * i / SIDE;
     let block = |place: usize| {
         let (i, j) = (place % SIDE, place / SIDE);
-        let row = move |y: usize| &powers[y * columns + edges(columns, i)..y * columns + edges(columns, i + 1)];
+        let row =
+            move |y: usize| &powers[y * columns + edges(columns, i)..y * columns + edges(columns, i + 1)];
         Bins::of((edges(rows, j)..edges(rows, j + 1)).flat_map(row).copied())
     };
     let whole = Bins::of(powers.iter().take(columns * rows).copied());

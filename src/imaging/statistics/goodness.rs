@@ -106,7 +106,8 @@ pub fn test(sample: &Sample, kind: Kind, resamples: usize, seed: u64) -> Goodnes
         let mut numbers = stream(seed, Room::Bootstrap, resample as u64, kind as u64);
         let powers: Vec<f64> = (0..sample.len()).map(|_| law.draw(&mut numbers).powi(2)).collect();
         // Numbers too small to be held leave no sample: those count as far.
-        Sample::new(&powers).map_or(true, |drawn| distance(&drawn, &likelihood::fit(&drawn, kind).law) >= found)
+        Sample::new(&powers)
+            .map_or(true, |drawn| distance(&drawn, &likelihood::fit(&drawn, kind).law) >= found)
     };
     let count = (0..resamples).into_par_iter().filter(|resample| farther(*resample)).count();
     let probability = (resamples > 0).then(|| (1 + count) as f64 / (1 + resamples) as f64);

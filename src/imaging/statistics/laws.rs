@@ -124,8 +124,7 @@ impl KLaw {
             return 0.0;
         }
         let x = x.max(f64::MIN_POSITIVE);
-        let ln =
-            (2.0 * scale).ln() - lgamma(shape) + shape * (0.5 * x).ln() + ln_bessel_k(shape - 1.0, x).ln;
+        let ln = (2.0 * scale).ln() - lgamma(shape) + shape * (0.5 * x).ln() + ln_bessel_k(shape - 1.0, x).ln;
         ln.exp()
     }
 

@@ -134,7 +134,9 @@ impl Score {
 /// Log likelihood of Rayleigh's law at its best.
 fn ln_rayleigh(bins: &Bins) -> f64 {
     let ln_power = bins.ln_mean_power();
-    bins.filled().map(|[count, u]| count * (2f64.ln() + 2.0 * u - ln_power - (2.0 * u - ln_power).exp())).sum()
+    bins.filled()
+        .map(|[count, u]| count * (2f64.ln() + 2.0 * u - ln_power - (2.0 * u - ln_power).exp()))
+        .sum()
 }
 
 fn k(bins: &Bins) -> Fit {
@@ -147,7 +149,8 @@ fn k(bins: &Bins) -> Fit {
     let mut at = [clamped((1.0 + 2.0 * more).sqrt().ln()), bins.ln_mean_power()];
     let mut score = Score::of(bins, at);
     for _ in 0..MOST_STEPS {
-        let outward = (at[0] <= S_RANGE[0] && score.slopes[0] < 0.0) || (at[0] >= S_RANGE[1] && score.slopes[0] > 0.0);
+        let outward =
+            (at[0] <= S_RANGE[0] && score.slopes[0] < 0.0) || (at[0] >= S_RANGE[1] && score.slopes[0] > 0.0);
         let step = score.step(outward);
         // What the step may gain, in the unit of the logarithm: 1e-9 is 3e-5 of a standard error.
         let gain = step[0] * score.slopes[0] + step[1] * score.slopes[1];

@@ -25,7 +25,11 @@ pub fn remove(powers: &mut [f64], columns: usize, ranges_m: &[f64]) -> Option<f6
         }
     }
     // Scaled so that a narrow swath is not taken for a singular one.
-    let scale = DVec3::new(1.0, (matrix.y_axis.y / f64::from(rows.max(1))).sqrt(), (matrix.z_axis.z / f64::from(rows.max(1))).sqrt());
+    let scale = DVec3::new(
+        1.0,
+        (matrix.y_axis.y / f64::from(rows.max(1))).sqrt(),
+        (matrix.z_axis.z / f64::from(rows.max(1))).sqrt(),
+    );
     if rows < 4 || !(scale.y > 0.0 && scale.z > 0.0) {
         return None;
     }
