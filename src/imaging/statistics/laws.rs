@@ -101,13 +101,14 @@ impl KLaw {
     /// Of a shape, infinite or not, and a mean power.
     pub fn new(shape: f64, mean_power: f64) -> Self {
         let nu = if shape.is_finite() { shape } else { 1.0 };
-        Self { shape, scale: 2.0 * (nu / mean_power).sqrt() }
+        // Powers next to the least that a number holds have no finite inverse.
+        Self { shape, scale: 2.0 * nu.sqrt() / mean_power.sqrt() }
     }
 
     /// `<z^2>`.
     pub fn mean_power(&self) -> f64 {
         let nu = if self.shape.is_finite() { self.shape } else { 1.0 };
-        4.0 * nu / (self.scale * self.scale)
+        (2.0 * nu.sqrt() / self.scale).powi(2)
     }
 
     /// Density of an amplitude.
