@@ -189,6 +189,6 @@ fn fitting(
             size_m[axis] / length.max(1e-12)
         })
         .fold(1.0, f64::min);
-    // A patch of exactly so many cells has them in spite of rounding.
-    sides.map(|side| (side * share + 1e-6) as usize)
+    // Looks are never quite across the patch, for the radar moves on while the echo returns: a tenth of a cell may hang over.
+    sides.map(|side| (side * share + 0.1) as usize)
 }
