@@ -40,7 +40,7 @@ pub fn gather(stream: PulseStream, status: Option<Sender<Status>>) -> Result<Gat
         held.emission_s.push(pulse.time.since(begin));
         held.window_start_s.push(pulse.window_start_s);
         held.tx_pol.push(pulse.tx_pol);
-        held.phase_centre_m.push(pulse.phase_centre_m.clone());
+        held.phase_centre_m.push(pulse.antennas.iter().map(|antenna| antenna.phase_centre_m).collect());
         held.samples.push(match &pulse.samples {
             Samples::Cf32(samples) => samples.clone(),
             Samples::Ci16(codes) => {

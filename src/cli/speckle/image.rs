@@ -112,6 +112,7 @@ fn one(
         receiver: &receiver,
         pulses: lit.iter().map(echo).collect(),
         centre_m,
+        gate: None,
     };
     let nowhere = || SpeckleError::NoAperture { path: run.path.clone(), channel: row.name.clone() };
     let support = Support::of(&aperture, centre_m).ok_or_else(nowhere)?;
