@@ -65,8 +65,10 @@ pub(super) struct Report {
     channels: Vec<String>,
 }
 
-/// The ways to fit, and what each found of a K law.
-const WAYS: [(&str, fn(&Azimuth) -> Option<&Shape>); 3] = [
+/// What a way to fit found of a K law.
+type Found = fn(&Azimuth) -> Option<&Shape>;
+/// The ways to fit.
+const WAYS: [(&str, Found); 3] = [
     ("moments", |azimuth| azimuth.speckle.law(Kind::K).map(|fits| &fits.moments)),
     ("likelihood", |azimuth| azimuth.speckle.law(Kind::K).map(|fits| &fits.likelihood)),
     ("histogram", |azimuth| azimuth.speckle.law(Kind::K).map(|fits| &fits.histogram)),
@@ -315,7 +317,7 @@ impl Report {
     }
 }
 
-fn cosine(azimuths: &[Azimuth], channel: &str, way: fn(&Azimuth) -> Option<&Shape>) -> Option<Cosine> {
+fn cosine(azimuths: &[Azimuth], channel: &str, way: Found) -> Option<Cosine> {
     let own = azimuths.iter().filter(|azimuth| azimuth.channel == channel);
     let (psi_rad, shapes): (Vec<f64>, Vec<f64>) = own
         .map(|azimuth| {
