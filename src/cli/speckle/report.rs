@@ -293,9 +293,14 @@ impl Report {
         }
         named.resize_with(named.len().next_multiple_of(COLOURS), || (String::new(), Vec::new(), Mark::Line));
         for channel in &self.channels {
-            let law = of(channel, &|azimuth| azimuth.empirical);
+            // From one azimuth to all others as Watts and Wicks have it: cos 2 psi / 3 in the logarithm.
+            let first = of(channel, &|azimuth| azimuth.empirical).first().copied();
+            let law = first.map_or_else(Vec::new, |[at_deg, nu]| {
+                let at = (2.0 * at_deg.to_radians()).cos();
+                degrees(&|psi| nu * 10f64.powf((at - (2.0 * psi).cos()) / 3.0))
+            });
             let name = if law.is_empty() { String::new() } else { format!("{channel} Ward, Baker, Watts") };
-            named.push((name, law, Mark::Both));
+            named.push((name, law, Mark::Line));
         }
         let curves: Vec<Curve> =
             named.iter().map(|(name, points, mark)| Curve { name, points, mark: *mark }).collect();
