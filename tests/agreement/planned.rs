@@ -101,7 +101,7 @@ fn the_least_error_that_may_be_asked() {
 fn gains_leave_what_the_closed_form_says() {
     use nereus::plan::gain::{error_power, sweep_rad_s};
     use nereus::plan::interpolation::Nodes;
-    for gain_pulses in [4u32, 6, 8] {
+    for gain_pulses in [6u32, 8, 10] {
         let settings = [
             ("scene.patch_size_m", "[128, 32]"),
             ("scene.duration_s", "0.3"),
@@ -120,7 +120,8 @@ fn gains_leave_what_the_closed_form_says() {
             10.0 * expected.log10()
         );
         // The closed form is a mean over all water, here are 128 m of it (two widths of the main lobe, and slopes that weigh them), and the
-        // prediction is that of the worst pulse: 2 dB more, and four standard deviations over some hundred facets.
+        // prediction is that of the worst pulse: 2 dB more, and what its spread over cells and facets adds. Closer gains leave less than the
+        // delays do in other pulses, which are then predicted.
         assert!((-3.0..6.0).contains(&apart_db), "{gain_pulses}: {apart_db}");
     }
 }
