@@ -266,10 +266,11 @@ impl<'a> Sounder<'a> {
                     let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
                     sums[*channel].add(w, cells.of(truth.delay_s[i]));
                 }
+                sums[*channel].close();
             }
         }
         let mut powers: Powers = sums.iter().map(Sum::mean).collect();
-        let mut worst: Powers = sums.iter().map(|sum| sum.worst(weight, deviations)).collect();
+        let mut worst: Powers = sums.iter().map(|sum| sum.worst_of_like(weight, deviations)).collect();
         for (_, channel, _, w) in self.points(index)? {
             powers[channel] += w * weight;
             // Two of them may add up in phase.
@@ -515,7 +516,9 @@ impl<'a> Sounder<'a> {
                 {
                     let truth = &truths[heard.tile * pairs + heard.pair];
                     let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-                    interval.compare(*probe, heard, truth, waves, (&self.channels[heard.pair], cells), sum);
+                    let own = &self.channels[heard.pair];
+                    interval.compare(*probe, heard, truth, waves, (own, cells), sum);
+                    own.iter().for_each(|channel| sum[*channel].iter_mut().for_each(Sum::close));
                 }
             })?;
             *left = probes
@@ -607,6 +610,7 @@ impl<'a> Sounder<'a> {
                             sum[*channel].add(square(a, i) * off, cell);
                         }
                     }
+                    own.iter().for_each(|channel| sum[*channel].close());
                 }
             }
         })?;

@@ -1,12 +1,12 @@
 //! From the mean error of a pulse to that of the worst of many.
 //!
 //! The terms `e_i` that facets add to an error `S = sum e_i` are means over their phases: in a pulse the facets of a resolution cell `c`
-//! interfere, and another pulse has other facets there. With `S_c` the sum of a cell and `f` the share of the facets in the sample, the
-//! error of a pulse is spread about `S` by
+//! interfere, and another pulse has other facets there. A sample takes whole tiles of neighbours, a share `f` of all. With `S_tc` the
+//! sum of a tile's facets in a cell, the error of a pulse is spread about `S` by
 //!
-//! `v = (sum S_c^2 - sum e_i^2 + f sum e_i^2) / S^2`:
+//! `v = (sum over c of (sum over t of S_tc)^2 - (1 - f) sum of S_tc^2) / S^2`:
 //!
-//! speckle, and facets that come and go. It is next to nothing over hundreds of cells, and that of an exponential law, `v = 1`, where one
+//! speckle, and facets that come and go; squares of tiles count by their share, since the whole patch has `1/f` times as many of them. It is next to nothing over hundreds of cells, and that of an exponential law, `v = 1`, where one
 //! cell or facet decides. The worst of `n` pulses and channels is taken `z = sqrt(2 ln n)` deviations up in a gamma law of that variance, by the cube of
 //! a normal variable (Wilson and Hilferty, PNAS 17, 1931), of a sum to which two deviations are added of what the sample may have missed:
 //!
@@ -29,12 +29,15 @@ const SAMPLE_SIGMAS: f64 = 2.0;
 /// Most resolution cells along delay that are told apart.
 const MOST_CELLS: usize = 4096;
 
-/// A sum of terms, of their squares, and those of each resolution cell.
+/// A sum of terms, of their squares, and those of each resolution cell. Terms of a tile are closed before those of the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
     of: f64,
     squares: f64,
     cells: Vec<f64>,
+    /// The cells of the tile that is open, and the squares of those closed.
+    open: Vec<f64>,
+    tiles: f64,
 }
 
 impl Sum {
@@ -44,8 +47,18 @@ impl Sum {
         let cell = cell.min(MOST_CELLS - 1);
         if self.cells.len() <= cell {
             self.cells.resize(cell + 1, 0.0);
+            self.open.resize(cell + 1, 0.0);
         }
-        self.cells[cell] += term;
+        self.open[cell] += term;
+    }
+
+    /// Ends a tile.
+    pub(super) fn close(&mut self) {
+        for (all, own) in self.cells.iter_mut().zip(&mut self.open) {
+            *all += *own;
+            self.tiles += *own * *own;
+            *own = 0.0;
+        }
     }
 
     /// The sum of the terms.
@@ -59,9 +72,17 @@ impl Sum {
             return 0.0;
         }
         let missed = SAMPLE_SIGMAS * ((1.0 - share).max(0.0) * self.squares).sqrt();
+        (self.of + missed) / self.of * self.worst_of_like(share, deviations)
+    }
+
+    /// The same without what the sample may have missed: of an echo that is compared with its own mean.
+    pub(super) fn worst_of_like(&self, share: f64, deviations: f64) -> f64 {
+        if self.of <= 0.0 {
+            return 0.0;
+        }
         let cells = self.cells.iter().map(|cell| cell * cell).sum::<f64>();
-        let spread = ((cells - self.squares).max(0.0) + share * self.squares) / (self.of * self.of);
-        (self.of + missed) * worst_of(spread, deviations)
+        let spread = ((cells - self.tiles).max(0.0) + share * self.tiles) / (self.of * self.of);
+        self.of * worst_of(spread, deviations)
     }
 }
 
@@ -108,7 +129,10 @@ mod tests {
     fn cells_and_facets_that_decide() {
         let of = |terms: &[(f64, usize)], share| {
             let mut sum = Sum::default();
-            terms.iter().for_each(|(term, cell)| sum.add(*term, *cell));
+            for (term, cell) in terms {
+                sum.add(*term, *cell);
+                sum.close();
+            }
             sum.worst(share, 3.0)
         };
         // One facet, or many in one cell: an exponential law. The same in many cells: hardly more than the mean.
@@ -119,6 +143,11 @@ mod tests {
         assert!((of(&apart, 1.0) / worst_of(1.0 / 400.0, 3.0) - 1.0).abs() < 1e-9);
         // Of a small sample what it may have missed counts: two deviations of 400 terms are a tenth.
         assert!((of(&apart, 0.0) - 1.1).abs() < 1e-9);
+        // A crest that fills a tile in one cell is one term of many like it.
+        let mut crest = Sum::default();
+        (0..256).for_each(|_| crest.add(1.0 / 256.0, 7));
+        crest.close();
+        assert!((crest.worst_of_like(0.01, 3.0) / worst_of(0.01, 3.0) - 1.0).abs() < 1e-9);
         // Cells beyond all, and nothing at all.
         assert!(of(&[(1.0, usize::MAX)], 1.0).is_finite());
         assert_eq!(of(&[], 0.0), 0.0);
