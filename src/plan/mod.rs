@@ -2,19 +2,18 @@
 //!
 //! Powers of independent errors add, relative to the echo:
 //!
-//! `e^2 = gridding + Doppler + rounding + surface + bounce + path + tilt + gain + culled`
+//! `e^2 = gridding + Doppler + rounding + bounce + path + tilt + gain + culled`
 //!
 //! | part | what it is | found by |
 //! | --- | --- | --- |
 //! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
-//! | surface | heights in f32 | `(3e-7 x 2 pi/lambda x 2 x rms height)^2` |
 //! | bounce | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
-//! | path | delays between nodes: flight, waves that facets ride on | [`sounding`] |
+//! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`sounding`] |
 //! | tilt | scattering between looks: facets that the waves turn | [`sounding`] |
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`sounding`] |
 //! | culled | facets left out because they are weak | [`sounding`] |
 //!
-//! each at the worst pulse and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
+//! each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
 //! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a
@@ -35,6 +34,7 @@ pub mod path;
 pub mod settle;
 pub mod sounding;
 pub mod waves;
+pub mod worst;
 
 use std::f64::consts::TAU;
 
@@ -45,9 +45,6 @@ use crate::radar::fault::RadarError;
 use crate::radar::illumination::Illumination;
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
-
-/// Error of heights in f32 over their rms.
-const HEIGHT_ROUNDING: f64 = 3e-7;
 
 /// Why there is no plan.
 #[derive(Debug, Error)]
@@ -65,8 +62,6 @@ pub enum PlanError {
 pub struct Prediction {
     /// Of the echo itself.
     pub echo: PredictedError,
-    /// Heights in f32.
-    pub surface: f64,
     /// Acceleration of the water on the way to it.
     pub bounce: f64,
     /// Delays between nodes.
@@ -81,13 +76,12 @@ pub struct Prediction {
 
 impl Prediction {
     /// All parts with their names, ratios of powers.
-    pub fn parts(&self) -> [(&'static str, f64); 9] {
+    pub fn parts(&self) -> [(&'static str, f64); 8] {
         let PredictedError { gridding, doppler, rounding } = self.echo;
         [
             ("gridding", gridding),
             ("doppler", doppler),
             ("rounding", rounding),
-            ("surface", self.surface),
             ("bounce", self.bounce),
             ("path", self.path),
             ("tilt", self.tilt),
@@ -113,10 +107,4 @@ fn bounce(scene: &Scene, illumination: &Illumination) -> f64 {
     let one_way_s = 0.5 * illumination.light_time_s();
     let path_m = GRAVITY_MPS2 * illumination.rms_slope() * one_way_s * one_way_s;
     (TAU / scene.radar.wavelength_m() * path_m).powi(2)
-}
-
-/// What heights in f32 leave in the phase.
-fn surface_rounding(scene: &Scene, illumination: &Illumination) -> f64 {
-    let path = HEIGHT_ROUNDING * 2.0 * illumination.rms_height_m();
-    (TAU / scene.radar.wavelength_m() * path).powi(2)
 }

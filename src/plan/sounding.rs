@@ -10,17 +10,22 @@
 //! path = sum |a G|^2 (2 pi f0 (tau^ - tau))^2 ,   tilt = sum |a^ - a|^2 G^2 ,   gain = sum |a|^2 (G^ - G)^2   over  sum |a G|^2
 //! ```
 //!
-//! at the worst probe and place. Where few facets make most of an error it differs from pulse to pulse: with `e_i` the terms of a sum and
-//! `f` the share of the facets in the sample, `S = sum e_i` is told as `S + ` [`SIGMAS`] ` sqrt(f sum e_i^2) + 2 sqrt((1 - f) sum e_i^2)`: the worst pulse, and what the sample may have missed. The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
-//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows.
+//! at the worst probe and place; path and tilt at one and the same. What the worst pulse has more
+//! than the sum says, and what the sample may have missed, is in [`worst`](super::worst).
+//!
+//! The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
+//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights rounded to f32 (those of
+//! the nodes and those at a probe, so that once is counted twice).
+//!
+//! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt are at their best: each probe
+//! takes the gain of its own interval.
 //!
 //! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
 //! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
 //!
 //! Targets and direct paths are few: all of them are followed, at every pulse.
 //!
-//! Limits: where an error is that of single facets, as at grazing incidence between far nodes, a small patch has pulses some 10 dB worse than any that
-//! was probed. [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
+//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
 //! platforms between the places is not seen.
 
 use std::f64::consts::TAU;
@@ -28,6 +33,7 @@ use std::f64::consts::TAU;
 use num_complex::{Complex32, Complex64};
 
 use super::settle::block_pulses;
+use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
@@ -37,6 +43,7 @@ use crate::radar::illumination::tiles::{
     nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
+use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
 use crate::scene::{Patch, Radar};
 
@@ -44,10 +51,8 @@ use crate::scene::{Patch, Radar};
 pub const TILES: usize = 64;
 /// Pulses of the run whose power is taken.
 pub const PROFILE: u64 = 48;
-/// Standard deviations of an error from pulse to pulse that are added: the worst of some ten thousand, were it Gaussian.
-pub const SIGMAS: f64 = 4.0;
-/// Standard deviations of the sample itself that are added: it may have missed some of the few facets that make most of an error.
-const SAMPLE_SIGMAS: f64 = 2.0;
+/// Facets are left out of a tile that loses more than one in so many.
+const FEW: usize = 4;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
 /// Patches up to so many facets are looked at in more places.
@@ -58,33 +63,30 @@ pub const LONGEST: u64 = 64;
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
 
-/// A sum of terms, and of their squares.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    of: f64,
-    squares: f64,
-}
-
-impl Sum {
-    fn add(&mut self, term: f64) {
-        self.of += term;
-        self.squares += term * term;
-    }
-
-    /// With what the worst pulse has more, of a sample that is such a share of all.
-    fn worst(&self, share: f64) -> f64 {
-        self.of
-            + (SIGMAS * share.sqrt() + SAMPLE_SIGMAS * (1.0 - share).max(0.0).sqrt()) * self.squares.sqrt()
-    }
-}
-
-/// What interpolation between nodes leaves, at the worst probe of a place.
+/// What interpolation between nodes leaves at a probe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Left {
+    /// Pulses to the nearer end of the block.
+    pub edge: u64,
     /// Of delays.
     pub path: Powers,
     /// Of scattering.
     pub tilt: Powers,
+}
+
+/// What interpolation between instants of gain leaves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swept {
+    /// In the first and last interval of a block.
+    pub end: Powers,
+    /// Between the others.
+    pub inner: Powers,
+}
+
+impl Swept {
+    fn none(channels: usize) -> Self {
+        Self { end: vec![0.0; channels], inner: vec![0.0; channels] }
+    }
 }
 
 /// A block of the run.
@@ -109,6 +111,11 @@ impl Truth {
     fn power(&self, i: usize) -> f64 {
         self.amplitude.iter().map(|a| square(a, i)).sum::<f64>() * f64::from(self.factor[i]).powi(2)
     }
+
+    /// Power of a facet in the channel that hears most of it.
+    fn strongest(&self, i: usize) -> f64 {
+        self.amplitude.iter().map(|a| square(a, i)).fold(0.0, f64::max) * f64::from(self.factor[i]).powi(2)
+    }
 }
 
 /// Soundings of a run.
@@ -116,6 +123,8 @@ pub struct Sounder<'a> {
     illumination: &'a Illumination,
     radar: &'a Radar,
     pulse_s: f64,
+    /// Resolution cells of a second of delay.
+    cells_per_s: f64,
     pulses: u64,
     light: Workspace,
     tiles: Option<Box<TileWork>>,
@@ -129,7 +138,7 @@ pub struct Sounder<'a> {
     dopplers: Vec<(usize, f64, f64)>,
     /// Largest rate of a delay.
     fastest: f64,
-    /// Mean power over the run, and the strongest pulse over that.
+    /// Mean power over the run, and what the strongest pulse may have over that.
     power: Powers,
     peak: Powers,
     /// Share of the facets, mean over the run, above each of [`LEASTS`] times the mean power and not dark.
@@ -146,9 +155,10 @@ impl<'a> Sounder<'a> {
     pub fn new(
         illumination: &'a Illumination,
         radar: &'a Radar,
-        pulse_s: f64,
+        waveform: &dyn Waveform,
         pulses: u64,
     ) -> Result<Self, RadarError> {
+        let bandwidth_hz = waveform.bandwidth_hz();
         let pairs = illumination.pairs().len();
         let mut channels = vec![Vec::new(); pairs];
         for (channel, pair) in illumination.channel_pairs().iter().enumerate() {
@@ -158,7 +168,8 @@ impl<'a> Sounder<'a> {
         let mut own = Self {
             illumination,
             radar,
-            pulse_s,
+            pulse_s: waveform.duration_s(),
+            cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
             light: illumination.workspace(),
             tiles: illumination.tile_work(Variant::fastest()),
@@ -205,16 +216,16 @@ impl<'a> Sounder<'a> {
                 patch.as_ref(),
                 Keep { shadows: if step > 0 { Shadows::Keep } else { Shadows::Find }, surface: step > 0 },
             )?;
-            let powers = self.powers(index, &truths)?;
+            let [powers, worst] = self.powers(index, &truths)?;
             self.count_kept(&truths, count as f64);
             let all: f64 = powers.iter().sum();
             if all > most {
                 (strongest, most) = (index, all);
             }
-            for ((mean, highest), own) in self.power.iter_mut().zip(&mut highest).zip(powers) {
+            for (mean, own) in self.power.iter_mut().zip(powers) {
                 *mean += own / count as f64;
-                *highest = highest.max(own);
             }
+            highest.iter_mut().zip(worst).for_each(|(highest, own)| *highest = highest.max(own));
         }
         for ((peak, mean), highest) in self.peak.iter_mut().zip(&self.power).zip(highest) {
             *peak = if *mean > 0.0 { highest / mean } else { 1.0 };
@@ -245,21 +256,27 @@ impl<'a> Sounder<'a> {
         self.kept[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
     }
 
-    /// Powers of a sample and of the points of a pulse.
-    fn powers(&mut self, index: u64, truths: &[Truth]) -> Result<Powers, RadarError> {
-        let mut powers = vec![0.0; self.power.len()];
+    /// Powers of a sample and of the points of a pulse, and those that the worst of pulses like it may have.
+    fn powers(&mut self, index: u64, truths: &[Truth]) -> Result<[Powers; 2], RadarError> {
+        let mut sums = vec![Sum::default(); self.power.len()];
+        let (cells, weight, deviations) = (self.cells_at(index)?, self.sampled(), self.deviations());
         for (n, truth) in truths.iter().enumerate() {
             for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
-                let heard = (0..truth.count).filter(|i| truth.heard[*i]);
-                powers[*channel] +=
-                    heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+                for i in (0..truth.count).filter(|i| truth.heard[*i]) {
+                    let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
+                    sums[*channel].add(w, cells.of(truth.delay_s[i]));
+                }
+                sums[*channel].close();
             }
         }
-        let weight = self.sampled();
+        let mut powers: Powers = sums.iter().map(Sum::mean).collect();
+        let mut worst: Powers = sums.iter().map(|sum| sum.worst_of_like(weight, deviations)).collect();
         for (_, channel, _, w) in self.points(index)? {
             powers[channel] += w * weight;
+            // Two of them may add up in phase.
+            worst[channel] += 2.0 * w * weight;
         }
-        Ok(powers)
+        Ok([powers, worst])
     }
 
     /// Points of a pulse: `(pair, channel, delay rate, power)`.
@@ -297,7 +314,7 @@ impl<'a> Sounder<'a> {
         &self.power
     }
 
-    /// Power of the strongest pulse over the mean.
+    /// Power that the strongest of all pulses may have, over the mean.
     pub fn peak(&self) -> &Powers {
         &self.peak
     }
@@ -345,41 +362,58 @@ impl<'a> Sounder<'a> {
         let patch = self.places[place].patch;
         let truths = self.light(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
-        for (pair, channels) in self.channels.iter().enumerate() {
-            let own = || truths.iter().skip(pair).step_by(pairs.max(1));
-            let facets: usize = own().map(|truth| truth.count).sum();
-            let mut powers = vec![Vec::new(); channels.len()];
-            let mut sums = Vec::new();
-            for truth in own() {
-                for i in 0..truth.count {
-                    let mut sum = 0.0;
-                    for (power, a) in powers.iter_mut().zip(&truth.amplitude) {
-                        let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
-                        power.push(if truth.heard[i] { w } else { 0.0 });
-                        sum += w;
-                    }
-                    sums.push(sum);
-                    if truth.heard[i] && sum > 0.0 {
-                        self.dopplers.push((pair, scale * truth.rate[i], sum));
-                        self.fastest = self.fastest.max(truth.rate[i].abs());
-                    }
-                }
-            }
-            let mean = sums.iter().sum::<f64>() / facets.max(1) as f64;
-            for (power, channel) in powers.iter().zip(channels) {
-                for (least, culled) in LEASTS.iter().zip(&mut self.culled) {
-                    let weak = power.iter().zip(&sums).filter(|(_, sum)| **sum < least * mean);
-                    let weak: f64 = weak.map(|(w, _)| w).sum();
-                    culled[*channel] = culled[*channel].max(weak);
+        let mut means_w = vec![0.0; pairs];
+        for (n, truth) in truths.iter().enumerate() {
+            let pair = n % pairs;
+            for i in 0..truth.count {
+                let sum = truth.power(i);
+                means_w[pair] += sum;
+                if truth.heard[i] && sum > 0.0 {
+                    self.dopplers.push((pair, scale * truth.rate[i], sum));
+                    self.fastest = self.fastest.max(truth.rate[i].abs());
                 }
             }
         }
+        let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
+        means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
+        self.leave_out(&truths, &means_w);
         let weight = self.sampled();
         for (pair, _, rate, w) in self.points(first)? {
             self.dopplers.push((pair, scale * rate, w * weight));
             self.fastest = self.fastest.max(rate.abs());
         }
         Ok(())
+    }
+
+    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of tiles that lose
+    /// enough of them. Facets that are dark count among the lost, so that rather too much is left out here.
+    fn leave_out(&mut self, truths: &[Truth], means_w: &[f64]) {
+        let mut sums = vec![vec![0.0; self.power.len()]; LEASTS.len()];
+        for tile in truths.chunks(means_w.len().max(1)) {
+            let count = tile.first().map_or(0, |truth| truth.count);
+            let strongest: Vec<f64> = (0..count)
+                .map(|i| {
+                    let of = |(truth, mean): (&Truth, &f64)| truth.strongest(i) / mean.max(f64::MIN_POSITIVE);
+                    tile.iter().zip(means_w).map(of).fold(0.0, f64::max)
+                })
+                .collect();
+            for (least, sums) in LEASTS.iter().zip(&mut sums) {
+                let lost = |i: &usize| strongest[*i] <= *least;
+                if (0..count).filter(lost).count() <= count / FEW {
+                    continue;
+                }
+                for (truth, channels) in tile.iter().zip(&self.channels) {
+                    for (a, channel) in truth.amplitude.iter().zip(channels) {
+                        let heard = (0..count).filter(lost).filter(|i| truth.heard[*i]);
+                        sums[*channel] +=
+                            heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+                    }
+                }
+            }
+        }
+        for (culled, sums) in self.culled.iter_mut().zip(sums) {
+            culled.iter_mut().zip(sums).for_each(|(most, own)| *most = most.max(own));
+        }
     }
 
     /// Whether the patch is so small that single facets count, and more instants cost little.
@@ -418,16 +452,24 @@ impl<'a> Sounder<'a> {
     /// What blocks leave whose every pulse is a node.
     pub fn nothing(&self) -> Left {
         let none = vec![0.0; self.radar.channels.len()];
-        Left { path: none.clone(), tilt: none }
+        Left { edge: 0, path: none.clone(), tilt: none }
     }
 
-    /// What blocks with nodes so many pulses apart leave at a place, with 1, 2 and 3 looks from node to node.
-    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<[Left; LOOKS_PER_NODE], RadarError> {
+    /// First pulse of the block of the run that holds a place, with nodes so many pulses apart.
+    pub fn block_of(&self, place: usize, node_pulses: u64) -> u64 {
+        let length = block_pulses(node_pulses);
+        self.places[place].first / length * length
+    }
+
+    /// What blocks with nodes so many pulses apart leave at the probes of a place, with 1, 2 and 3 looks from node to node.
+    pub fn left(
+        &mut self,
+        place: usize,
+        node_pulses: u64,
+    ) -> Result<[Vec<Left>; LOOKS_PER_NODE], RadarError> {
         let channels = self.radar.channels.len();
-        let nothing = self.nothing();
-        let mut left = std::array::from_fn(|_| nothing.clone());
-        // The block of the run that holds the place.
-        let first = self.places[place].first / block_pulses(node_pulses) * block_pulses(node_pulses);
+        let mut left = std::array::from_fn(|_| vec![self.nothing()]);
+        let first = self.block_of(place, node_pulses);
         let Some(patch) = self.illumination.patch_of(first)? else { return Ok(left) };
         let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
         let (nodes, count) = nodes_within(pulses);
@@ -454,13 +496,13 @@ impl<'a> Sounder<'a> {
         for (_, probe) in &probes {
             truths.push(self.light(first + *probe as u64, Some(&patch), Keep::default())?);
         }
-        let share = self.sampled();
-        let pairs = self.channels.len();
+        let (share, deviations) = (self.sampled(), self.deviations());
+        let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
         let Some(tiles) = &mut self.tiles else { return Ok(left) };
         for (n, left) in left.iter_mut().enumerate() {
             let instants = Instants::of_block(first, pulses, n + 1, pulses);
             let looks = &instants.looks[..instants.look_count];
-            let mut sums = vec![vec![[Sum::default(); 2]; channels]; probes.len()];
+            let mut sums = vec![vec![<[Sum; 2]>::default(); channels]; probes.len()];
             let interval_of = |n: usize| {
                 let from = looks_about(looks, nodes[n]..=nodes[n + 1]);
                 let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
@@ -474,33 +516,50 @@ impl<'a> Sounder<'a> {
                 {
                     let truth = &truths[heard.tile * pairs + heard.pair];
                     let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-                    interval.compare(*probe, heard, truth, waves, &self.channels[heard.pair], sum);
+                    let own = &self.channels[heard.pair];
+                    interval.compare(*probe, heard, truth, waves, (own, cells), sum);
+                    own.iter().for_each(|channel| sum[*channel].iter_mut().for_each(Sum::close));
                 }
             })?;
-            for (channel, [path, tilt]) in sums.iter().flat_map(|sums| sums.iter().enumerate()) {
-                left.path[channel] = left.path[channel].max(path.worst(share));
-                left.tilt[channel] = left.tilt[channel].max(tilt.worst(share));
-            }
+            *left = probes
+                .iter()
+                .zip(&sums)
+                .map(|((_, probe), sums)| Left {
+                    edge: (*probe).min(pulses - 1 - *probe) as u64,
+                    path: sums.iter().map(|[path, _]| path.worst(share, deviations)).collect(),
+                    tilt: sums.iter().map(|[_, tilt]| tilt.worst(share, deviations)).collect(),
+                })
+                .collect();
         }
         Ok(left)
     }
 
     /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points: worst of all
     /// places. Blocks with less than six instants of gain leave more than long ones.
-    pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Vec<Powers>, RadarError> {
-        let channels = self.radar.channels.len();
-        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
+    pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Vec<Swept>, RadarError> {
+        let mut worst = vec![Swept::none(self.radar.channels.len()); steps.len()];
         for place in 0..self.places.len() {
-            let mut sums = self.gains_of_sea(place, steps, block_pulses)?;
+            let sea = self.gains_of_sea(place, steps, block_pulses)?;
             let points = self.gains_of_points(place, steps)?;
-            for (sums, points) in sums.iter_mut().zip(&points) {
-                sums.iter_mut().zip(points).for_each(|(sum, own)| *sum += own);
-            }
-            for (worst, sums) in worst.iter_mut().zip(&sums) {
-                worst.iter_mut().zip(sums).for_each(|(worst, own)| *worst = worst.max(*own));
+            for ((worst, sea), points) in worst.iter_mut().zip(&sea).zip(&points) {
+                for (worst, sea) in [(&mut worst.end, &sea.end), (&mut worst.inner, &sea.inner)] {
+                    let both = sea.iter().zip(points).map(|(sea, points)| sea + points);
+                    worst.iter_mut().zip(both).for_each(|(worst, own)| *worst = worst.max(own));
+                }
             }
         }
         Ok(worst)
+    }
+
+    /// Deviations up at which the worst pulse and channel of the run lies.
+    fn deviations(&self) -> f64 {
+        deviations_of(self.pulses.saturating_mul(self.power.len() as u64))
+    }
+
+    /// Resolution cells from the first delay on that the window of a pulse hears.
+    fn cells_at(&self, index: u64) -> Result<Cells, RadarError> {
+        let from_s = self.illumination.window_start_of(index)? - self.pulse_s;
+        Ok(Cells { from_s, per_s: self.cells_per_s })
     }
 
     fn gains_of_sea(
@@ -508,10 +567,11 @@ impl<'a> Sounder<'a> {
         place: usize,
         steps: &[u64],
         block_pulses: u64,
-    ) -> Result<Vec<Powers>, RadarError> {
+    ) -> Result<Vec<Swept>, RadarError> {
         let channels = self.radar.channels.len();
-        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
+        let mut worst = vec![Swept::none(channels); steps.len()];
         let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
+        let cells = self.cells_at(first)?;
         let Some(tiles) = &mut self.tiles else { return Ok(worst) };
         let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
         let keep = Keep::default();
@@ -545,17 +605,22 @@ impl<'a> Sounder<'a> {
                         // Shadows and facets that turn away.
                         let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
                         let off = f64::from((found - exact) * seen).powi(2);
+                        let cell = cells.of(heard.of.nodes[0].paths.delay_s[i]);
                         for (channel, a) in own.iter().zip(&look.amplitude) {
-                            sum[*channel].add(square(a, i) * off);
+                            sum[*channel].add(square(a, i) * off, cell);
                         }
                     }
+                    own.iter().for_each(|channel| sum[*channel].close());
                 }
             }
         })?;
         let share = self.sampled();
+        let deviations = self.deviations();
         for (worst, sums) in worst.iter_mut().zip(&sums) {
-            for sum in sums {
-                worst.iter_mut().zip(sum).for_each(|(worst, own)| *worst = worst.max(own.worst(share)));
+            for (probe, sum) in sums.iter().enumerate() {
+                let worst = if probe == 0 { &mut worst.end } else { &mut worst.inner };
+                let own = sum.iter().map(|sum| sum.worst(share, deviations));
+                worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
             }
         }
         Ok(worst)
@@ -599,7 +664,8 @@ impl<'a> Sounder<'a> {
                         let off = (found * Complex64::cis(-turns_per_s * late_s) - a).norm_sqr() * weight;
                         sum += if off.is_finite() { off } else { 0.0 };
                     }
-                    worst[channel] = worst[channel].max(sum);
+                    // Two of them may add up in phase.
+                    worst[channel] = worst[channel].max(2.0 * sum);
                 }
             }
         }
@@ -651,7 +717,7 @@ impl Interval<'_> {
         heard: &Heard<'_>,
         truth: &Truth,
         (carrier_hz, half_pulse_s): (f64, f64),
-        channels: &[usize],
+        (channels, cells): (&[usize], Cells),
         sum: &mut [[Sum; 2]],
     ) {
         let [a, b] = [0, 1].map(|n| &heard.of.nodes[self.at + n].paths);
@@ -682,6 +748,7 @@ impl Interval<'_> {
             let rate = a.delay_rate[i] + s * (b.delay_rate[i] - a.delay_rate[i]);
             let late_s = late_s + half_pulse_s * (rate - truth.rate[i]);
             let radians = (TAU * carrier_hz * late_s).powi(2).min(4.0);
+            let cell = cells.of(truth.delay_s[i]);
             for (at, channel) in channels.iter().enumerate() {
                 let mut value = Complex32::ZERO;
                 for (look, weight) in looks.iter().zip(weights) {
@@ -691,8 +758,8 @@ impl Interval<'_> {
                 let [re, im] = &truth.amplitude[at];
                 let own = Complex64::new(re[i].into(), im[i].into()) * exact;
                 let value = Complex64::new(value.re.into(), value.im.into()) * found;
-                sum[*channel][0].add(own.norm_sqr() * radians);
-                sum[*channel][1].add((value - own).norm_sqr());
+                sum[*channel][0].add(own.norm_sqr() * radians, cell);
+                sum[*channel][1].add((value - own).norm_sqr(), cell);
             }
         }
     }

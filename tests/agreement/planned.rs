@@ -10,8 +10,11 @@ use nereus::plan::settle::Plan;
 
 /// Errors that are asked, dB.
 const SWEEP: [f64; 4] = [-30.0, -45.0, -60.0, -75.0];
-/// Pulses that are compared.
-const PULSES: u64 = 48;
+/// Pulses that are compared of the longer scenes; of the others all, since the worst ones are few: those about the first
+/// instants of gain.
+const PULSES: u64 = 66;
+/// A prediction is on the safe side, and no more than that above what is measured, dB.
+const WITHIN_DB: f64 = 6.0;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
@@ -25,8 +28,8 @@ fn plan(run: &Run) -> Plan {
     *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
 }
 
-/// Measures every error of the sweep, each within its prediction.
-fn holds(path: &str, settings: &[(&str, &str)]) {
+/// Measures every error of the sweep, each within its prediction, which is told to [`WITHIN_DB`] but for some.
+fn holds(path: &str, settings: &[(&str, &str)], too_safe: &[f64]) {
     let with = |error_db: f64| {
         let error_db = format!("{error_db:?}");
         scene(path, &[settings, &[("fidelity.error_db", &error_db)]].concat())
@@ -44,6 +47,8 @@ fn holds(path: &str, settings: &[(&str, &str)]) {
         );
         assert!(plan.keeps(), "{path} {error_db}: {predicted_db}");
         assert!(measured_db <= predicted_db, "{path} {error_db}: {predicted_db} {measured_db}");
+        let known = predicted_db - measured_db < WITHIN_DB || too_safe.contains(&error_db);
+        assert!(known, "{path} {error_db}: {predicted_db} {measured_db}");
     }
 }
 
@@ -54,7 +59,7 @@ fn one_aircraft() {
         ("scene.duration_s", "0.3"),
         ("platform.0.track.position_m", "[-33, -3000, 3000]"),
     ];
-    holds("configs/mars-1.toml", &settings);
+    holds("configs/mars-1.toml", &settings, &[]);
 }
 
 #[test]
@@ -64,17 +69,18 @@ fn grazing() {
         ("scene.duration_s", "0.3"),
         ("platform.1.track.position_m", "[-33, -3000, 3000]"),
     ];
-    holds("configs/mars-4.toml", &settings);
+    // Few facets decide: over eight seeds the same prediction is 2 to 7 dB safe.
+    holds("configs/mars-4.toml", &settings, &[-45.0]);
 }
 
 #[test]
 fn from_orbit() {
-    holds("tests/data/scenarios/orbit.toml", &[]);
+    holds("tests/data/scenarios/orbit.toml", &[], &[]);
 }
 
 #[test]
 fn short_range_at_ka_band() {
-    holds("tests/data/scenarios/drone.toml", &[]);
+    holds("tests/data/scenarios/drone.toml", &[], &[]);
 }
 
 #[test]
@@ -95,7 +101,7 @@ fn the_least_error_that_may_be_asked() {
 fn gains_leave_what_the_closed_form_says() {
     use nereus::plan::gain::{error_power, sweep_rad_s};
     use nereus::plan::interpolation::Nodes;
-    for gain_pulses in [4u32, 6, 8] {
+    for gain_pulses in [6u32, 8, 10] {
         let settings = [
             ("scene.patch_size_m", "[128, 32]"),
             ("scene.duration_s", "0.3"),
@@ -114,7 +120,8 @@ fn gains_leave_what_the_closed_form_says() {
             10.0 * expected.log10()
         );
         // The closed form is a mean over all water, here are 128 m of it (two widths of the main lobe, and slopes that weigh them), and the
-        // prediction is that of the worst pulse: 2 dB more, and four standard deviations over some hundred facets.
+        // prediction is that of the worst pulse: 2 dB more, and what its spread over cells and facets adds. Closer gains leave less than the
+        // delays do in other pulses, which are then predicted.
         assert!((-3.0..6.0).contains(&apart_db), "{gain_pulses}: {apart_db}");
     }
 }
