@@ -205,6 +205,8 @@ impl Drop for Crew<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc;
+
     use super::*;
     use crate::transport::pacer::tests::LAYOUT;
     use crate::transport::ring::ring;
@@ -254,18 +256,23 @@ mod tests {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
         let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
         let crew = Crew::new(&mut producer, 0..10, 2, &worth, &stop, &health);
+        let (taken, all_taken) = mpsc::channel();
         let ended = thread::scope(|scope| {
-            let fails = scope.spawn(|| {
+            let crew = &crew;
+            let fails = scope.spawn(move || {
                 let _watch = crew.watch();
                 let _claim = crew.claim(|first| first + 4).unwrap();
+                taken.send(()).unwrap();
                 panic!("as it should");
             });
             // All slots are with the other: this would wait for ever.
-            let waits = scope.spawn(|| crew.claim(|first| first + 4).is_none());
+            let waits = scope.spawn(move || {
+                all_taken.recv().unwrap();
+                crew.claim(|first| first + 4).is_none()
+            });
             (fails.join().is_err(), waits.join().unwrap())
         });
-        assert!(ended.0);
-        assert!(ended.1 || crew.claim(|first| first + 1).is_none());
+        assert_eq!(ended, (true, true));
     }
 
     #[test]

@@ -7,16 +7,55 @@ use nereus::cli::Arguments;
 
 use crate::program::{nereus, package};
 
-/// Lines of shell blocks that start with `nereus`, without comments and redirections.
-fn commands() -> Vec<Vec<String>> {
-    let readme = fs::read_to_string(package().join("README.md")).unwrap();
-    let blocks = readme.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+/// Lines of shell blocks of a page that start with `nereus`, without comments and redirections.
+fn commands_of(page: &str) -> Vec<Vec<String>> {
+    let blocks = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     blocks
         .flat_map(str::lines)
         .map(|line| line.split(" #").next().unwrap().split(" >").next().unwrap().trim())
         .filter(|line| line.starts_with("nereus "))
         .map(|line| line.split_whitespace().map(str::to_owned).collect())
         .collect()
+}
+
+fn commands() -> Vec<Vec<String>> {
+    commands_of(&fs::read_to_string(package().join("README.md")).unwrap())
+}
+
+#[test]
+fn what_the_paper_says_stands_beside_commands_and_measured_figures() {
+    let page = fs::read_to_string(package().join("docs/paper.md")).unwrap();
+    // In blocks, and in the cells of its table.
+    let cells = page.split('`').filter(|code| code.starts_with("nereus ") && !code.contains('\n'));
+    let cells = cells.map(|code| code.split_whitespace().map(str::to_owned).collect());
+    let commands: Vec<Vec<String>> = commands_of(&page).into_iter().chain(cells).collect();
+    assert!(commands.len() >= 8, "{commands:?}");
+    for words in &commands {
+        assert!(Arguments::try_parse_from(words).is_ok(), "{words:?}");
+    }
+    // The table of the images is what tools/paper.py measured.
+    let mut rows = csv::Reader::from_path(package().join("docs/paper-images.csv")).unwrap();
+    let names = rows.headers().unwrap().clone();
+    let mut shown = 0;
+    for row in rows.records().map(Result::unwrap) {
+        let of = |name: &str| row.get(names.iter().position(|n| n == name).unwrap()).unwrap();
+        let number = |name: &str, digits: usize| format!("{:.digits$}", of(name).parse::<f64>().unwrap());
+        let cell = match of("range_m") {
+            "nan" => String::new(),
+            _ => format!("{} x {}", number("range_m", 2), number("cross_m", 2)),
+        };
+        let wanted = format!(
+            "| {} | {} | {} | {} | {} | {cell} |",
+            of("config"),
+            of("channel"),
+            number("contrast", 1),
+            number("strip_db", 1),
+            number("seen", 2)
+        );
+        assert!(page.contains(&wanted), "{wanted}");
+        shown += 1;
+    }
+    assert_eq!(shown, 16);
 }
 
 #[test]
