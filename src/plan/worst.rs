@@ -6,11 +6,12 @@
 //!
 //! `v = (sum over c of (sum over t of S_tc)^2 - (1 - f) sum of S_tc^2) / S^2`:
 //!
-//! speckle, and facets that come and go; squares of tiles count by their share, since the whole patch has `1/f` times as many of them. It is next to nothing over hundreds of cells, and that of an exponential law, `v = 1`, where one
-//! cell or facet decides. The worst of `n` pulses and channels is taken `z = sqrt(2 ln n)` deviations up in a gamma law of that variance, by the cube of
-//! a normal variable (Wilson and Hilferty, PNAS 17, 1931), of a sum to which two deviations are added of what the sample may have missed:
+//! speckle, and facets that come and go; squares of tiles count by their share, since the whole patch has `1/f` times as many of them. It is
+//! next to nothing over hundreds of cells, and that of an exponential law, `v = 1`, where one cell or facet decides. The worst of `n` pulses
+//! and channels is taken `z = sqrt(2 ln n)` deviations up in a gamma law of that variance, by the cube of a normal variable (Wilson and
+//! Hilferty, PNAS 17, 1931), of a sum to which two deviations are added of what the sample may have missed:
 //!
-//! `(S + 2 sqrt((1 - f) sum e_i^2)) (1 - v/9 + z sqrt(v)/3)^3`
+//! `(S + 2 sqrt((1 - f) sum of S_tc^2)) (1 - v/9 + z sqrt(v)/3)^3`
 //!
 //! Limits: pulses near each other have nearly the same speckle, so `n` is rather too large; errors of single facets have longer tails
 //! than a gamma law.
@@ -29,11 +30,10 @@ const SAMPLE_SIGMAS: f64 = 2.0;
 /// Most resolution cells along delay that are told apart.
 const MOST_CELLS: usize = 4096;
 
-/// A sum of terms, of their squares, and those of each resolution cell. Terms of a tile are closed before those of the next.
+/// A sum of terms, all and those of each resolution cell. Terms of a tile are closed before those of the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
     of: f64,
-    squares: f64,
     cells: Vec<f64>,
     /// The cells of the tile that is open, and the squares of those closed.
     open: Vec<f64>,
@@ -43,7 +43,6 @@ pub(super) struct Sum {
 impl Sum {
     pub(super) fn add(&mut self, term: f64, cell: usize) {
         self.of += term;
-        self.squares += term * term;
         let cell = cell.min(MOST_CELLS - 1);
         if self.cells.len() <= cell {
             self.cells.resize(cell + 1, 0.0);
@@ -71,7 +70,7 @@ impl Sum {
         if self.of <= 0.0 {
             return 0.0;
         }
-        let missed = SAMPLE_SIGMAS * ((1.0 - share).max(0.0) * self.squares).sqrt();
+        let missed = SAMPLE_SIGMAS * ((1.0 - share).max(0.0) * self.tiles).sqrt();
         (self.of + missed) / self.of * self.worst_of_like(share, deviations)
     }
 
