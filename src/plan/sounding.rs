@@ -39,8 +39,8 @@ use crate::geometry::lanes::{LANES, Row};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::tiles::sounding::{Heard, Keep, Shadows};
 use crate::radar::illumination::tiles::{
-    Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, gain_instants, gain_step, gain_weights, looks_about,
-    nodes_within,
+    FEW, Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, gain_instants, gain_step, gain_weights,
+    looks_about, nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::radar::waveform::Waveform;
@@ -51,8 +51,6 @@ use crate::scene::{Patch, Radar};
 pub const TILES: usize = 64;
 /// Pulses of the run whose power is taken.
 pub const PROFILE: u64 = 48;
-/// Facets are left out of a tile that loses more than one in so many.
-const FEW: usize = 4;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
 /// Patches up to so many facets are looked at in more places.

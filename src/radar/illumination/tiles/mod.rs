@@ -54,7 +54,7 @@ pub use instants::{
     looks_about, nodes_within,
 };
 use look::View;
-pub use tile::{Look, Node, Pair};
+pub use tile::{FEW, Look, Node, Pair};
 
 /// Tiles that are looked at to learn what a block returns.
 pub const SAMPLED: usize = 48;

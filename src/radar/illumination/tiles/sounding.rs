@@ -45,11 +45,6 @@ pub struct Keep {
 }
 
 impl Illumination {
-    /// Rms height that is expected of the waves, m; 0 without a sea.
-    pub fn rms_height_m(&self) -> f64 {
-        self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().variance_m2.sqrt())
-    }
-
     /// Rms slope that is expected of the waves, along and across together; 0 without a sea.
     pub fn rms_slope(&self) -> f64 {
         self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().slope_variance.iter().sum::<f64>().sqrt())

@@ -114,8 +114,8 @@ pub(super) fn compact<T: Copy>(row: &mut [T; LANES], kept: &[u16]) {
     }
 }
 
-/// Facets are left out where they are more than one in so many.
-const FEW: usize = 4;
+/// Weak facets are left out of a tile where they are more than one in so many.
+pub const FEW: usize = 4;
 
 struct Bounds<'a>(&'a Pair, usize, &'a mut Row);
 
