@@ -41,11 +41,14 @@ use num_complex::Complex32;
 
 use super::backproject::{Aperture, PulseEcho, fast};
 use super::ground::Ground;
+use super::multilook::percentile;
 use super::phase_path::{PhasePath, delay_gradient, delay_s};
 use super::taper::Taper;
 
 /// Points of the search to either side, and in a cell.
 const SEARCH: [usize; 2] = [30, 5];
+/// A point is one when its peak is so far above the median of what is around it, dB.
+const CLEAR_DB: f64 = 13.0;
 /// Cells of a cut to either side, and points in a cell.
 const CUT: [usize; 2] = [10, 32];
 
@@ -184,7 +187,7 @@ pub struct PointTarget {
     pub cross_range: Cut,
 }
 
-/// Measures points that are expected at given places; none for those that show no main lobe there. `tapers` are those over
+/// Measures points that are expected at given places; none for those that show no main lobe there, or none that stands out of noise and sea. `tapers` are those over
 /// the band and over the pulses.
 pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2]) -> Vec<Option<PointTarget>> {
     let supports: Vec<Option<Support>> = expected_m.iter().map(|p| Support::of(aperture, *p)).collect();
@@ -211,14 +214,15 @@ pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2])
             }
         })
         .collect();
-    let peaks: Vec<[f64; 3]> = fast(aperture, &chips, &|_| ())
+    let (peaks, clear): (Vec<[f64; 3]>, Vec<bool>) = fast(aperture, &chips, &|_| ())
         .iter()
         .zip(&chips)
         .map(|(image, chip)| {
-            let power: Vec<f64> = image.iter().map(|z| f64::from(z.norm_sqr())).collect();
-            brightest(&power, chip).0
+            let power: Vec<f64> =
+                image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
+            (brightest(&power, chip).0, stands_out(&power))
         })
-        .collect();
+        .unzip();
     let [cells, dense] = CUT;
     let lines: Vec<Ground> = peaks
         .iter()
@@ -236,7 +240,12 @@ pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2])
         .iter()
         .zip(expected_m)
         .zip(lines.chunks_exact(3).zip(images.chunks_exact(3)))
-        .map(|((support, expected), (lines, images))| judge((*support)?, *expected, lines, images, tapers))
+        .zip(clear)
+        .map(
+            |(((support, expected), (lines, images)), clear)| {
+                if clear { judge((*support)?, *expected, lines, images, tapers) } else { None }
+            },
+        )
         .collect()
 }
 
@@ -275,6 +284,14 @@ fn judge(
         range: cut(0),
         cross_range: cut(1),
     })
+}
+
+/// Whether the brightest pixel is [`CLEAR_DB`] above the median: a chip of noise or sea has some hundred cells, of which the brightest is
+/// 8 dB above.
+fn stands_out(power: &[f64]) -> bool {
+    let top = power.iter().copied().fold(0.0, f64::max);
+    let median = percentile(power, 50.0).unwrap_or(0.0);
+    top > 0.0 && top >= median * 10f64.powf(CLEAR_DB / 10.0)
 }
 
 /// The brightest pixel's place, refined by a parabola along both sides of the grid, and whether it lies within the grid's edge.

@@ -129,7 +129,9 @@ struct Measure<'a> {
 /// Refuses what belongs to other ways to look.
 pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
     if args.nav == FocusNav::Both {
-        return Ok(());
+        let allowed = "with --nav true or --nav reported";
+        let refused = FocusError::Value { key: "speckle", found: "with --nav both".to_owned(), allowed };
+        return if args.speckle { Err(refused) } else { Ok(()) };
     }
     for (key, found) in [("against", &args.against), ("cuts", &args.cuts)] {
         if let Some(found) = found {

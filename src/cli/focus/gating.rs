@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::scenario::Scenario;
-use super::{FocusArgs, FocusError, Ground, Recording};
+use super::{FocusArgs, FocusError, Ground, Recording, RecordingError};
 use crate::imaging::backproject::{Aperture, Gate};
 
 /// A processed Doppler bandwidth as asked for.
@@ -78,7 +78,11 @@ fn aims(
         if scenario.is_isotropic(kind, name) && !rests {
             return Ok(None);
         }
-        boresights.push(recording.boresights(name)?);
+        match recording.boresights(name) {
+            Ok(known) => boresights.push(known),
+            Err(RecordingError::Missing { .. }) => return Ok(None),
+            Err(error) => return Err(error.into()),
+        }
     }
     let [out, back] = [&boresights[0], &boresights[1]];
     let aim = |(echo, pulse)| {

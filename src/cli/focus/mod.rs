@@ -225,7 +225,7 @@ pub enum FocusError {
     },
     /// A Doppler band about the aim of an antenna that has none.
     #[error(
-        "--doppler-hz {hz}: channel {channel} has no aim that it could lie about: its antennas are isotropic; allowed: all"
+        "--doppler-hz {hz}: channel {channel} has no aim that it could lie about: its antennas are isotropic, or the recording does not hold where they look; allowed: all"
     )]
     NoAim {
         /// As asked.
@@ -246,6 +246,26 @@ pub enum FocusError {
         path: PathBuf,
         /// What is not the same.
         what: &'static str,
+    },
+    /// An image without resolution cells.
+    #[error(
+        "--speckle, channel {channel}: no cross-range, so that a resolution cell has no length; allowed: more pulses, from an end that moves"
+    )]
+    NoCells {
+        /// The channel.
+        channel: String,
+    },
+    /// What came over the wire.
+    #[error("{}: holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused", path.display())]
+    Wire {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// More outputs than can be made.
+    #[error("--out {}: allowed: one name that ends in .png and one that ends in .h5", path.display())]
+    Several {
+        /// What was given beyond that.
+        path: PathBuf,
     },
     /// Pixels that no law can be fitted to.
     #[error("--speckle, channel {channel}: {source}")]
@@ -399,7 +419,18 @@ fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError>
         }),
         Some(place) => Ok(place),
     };
-    args.channel.iter().map(place).collect()
+    Ok(distinct(args.channel.iter().map(place).collect::<Result<_, _>>()?))
+}
+
+/// The same without repeats.
+pub(in crate::cli) fn distinct(places: Vec<usize>) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::with_capacity(places.len());
+    for place in places {
+        if !kept.contains(&place) {
+            kept.push(place);
+        }
+    }
+    kept
 }
 
 /// Where images of such names go.
@@ -416,6 +447,7 @@ fn outputs(args: &FocusArgs, names: &[String]) -> Result<Outputs, FocusError> {
             Some("h5") if made.values.is_none() => {
                 made.values = Some(Output::plan(path, FileKind::Hdf5, args.force)?);
             }
+            Some("png" | "h5") => return Err(FocusError::Several { path: path.clone() }),
             _ => return Err(FocusError::Kind { path: path.clone() }),
         }
     }
@@ -459,6 +491,9 @@ fn ground(
 
 fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, FocusError> {
     let header = &recording.header;
+    if header.replica.is_empty() {
+        return Err(FocusError::Wire { path: args.recording.clone() });
+    }
     let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, args.interpolation_db);
     let filter = match args.filter {
         FocusFilter::Matched => RangeFilter::Matched,
@@ -543,6 +578,18 @@ fn one(
     });
     drop(status);
     watcher.finish();
+    if image.iter().flatten().all(|z| *z == Complex32::ZERO) {
+        let name = &recording.header.channels[channel].name;
+        match &aperture.gate {
+            Some(gate) => say(format_args!(
+                "channel {name}: no power on the image; does it lie within {} Hz of Doppler about the aim (--doppler-hz all), and in the receive windows?",
+                gate.bandwidth_hz
+            )),
+            None => say(format_args!(
+                "channel {name}: no power on the image; does it lie in the receive windows?"
+            )),
+        }
+    }
     Ok(Focused {
         channel,
         pulses,

@@ -39,8 +39,9 @@ struct Channel {
     doppler_hz: Option<f64>,
     /// Length of a cell in range and in cross-range in the middle of the image, m, by theory.
     cell_m: Option<[f64; 2]>,
-    mean_dbw: f64,
-    peak_dbw: f64,
+    /// None where the image has no power.
+    mean_dbw: Option<f64>,
+    peak_dbw: Option<f64>,
     /// Amplitude at the upper end of the colours, sqrt(W).
     percentile_amplitude: Option<f64>,
     /// `<I^2>/<I>^2` of the power: 2 for speckle.
@@ -100,7 +101,7 @@ fn channel(
     let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
     let (power, _) = multilook(&power, ground.pixels, args.looks);
     let mean = |order: i32| power.iter().map(|p| p.powi(order)).sum::<f64>() / power.len().max(1) as f64;
-    let db = |p: f64| 10.0 * p.max(1e-300).log10();
+    let db = |p: f64| (p > 0.0).then(|| 10.0 * p.log10());
     // Powers of 1e-15 W squared are no numbers of f32, but of f64.
     let contrast = if mean(1) > 0.0 { mean(2) / mean(1).powi(2) } else { 0.0 };
     Ok(Channel {
@@ -155,18 +156,22 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
             Some([range, cross]) => format!("cells of {range:.2} m by {cross:.2} m"),
             None => "no cross-range".to_owned(),
         };
+        let power = match (channel.mean_dbw, channel.peak_dbw) {
+            (Some(mean), Some(peak)) => {
+                format!("mean {mean:.1} dBW, peak {peak:.1} dBW, contrast {:.2}", channel.contrast)
+            }
+            _ => "no power".to_owned(),
+        };
         let band = channel.doppler_hz.map_or(String::new(), |hz| format!(" in a band of {hz:.1} Hz"));
-        writeln!(
-            out,
-            "{:<11} mean {:.1} dBW, peak {:.1} dBW, contrast {:.2}; {} pulses{band}, {cells}",
-            channel.name, channel.mean_dbw, channel.peak_dbw, channel.contrast, channel.pulses
-        )?;
+        writeln!(out, "{:<11} {power}; {} pulses{band}, {cells}", channel.name, channel.pulses)?;
         if let Some(found) = &channel.speckle {
             speckle::tell(found, out)?;
         }
         for target in &channel.targets {
             match &target.found {
-                None => writeln!(out, "  {:<16} not found", target.name)?,
+                None => {
+                    writeln!(out, "  {:<16} not found: no main lobe, or none that stands out", target.name)?
+                }
                 Some(p) => writeln!(
                     out,
                     "  {:<16} range {:.3} m ({:.3}), PSLR {:.1} dB, off {:+.3} cells; cross-range {:.3} m ({:.3}), PSLR {:.1} dB, off {:+.3} cells; phase {:+.3} rad",

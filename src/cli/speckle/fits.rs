@@ -96,7 +96,8 @@ impl Speckle {
         // Wider apart for the test: its law of distances wants pixels that waves do not make alike.
         let apart = (powers.len() as f64 / settings.test_pixels as f64).sqrt().ceil() as usize;
         let (few, _) = every(&powers, pixels[0], [apart, apart]);
-        let tested = Sample::new(&few)?;
+        // Few pixels may be silent ones by chance.
+        let tested = Sample::new(&few).or_else(|_| Sample::new(&powers))?;
         let law = |kind: Kind| {
             let Goodness { distance, probability, .. } =
                 goodness::test(&tested, kind, settings.resamples, settings.seed);

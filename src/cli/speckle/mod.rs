@@ -15,6 +15,7 @@ use glam::DVec2;
 use super::args::Setting;
 use super::bench::load;
 use super::error::CliError;
+use super::focus::distinct;
 use super::progress;
 use super::say;
 use super::sea::{SeaError, save_canvas};
@@ -27,6 +28,7 @@ use crate::pipeline::build::{self, available_bytes};
 use crate::pipeline::gather::gather;
 use crate::pipeline::outlook::patch_at;
 use crate::scene::Sea;
+use crate::scene::sea::PatchPlace;
 pub(super) use fits::{Speckle, SpeckleSettings};
 use image::{Image, Pixels};
 use report::{Azimuth, Report};
@@ -91,6 +93,12 @@ pub enum SpeckleError {
         path: PathBuf,
         /// The channel.
         channel: String,
+    },
+    /// Pixels that hold sea in a part of the pulses only.
+    #[error("{}: scene.patch = \"follow\": its edges are sea in a part of the pulses only, which is no texture of the sea; allowed: \"fixed\"", path.display())]
+    Follows {
+        /// The scenario.
+        path: PathBuf,
     },
     /// An image too small for statistics.
     #[error(
@@ -164,6 +172,9 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
     run.stream.ring_slots = 1;
     let path = run.path.clone();
     let Some(sea) = run.scene.sea.clone() else { return Err(SeaError::NoSea { path }.into()) };
+    if sea.place != PatchPlace::Fixed {
+        return Err(SpeckleError::Follows { path }.into());
+    }
     let channels = channels(args, &run)?;
     let files = files(args)?;
     for warning in &run.warnings {
@@ -221,7 +232,8 @@ fn channels(args: &SpeckleArgs, run: &Run) -> Result<Vec<usize>, SeaError> {
             known: all.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(", "),
         })
     };
-    args.channel.iter().map(place).collect()
+    // A channel named twice would count twice in what is fitted over the winds.
+    Ok(distinct(args.channel.iter().map(place).collect::<Result<_, _>>()?))
 }
 
 /// Files of `--out`.

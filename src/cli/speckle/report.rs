@@ -254,7 +254,9 @@ impl Report {
             }
             let _ = writeln!(text, "  {}", azimuth.empirical.map_or("-".to_owned(), |nu| format!("{nu:.4}")));
         }
-        let _ = writeln!(text, "nu = a + b cos 2 psi");
+        if !self.cosines.is_empty() {
+            let _ = writeln!(text, "nu = a + b cos 2 psi");
+        }
         for over in &self.cosines {
             let _ = writeln!(
                 text,
@@ -289,7 +291,8 @@ impl Report {
                 Some(fit) => degrees(&|psi| fit.at(psi)),
                 None => Vec::new(),
             };
-            named.push((format!("{channel} a + b cos 2psi"), line, Mark::Line));
+            let name = if line.is_empty() { String::new() } else { format!("{channel} a + b cos 2psi") };
+            named.push((name, line, Mark::Line));
         }
         named.resize_with(named.len().next_multiple_of(COLOURS), || (String::new(), Vec::new(), Mark::Line));
         for channel in &self.channels {
@@ -314,7 +317,7 @@ impl Report {
         Plot {
             title: &title,
             x: PlotAxis { label, spacing: Spacing::Linear, limits: Some([-10.0, 370.0]) },
-            y: PlotAxis { label: "nu", spacing: Spacing::Logarithmic, limits: None },
+            y: PlotAxis { label: "nu by likelihood", spacing: Spacing::Logarithmic, limits: None },
             curves: &curves,
             size_px: [720, 480],
         }
