@@ -558,6 +558,18 @@ fn aperture<'a>(
     Ok(aperture)
 }
 
+/// The image of an aperture, with its progress shown.
+pub(in crate::cli) fn watched(aperture: &Aperture, ground: &Ground) -> Vec<Complex32> {
+    let total = aperture.pulses.len() as u64;
+    let (status, watcher) = progress::watch_of(total, "pulses focused");
+    let images = fast(aperture, std::slice::from_ref(ground), &|done| {
+        let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
+    });
+    drop(status);
+    watcher.finish();
+    images.into_iter().next().unwrap_or_default()
+}
+
 /// Focuses one channel.
 fn one(
     args: &FocusArgs,
@@ -570,15 +582,8 @@ fn one(
     let [transmitter, receiver] = paths(args.nav, recording, channel)?;
     let ends = [&transmitter, &receiver];
     let aperture = aperture(args, recording, scenario, compressor, ground, ends, channel)?;
-    let pulses = aperture.pulses.len();
-    let total = pulses as u64;
-    let (status, watcher) = progress::watch_of(total, "pulses focused");
-    let image = fast(&aperture, std::slice::from_ref(ground), &|done| {
-        let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
-    });
-    drop(status);
-    watcher.finish();
-    if image.iter().flatten().all(|z| *z == Complex32::ZERO) {
+    let image = watched(&aperture, ground);
+    if image.iter().all(|z| *z == Complex32::ZERO) {
         let name = &recording.header.channels[channel].name;
         match &aperture.gate {
             Some(gate) => say(format_args!(
@@ -592,9 +597,9 @@ fn one(
     }
     Ok(Focused {
         channel,
-        pulses,
+        pulses: aperture.pulses.len(),
         doppler_hz: aperture.gate.as_ref().map(|gate| gate.bandwidth_hz),
-        image: image.into_iter().next().unwrap_or_default(),
+        image,
         support: Support::of(&aperture, ground.centre_m()),
         targets: targets(args, recording, &aperture, ground, channel)?,
     })

@@ -3,10 +3,10 @@
 use glam::DVec2;
 use num_complex::Complex32;
 
-use super::super::progress;
 use super::SpeckleError;
+use crate::cli::focus::watched;
 use crate::config::Run;
-use crate::imaging::backproject::{Aperture, PulseEcho, fast};
+use crate::imaging::backproject::{Aperture, PulseEcho};
 use crate::imaging::ground::Ground;
 use crate::imaging::phase_path::PhasePath;
 use crate::imaging::point_target::Support;
@@ -16,7 +16,6 @@ use crate::imaging::taper::Taper;
 use crate::pipeline::gather::Gathered;
 use crate::radar::waveform;
 use crate::scene::Sea;
-use crate::transport::pacer::Status;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Least cells along both sides.
@@ -135,14 +134,7 @@ fn one(
         step_y_m,
         pixels,
     };
-    let total = aperture.pulses.len() as u64;
-    let (status, watcher) = progress::watch_of(total, "pulses focused");
-    let image = fast(&aperture, std::slice::from_ref(&ground), &|done| {
-        let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
-    });
-    drop(status);
-    watcher.finish();
-    let image = image.into_iter().next().unwrap_or_default();
+    let image = watched(&aperture, &ground);
     let mut powers: Vec<f64> =
         image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
     let middle = &aperture.pulses[aperture.pulses.len() / 2];
