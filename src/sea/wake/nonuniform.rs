@@ -6,8 +6,8 @@
 //! two real fields at once when c and d are chosen so that P's real and imaginary parts are they. Each wave is spread
 //! over `w x w` cells of a wave-number grid finer by the factor [`OVERSAMPLING`] with the kernel
 //! `phi(x) = exp(beta (sqrt(1 - x^2) - 1))`, `x = 2 (cell - place)/w`, `beta = 0.97 pi (1 - 1/(2 s)) w`; then one FFT
-//! along each axis (columns that are not wanted are left out), and division by the kernel's own transform. Source: Barnett, Magland
-//! and af Klinteberg, SIAM J. Sci. Comp. 41, C479 (2019).
+//! along each axis (columns that are not wanted are left out, and rows without waves: those of a ship lie on two curves), and division by the
+//! kernel's own transform. Source: Barnett, Magland and af Klinteberg, SIAM J. Sci. Comp. 41, C479 (2019).
 //!
 //! The largest error of any facet is below the one asked, relative to the root sum square of c and d: `w` is
 //! `(25 dB - error)/15 dB`, and each cell gains about [`DB_A_CELL`] dB, until rounding stops it: near -230 dB in f64;
@@ -41,8 +41,8 @@ pub const OVERSAMPLING: f64 = 1.5;
 pub const ERROR_RANGE_DB: [f64; 2] = [-220.0, -20.0];
 /// What one more cell of kernel width gains, dB.
 pub const DB_A_CELL: f64 = 15.0;
-/// Rows transformed before their results are turned.
-const BLOCK: usize = 16;
+/// Rows transformed before their results are turned: a cache line of f32 pairs.
+const BLOCK: usize = 8;
 
 /// Cells of kernel width for an error, dB.
 pub fn width(error_db: f64) -> usize {
@@ -55,11 +55,15 @@ pub struct NonUniform<T: Real> {
     axes: [Axis<T>; 2],
     width: usize,
     beta: f64,
+    /// Phase steps of the waves placed last, radians.
+    steps_rad: Vec<[f64; 2]>,
     /// Per wave, and then its opposite: first cell along x and y.
     first: Vec<[usize; 2]>,
     /// As many: `w` values of the kernel along x, `w` along y.
     taps: Vec<T>,
-    /// `[kx][ky]`.
+    /// Whether any wave lies in a block of rows of the grid.
+    occupied: Vec<bool>,
+    /// `[kx][ky]`; what stands in blocks without waves is of no account.
     grid: Vec<Complex<T>>,
     /// `[iy][kx]`.
     half: Vec<Complex<T>>,
@@ -111,8 +115,10 @@ impl<T: Real> NonUniform<T> {
         Ok(Self {
             width,
             beta,
+            steps_rad: Vec::with_capacity(most_waves),
             first: Vec::with_capacity(2 * most_waves),
             taps: Vec::with_capacity(4 * width * most_waves),
+            occupied: vec![false; axes[0].cells.div_ceil(BLOCK)],
             grid: vec![zero; axes[0].cells * axes[1].cells],
             half: vec![zero; axes[0].cells * axes[1].facets],
             scratch: vec![zero; scratch],
@@ -122,8 +128,16 @@ impl<T: Real> NonUniform<T> {
 
     /// Where the waves are: phase steps along x and y, radians. No memory is taken up to the number of waves made for.
     pub fn place(&mut self, steps_rad: &[[f64; 2]]) {
+        if self.steps_rad == steps_rad {
+            // A ship on a straight course.
+            return;
+        }
+        self.steps_rad.clear();
+        self.steps_rad.extend_from_slice(steps_rad);
         self.first.clear();
         self.taps.clear();
+        self.occupied.fill(false);
+        let cells_x = self.axes[0].cells;
         let half_width = 0.5 * self.width as f64;
         for step in steps_rad {
             for sign in [1.0, -1.0] {
@@ -140,6 +154,9 @@ impl<T: Real> NonUniform<T> {
                         self.taps.push(T::round_from((self.beta * (root - 1.0)).exp()));
                     }
                 }
+                for i in 0..self.width {
+                    self.occupied[(first[0] + i) % cells_x / BLOCK] = true;
+                }
                 self.first.push(first);
             }
         }
@@ -147,12 +164,19 @@ impl<T: Real> NonUniform<T> {
 
     /// The sum with amplitudes `[c, d]` of each wave, into `out[iy nx + ix]`.
     pub fn run(&mut self, amplitudes: &[[Complex<T>; 2]], out: &mut [Complex<T>]) {
+        let zero = Complex::new(T::default(), T::default());
         self.spread(amplitudes);
         let [x, y] = &self.axes;
         for (block, rows) in self.grid.chunks_mut(BLOCK * y.cells).enumerate() {
-            y.fft.process_with_scratch(rows, &mut self.scratch);
             let first = block * BLOCK;
             let count = rows.len() / y.cells;
+            if !self.occupied[block] {
+                for line in self.half.chunks_exact_mut(x.cells) {
+                    line[first..first + count].fill(zero);
+                }
+                continue;
+            }
+            y.fft.process_with_scratch(rows, &mut self.scratch);
             for (line, (&cell, &factor)) in
                 self.half.chunks_exact_mut(x.cells).zip(y.cell.iter().zip(&y.factor))
             {
@@ -172,7 +196,9 @@ impl<T: Real> NonUniform<T> {
     fn spread(&mut self, amplitudes: &[[Complex<T>; 2]]) {
         let w = self.width;
         let [cells_x, cells_y] = [self.axes[0].cells, self.axes[1].cells];
-        self.grid.fill(Complex::new(T::default(), T::default()));
+        for (rows, _) in self.grid.chunks_mut(BLOCK * cells_y).zip(&self.occupied).filter(|(_, some)| **some) {
+            rows.fill(Complex::new(T::default(), T::default()));
+        }
         let waves = self.first.iter().zip(self.taps.chunks_exact(2 * w));
         for ((first, taps), &amplitude) in waves.zip(amplitudes.iter().flatten()) {
             let (along_x, along_y) = taps.split_at(w);
