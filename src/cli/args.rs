@@ -243,6 +243,17 @@ pub enum Pace {
     Fast,
 }
 
+/// What was asked for, each once, in the order of asking.
+pub(super) fn distinct(places: Vec<usize>) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::with_capacity(places.len());
+    for place in places {
+        if !kept.contains(&place) {
+            kept.push(place);
+        }
+    }
+    kept
+}
+
 /// A part of a run: pulses `first..end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PulseRange {

@@ -12,7 +12,7 @@ use super::check::plan::parts_db;
 use super::error::CliError;
 use super::progress;
 use super::run::overrides;
-use super::say;
+use super::{say, warn};
 use crate::config::{self, Run};
 use crate::pipeline::accuracy::{self, Accuracy, Judge};
 use crate::pipeline::build;
@@ -91,9 +91,7 @@ pub(super) fn load(
 /// Measures and prints.
 pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
     let run = load(&args.config, &args.settings, &[], args.threads)?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::rehearse(&run, 0..pulses)?;
     let bytes = stream.predicted_bytes();

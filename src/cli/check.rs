@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::args::CheckArgs;
 use super::error::CliError;
 use super::run::overrides;
-use super::say;
+use super::warn;
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
 use crate::frames::Earth;
@@ -79,9 +79,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     let mut report = report(&run);
     // An output that exists stands in the way of a run, not of a look at the scenario.
     report.warnings.extend(sinks::preflight(&run.sinks).iter().map(ToString::to_string));
-    for warning in &report.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(&report.warnings);
     let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
     let stream = build::rehearse(&unrecorded, 0..run.scene.pulses)?;
     for note in stream.notes() {
@@ -95,17 +93,13 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
             sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB).map(|edge_db| SeaWarning::Edge { edge_db }),
         );
     }
-    let warnings = report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string);
-    for warning in warnings.collect::<Vec<_>>() {
-        say(format_args!("warning: {warning}"));
-        report.warnings.push(warning);
-    }
+    let told = report.warnings.len();
+    report.warnings.extend(report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
     if let Some(planned) = stream.factory().plan() {
         let speed = stream.threads() as f64 / Prices::TABLE.seconds(&planned.work);
         let factor = speed / run.scene.radar.emissions.mean_prf_hz();
         let planned = plan::PlanReport::new(planned, factor, stream.predicted_bytes());
         if let Some(warning) = planned.warning() {
-            say(format_args!("warning: {warning}"));
             report.warnings.push(warning);
         }
         report.plan = Some(planned);
@@ -113,7 +107,6 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     let forecast = stream.forecast().map_err(BuildErrors::from)?;
     if forecast.targets_in_window == 0 && report.targets > 0 {
         let missed = "no target lies in the receive window at the start, middle or end of the run";
-        say(format_args!("warning: {missed}"));
         report.warnings.push(missed.to_owned());
     }
     if forecast.real_time_factor < 1.0 && run.stream.pace == Pace::Realtime {
@@ -121,9 +114,9 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
             "{} times real time on this machine: a run in real time falls behind; --pace fast, or stream.pace = \"fast\"",
             digits(forecast.real_time_factor)
         );
-        say(format_args!("warning: {slow}"));
         report.warnings.push(slow);
     }
+    warn(&report.warnings[told..]);
     report.forecast = Some(forecast);
     let text = if args.json { json(&report)? } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)

@@ -79,6 +79,13 @@ fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// What the user should know, a line each.
+fn warn(warnings: impl IntoIterator<Item = impl std::fmt::Display>) {
+    for warning in warnings {
+        say(format_args!("warning: {warning}"));
+    }
+}
+
 fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
     match &arguments.command {
         Command::Run(args) => run::run(args, out),

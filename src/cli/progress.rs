@@ -40,11 +40,9 @@ impl Watcher {
     }
 }
 
-fn trouble(status: &Status) -> String {
-    match (status.late, status.dropped) {
-        (0, 0) => String::new(),
-        (late, dropped) => format!("{late} late, {dropped} dropped"),
-    }
+fn trouble(status: &Status) -> Option<String> {
+    let Status { late, dropped, .. } = status;
+    (*late > 0 || *dropped > 0).then(|| format!("{late} late, {dropped} dropped"))
 }
 
 fn bar(receiver: &Receiver<Status>, total: u64, what: &str) {
@@ -57,7 +55,7 @@ fn bar(receiver: &Receiver<Status>, total: u64, what: &str) {
     for status in receiver {
         bar.set_length(status.total);
         bar.set_position(status.passed);
-        bar.set_message(trouble(&status));
+        bar.set_message(trouble(&status).unwrap_or_default());
     }
     bar.finish_and_clear();
 }
@@ -67,7 +65,8 @@ fn lines(receiver: &Receiver<Status>, what: &str) {
     for status in receiver {
         if last.elapsed() >= LINE_EVERY {
             last = Instant::now();
-            say(format_args!("{} of {} {what} {}", status.passed, status.total, trouble(&status)));
+            let trouble = trouble(&status).map(|trouble| format!(", {trouble}")).unwrap_or_default();
+            say(format_args!("{} of {} {what}{trouble}", status.passed, status.total));
         }
     }
 }

@@ -12,7 +12,7 @@ use super::args::{Pace, RunArgs, Setting};
 use super::control::{Door, Subject};
 use super::error::CliError;
 use super::progress;
-use super::say;
+use super::{say, warn};
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::live::{FlightReport, LiveNav};
@@ -42,16 +42,12 @@ struct Report<'a> {
 /// Runs the scenario.
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let (run, pulses) = prepare(args)?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(&run.warnings);
     let door = args.control.as_deref().map(Door::at).transpose()?;
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
     let rehearsed = stream.rehearsed().unwrap_or(&run);
-    for warning in outlook(rehearsed)?.iter().flat_map(|sea| &sea.warnings) {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(outlook(rehearsed)?.iter().flat_map(|sea| &sea.warnings));
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }

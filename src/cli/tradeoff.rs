@@ -12,8 +12,8 @@ use super::args::TradeoffArgs;
 use super::bench::{load, reference, settings_text};
 use super::error::CliError;
 use super::progress;
-use super::say;
 use super::sea::{SeaError, save_canvas};
+use super::{say, warn};
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::imaging::output::{FileKind, Output, OutputError};
@@ -62,9 +62,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     }
     let error_db = if let Fidelity::Fast(asked) = &run.fidelity { asked.error_db } else { DEFAULT_DB };
     let files = files(args)?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let stream = build::rehearse(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
     let (threads, facets) = (stream.threads(), stream.factory().facets());
     let scene = &run.scene;

@@ -375,6 +375,13 @@ impl fmt::Display for Hint {
     }
 }
 
+impl Warning {
+    /// Whether it is of where pulses go, and nothing to who records none.
+    pub fn is_of_sinks(&self) -> bool {
+        matches!(self, Self::NoSink | Self::NoHdf5 { .. })
+    }
+}
+
 /// Something legal that the user should know.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Warning {

@@ -266,6 +266,11 @@ impl Column {
         self.width() * self.element.bytes()
     }
 
+    /// Whether recordings of an older program may lack it: whoever needs it says so.
+    pub fn may_be_missing(&self) -> bool {
+        self.path.starts_with("nav/")
+    }
+
     /// Appends the row of a pulse that passed [`check`](Self::check).
     pub fn push(&self, pulse: &Pulse, rows: &mut Rows) {
         match (self.from, rows) {

@@ -212,6 +212,49 @@ fn what_is_wrong_is_told() {
     assert!(!ended.stdout.contains("NaN") && ended.stdout.contains("\"contrast\":0.0"), "{}", ended.stdout);
 }
 
+/// Recordings of a program that did not yet record aims and reported phase centres.
+fn without_newer_columns(folder: &std::path::Path) {
+    let meta = folder.join("r.plain/meta.json");
+    let mut told: serde_json::Value = serde_json::from_slice(&fs::read(&meta).unwrap()).unwrap();
+    for antenna in ["t", "r"] {
+        for column in ["boresight_quat", "reported_phase_centre_m"] {
+            let path = format!("nav/{antenna}/{column}");
+            told["columns"].as_object_mut().unwrap().remove(&path).unwrap();
+            fs::remove_file(folder.join(format!("r.plain/{path}.bin"))).unwrap();
+        }
+    }
+    fs::write(&meta, told.to_string()).unwrap();
+}
+
+#[test]
+fn what_an_older_recording_lacks_is_missed_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &[]);
+    without_newer_columns(folder.path());
+    let of = |nav: &str| nereus(folder.path(), &["focus", "r.plain", "--size-m", "64", "--nav", nav]);
+    let ended = of("true");
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let ended = of("reported");
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains("/nav/t/reported_phase_centre_m is not in the recording"), "{}", ended.stderr);
+    // A column that is told but gone is no older recording.
+    fs::remove_file(folder.path().join("r.plain/nav/t/phase_centre_m.bin")).unwrap();
+    let ended = of("true");
+    assert_ne!(ended.code, 0);
+    assert!(ended.stderr.contains("phase_centre_m.bin"), "{}", ended.stderr);
+}
+
+#[test]
+fn pulses_beyond_the_end_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &[]);
+    let ended = nereus(folder.path(), &["focus", "r.plain", "--size-m", "64", "--pulses", "40..100"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("warning: --pulses 40..100: the recording ends with pulse 79"), "{}", ended.stderr);
+    let ended = nereus(folder.path(), &["focus", "r.plain", "--dynamic-db", "40", "--percentile", "99"]);
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+}
+
 #[cfg(feature = "hdf5")]
 #[test]
 fn the_independent_processor_agrees() {

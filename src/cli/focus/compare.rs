@@ -153,6 +153,10 @@ pub(super) fn compare(
     let places = recording.channels().to_vec();
     let doubled: Vec<String> =
         names.iter().flat_map(|name| [format!("{name}_true"), format!("{name}_reported")]).collect();
+    if let Some(path) = args.cuts.as_ref().filter(|_| recording.header.targets.is_empty()) {
+        let found = path.display().to_string();
+        return Err(FocusError::Value { key: "cuts", found, allowed: "for a recording of targets" }.into());
+    }
     let outputs = outputs(args, &doubled)?;
     let mut cuts = Vec::new();
     for path in args.cuts.iter().flat_map(|path| pictures(path, names)) {

@@ -16,11 +16,11 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use num_complex::Complex32;
 
-use super::args::PulseRange;
+use super::args::{PulseRange, distinct};
 use super::error::CliError;
 use super::progress;
-use super::say;
 use super::sea::{SeaError, save_canvas};
+use super::{say, warn};
 use crate::imaging::backproject::{Aperture, PulseEcho, fast};
 use crate::imaging::canvas::Canvas;
 use crate::imaging::ground::{Ground, GroundError};
@@ -138,7 +138,7 @@ pub struct FocusArgs {
     #[arg(long, value_name = "P", default_value_t = 98.0)]
     pub percentile: f64,
     /// Picture in decibels over such a span below the brightest pixel (instead of amplitudes)
-    #[arg(long, value_name = "DB")]
+    #[arg(long, value_name = "DB", conflicts_with = "percentile")]
     pub dynamic_db: Option<f64>,
     /// All channels in one picture, side by side
     #[arg(long)]
@@ -322,6 +322,11 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     let range = args.pulses.map(|p| p.first..p.end);
     let choose = |header: &Header| channels(args, header);
     let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
+    if let (Some(asked), [.., last]) = (args.pulses, &recording.index[..])
+        && asked.end > last + 1
+    {
+        warn([format!("--pulses {}..{}: the recording ends with pulse {last}", asked.first, asked.end)]);
+    }
     let scenario = Scenario::of(&recording);
     let channels = recording.channels().to_vec();
     let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
@@ -420,17 +425,6 @@ fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError>
         Some(place) => Ok(place),
     };
     Ok(distinct(args.channel.iter().map(place).collect::<Result<_, _>>()?))
-}
-
-/// The same without repeats.
-pub(in crate::cli) fn distinct(places: Vec<usize>) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::with_capacity(places.len());
-    for place in places {
-        if !kept.contains(&place) {
-            kept.push(place);
-        }
-    }
-    kept
 }
 
 /// Where images of such names go.

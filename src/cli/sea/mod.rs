@@ -24,7 +24,7 @@ pub use field::Field;
 use super::args::Setting;
 use super::error::CliError;
 use super::run::overrides;
-use super::say;
+use super::{say, warn};
 use crate::config;
 use crate::imaging::canvas::Canvas;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
@@ -83,9 +83,7 @@ struct Report<'a> {
 /// Makes the files that the arguments ask for, and tells what sea it is.
 pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = config::load(&args.config, &overrides(&args.settings))?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
     let [map, picture, state] = outputs(
         [(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png), (&args.save_state, FileKind::SeaState)],

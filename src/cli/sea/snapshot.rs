@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::super::args::Setting;
 use super::super::error::CliError;
 use super::super::run::overrides;
-use super::super::say;
+use super::super::{say, warn};
 use super::{SeaError, axes, contacts, outputs, save_png};
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
@@ -83,9 +83,7 @@ struct Report {
 /// Makes the files that the arguments ask for, and tells what is lit.
 pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = config::load(&args.config, &overrides(&args.settings))?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let scene = &run.scene;
     let no_sea = || SeaError::NoSea { path: args.config.clone() };
     let mapped = args.out.is_some() || args.png.is_some();

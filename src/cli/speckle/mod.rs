@@ -12,13 +12,12 @@ use std::time::Instant;
 use clap::Args;
 use glam::DVec2;
 
-use super::args::Setting;
+use super::args::{Setting, distinct};
 use super::bench::load;
 use super::error::CliError;
-use super::focus::distinct;
 use super::progress;
-use super::say;
 use super::sea::{SeaError, save_canvas};
+use super::{say, warn};
 use crate::config::Run;
 use crate::imaging::output::{FileKind, Output, OutputError};
 use crate::imaging::phase_path::PhasePathError;
@@ -177,9 +176,7 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
     }
     let channels = channels(args, &run)?;
     let files = files(args)?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let settings = SpeckleSettings {
         resamples: usize::try_from(args.resamples).unwrap_or(usize::MAX),
         test_pixels: usize::try_from(args.test_pixels).unwrap_or(usize::MAX),

@@ -16,8 +16,8 @@ use super::args::Setting;
 use super::check::ships::figures;
 use super::error::CliError;
 use super::run::overrides;
-use super::say;
 use super::sea::{Field, SeaError, axes, field, outputs, save_png};
+use super::{say, warn};
 use crate::config;
 use crate::imaging::map_file::{Attribute, Layer, MapFile};
 use crate::imaging::output::{FileKind, Output};
@@ -83,9 +83,7 @@ struct Report<'a> {
 /// Makes the files that the arguments ask for, prints cuts, and tells what ships they are.
 pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = config::load(&args.config, &overrides(&args.settings))?;
-    for warning in &run.warnings {
-        say(format_args!("warning: {warning}"));
-    }
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
     let ships = &run.scene.ships;
     if ships.is_empty() {

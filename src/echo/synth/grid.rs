@@ -32,6 +32,14 @@ impl<T: Copy + Default> Lined<T> {
         self.len = len;
     }
 
+    /// Makes it `len` long; what it holds is of no account.
+    pub fn fit(&mut self, len: usize) {
+        if self.raw.len() < len + LINE / size_of::<T>() {
+            self.reset(len);
+        }
+        self.len = len;
+    }
+
     pub fn as_slice(&self) -> &[T] {
         &self.raw[self.start..self.start + self.len]
     }

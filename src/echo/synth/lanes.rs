@@ -10,6 +10,8 @@
 //!
 //! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
 
+use std::ops::Range;
+
 use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::doppler;
@@ -61,6 +63,8 @@ pub struct Batch<'a> {
 #[derive(Debug, Default)]
 pub struct LaneWork {
     courses: Courses<f32>,
+    /// `[layer][look]`: amplitudes contact by contact.
+    looks: Vec<Vec<Lined<f32>>>,
     /// `[layer][power]`.
     amplitude: Vec<[Lined<f32>; MAX_NODES]>,
     factors: Vec<f32>,
@@ -94,6 +98,7 @@ impl Synth<f32> {
         let pulses = frame.pulses();
         let middle = (pulses / 2) as i32;
         work.mean_hz = frame.mean_hz[batch.pair];
+        self.turn_looks(batch, work);
         let mut at = None;
         for interval in 0..nodes.saturating_sub(1).max(1) {
             let last = interval + 2 >= nodes;
@@ -103,8 +108,8 @@ impl Synth<f32> {
             if from < to {
                 let first = batch.from_look[interval].min(batch.looks.len().saturating_sub(1));
                 if at != Some(first) {
-                    let looks = &batch.looks[first..];
-                    self.lane_amplitudes(batch, &looks[..looks.len().min(MAX_NODES)], middle, work);
+                    let looks = first..batch.looks.len().min(first + MAX_NODES);
+                    self.lane_amplitudes(batch, looks, middle, work);
                     at = Some(first);
                 }
                 self.lane_interval(batch, interval, nodes, from..to, frame, work, grids);
@@ -112,24 +117,14 @@ impl Synth<f32> {
         }
     }
 
-    /// Polynomials of the amplitudes through some looks.
-    fn lane_amplitudes(&self, batch: &Batch<'_>, looks: &[BatchLook<'_>], middle: i32, work: &mut LaneWork) {
-        let mean_hz = work.mean_hz;
-        let mut places = [0.0; MAX_NODES];
-        for (place, look) in places.iter_mut().zip(looks) {
-            *place = look.pulse as f64 - f64::from(middle);
-        }
-        let through = Through::new(&places[..looks.len()]);
-        work.powers = if looks.len() <= 2 { 2 } else { MAX_NODES };
-        let basis = through.basis.map(|row| row.map(|b| b as f32));
-        work.amplitude.resize_with(self.layers.len(), Default::default);
-        for (layer, held) in self.layers.iter().zip(&mut work.amplitude) {
+    /// Amplitudes of all looks, contact by contact.
+    fn turn_looks(&self, batch: &Batch<'_>, work: &mut LaneWork) {
+        work.looks.resize_with(self.layers.len(), Vec::new);
+        for (layer, turned) in self.layers.iter().zip(&mut work.looks) {
             if layer.pair != batch.pair {
                 continue;
             }
-            for power in &mut *held {
-                power.reset(batch.count * layer.lanes);
-            }
+            turned.resize_with(batch.looks.len().max(turned.len()), Lined::default);
             // Channels of a pair stand in the order of its layers, four to a layer.
             let first = self
                 .layers
@@ -138,29 +133,53 @@ impl Synth<f32> {
                 .take_while(|other| other.channels != layer.channels)
                 .map(|other| other.channels.len())
                 .sum::<usize>();
-            for at in 0..layer.channels.len() {
-                let mut rows = [[[0.0; LANES]; 2]; MAX_NODES];
-                for (row, look) in rows.iter_mut().zip(looks) {
-                    let Some(amplitude) = look.amplitude.get(first + at) else { continue };
-                    *row = *amplitude;
-                    if layer.moment {
-                        // Doppler off the mean, from the node before or at the look.
-                        let node = batch
-                            .places
-                            .iter()
-                            .zip(&batch.nodes)
-                            .take_while(|(place, _)| **place <= look.pulse);
-                        let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { continue };
-                        for (i, rate) in node.delay_rate.iter().enumerate() {
-                            let scale = (self.carrier_hz * rate - mean_hz) * self.waveform.duration_s();
-                            row[0][i] *= scale as f32;
-                            row[1][i] *= scale as f32;
-                        }
-                    }
+            for (look, out) in batch.looks.iter().zip(turned) {
+                out.fit(batch.count * layer.lanes);
+                let amplitude = look.amplitude.get(first..).unwrap_or_default();
+                let amplitude = &amplitude[..amplitude.len().min(layer.channels.len())];
+                let mut scale = [1.0; LANES];
+                if layer.moment {
+                    self.moments(batch, look.pulse, work.mean_hz, &mut scale);
                 }
-                let job =
-                    Powers { rows: &rows, basis: &basis, count: batch.count, lanes: layer.lanes, at, held };
-                self.variant.run(job);
+                let scale = layer.moment.then_some(&scale);
+                let out = out.as_mut_slice();
+                match layer.lanes {
+                    2 => self.variant.run(Turned::<2> { amplitude, scale, out }),
+                    4 => self.variant.run(Turned::<4> { amplitude, scale, out }),
+                    _ => self.variant.run(Turned::<8> { amplitude, scale, out }),
+                }
+            }
+        }
+    }
+
+    /// Doppler off the mean over the length of a pulse, from the node before or at a look.
+    fn moments(&self, batch: &Batch<'_>, pulse: usize, mean_hz: f64, scale: &mut Row) {
+        let node = batch.places.iter().zip(&batch.nodes).take_while(|(place, _)| **place <= pulse);
+        let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { return };
+        for (scale, rate) in scale.iter_mut().zip(node.delay_rate) {
+            *scale = ((self.carrier_hz * rate - mean_hz) * self.waveform.duration_s()) as f32;
+        }
+    }
+
+    /// Polynomials of the amplitudes through some looks.
+    fn lane_amplitudes(&self, batch: &Batch<'_>, looks: Range<usize>, middle: i32, work: &mut LaneWork) {
+        let mut places = [0.0; MAX_NODES];
+        for (place, look) in places.iter_mut().zip(&batch.looks[looks.clone()]) {
+            *place = look.pulse as f64 - f64::from(middle);
+        }
+        let through = Through::new(&places[..looks.len()]);
+        work.powers = if looks.len() <= 2 { 2 } else { MAX_NODES };
+        let basis = through.basis.map(|row| row.map(|b| b as f32));
+        work.amplitude.resize_with(self.layers.len(), Default::default);
+        for ((layer, turned), held) in self.layers.iter().zip(&work.looks).zip(&mut work.amplitude) {
+            if layer.pair != batch.pair {
+                continue;
+            }
+            let mut seen = turned[looks.clone()].iter().map(Lined::as_slice);
+            let seen: [&[f32]; MAX_NODES] = std::array::from_fn(|_| seen.next().unwrap_or_default());
+            for (power, weights) in held.iter_mut().zip(&basis).take(work.powers) {
+                power.fit(batch.count * layer.lanes);
+                self.variant.run(Weighted { looks: &seen, weights, out: power.as_mut_slice() });
             }
         }
     }
@@ -170,7 +189,7 @@ impl Synth<f32> {
         batch: &Batch<'_>,
         interval: usize,
         nodes: usize,
-        pulses: std::ops::Range<usize>,
+        pulses: Range<usize>,
         frame: &Frame,
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
@@ -241,36 +260,64 @@ impl Synth<f32> {
     }
 }
 
-/// Powers of the amplitudes of one channel, into the lanes of its layer.
-struct Powers<'a> {
-    rows: &'a [[Row; 2]; MAX_NODES],
-    basis: &'a [[f32; MAX_NODES]; MAX_NODES],
-    count: usize,
-    lanes: usize,
-    at: usize,
-    held: &'a mut [Lined<f32>; MAX_NODES],
+/// Amplitudes of a look from channel by channel to contact by contact, `C` lanes each; lanes without a channel are silent.
+struct Turned<'a, const C: usize> {
+    amplitude: &'a [[Row; 2]],
+    scale: Option<&'a Row>,
+    out: &'a mut [f32],
 }
 
-impl Task for Powers<'_> {
+impl<const C: usize> Task for Turned<'_, C> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { rows, basis, count, lanes, at, held } = self;
-        let n = lanes_for(count);
-        for (held, basis) in held.iter_mut().zip(basis) {
-            let mut sums = [[0.0f32; LANES]; 2];
-            for (row, weight) in rows.iter().zip(basis) {
-                for part in 0..2 {
-                    for i in 0..n {
-                        sums[part][i] += weight * row[part][i];
-                    }
+        const SILENT: Row = [0.0; LANES];
+        let Self { amplitude, scale, out } = self;
+        let mut given = amplitude.as_flattened().iter();
+        let rows: [&Row; C] = std::array::from_fn(|_| given.next().unwrap_or(&SILENT));
+        let lines = out.as_chunks_mut::<C>().0.iter_mut().take(LANES).enumerate();
+        match scale {
+            None => lines.for_each(|(i, line)| *line = std::array::from_fn(|k| rows[k][i])),
+            Some(scale) => lines.for_each(|(i, line)| *line = std::array::from_fn(|k| rows[k][i] * scale[i])),
+        }
+    }
+}
+
+/// A sum of looks, each with its weight.
+struct Weighted<'a> {
+    looks: &'a [&'a [f32]; MAX_NODES],
+    weights: &'a [f32; MAX_NODES],
+    out: &'a mut [f32],
+}
+
+impl Task for Weighted<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { looks: [a, b, c, d], weights: w, out } = self;
+        let n = out.len();
+        match (b.len() == n, c.len() == n, d.len() == n) {
+            (true, true, true) => {
+                for ((((out, a), b), c), d) in out.iter_mut().zip(*a).zip(*b).zip(*c).zip(*d) {
+                    *out = w[0] * a + w[1] * b + w[2] * c + w[3] * d;
                 }
             }
-            let out = held.as_mut_slice();
-            for (i, lanes) in out.chunks_exact_mut(lanes).take(count).enumerate() {
-                lanes[2 * at] = sums[0][i];
-                lanes[2 * at + 1] = sums[1][i];
+            (true, true, _) => {
+                for (((out, a), b), c) in out.iter_mut().zip(*a).zip(*b).zip(*c) {
+                    *out = w[0] * a + w[1] * b + w[2] * c;
+                }
+            }
+            (true, ..) => {
+                for ((out, a), b) in out.iter_mut().zip(*a).zip(*b) {
+                    *out = w[0] * a + w[1] * b;
+                }
+            }
+            _ => {
+                for (out, a) in out.iter_mut().zip(*a) {
+                    *out = w[0] * a;
+                }
             }
         }
     }

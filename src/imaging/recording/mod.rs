@@ -163,6 +163,14 @@ impl Source {
         }
     }
 
+    fn has(&self, column: &Column) -> bool {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => recorded.has(column),
+            Self::Plain(plain) => plain.has(column),
+        }
+    }
+
     fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
         match self {
             #[cfg(feature = "hdf5")]
@@ -277,13 +285,10 @@ impl Recording {
         let mut numbers = BTreeMap::new();
         let (mut time_ns, mut tx_pol) = (Vec::new(), Vec::new());
         for column in list.iter().filter(|c| c.path != "iq") {
-            let read = source.rows(path, column, known.clone());
-            // Recordings of before these columns were made lack them: they are missed where they are asked for.
-            let newer = ["/boresight_quat", "/reported_phase_centre_m"];
-            if read.is_err() && newer.iter().any(|name| column.path.ends_with(name)) {
+            if column.may_be_missing() && !source.has(column) {
                 continue;
             }
-            match read? {
+            match source.rows(path, column, known.clone())? {
                 Rows::F64(values) => {
                     numbers.insert(column.path.clone(), (column.width(), values));
                 }

@@ -20,6 +20,8 @@ pub(super) struct Plain {
     folder: PathBuf,
     pub header: Header,
     pub pulses: usize,
+    /// Columns that `meta.json` lists.
+    listed: Vec<String>,
 }
 
 impl Plain {
@@ -37,15 +39,22 @@ impl Plain {
         let bytes = read("replica.bin")?;
         header.replica = values::<Complex32>(&bytes);
         header.check()?;
+        let listed = meta["columns"].as_object().map(|of| of.keys().cloned().collect()).unwrap_or_default();
         for column in columns(&header) {
-            if meta["columns"][&column.path]["dtype"] != column.element.numpy() {
+            let told = &meta["columns"][&column.path];
+            let older = told.is_null() && column.may_be_missing();
+            if !older && told["dtype"] != column.element.numpy() {
                 let detail = format!("{} is not {} in meta.json", column.path, column.element.numpy());
                 return Err(foreign(detail));
             }
         }
         let index = folder.join("pulse/index.bin");
         let held = fs::metadata(&index).map_err(SinkError::io(&index, "reading the recording"))?;
-        Ok(Self { folder: folder.to_owned(), header, pulses: (held.len() / 8) as usize })
+        Ok(Self { folder: folder.to_owned(), header, pulses: (held.len() / 8) as usize, listed })
+    }
+
+    pub fn has(&self, column: &Column) -> bool {
+        self.listed.contains(&column.path)
     }
 
     pub fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {

@@ -210,7 +210,7 @@ impl<T: Real> Map<T> {
         let key_y = patch.first[1] + iy as i64;
         let at = |ix: usize| {
             let place_m = patch.centre_m([patch.first[0] + ix as i64, key_y]);
-            window.at(pose.astern_starboard_m(place_m)[0])
+            window.rounded_at::<T>(pose.astern_starboard_m(place_m)[0])
         };
         let row = self.grid.index([0, key_y]);
         let first_column = self.grid.index([patch.first[0], key_y]) - row;

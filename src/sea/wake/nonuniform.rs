@@ -196,7 +196,8 @@ impl<T: Real> NonUniform<T> {
     fn spread(&mut self, amplitudes: &[[Complex<T>; 2]]) {
         let w = self.width;
         let [cells_x, cells_y] = [self.axes[0].cells, self.axes[1].cells];
-        for (rows, _) in self.grid.chunks_mut(BLOCK * cells_y).zip(&self.occupied).filter(|(_, some)| **some) {
+        for (rows, _) in self.grid.chunks_mut(BLOCK * cells_y).zip(&self.occupied).filter(|(_, some)| **some)
+        {
             rows.fill(Complex::new(T::default(), T::default()));
         }
         let waves = self.first.iter().zip(self.taps.chunks_exact(2 * w));

@@ -29,9 +29,10 @@
 //! assert_eq!(Upstream::Symmetric.window(100.0).at(-1e3).value, 1.0);
 //! ```
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use crate::sea::surface::Sample;
+use crate::sea::surface::fields::Real;
 
 /// What stands ahead of a ship.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,14 +91,23 @@ impl Window {
     }
 
     /// At a distance astern of midship, m.
-    #[inline]
     pub fn at(&self, astern_m: f64) -> Edge {
+        self.rounded_at::<f64>(astern_m)
+    }
+
+    /// The same with cosines that are as good as numbers of some type: in f32 5e-7.
+    #[inline]
+    pub fn rounded_at<T: Real>(&self, astern_m: f64) -> Edge {
+        let cos_sin = |phase_rad: f64| {
+            let (cos, sin) = T::cos_sin_of_turns(phase_rad / TAU);
+            (cos.widen(), sin.widen())
+        };
         if let Some([from_m, to_m]) = self.fade_m.filter(|[from_m, _]| astern_m > *from_m) {
             let scale = PI / (to_m - from_m);
             if astern_m >= to_m {
                 return Edge::CLOSED;
             }
-            let (sin, cos) = (scale * (astern_m - from_m)).sin_cos();
+            let (cos, sin) = cos_sin(scale * (astern_m - from_m));
             return Edge {
                 value: 0.5 + 0.5 * cos,
                 rate_per_m: -0.5 * scale * sin,
@@ -111,7 +121,7 @@ impl Window {
             return Edge::CLOSED;
         }
         let scale = 0.5 * PI / self.half_m;
-        let (sin, cos) = (scale * astern_m).sin_cos();
+        let (cos, sin) = cos_sin(scale * astern_m);
         Edge {
             value: 0.5 + 0.5 * sin,
             rate_per_m: 0.5 * scale * cos,

@@ -276,10 +276,18 @@ fn append_rows(dataset: &Dataset, column: &Column, at: usize, rows: &Rows) -> Re
 pub(crate) struct Recorded {
     file: File,
     columns: Vec<Column>,
+    /// Paths of those that are there.
+    held: Vec<String>,
     /// What holds for the whole recording.
     pub(crate) header: Header,
     /// Complete pulses.
     pub(crate) pulses: usize,
+}
+
+/// Whether a file has a column, asked group by group: what has no parent has no children.
+fn is_there(file: &File, column: &Column) -> bool {
+    let ends = column.path.match_indices('/').map(|(at, _)| at).chain([column.path.len()]);
+    ends.into_iter().all(|end| file.link_exists(&column.path[..end]))
 }
 
 impl Recorded {
@@ -292,8 +300,10 @@ impl Recorded {
         let header = header::read(&file)?;
         header.check().map_err(|e| Fault::Text(e.to_string()))?;
         let columns = columns(&header);
+        let there = |column: &&Column| !column.may_be_missing() || is_there(&file, column);
+        let held: Vec<&Column> = columns.iter().filter(there).collect();
         let mut pulses = 0;
-        for column in &columns {
+        for column in &held {
             let dataset = file.dataset(&column.path)?;
             let found = dataset.shape();
             if found.get(1..) != Some(column.shape.as_slice()) {
@@ -301,13 +311,14 @@ impl Recorded {
             }
             pulses = found[0];
         }
-        for column in &columns {
+        for column in &held {
             let rows = file.dataset(&column.path)?.shape()[0];
             if rows < pulses {
                 return Err(Fault::Text(format!("/{} has {rows} rows of {pulses}", column.path)));
             }
         }
-        Ok(Self { file, columns, header, pulses })
+        let held = held.into_iter().map(|column| column.path.clone()).collect();
+        Ok(Self { file, columns, held, header, pulses })
     }
 
     /// Index of one pulse.
@@ -331,6 +342,11 @@ impl Recorded {
     /// Rows `from..to` of all columns, in their order.
     pub(crate) fn rows(&self, from: usize, to: usize) -> Result<Vec<Rows>, Fault> {
         self.columns.iter().map(|column| self.column(column, from, to)).collect()
+    }
+
+    /// Whether a column is there.
+    pub(crate) fn has(&self, column: &Column) -> bool {
+        self.held.contains(&column.path)
     }
 
     /// Rows `from..to` of one column.
