@@ -236,7 +236,11 @@ fn what_an_older_recording_lacks_is_missed_where_it_is_asked_for() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let ended = of("reported");
     assert_eq!(ended.code, 2, "{}", ended.stderr);
-    assert!(ended.stderr.contains("/nav/t/reported_phase_centre_m is not in the recording"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("/nav/t/reported_phase_centre_m is not in the recording"),
+        "{}",
+        ended.stderr
+    );
     // A column that is told but gone is no older recording.
     fs::remove_file(folder.path().join("r.plain/nav/t/phase_centre_m.bin")).unwrap();
     let ended = of("true");
@@ -250,7 +254,11 @@ fn pulses_beyond_the_end_are_told() {
     recorded(folder.path(), &[]);
     let ended = nereus(folder.path(), &["focus", "r.plain", "--size-m", "64", "--pulses", "40..100"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    assert!(ended.stderr.contains("warning: --pulses 40..100: the recording ends with pulse 79"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("warning: --pulses 40..100: the recording ends with pulse 79"),
+        "{}",
+        ended.stderr
+    );
     let ended = nereus(folder.path(), &["focus", "r.plain", "--dynamic-db", "40", "--percentile", "99"]);
     assert_eq!(ended.code, 2, "{}", ended.stderr);
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::program::nereus;
+use crate::program::{nereus, package};
 
 /// A small sea from 30 degrees above, in cells of 1.5 m.
 const SCENARIO: &str = r#"
@@ -158,4 +158,35 @@ fn focus_fits_laws_to_pixels_a_cell_apart() {
     let silent =
         nereus(folder.path(), &["focus", "r.plain", "--centre-m", "9e4,0", "--size-m", "44", "--speckle"]);
     assert!(silent.code == 2 && silent.stderr.contains("pixels with power"), "{}", silent.stderr);
+}
+
+/// The table of the page is that of the figures beside it.
+#[test]
+fn the_page_tells_what_the_figures_say() {
+    let read = |name: &str| fs::read_to_string(package().join("docs").join(name)).unwrap();
+    let (page, figures) = (read("speckle.md"), read("speckle.csv"));
+    let mut rows = csv::Reader::from_reader(figures.as_bytes());
+    let mut told = 0;
+    for row in rows.deserialize::<std::collections::HashMap<String, String>>() {
+        let row = row.unwrap();
+        let number = |key: &str| row[key].parse::<f64>().unwrap();
+        let nu = number("nu_likelihood");
+        let law = row["nu_empirical"].parse::<f64>().map_or(String::new(), |nu| format!("{nu:.4} "));
+        let line = format!(
+            "| {:.0} | {} | {:.1} | {:.3} | {nu:.3} +- {:.3} | {:.3} +- {:.3} | {:.2}, {:.2}, {:.2} | {law}|",
+            number("psi_deg"),
+            row["channel"],
+            number("mean_power_dbw"),
+            number("nu_moments"),
+            nu * nu * number("inverse_nu_block_error"),
+            number("nu_histogram"),
+            number("nu_histogram_error"),
+            number("ks_k"),
+            number("ks_weibull"),
+            number("ks_rayleigh"),
+        );
+        assert!(page.contains(&line), "not in the page: {line}");
+        told += 1;
+    }
+    assert_eq!(told, 24);
 }

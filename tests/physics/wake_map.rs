@@ -281,6 +281,38 @@ fn the_node_rule_is_that_of_the_book() {
 }
 
 #[test]
+fn sums_of_few_waves_forget_those_before() {
+    use nereus::sea::wake::nonuniform::NonUniform;
+    // Waves in a narrow band along x, which leaves most rows of the grid empty; then others, also about the edge of the band; then none.
+    let facets = [60, 20];
+    let mut sum = NonUniform::<f64>::new(facets, 3, -120.0).unwrap();
+    let mut out = vec![Complex64::ZERO; facets[0] * facets[1]];
+    let bands: [&[[f64; 2]]; 4] =
+        [&[[0.5, 2.0], [0.52, -3.0], [0.49, 0.1]], &[[3.13, 0.3], [-0.01, 0.02]], &[], &[[1.0, 1.0]]];
+    for steps in bands {
+        sum.place(steps);
+        let amplitudes: Vec<[Complex64; 2]> =
+            (0..steps.len()).map(|n| [Complex64::new(1.0, n as f64), Complex64::new(0.3, -0.7)]).collect();
+        // Twice: what the first left in its buffers is of no account.
+        for _ in 0..2 {
+            sum.run(&amplitudes, &mut out);
+            for (i, value) in out.iter().enumerate() {
+                let (m, l) = ((i % 60) as f64 - 30.0, (i / 60) as f64 - 10.0);
+                let exact: Complex64 = steps
+                    .iter()
+                    .zip(&amplitudes)
+                    .map(|(step, [c, d])| {
+                        let turn = Complex64::cis(step[0] * m + step[1] * l);
+                        c * turn + d * turn.conj()
+                    })
+                    .sum();
+                assert!((value - exact).norm() < 1e-5, "{steps:?}, facet {i}: {value} for {exact}");
+            }
+        }
+    }
+}
+
+#[test]
 fn sums_of_random_waves_reach_the_error_asked() {
     use nereus::sea::wake::nonuniform::{NonUniform, width};
     let facets = [45, 32];

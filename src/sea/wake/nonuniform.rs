@@ -61,12 +61,14 @@ pub struct NonUniform<T: Real> {
     first: Vec<[usize; 2]>,
     /// As many: `w` values of the kernel along x, `w` along y.
     taps: Vec<T>,
-    /// Whether any wave lies in a block of rows of the grid.
-    occupied: Vec<bool>,
+    /// Blocks of rows of the grid in which waves lie, rising.
+    blocks: Vec<usize>,
     /// `[kx][ky]`; what stands in blocks without waves is of no account.
     grid: Vec<Complex<T>>,
-    /// `[iy][kx]`.
+    /// `[iy][place in blocks][kx]`.
     half: Vec<Complex<T>>,
+    /// One row of it, `[kx]`.
+    line: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
 }
 
@@ -118,9 +120,10 @@ impl<T: Real> NonUniform<T> {
             steps_rad: Vec::with_capacity(most_waves),
             first: Vec::with_capacity(2 * most_waves),
             taps: Vec::with_capacity(4 * width * most_waves),
-            occupied: vec![false; axes[0].cells.div_ceil(BLOCK)],
+            blocks: Vec::with_capacity(axes[0].cells.div_ceil(BLOCK)),
             grid: vec![zero; axes[0].cells * axes[1].cells],
-            half: vec![zero; axes[0].cells * axes[1].facets],
+            half: vec![zero; axes[0].cells.next_multiple_of(BLOCK) * axes[1].facets],
+            line: vec![zero; axes[0].cells],
             scratch: vec![zero; scratch],
             axes,
         })
@@ -136,7 +139,6 @@ impl<T: Real> NonUniform<T> {
         self.steps_rad.extend_from_slice(steps_rad);
         self.first.clear();
         self.taps.clear();
-        self.occupied.fill(false);
         let cells_x = self.axes[0].cells;
         let half_width = 0.5 * self.width as f64;
         for step in steps_rad {
@@ -154,12 +156,20 @@ impl<T: Real> NonUniform<T> {
                         self.taps.push(T::round_from((self.beta * (root - 1.0)).exp()));
                     }
                 }
-                for i in 0..self.width {
-                    self.occupied[(first[0] + i) % cells_x / BLOCK] = true;
-                }
                 self.first.push(first);
             }
         }
+        self.blocks.clear();
+        let touched = |block: usize| {
+            let rows = block * BLOCK..((block + 1) * BLOCK).min(cells_x);
+            // A kernel that begins before the block, or goes on over the edge.
+            let reaches = |[first, _]: &[usize; 2]| {
+                let before = (rows.start + cells_x - first) % cells_x;
+                before < self.width || rows.contains(first)
+            };
+            self.first.iter().any(reaches)
+        };
+        self.blocks.extend((0..cells_x.div_ceil(BLOCK)).filter(|block| touched(*block)));
     }
 
     /// The sum with amplitudes `[c, d]` of each wave, into `out[iy nx + ix]`.
@@ -167,28 +177,29 @@ impl<T: Real> NonUniform<T> {
         let zero = Complex::new(T::default(), T::default());
         self.spread(amplitudes);
         let [x, y] = &self.axes;
-        for (block, rows) in self.grid.chunks_mut(BLOCK * y.cells).enumerate() {
-            let first = block * BLOCK;
-            let count = rows.len() / y.cells;
-            if !self.occupied[block] {
-                for line in self.half.chunks_exact_mut(x.cells) {
-                    line[first..first + count].fill(zero);
-                }
-                continue;
-            }
+        let stride = self.blocks.len() * BLOCK;
+        for (nth, block) in self.blocks.iter().enumerate() {
+            let count = BLOCK.min(x.cells - block * BLOCK);
+            let rows = &mut self.grid[block * BLOCK * y.cells..][..count * y.cells];
             y.fft.process_with_scratch(rows, &mut self.scratch);
             for (line, (&cell, &factor)) in
-                self.half.chunks_exact_mut(x.cells).zip(y.cell.iter().zip(&y.factor))
+                self.half.chunks_exact_mut(stride).zip(y.cell.iter().zip(&y.factor))
             {
-                for (row, value) in line[first..first + count].iter_mut().enumerate() {
+                for (row, value) in line[nth * BLOCK..][..count].iter_mut().enumerate() {
                     *value = rows[row * y.cells + cell] * factor;
                 }
             }
         }
-        for (line, out) in self.half.chunks_exact_mut(x.cells).zip(out.chunks_exact_mut(x.facets)) {
-            x.fft.process_with_scratch(line, &mut self.scratch);
+        for (iy, out) in out.chunks_exact_mut(x.facets).enumerate().take(y.facets) {
+            self.line.fill(zero);
+            let held = self.half[iy * stride..][..stride].chunks_exact(BLOCK);
+            for (block, held) in self.blocks.iter().zip(held) {
+                let to = self.line[block * BLOCK..].iter_mut().take(BLOCK);
+                to.zip(held).for_each(|(to, from)| *to = *from);
+            }
+            x.fft.process_with_scratch(&mut self.line, &mut self.scratch);
             for (value, (&cell, &factor)) in out.iter_mut().zip(x.cell.iter().zip(&x.factor)) {
-                *value = line[cell] * factor;
+                *value = self.line[cell] * factor;
             }
         }
     }
@@ -196,9 +207,10 @@ impl<T: Real> NonUniform<T> {
     fn spread(&mut self, amplitudes: &[[Complex<T>; 2]]) {
         let w = self.width;
         let [cells_x, cells_y] = [self.axes[0].cells, self.axes[1].cells];
-        for (rows, _) in self.grid.chunks_mut(BLOCK * cells_y).zip(&self.occupied).filter(|(_, some)| **some)
-        {
-            rows.fill(Complex::new(T::default(), T::default()));
+        for block in &self.blocks {
+            let count = BLOCK.min(cells_x - block * BLOCK);
+            self.grid[block * BLOCK * cells_y..][..count * cells_y]
+                .fill(Complex::new(T::default(), T::default()));
         }
         let waves = self.first.iter().zip(self.taps.chunks_exact(2 * w));
         for ((first, taps), &amplitude) in waves.zip(amplitudes.iter().flatten()) {
