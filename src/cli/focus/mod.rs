@@ -323,7 +323,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     let choose = |header: &Header| channels(args, header);
     let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
     if let (Some(asked), [.., last]) = (args.pulses, &recording.index[..])
-        && asked.end > last + 1
+        && asked.end - 1 > *last
     {
         warn([format!("--pulses {}..{}: the recording ends with pulse {last}", asked.first, asked.end)]);
     }
