@@ -268,7 +268,7 @@ impl SeaPlan {
             Sheet::<f64>::new(&self.surface, self.selection()).with_wakes(&self.wakes, &self.patch).ok()?;
         let updates = match &self.visibility {
             Some(visibility) => {
-                Some(visibility.updates::<SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)
+                Some(visibility.updates::<f64, SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)
             }
             None => None,
         };

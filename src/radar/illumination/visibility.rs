@@ -9,6 +9,7 @@ use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::scene::Patch;
 use crate::sea::sheet::Sheet;
+use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Selection, Surface};
 use crate::sea::wake::{Wake, WakeError};
 
@@ -35,11 +36,12 @@ pub(super) struct Update {
     weights: Vec<Vec<f64>>,
 }
 
-/// The two updates around an instant, and what makes them.
+/// The two updates around an instant, and what makes them: in f64, or from heights in f32.
 #[derive(Clone)]
-pub(super) struct Updates {
-    sheet: Sheet,
-    heights: Fields<f64>,
+pub(super) struct Updates<T: Real = f64> {
+    sheet: Sheet<T>,
+    fields: Fields<T>,
+    heights_m: Vec<f64>,
     shadow: Shadow<f64>,
     held: [Update; 2],
 }
@@ -70,17 +72,18 @@ impl Visibility {
         Shadow::new(patch.facets, self.settings)
     }
 
-    pub fn updates<E: From<WakeError> + From<ShadowError>>(
+    pub fn updates<T: Real, E: From<WakeError> + From<ShadowError>>(
         &self,
         surface: &Surface,
         wakes: &[Wake],
         patch: &Patch,
-    ) -> Result<Updates, E> {
+    ) -> Result<Updates<T>, E> {
         let grown = patch.grown(self.margin);
         let shadow = self.shadow(&grown)?;
-        let sheet = Sheet::<f64>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
+        let sheet = Sheet::<T>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = self.empty(&grown);
-        Ok(Updates { heights: sheet.fields(&grown), sheet, shadow, held: [update.clone(), update] })
+        let heights_m = vec![0.0; grown.len()];
+        Ok(Updates { fields: sheet.fields(&grown), sheet, heights_m, shadow, held: [update.clone(), update] })
     }
 
     /// Time of an update, s after pulse 0.
@@ -99,14 +102,14 @@ impl Visibility {
 
     /// Makes an update, unless it is held. `scenery` tells the patch and the place of every antenna at a time, and
     /// `lower` the fall of the mean surface at a place, m.
-    pub fn update<'a, E: From<WakeError> + From<ShadowError>>(
+    pub fn update<'a, T: Real, E: From<WakeError> + From<ShadowError>>(
         &self,
-        updates: &'a mut Updates,
+        updates: &'a mut Updates<T>,
         wanted: u64,
         mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
         lower: impl Fn([f64; 2]) -> f64,
     ) -> Result<&'a Update, E> {
-        let Updates { sheet, heights, shadow, held } = updates;
+        let Updates { sheet, fields, heights_m, shadow, held } = updates;
         // Even and odd updates have a place each, so the pair needed next always keeps the one at hand.
         let update = &mut held[(wanted % 2) as usize];
         if update.number == Some(wanted) {
@@ -117,8 +120,9 @@ impl Visibility {
         let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
         let places = &mut places[..self.ends];
         update.patch = scenery(time_s, places)?.grown(self.margin);
-        sheet.evaluate(time_s, &update.patch, heights)?;
-        self.weigh(shadow, &mut heights.height_m, lower, places, update)?;
+        sheet.evaluate(time_s, &update.patch, fields)?;
+        heights_m.iter_mut().zip(&fields.height_m).for_each(|(to, from)| *to = from.widen());
+        self.weigh(shadow, heights_m, lower, places, update)?;
         update.number = Some(wanted);
         Ok(update)
     }

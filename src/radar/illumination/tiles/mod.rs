@@ -162,8 +162,8 @@ struct Shade {
 enum Maker {
     /// Of a patch that stays, whose heights are known from the nodes.
     Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
-    /// Of one that moves.
-    Along(Box<Updates>),
+    /// Of one that moves; heights in f32, as those of the nodes.
+    Along(Box<Updates<f32>>),
 }
 
 /// Random phasors of the facets at hand, at their key modulo the patch, and in the order of the patch.
@@ -273,7 +273,7 @@ impl SeaPlan {
                 heights_m: vec![0.0; self.patch.len()],
             }),
             Some(visibility) => Some(Maker::Along(Box::new(
-                visibility.updates::<SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?,
+                visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?,
             ))),
         };
         let facets = self.patch.len();
