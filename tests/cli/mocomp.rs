@@ -2,10 +2,8 @@
 
 use std::fs;
 
-use clap::Parser;
-use nereus::cli::Arguments;
-
 use crate::program::{nereus, package};
+use crate::readme::commands_understood;
 
 /// Records a few pulses of `configs/mocomp-NAME.toml`.
 fn recorded(folder: &std::path::Path, name: &str, out: &str, settings: &[&str]) {
@@ -110,18 +108,7 @@ fn what_is_wrong_is_told() {
 #[test]
 fn commands_of_the_page_are_understood_and_its_figures_are_those_of_its_file() {
     let page = fs::read_to_string(package().join("docs/mocomp.md")).unwrap();
-    let block = page.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
-    let mut shown = 0;
-    for line in block.lines().map(|line| line.split(" #").next().unwrap().trim()) {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        if words[0] == "nereus" {
-            shown += 1;
-            assert!(Arguments::try_parse_from(&words).is_ok(), "{line}");
-        } else {
-            assert!(package().join(words[0]).is_file(), "{line}");
-        }
-    }
-    assert_eq!(shown, 3);
+    assert_eq!(commands_understood(&page), 3);
     // Every scenario has rows, and prediction and measurement agree as the page says.
     let table = fs::read_to_string(package().join("docs/mocomp.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();

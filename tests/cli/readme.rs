@@ -18,6 +18,25 @@ fn commands_of(page: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
+/// Commands of the program in the first shell block of a page, all of them understood; the other lines begin with tools of the package, some
+/// with `python3` before them.
+pub fn commands_understood(page: &str) -> usize {
+    let block = page.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+    let mut shown = 0;
+    for line in block.lines().map(|line| line.split(" #").next().unwrap().trim()) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[0] {
+            "nereus" => {
+                shown += 1;
+                assert!(Arguments::try_parse_from(&words).is_ok(), "{line}");
+            }
+            "python3" => assert!(package().join(words[1]).is_file(), "{line}"),
+            tool => assert!(package().join(tool).is_file(), "{line}"),
+        }
+    }
+    shown
+}
+
 fn commands() -> Vec<Vec<String>> {
     commands_of(&fs::read_to_string(package().join("README.md")).unwrap())
 }

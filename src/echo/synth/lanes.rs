@@ -137,11 +137,8 @@ impl Synth<f32> {
                 out.fit(batch.count * layer.lanes);
                 let amplitude = look.amplitude.get(first..).unwrap_or_default();
                 let amplitude = &amplitude[..amplitude.len().min(layer.channels.len())];
-                let mut scale = [1.0; LANES];
-                if layer.moment {
-                    self.moments(batch, look.pulse, work.mean_hz, &mut scale);
-                }
-                let scale = layer.moment.then_some(&scale);
+                let scale = layer.moment.then(|| self.moments(batch, look.pulse, work.mean_hz));
+                let scale = scale.as_ref();
                 let out = out.as_mut_slice();
                 match layer.lanes {
                     2 => self.variant.run(Turned::<2> { amplitude, scale, out }),
@@ -153,12 +150,10 @@ impl Synth<f32> {
     }
 
     /// Doppler off the mean over the length of a pulse, from the node before or at a look.
-    fn moments(&self, batch: &Batch<'_>, pulse: usize, mean_hz: f64, scale: &mut Row) {
+    fn moments(&self, batch: &Batch<'_>, pulse: usize, mean_hz: f64) -> Row {
         let node = batch.places.iter().zip(&batch.nodes).take_while(|(place, _)| **place <= pulse);
-        let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { return };
-        for (scale, rate) in scale.iter_mut().zip(node.delay_rate) {
-            *scale = ((self.carrier_hz * rate - mean_hz) * self.waveform.duration_s()) as f32;
-        }
+        let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { return [1.0; LANES] };
+        node.delay_rate.map(|rate| ((self.carrier_hz * rate - mean_hz) * self.waveform.duration_s()) as f32)
     }
 
     /// Polynomials of the amplitudes through some looks.
