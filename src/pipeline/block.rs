@@ -24,7 +24,7 @@ use crate::plan::settle::{Settled, block_length, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
-    Instants, LOOKS, NODES, Sample, TileWork, looks_about, nodes_within,
+    Borders, Instants, LOOKS, NODES, Sample, TileWork, looks_about, nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
@@ -32,6 +32,7 @@ use crate::scattering::contact::Contacts;
 /// Makes echoes block by block. Immutable, shared by all threads.
 pub(super) struct BlockEcho {
     synth: Arc<Synth<f32>>,
+    borders: Arc<Borders>,
     /// Pulses of a block.
     length: u64,
     hold_pulses: Option<u64>,
@@ -88,6 +89,7 @@ impl BlockEcho {
         let gain_pulses = usize::try_from(settled.gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
         Ok(Self {
             synth: Arc::new(synth),
+            borders: Arc::default(),
             length: block_length(settled.node_pulses, hold_pulses),
             hold_pulses,
             gain_pulses,
@@ -101,9 +103,9 @@ impl BlockEcho {
     /// The same echo with other nodes; `None` of blocks that are too long.
     pub fn like(other: &Self, settled: &Settled) -> Option<Self> {
         let block = usize::try_from(block_pulses(settled.node_pulses)).ok()?;
-        let (synth, length) =
-            (Arc::clone(&other.synth), block_length(settled.node_pulses, other.hold_pulses));
-        (block <= MAX_PULSES).then_some(Self { synth, length, ..*other })
+        let (synth, borders) = (Arc::clone(&other.synth), Arc::default());
+        let length = block_length(settled.node_pulses, other.hold_pulses);
+        (block <= MAX_PULSES).then_some(Self { synth, borders, length, ..*other })
     }
 
     /// Pulses of a block.
@@ -132,7 +134,7 @@ impl BlockEcho {
             part: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
-            tiles: illumination.tile_work(variant),
+            tiles: illumination.tile_work(variant, &self.borders),
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),

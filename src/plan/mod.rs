@@ -33,6 +33,7 @@ pub mod interpolation;
 pub mod path;
 pub mod settle;
 pub mod sounding;
+pub mod turning;
 pub mod waves;
 pub mod worst;
 

@@ -34,7 +34,7 @@ const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 const DRIFT_PULSES: f64 = 12.0;
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
-/// Looks in a period of the shortest waves of the surface, at least: a facet that turns away between two looks is told where it does
+/// Looks in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two looks is told where
 /// to a part of that, and single facets make the worst pulses at grazing incidence.
 const LOOKS_PER_PERIOD: f64 = 30.0;
 
@@ -227,7 +227,7 @@ pub fn settle(
         let [path, tilt, gain, culled] = judge.worst(left, (gain, gain_pulses), &culled);
         Prediction { echo: error, path, tilt, gain, culled, bounce }
     };
-    let farthest_look = farthest_look(scene);
+    let farthest_look = if sounder.turning() { farthest_look(scene) } else { u64::MAX };
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
     // The least that a rung may cost: one look a node, gains as far apart as they may be by themselves.

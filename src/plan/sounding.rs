@@ -29,10 +29,12 @@
 //! platforms between the places is not seen.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use num_complex::{Complex32, Complex64};
 
 use super::settle::block_pulses;
+use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
@@ -102,6 +104,8 @@ struct Truth {
     amplitude: Vec<[Row; 2]>,
     factor: Row,
     heard: Vec<bool>,
+    /// Cosines of the local angles, transmitter and receiver.
+    cosine: [Row; 2],
 }
 
 impl Truth {
@@ -132,6 +136,8 @@ pub struct Sounder<'a> {
     interval_s: f64,
     /// Whether blocks are interpolated at all.
     interpolates: bool,
+    /// Whether some facets turn away from an antenna.
+    turning: bool,
     /// `(pair, Doppler Hz, power W)` of facets and points, all places.
     dopplers: Vec<(usize, f64, f64)>,
     /// Largest rate of a delay.
@@ -170,11 +176,12 @@ impl<'a> Sounder<'a> {
             cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
             light: illumination.workspace(),
-            tiles: illumination.tile_work(Variant::fastest()),
+            tiles: illumination.tile_work(Variant::fastest(), &Arc::default()),
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.interval_s(0, 1),
             interpolates: true,
+            turning: false,
             dopplers: Vec::new(),
             fastest: 0.0,
             power: vec![0.0; all],
@@ -302,6 +309,11 @@ impl<'a> Sounder<'a> {
         self.interpolates
     }
 
+    /// Whether some facets turn away from an antenna while they are heard.
+    pub fn turning(&self) -> bool {
+        self.turning
+    }
+
     /// How many places there are.
     pub fn places(&self) -> usize {
         self.places.len()
@@ -372,6 +384,13 @@ impl<'a> Sounder<'a> {
                 }
             }
         }
+        let mut cosines = vec![[Cosines::default(); 2]; pairs];
+        for (n, truth) in truths.iter().enumerate() {
+            for (of, cosine) in cosines[n % pairs].iter_mut().zip(&truth.cosine) {
+                (0..truth.count).filter(|i| truth.heard[*i]).for_each(|i| of.add(cosine[i].into()));
+            }
+        }
+        self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
         let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
         means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
         self.leave_out(&truths, &means_w);
@@ -442,6 +461,7 @@ impl<'a> Sounder<'a> {
                 amplitude: look.amplitude.clone(),
                 factor: heard.of.factor[0],
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
+                cosine: look.cosine,
             });
         })?;
         Ok(truths)

@@ -127,6 +127,9 @@ pub enum Polarisation {
 }
 
 impl Polarisation {
+    /// How many there are.
+    pub const COUNT: usize = 4;
+
     /// The letter used in channel names.
     pub fn letter(self) -> char {
         match self {

@@ -1,8 +1,8 @@
 //! The inner loop: contacts of a block onto the grids of its pulses.
 //!
 //! For `CHUNK` contacts at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
-//! of them, lane by lane; (2) amplitudes at this pulse; (3) each contact's `C` lanes, turned by its phasor, onto its `W` cells, some pulses by turns. The
-//! chunk stays in the nearest cache for all pulses. Everything is safe code over slices; what CPU it is compiled for is
+//! of them, lane by lane; (2) some pulses by turns, each contact's `C` lanes: their amplitude at the pulse, turned by its phasor, onto its `W` cells. The
+//! chunk stays in the nearest cache for all pulses, and a contact's polynomials in registers for the pulses at hand. Everything is safe code over slices; what CPU it is compiled for is
 //! decided by its callers.
 
 use super::kernel::{MAX_TERMS, terms};
@@ -51,17 +51,16 @@ pub(super) struct Job<'a, T: Scalar> {
 }
 
 /// Steps between the passes.
-struct Passes<T, const W: usize, const C: usize> {
+struct Passes<T, const W: usize> {
     cell: [i32; CHUNK],
     cos: [T; CHUNK],
     sin: [T; CHUNK],
     /// From the middle of the first tap back to its place, cells: the `z` of the kernel.
     beyond: [T; CHUNK],
     weight: [[T; CHUNK]; W],
-    level: [[T; C]; CHUNK],
 }
 
-impl<T: Scalar, const W: usize, const C: usize> Passes<T, W, C> {
+impl<T: Scalar, const W: usize> Passes<T, W> {
     fn new() -> Self {
         let zero = T::default();
         Self {
@@ -70,7 +69,6 @@ impl<T: Scalar, const W: usize, const C: usize> Passes<T, W, C> {
             sin: [zero; CHUNK],
             beyond: [zero; CHUNK],
             weight: [[zero; CHUNK]; W],
-            level: [[zero; C]; CHUNK],
         }
     }
 }
@@ -81,19 +79,36 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
     job: &Job<'_, T>,
     grids: &mut [T],
 ) {
-    let mut passes: [Passes<T, W, C>; TOGETHER] = std::array::from_fn(|_| Passes::new());
+    let of_contacts = |power: usize| job.amplitude[power].as_chunks::<C>().0;
+    match job.amplitude.len() {
+        2 => spread_powers::<T, FUSED, W, C, 2>(job, std::array::from_fn(of_contacts), grids),
+        4 => spread_powers::<T, FUSED, W, C, 4>(job, std::array::from_fn(of_contacts), grids),
+        // The block keeps two powers or four.
+        _ => {}
+    }
+}
+
+/// The same with `P` powers of the amplitudes, `[power][contact][lane]`.
+#[inline(always)]
+fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize>(
+    job: &Job<'_, T>,
+    amplitude: [&[[T; C]]; P],
+    grids: &mut [T],
+) {
+    let mut passes: [Passes<T, W>; TOGETHER] = std::array::from_fn(|_| Passes::new());
     let contacts = job.courses.base.len();
     let mut from = 0;
     while from < contacts {
         let count = CHUNK.min(contacts - from);
+        let amplitude = amplitude.map(|power| &power[from..from + count]);
         let mut pulse = 0;
         for (shifts, grids) in job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride)) {
+            let first = job.amplitude_first + pulse;
             for (shift, passes) in shifts.iter().zip(&mut passes) {
-                place::<T, FUSED, W, C>(job, from, count, job.first + pulse, *shift, passes);
+                place::<T, FUSED, W>(job, from, count, job.first + pulse, *shift, passes);
                 if let Some(factors) = job.factors.get(pulse as usize * contacts + from..) {
                     weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
                 }
-                levels::<T, FUSED, W, C>(job, from, count, job.amplitude_first + pulse, passes);
                 pulse += 1;
             }
             let mut parts = grids
@@ -101,10 +116,10 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
                 .map(|part| part.get_mut(job.offset..).unwrap_or_default().as_chunks_mut::<C>().0);
             if shifts.len() == TOGETHER {
                 let cells = std::array::from_fn(|_| parts.next().unwrap_or_default());
-                scatter::<T, FUSED, W, C, TOGETHER>(&passes, count, cells);
+                scatter::<T, FUSED, W, C, P, TOGETHER>(&passes, amplitude, first, cells);
             } else {
-                for (passes, cells) in passes.chunks(1).zip(parts) {
-                    scatter::<T, FUSED, W, C, 1>(passes, count, [cells]);
+                for ((passes, cells), at) in passes.chunks(1).zip(parts).zip(first..) {
+                    scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, at, [cells]);
                 }
             }
         }
@@ -122,13 +137,13 @@ fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
 
 /// Phasor, first cell and weights of a chunk.
 #[inline(always)]
-fn place<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+fn place<T: Scalar, const FUSED: bool, const W: usize>(
     job: &Job<'_, T>,
     from: usize,
     count: usize,
     m: i32,
     shift: (i32, T),
-    passes: &mut Passes<T, W, C>,
+    passes: &mut Passes<T, W>,
 ) {
     let part = from..from + count;
     let courses = job.courses;
@@ -239,56 +254,16 @@ fn weight_pair<T: Scalar, const FUSED: bool, const W: usize>(
     }
 }
 
-/// Amplitudes at this pulse.
-#[inline(always)]
-fn levels<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
-    job: &Job<'_, T>,
-    from: usize,
-    count: usize,
-    m: i32,
-    passes: &mut Passes<T, W, C>,
-) {
-    let part = from * C..(from + count) * C;
-    let s = T::from_int(m);
-    let level = &mut passes.level.as_flattened_mut()[..count * C];
-    match *job.amplitude {
-        [a0, a1] => linear::<T, FUSED>(s, &a0[part.clone()], &a1[part], level),
-        [a0, a1, a2, a3] => {
-            let powers = [a0, a1, a2, a3].map(|a| &a[part.clone()]);
-            cubic::<T, FUSED>(s, powers[0], powers[1], powers[2], powers[3], level);
-        }
-        // The block keeps two powers or four.
-        _ => {}
-    }
-}
-
-/// `a0 + a1 s`.
-#[inline(always)]
-fn linear<T: Scalar, const FUSED: bool>(s: T, a0: &[T], a1: &[T], level: &mut [T]) {
-    for (to, (a0, a1)) in level.iter_mut().zip(a0.iter().zip(a1)) {
-        *to = T::fma::<FUSED>(*a1, s, *a0);
-    }
-}
-
-/// `a0 + a1 s + a2 s^2 + a3 s^3`.
-#[inline(always)]
-fn cubic<T: Scalar, const FUSED: bool>(s: T, a0: &[T], a1: &[T], a2: &[T], a3: &[T], level: &mut [T]) {
-    for (to, (((a0, a1), a2), a3)) in level.iter_mut().zip(a0.iter().zip(a1).zip(a2).zip(a3)) {
-        let high = T::fma::<FUSED>(T::fma::<FUSED>(*a3, s, *a2), s, *a1);
-        *to = T::fma::<FUSED>(high, s, *a0);
-    }
-}
-
-/// One contact, turned by its phasor, onto its cells.
+/// One contact, its amplitude turned by its phasor, onto its cells.
 #[inline(always)]
 fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
-    passes: &Passes<T, W, C>,
+    passes: &Passes<T, W>,
     i: usize,
+    level: [T; C],
     cells: &mut [[T; C]],
 ) {
     let at = passes.cell[i] as usize;
     let Some(taps) = cells.get_mut(at..at + W) else { return };
-    let level = &passes.level[i];
     let (cos, sin) = (passes.cos[i], passes.sin[i]);
     let mut a = [T::default(); C];
     for k in 0..C {
@@ -305,16 +280,26 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     }
 }
 
-/// Contacts onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums.
+/// Contacts onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums. `first` is the
+/// first of these pulses as the amplitudes count them.
 #[inline(always)]
-fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const N: usize>(
-    passes: &[Passes<T, W, C>],
-    count: usize,
+fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize, const N: usize>(
+    passes: &[Passes<T, W>],
+    amplitude: [&[[T; C]]; P],
+    first: i32,
     cells: [&mut [[T; C]]; N],
 ) {
-    for i in 0..count {
+    let at: [T; N] = std::array::from_fn(|n| T::from_int(first + n as i32));
+    for i in 0..amplitude[0].len() {
+        let powers = amplitude.map(|power| power[i]);
         for n in 0..N {
-            add::<T, FUSED, W, C>(&passes[n], i, cells[n]);
+            let mut level = powers[P - 1];
+            for power in powers[..P - 1].iter().rev() {
+                for k in 0..C {
+                    level[k] = T::fma::<FUSED>(level[k], at[n], power[k]);
+                }
+            }
+            add::<T, FUSED, W, C>(&passes[n], i, level, cells[n]);
         }
     }
 }

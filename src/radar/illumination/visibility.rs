@@ -5,6 +5,9 @@
 //! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
 //! until the next one; facets beyond the margin take the weight of the nearest facet within.
 
+use std::num::NonZeroUsize;
+use std::sync::{Mutex, PoisonError};
+
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::scene::Patch;
@@ -27,13 +30,13 @@ pub(super) struct Visibility {
 }
 
 /// Weights at one update.
-#[derive(Clone)]
-pub(super) struct Update {
+#[derive(Clone, Debug)]
+pub(super) struct Update<T: Real = f64> {
     number: Option<u64>,
     patch: Patch,
     /// `[antenna]`: `None` where the geometry cannot shadow.
     lit: Vec<bool>,
-    weights: Vec<Vec<f64>>,
+    weights: Vec<Vec<T>>,
 }
 
 /// The two updates around an instant, and what makes them: in f64, or from heights in f32.
@@ -44,6 +47,37 @@ pub(super) struct Updates<T: Real = f64> {
     heights_m: Vec<f64>,
     shadow: Shadow<f64>,
     held: [Update; 2],
+}
+
+/// Updates that a block shares with the one before or after it, so that workers make each once. What an update holds depends on its
+/// number alone, so it is the same whoever makes it, and whether it is found here.
+#[derive(Debug, Default)]
+pub struct Borders {
+    held: Mutex<Vec<Update<f32>>>,
+}
+
+impl Borders {
+    /// Updates that neighbouring blocks have in common, at most: the one before the second block begins and the one after the first ends.
+    pub(super) const COMMON: u64 = 2;
+
+    /// Hands an update to `take`; `false` if it is not here.
+    pub(super) fn find(&self, number: u64, take: impl FnOnce(&Update<f32>)) -> bool {
+        let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        held.iter().find(|update| update.number == Some(number)).map(take).is_some()
+    }
+
+    /// Keeps an update, in place of the oldest one where there are enough for the blocks that threads are at.
+    pub(super) fn keep(&self, update: &Update) {
+        let threads = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        let places = Self::COMMON as usize * (threads + 2);
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        let oldest = held.iter().enumerate().min_by_key(|(_, own)| own.number).map(|(place, _)| place);
+        match oldest {
+            _ if held.iter().any(|own| own.number == update.number) => {}
+            Some(place) if held.len() >= places => held[place].copy_from(update),
+            _ => held.push(update.in_single_precision()),
+        }
+    }
 }
 
 /// Weights at an instant: a mix of two updates.
@@ -203,11 +237,29 @@ impl Visibility {
 }
 
 impl Update {
+    fn in_single_precision(&self) -> Update<f32> {
+        let weights = self.weights.iter().map(|own| own.iter().map(|weight| *weight as f32).collect());
+        Update { number: self.number, patch: self.patch, lit: self.lit.clone(), weights: weights.collect() }
+    }
+
     /// Weight of the facet with a global key from an antenna, 0 to 1.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
         if self.lit[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
     }
+}
 
+impl Update<f32> {
+    /// Becomes another one of the same size.
+    fn copy_from(&mut self, other: &Update) {
+        (self.number, self.patch) = (other.number, other.patch);
+        self.lit.copy_from_slice(&other.lit);
+        for (to, from) in self.weights.iter_mut().zip(&other.weights) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
+        }
+    }
+}
+
+impl<T: Real> Update<T> {
     /// Weights of all facets of a patch from an antenna, in its order.
     pub fn weights_over(&self, antenna: usize, patch: &Patch, out: &mut Vec<f32>) {
         out.clear();
@@ -218,12 +270,14 @@ impl Update {
         let end = (self.patch.first[0] + self.patch.facets[0] as i64 - first_x).clamp(before, width);
         for row in 0..patch.facets[1] as i64 {
             let at = |column: i64| self.patch.nearest_index([first_x + column, patch.first[1] + row]);
-            out.extend((0..before).map(|column| own[at(column)] as f32));
+            out.extend((0..before).map(|column| own[at(column)].widen() as f32));
             if before < end {
                 let from = at(before);
-                out.extend(own[from..from + (end - before) as usize].iter().map(|weight| *weight as f32));
+                out.extend(
+                    own[from..from + (end - before) as usize].iter().map(|weight| weight.widen() as f32),
+                );
             }
-            out.extend((end..width).map(|column| own[at(column)] as f32));
+            out.extend((end..width).map(|column| own[at(column)].widen() as f32));
         }
     }
 

@@ -5,7 +5,7 @@ use num_complex::Complex32;
 use super::TileWork;
 use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
-use super::look::{Combine, OntoAxes, Port, Scale, Sight, Solve, View};
+use super::look::{Combine, Lengths, OntoAxes, Port, Scale, Sight, Solve, View};
 use super::tile::{Look, Pair, compact};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
@@ -16,6 +16,7 @@ use crate::radar::illumination::sea::SeaPlan;
 use crate::scattering::facets::Phases;
 use crate::scattering::lanes::{Batch, Beside};
 use crate::scene::Patch;
+use crate::scene::radar::Polarisation;
 
 impl Illumination {
     /// Lights a tile of the patch: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
@@ -186,7 +187,9 @@ impl Illumination {
 
     /// Scattering at a look.
     fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
-        let TileWork { variant, looks, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
+        let TileWork {
+            variant, looks, batch, view, lengths, places_m, bounds_m, kinds, slopes, tile, ..
+        } = work;
         let instant = &looks[place];
         let count = tile.count;
         let Pair { nodes: paths, looks: seen, .. } = &mut tile.pairs[pair];
@@ -228,11 +231,24 @@ impl Illumination {
         let mut scale = [0.0; LANES];
         let (link, footprint_m2) = (plan.link.in_air(), footprint_m2 as f32);
         variant.run(Scale { link, footprint_m2, view, batch, out: &mut scale });
+        let isolations_db = [
+            self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
+            self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
+        ];
+        let mut known = [[false; Polarisation::COUNT]; 2];
         for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
-            let tx_isolation_db = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
-            let rx_isolation_db = self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db;
-            let ports = [Port::new(*tx_port, tx_isolation_db), Port::new(*rx_port, rx_isolation_db)];
-            variant.run(Combine { ports, scale: &scale, batch, out: amplitude });
+            let of = [*tx_port, *rx_port];
+            let ports = [0, 1].map(|end| Port::new(of[end], isolations_db[end]));
+            for end in 0..2 {
+                // Channels share their ports.
+                if !std::mem::replace(&mut known[end][of[end] as usize], true) {
+                    let axes = if end == 0 { &batch.transmit } else { &batch.receive };
+                    let (scale, out) = ((end == 0).then_some(&scale), &mut lengths[end][of[end] as usize]);
+                    variant.run(Lengths { count, port: &ports[end], axes, scale, out });
+                }
+            }
+            let scales = [&lengths[0][of[0] as usize], &lengths[1][of[1] as usize]];
+            variant.run(Combine { ports: ports.each_ref(), scales, batch, out: amplitude });
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !is_real(&self.antennas[antenna]) {

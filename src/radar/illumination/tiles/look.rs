@@ -7,9 +7,7 @@ use num_complex::{Complex32, Complex64};
 
 use super::tile::Node;
 use crate::cpu::Task;
-use crate::geometry::lanes::{
-    End, GROUP, Held, LANES, Paths, Row, group, group_mut, groups, lane, lanes_for,
-};
+use crate::geometry::lanes::{End, GROUP, LANES, Paths, Row, group, group_mut, groups, lane, lanes_for};
 use crate::radar::antenna::{Axes, port_shares};
 use crate::radar::link::LaneLink;
 use crate::scattering::lanes::{Batch, Vectors};
@@ -237,11 +235,44 @@ impl Task for Scale<'_> {
     }
 }
 
+/// Inverse lengths of the field of a port across the rays, times a scale.
+pub(super) struct Lengths<'a> {
+    pub count: usize,
+    pub port: &'a Port,
+    /// Axes of the antenna normal to the rays.
+    pub axes: &'a [Vectors; 2],
+    pub scale: Option<&'a Row>,
+    pub out: &'a mut Row,
+}
+
+impl Task for Lengths<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, port, axes, scale, out } = self;
+        let [yy, zz, yz] = port.lengths();
+        for g in 0..lanes_for(count) / GROUP {
+            let [y, z] = [groups(&axes[0], g), groups(&axes[1], g)];
+            let mut inverse = [1.0; GROUP];
+            if let Some(scale) = scale {
+                inverse = group(scale, g);
+            }
+            for i in 0..GROUP {
+                let (y, z) = (lane(&y, i), lane(&z, i));
+                inverse[i] *= inverse_root(yy * dot(y, y) + zz * dot(z, z) + yz * dot(y, z));
+            }
+            *group_mut(out, g) = inverse;
+        }
+    }
+}
+
 /// From the matrix to the amplitude of one channel.
 pub(super) struct Combine<'a> {
     /// Transmit, receive.
-    pub ports: [Port; 2],
-    pub scale: &'a Row,
+    pub ports: [&'a Port; 2],
+    /// What the [`Lengths`] of both make of it.
+    pub scales: [&'a Row; 2],
     pub batch: &'a Batch,
     pub out: &'a mut [Row; 2],
 }
@@ -251,17 +282,12 @@ impl Task for Combine<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports: [tx_port, rx_port], scale, batch, out } = self;
-        let single_precision = |port: &Port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32));
-        let (c_t, c_r) = (single_precision(&tx_port), single_precision(&rx_port));
+        let Self { ports, scales, batch, out } = self;
+        let [c_t, c_r] = ports.map(|port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32)));
         // Weights of the entries, receive then transmit.
         let weights = [0, 1].map(|r| [0, 1].map(|t| c_r[r] * c_t[t]));
-        let (tx_lengths, rx_lengths) = (tx_port.lengths(), rx_port.lengths());
         for g in 0..lanes_for(batch.count) / GROUP {
-            // Axes normal to the rays.
-            let t = [groups(&batch.transmit[0], g), groups(&batch.transmit[1], g)];
-            let r = [groups(&batch.receive[0], g), groups(&batch.receive[1], g)];
-            let scale = group(scale, g);
+            let [of_transmitter, of_receiver] = scales.map(|row| group(row, g));
             let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
             for row in 0..2 {
                 for column in 0..2 {
@@ -274,11 +300,7 @@ impl Task for Combine<'_> {
                 }
             }
             for i in 0..GROUP {
-                let inverse = |[yy, zz, yz]: [f32; 3], v: &[[Held; 3]; 2]| {
-                    let (y, z) = (lane(&v[0], i), lane(&v[1], i));
-                    inverse_root(yy * dot(y, y) + zz * dot(z, z) + yz * dot(y, z))
-                };
-                let all = scale[i] * inverse(tx_lengths, &t) * inverse(rx_lengths, &r);
+                let all = of_transmitter[i] * of_receiver[i];
                 let (a, b) = (re[i] * all, im[i] * all);
                 // A product of lengths of rows is never asked to be large: what overflowed is silent.
                 re[i] = if a.is_finite() { a } else { 0.0 };

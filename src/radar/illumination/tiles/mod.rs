@@ -29,10 +29,12 @@ pub mod sounding;
 mod tile;
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use num_complex::Complex64;
 
 use super::sea::{SeaFailure, SeaPlan};
+pub use super::visibility::Borders;
 use super::visibility::{MOST_ENDS, Update, Updates};
 use super::{Illumination, Workspace};
 use crate::cpu::Variant;
@@ -44,7 +46,9 @@ use crate::radar::emission::Emission;
 use crate::radar::fault::{RadarError, SeaFault};
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
+use crate::scene::radar::Polarisation;
 use crate::sea::sheet::Sheet;
+use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Selection};
 use crate::sea::wake::course::Pose;
 
@@ -57,7 +61,7 @@ use look::View;
 pub use tile::{FEW, Look, Node, Pair};
 
 /// Tiles that are looked at to learn what a block returns.
-pub const SAMPLED: usize = 48;
+pub const SAMPLED: usize = 24;
 
 /// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
 #[derive(Clone)]
@@ -109,6 +113,8 @@ pub struct TileWork {
     phasors: Phasors,
     batch: Box<Batch>,
     view: Box<View>,
+    /// `[end][port]`: inverse lengths of the fields of the ports, that of the transmitter with what all channels share.
+    lengths: Box<[[Row; Polarisation::COUNT]; 2]>,
     places_m: [[f64; LANES]; 2],
     /// Least and largest of them.
     bounds_m: [[f64; 2]; 2],
@@ -163,7 +169,7 @@ enum Maker {
     /// Of a patch that stays, whose heights are known from the nodes.
     Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
     /// Of one that moves; heights in f32, as those of the nodes.
-    Along(Box<Updates<f32>>),
+    Along(Box<Updates<f32>>, Arc<Borders>),
 }
 
 /// Random phasors of the facets at hand, at their key modulo the patch, and in the order of the patch.
@@ -179,11 +185,11 @@ struct Phasors {
 }
 
 impl Illumination {
-    /// Room for tiles; `None` for a scene without sea.
-    pub fn tile_work(&self, variant: Variant) -> Option<Box<TileWork>> {
+    /// Room for tiles; `None` for a scene without sea. Workers of one run share the borders of their blocks.
+    pub fn tile_work(&self, variant: Variant, borders: &Arc<Borders>) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
         let channels: Vec<usize> = self.plans.iter().map(|plan| plan.channels.len()).collect();
-        sea.tile_work(variant, &channels).map(Box::new)
+        sea.tile_work(variant, &channels, borders).map(Box::new)
     }
 
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of its facets says, per pair.
@@ -255,7 +261,7 @@ impl Illumination {
 }
 
 impl SeaPlan {
-    fn tile_work(&self, variant: Variant, channels: &[usize]) -> Option<TileWork> {
+    fn tile_work(&self, variant: Variant, channels: &[usize], borders: &Arc<Borders>) -> Option<TileWork> {
         let selection = Selection {
             slopes: true,
             velocity: true,
@@ -272,9 +278,10 @@ impl SeaPlan {
                 update: Box::new(visibility.empty(&self.patch)),
                 heights_m: vec![0.0; self.patch.len()],
             }),
-            Some(visibility) => Some(Maker::Along(Box::new(
-                visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?,
-            ))),
+            Some(visibility) => {
+                let updates = visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch);
+                Some(Maker::Along(Box::new(updates.ok()?), Arc::clone(borders)))
+            }
         };
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
@@ -287,6 +294,7 @@ impl SeaPlan {
             gains: Vec::new(),
             looks: Vec::new(),
             view: View::boxed(),
+            lengths: Box::new([[[0.0; LANES]; Polarisation::COUNT]; 2]),
             gain_places: Vec::new(),
             lagrange: Vec::new(),
             cosines: Vec::new(),
@@ -329,10 +337,12 @@ impl SeaPlan {
 }
 
 impl Shade {
-    fn take(&mut self, mut fill: impl FnMut(usize, &mut Vec<f32>)) {
+    fn take_from<T: Real>(&mut self, update: &Update<T>, patch: &Patch) {
         for (antenna, weights) in self.weights.iter_mut().enumerate() {
             weights.clear();
-            fill(antenna, weights);
+            if !update.sees_all(antenna) {
+                update.weights_over(antenna, patch, weights);
+            }
         }
     }
 }
@@ -450,8 +460,8 @@ impl TileWork {
         let emissions = &of.radar.emissions;
         let at = |pulse: usize| visibility.share(emissions.interval_s(0, instants.first + pulse as u64));
         let span = span_of(at(0), at(instants.pulses - 1));
-        let lowest = *span.start();
-        let count = (span.end() - lowest + 1) as usize;
+        let (lowest, highest) = (*span.start(), *span.end());
+        let count = (highest - lowest + 1) as usize;
         // Those not in use keep their room for the next block.
         while self.shades.len() > count {
             self.spare.extend(self.shades.pop());
@@ -480,21 +490,20 @@ impl TileWork {
                     rise(&self.nodes, time_s, heights_m);
                     visibility
                         .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
-                    shade.take(|antenna, weights| {
-                        if !update.sees_all(antenna) {
-                            update.weights_over(antenna, patch, weights);
-                        }
-                    });
+                    shade.take_from(update, patch);
                 }
-                Maker::Along(updates) => {
+                Maker::Along(updates, borders) => {
+                    let at_border = number < lowest + Borders::COMMON || number + Borders::COMMON > highest;
+                    if at_border && borders.find(number, |update| shade.take_from(update, patch)) {
+                        continue;
+                    }
                     let scenery =
                         |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&lighting, elapsed_s, places);
                     let update = visibility.update(updates, number, scenery, lower)?;
-                    shade.take(|antenna, weights| {
-                        if !update.sees_all(antenna) {
-                            update.weights_over(antenna, patch, weights);
-                        }
-                    });
+                    shade.take_from(update, patch);
+                    if at_border {
+                        borders.keep(update);
+                    }
                 }
             }
         }

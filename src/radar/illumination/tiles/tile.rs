@@ -20,7 +20,7 @@ pub struct Look {
     /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers, and without shadows.
     pub amplitude: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
-    pub(super) cosine: [Row; 2],
+    pub cosine: [Row; 2],
 }
 
 /// A tile over one pair of antennas.
