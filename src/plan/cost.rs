@@ -109,6 +109,8 @@ pub struct Size {
     antennas: f64,
     /// From update to update of the shadows, pulses; `None` without shadows.
     update_pulses: Option<f64>,
+    /// Whether blocks share the updates between them, as those of a patch that follows do.
+    shared_updates: bool,
     cells: f64,
     layers: f64,
     /// Share of the facets that is spread.
@@ -142,6 +144,7 @@ impl Size {
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
+            shared_updates: illumination.hold_pulses().is_some(),
             cells: reach as f64 * settings.oversampling,
             layers: moments,
             kept,
@@ -168,7 +171,8 @@ impl Size {
         }
         let pulses = block as f64;
         let per_block = |times: f64| facets * times / pulses;
-        let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0) / update.max(1e-9) + 1.5);
+        let ends = if self.shared_updates { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
+        let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
         let looks = (3 * settled.looks_per_node + 1) as f64;
         let step = gain_step(block as usize, settled.gain_pulses as usize);
         let instants = gain_instants(block as usize, step).count() as f64;

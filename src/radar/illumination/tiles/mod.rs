@@ -61,7 +61,7 @@ use look::View;
 pub use tile::{FEW, Look, Node, Pair};
 
 /// Tiles that are looked at to learn what a block returns.
-pub const SAMPLED: usize = 24;
+pub const SAMPLED: usize = 48;
 
 /// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
 #[derive(Clone)]
