@@ -61,6 +61,7 @@
 //! # Ok::<(), nereus::geometry::shadow::ShadowError>(())
 //! ```
 
+use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
 use crate::scene::patch::MAX_SIDE;
 use crate::sea::surface::fields::Real;
@@ -457,21 +458,24 @@ impl<T: Real> Shadow<T> {
         check_place("terminal", &terminal_m)?;
         let [nx, ny] = self.facets;
         let [x, y] = map.place(terminal);
-        let (height_m, rays) = (terminal_m[2], self.settings.rays_per_facet);
+        let (height_m, rays, variant) = (terminal_m[2], self.settings.rays_per_facet, Variant::fastest());
         let sectors = |columns, rows, place| {
             [true, false].map(|inward_first| Sector::new(columns, rows, place, inward_first))
         };
         out.fill(T::zero());
         for sector in sectors(nx, ny, [x, y]).iter().flatten() {
-            sector.march(map.heights_m, height_m, rays, &mut self.horizon, out, &weigh);
+            let horizon = &mut self.horizon;
+            let (heights_m, out, weigh) = (map.heights_m, &mut *out, &weigh);
+            variant.run(March { sector, heights_m, height_m, rays, horizon, out, weigh });
         }
         let along_x = sectors(ny, nx, [y, x]);
         if along_x.iter().any(Option::is_some) {
             transpose(map.heights_m, [nx, ny], &mut self.turned_heights_m, |to, from| *to = from);
             self.turned.fill(T::zero());
             for sector in along_x.iter().flatten() {
-                let heights_m = &self.turned_heights_m;
-                sector.march(heights_m, height_m, rays, &mut self.horizon, &mut self.turned, &weigh);
+                let (heights_m, horizon) = (&self.turned_heights_m[..], &mut self.horizon);
+                let (out, weigh) = (&mut self.turned[..], &weigh);
+                variant.run(March { sector, heights_m, height_m, rays, horizon, out, weigh });
             }
             transpose(&self.turned, [ny, nx], out, |to, from| *to = *to + from);
         }
@@ -490,6 +494,7 @@ fn under(place: f64, facets: usize) -> Option<usize> {
 }
 
 /// Rises from 0 at 0 to 1 at 1 with level ends; 0 for NaN.
+#[inline(always)]
 fn smoothstep(s: f64) -> f64 {
     let s = if s > 0.0 { s.min(1.0) } else { 0.0 };
     s * s * (3.0 - 2.0 * s)
@@ -505,7 +510,8 @@ fn between<T>(entries: &[T], place: f64, value: impl Fn(&T) -> f64) -> f64 {
     let place = if place < last { place } else { last };
     // At a tie it may be the entry itself or the one before; the result is the same.
     let rounded = (place - 0.5) + INTEGERS;
-    let left = (rounded.to_bits() & u64::from(u32::MAX)) as usize;
+    // Bounded again for the compiler, which then knows it and can put places side by side.
+    let left = ((rounded.to_bits() & u64::from(u32::MAX)) as usize).min(entries.len() - 1);
     let right = (left + 1).min(entries.len() - 1);
     let (a, b) = (value(&entries[left]), value(&entries[right]));
     a + (b - a) * (place - (rounded - INTEGERS))
@@ -524,6 +530,27 @@ fn transpose<T: Copy>(from: &[T], [columns, rows]: [usize; 2], to: &mut [T], com
                 }
             }
         }
+    }
+}
+
+/// One sector of a march.
+struct March<'a, T, W> {
+    sector: &'a Sector,
+    heights_m: &'a [T],
+    height_m: f64,
+    rays: usize,
+    horizon: &'a mut [f64],
+    out: &'a mut [T],
+    weigh: &'a W,
+}
+
+impl<T: Real, W: Fn(f64) -> f64> Task for March<'_, T, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sector, heights_m, height_m, rays, horizon, out, weigh } = self;
+        sector.march(heights_m, height_m, rays, horizon, out, weigh);
     }
 }
 
@@ -594,6 +621,7 @@ impl Sector {
 
     /// From the terminal outward: facets of a row look up the horizon of the rows before, then the rays of the
     /// fan take in this row. Adds results to `out`.
+    #[inline(always)]
     fn march<T: Real>(
         &self,
         heights_m: &[T],
@@ -682,11 +710,13 @@ struct Line<'a, T> {
 
 impl<T: Real> Line<'_, T> {
     /// The columns between two places.
+    #[inline(always)]
     fn columns(&self, [left, right]: [f64; 2]) -> std::ops::Range<usize> {
         let end = ((right.floor() + 1.0).max(0.0) as usize).min(self.heights_m.len());
         (left.ceil().max(0.0) as usize).min(end)..end
     }
 
+    #[inline(always)]
     fn put(&self, column: usize, out: &mut T, value: f64) {
         let lateral = column as f64 - self.column;
         let share = Sector::share(self.forward, lateral);
@@ -697,6 +727,7 @@ impl<T: Real> Line<'_, T> {
 
     /// Results of the facets `columns` from the horizon of the rays from number `first_ray` on; facet `j`
     /// is on ray `ray[0] + ray[1] j`.
+    #[inline(always)]
     fn look_up(
         &self,
         ray: [f64; 2],
@@ -707,28 +738,35 @@ impl<T: Real> Line<'_, T> {
         weigh: &impl Fn(f64) -> f64,
     ) {
         let first = ray[0] - first_ray as f64;
-        // Beyond it a facet belongs to the blend of two marches.
-        let core = self.forward / STEEPEST;
-        for column in columns {
+        let value = |column: usize| {
             let elevation = between(horizon, first + ray[1] * column as f64, |z| *z);
             let own = self.heights_m[column].widen() * self.inverse - self.offset;
-            let value = weigh(self.forward * (own - elevation));
-            if (column as f64 - self.column).abs() <= core {
-                out[column] = T::round_from(value);
-            } else {
-                self.put(column, &mut out[column], value);
-            }
+            weigh(self.forward * (own - elevation))
+        };
+        // Beyond it a facet belongs to the blend of two marches.
+        let core = self.forward / STEEPEST;
+        let core = self.columns([self.column - core, self.column + core]);
+        let start = core.start.clamp(columns.start, columns.end);
+        let core = start..core.end.clamp(start, columns.end);
+        for column in (columns.start..core.start).chain(core.end..columns.end) {
+            self.put(column, &mut out[column], value(column));
+        }
+        // Heights and results side by side: so they become vectors.
+        let (heights_m, out) = (&self.heights_m[core.clone()], &mut out[core.clone()]);
+        for (i, (height_m, out)) in heights_m.iter().zip(out).enumerate() {
+            let elevation = between(horizon, first + ray[1] * (core.start + i) as f64, |z| *z);
+            let own = height_m.widen() * self.inverse - self.offset;
+            *out = T::round_from(weigh(self.forward * (own - elevation)));
         }
     }
 
     /// Raises the horizon of rays, the i-th of which is in column `ray[0] + ray[1] i`, to this row.
+    #[inline(always)]
     fn take_in(&self, ray: [f64; 2], horizon: &mut [f64]) {
         for (i, horizon) in horizon.iter_mut().enumerate() {
             let height_m = between(self.heights_m, ray[0] + ray[1] * i as f64, |z| z.widen());
             let elevation = height_m * self.inverse - self.offset;
-            if elevation > *horizon {
-                *horizon = elevation;
-            }
+            *horizon = if elevation > *horizon { elevation } else { *horizon };
         }
     }
 }
