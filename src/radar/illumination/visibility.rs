@@ -5,7 +5,7 @@
 //! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
 //! until the next one; facets beyond the margin take the weight of the nearest facet within.
 
-use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::frames::{Enu, Point};
@@ -53,6 +53,7 @@ pub(super) struct Updates<T: Real = f64> {
 /// number alone, so it is the same whoever makes it, and whether it is found here.
 #[derive(Debug, Default)]
 pub struct Borders {
+    workers: AtomicUsize,
     held: Mutex<Vec<Update<f32>>>,
 }
 
@@ -60,16 +61,20 @@ impl Borders {
     /// Updates that neighbouring blocks have in common, at most: the one before the second block begins and the one after the first ends.
     pub(super) const COMMON: u64 = 2;
 
+    /// One more worker takes part.
+    pub(super) fn join(&self) {
+        self.workers.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// Hands an update to `take`; `false` if it is not here.
     pub(super) fn find(&self, number: u64, take: impl FnOnce(&Update<f32>)) -> bool {
         let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         held.iter().find(|update| update.number == Some(number)).map(take).is_some()
     }
 
-    /// Keeps an update, in place of the oldest one where there are enough for the blocks that threads are at.
+    /// Keeps an update, in place of the oldest one where there are enough for the borders of as many blocks as workers.
     pub(super) fn keep(&self, update: &Update) {
-        let threads = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let places = Self::COMMON as usize * (threads + 2);
+        let places = Self::COMMON as usize * (self.workers.load(Ordering::Relaxed) + 1);
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let oldest = held.iter().enumerate().min_by_key(|(_, own)| own.number).map(|(place, _)| place);
         match oldest {

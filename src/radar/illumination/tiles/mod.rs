@@ -280,6 +280,7 @@ impl SeaPlan {
             }),
             Some(visibility) => {
                 let updates = visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch);
+                borders.join();
                 Some(Maker::Along(Box::new(updates.ok()?), Arc::clone(borders)))
             }
         };
