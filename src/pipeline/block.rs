@@ -11,7 +11,7 @@
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use num_complex::Complex64;
 
@@ -24,15 +24,25 @@ use crate::plan::settle::{Settled, block_length, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
-    Borders, Instants, LOOKS, NODES, Sample, TileWork, looks_about, nodes_within,
+    Borders, Instants, LOOKS, NODES, Sample, ShareBorders, TileWork, looks_about, nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
 
-/// Makes echoes block by block. Immutable, shared by all threads.
+/// What blocks have in common, for all threads.
+#[derive(Default)]
+struct SharedBorders(Mutex<Borders>);
+
+impl ShareBorders for SharedBorders {
+    fn with(&self, each: &mut dyn FnMut(&mut Borders)) {
+        each(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+/// Makes echoes block by block. Shared by all threads, immutable but for what its blocks have in common.
 pub(super) struct BlockEcho {
     synth: Arc<Synth<f32>>,
-    borders: Arc<Borders>,
+    borders: Arc<SharedBorders>,
     /// Pulses of a block.
     length: u64,
     hold_pulses: Option<u64>,
@@ -134,7 +144,7 @@ impl BlockEcho {
             part: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
-            tiles: illumination.tile_work(variant, &self.borders),
+            tiles: illumination.tile_work(variant, Some(self.borders.clone())),
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),

@@ -29,7 +29,6 @@
 //! platforms between the places is not seen.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use num_complex::{Complex32, Complex64};
 
@@ -176,7 +175,7 @@ impl<'a> Sounder<'a> {
             cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
             light: illumination.workspace(),
-            tiles: illumination.tile_work(Variant::fastest(), &Arc::default()),
+            tiles: illumination.tile_work(Variant::fastest(), None),
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.interval_s(0, 1),

@@ -5,9 +5,6 @@
 //! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
 //! until the next one; facets beyond the margin take the weight of the nearest facet within.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::scene::Patch;
@@ -53,8 +50,14 @@ pub(super) struct Updates<T: Real = f64> {
 /// number alone, so it is the same whoever makes it, and whether it is found here.
 #[derive(Debug, Default)]
 pub struct Borders {
-    workers: AtomicUsize,
-    held: Mutex<Vec<Update<f32>>>,
+    workers: usize,
+    held: Vec<Update<f32>>,
+}
+
+/// How workers get at the borders they share: known to who runs them.
+pub trait ShareBorders: Send + Sync {
+    /// Hands them to `each`, one worker at a time.
+    fn with(&self, each: &mut dyn FnMut(&mut Borders));
 }
 
 impl Borders {
@@ -62,25 +65,23 @@ impl Borders {
     pub(super) const COMMON: u64 = 2;
 
     /// One more worker takes part.
-    pub(super) fn join(&self) {
-        self.workers.fetch_add(1, Ordering::Relaxed);
+    pub(super) fn join(&mut self) {
+        self.workers += 1;
     }
 
-    /// Hands an update to `take`; `false` if it is not here.
-    pub(super) fn find(&self, number: u64, take: impl FnOnce(&Update<f32>)) -> bool {
-        let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        held.iter().find(|update| update.number == Some(number)).map(take).is_some()
+    /// An update, if it is here.
+    pub(super) fn find(&self, number: u64) -> Option<&Update<f32>> {
+        self.held.iter().find(|update| update.number == Some(number))
     }
 
     /// Keeps an update, in place of the oldest one where there are enough for the borders of as many blocks as workers.
-    pub(super) fn keep(&self, update: &Update) {
-        let places = Self::COMMON as usize * (self.workers.load(Ordering::Relaxed) + 1);
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let oldest = held.iter().enumerate().min_by_key(|(_, own)| own.number).map(|(place, _)| place);
+    pub(super) fn keep(&mut self, update: &Update) {
+        let places = Self::COMMON as usize * (self.workers + 1);
+        let oldest = self.held.iter().enumerate().min_by_key(|(_, own)| own.number).map(|(place, _)| place);
         match oldest {
-            _ if held.iter().any(|own| own.number == update.number) => {}
-            Some(place) if held.len() >= places => held[place].copy_from(update),
-            _ => held.push(update.in_single_precision()),
+            _ if self.held.iter().any(|own| own.number == update.number) => {}
+            Some(place) if self.held.len() >= places => self.held[place].copy_from(update),
+            _ => self.held.push(update.in_single_precision()),
         }
     }
 }

@@ -34,7 +34,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::sea::{SeaFailure, SeaPlan};
-pub use super::visibility::Borders;
+pub use super::visibility::{Borders, ShareBorders};
 use super::visibility::{MOST_ENDS, Update, Updates};
 use super::{Illumination, Workspace};
 use crate::cpu::Variant;
@@ -169,7 +169,7 @@ enum Maker {
     /// Of a patch that stays, whose heights are known from the nodes.
     Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
     /// Of one that moves; heights in f32, as those of the nodes.
-    Along(Box<Updates<f32>>, Arc<Borders>),
+    Along(Box<Updates<f32>>, Option<Arc<dyn ShareBorders>>),
 }
 
 /// Random phasors of the facets at hand, at their key modulo the patch, and in the order of the patch.
@@ -185,8 +185,12 @@ struct Phasors {
 }
 
 impl Illumination {
-    /// Room for tiles; `None` for a scene without sea. Workers of one run share the borders of their blocks.
-    pub fn tile_work(&self, variant: Variant, borders: &Arc<Borders>) -> Option<Box<TileWork>> {
+    /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their blocks.
+    pub fn tile_work(
+        &self,
+        variant: Variant,
+        borders: Option<Arc<dyn ShareBorders>>,
+    ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
         let channels: Vec<usize> = self.plans.iter().map(|plan| plan.channels.len()).collect();
         sea.tile_work(variant, &channels, borders).map(Box::new)
@@ -261,7 +265,12 @@ impl Illumination {
 }
 
 impl SeaPlan {
-    fn tile_work(&self, variant: Variant, channels: &[usize], borders: &Arc<Borders>) -> Option<TileWork> {
+    fn tile_work(
+        &self,
+        variant: Variant,
+        channels: &[usize],
+        borders: Option<Arc<dyn ShareBorders>>,
+    ) -> Option<TileWork> {
         let selection = Selection {
             slopes: true,
             velocity: true,
@@ -280,8 +289,10 @@ impl SeaPlan {
             }),
             Some(visibility) => {
                 let updates = visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch);
-                borders.join();
-                Some(Maker::Along(Box::new(updates.ok()?), Arc::clone(borders)))
+                if let Some(borders) = &borders {
+                    borders.with(&mut Borders::join);
+                }
+                Some(Maker::Along(Box::new(updates.ok()?), borders))
             }
         };
         let facets = self.patch.len();
@@ -495,15 +506,22 @@ impl TileWork {
                 }
                 Maker::Along(updates, borders) => {
                     let at_border = number < lowest + Borders::COMMON || number + Borders::COMMON > highest;
-                    if at_border && borders.find(number, |update| shade.take_from(update, patch)) {
+                    let borders = borders.as_deref().filter(|_| at_border);
+                    let mut found = false;
+                    if let Some(borders) = borders {
+                        borders.with(&mut |kept| {
+                            found = kept.find(number).map(|own| shade.take_from(own, patch)).is_some();
+                        });
+                    }
+                    if found {
                         continue;
                     }
                     let scenery =
                         |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&lighting, elapsed_s, places);
                     let update = visibility.update(updates, number, scenery, lower)?;
                     shade.take_from(update, patch);
-                    if at_border {
-                        borders.keep(update);
+                    if let Some(borders) = borders {
+                        borders.with(&mut |kept| kept.keep(update));
                     }
                 }
             }
