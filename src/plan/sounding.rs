@@ -222,6 +222,7 @@ impl<'a> Sounder<'a> {
             )?;
             let [powers, worst] = self.powers(index, &truths)?;
             self.count_kept(&truths, count as f64);
+            self.look_for_turning(&truths);
             let all: f64 = powers.iter().sum();
             if all > most {
                 (strongest, most) = (index, all);
@@ -235,6 +236,17 @@ impl<'a> Sounder<'a> {
             *peak = if *mean > 0.0 { highest / mean } else { 1.0 };
         }
         Ok(strongest)
+    }
+
+    /// Whether facets turn away from an antenna at a pulse.
+    fn look_for_turning(&mut self, truths: &[Truth]) {
+        let mut cosines = vec![[Cosines::default(); 2]; self.channels.len()];
+        for (n, truth) in truths.iter().enumerate() {
+            for (of, cosine) in cosines[n % self.channels.len()].iter_mut().zip(&truth.cosine) {
+                (0..truth.count).filter(|i| truth.heard[*i]).for_each(|i| of.add(cosine[i].into()));
+            }
+        }
+        self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
     }
 
     /// Adds the shares of facets that are worth to be spread at one of `pulses` pulses.
@@ -383,13 +395,6 @@ impl<'a> Sounder<'a> {
                 }
             }
         }
-        let mut cosines = vec![[Cosines::default(); 2]; pairs];
-        for (n, truth) in truths.iter().enumerate() {
-            for (of, cosine) in cosines[n % pairs].iter_mut().zip(&truth.cosine) {
-                (0..truth.count).filter(|i| truth.heard[*i]).for_each(|i| of.add(cosine[i].into()));
-            }
-        }
-        self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
         let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
         means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
         self.leave_out(&truths, &means_w);
