@@ -32,6 +32,8 @@ struct Report {
     lit: f64,
     /// Those of them that were left out as too weak.
     culled: f64,
+    /// In tiles that are looked at less often.
+    faint: f64,
     /// Contacts accumulated in a pulse, over all pairs.
     accumulated: f64,
     channels: usize,
@@ -151,6 +153,7 @@ fn report(
         facets: speed.facets,
         contacts: speed.contacts,
         lit: facets * speed.costs.lit_share(),
+        faint: facets * speed.costs.faint_share(),
         culled: facets * speed.costs.culled_share(),
         accumulated: speed.costs.accumulated_per_pulse(),
         channels: speed.channels,
@@ -209,8 +212,9 @@ fn text(report: &Report) -> String {
     row(
         "contacts",
         format!(
-            "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse",
-            report.contacts, report.facets, report.lit, report.culled, report.accumulated
+            "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse; {:.0} facets \
+             in faint tiles",
+            report.contacts, report.facets, report.lit, report.culled, report.accumulated, report.faint
         ),
     );
     row("channels", report.channels.to_string());

@@ -24,7 +24,7 @@ use crate::plan::settle::{Settled, block_length, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
-    Borders, Instants, LOOKS, NODES, Sample, ShareBorders, TileWork, looks_about, nodes_within,
+    Borders, Instants, LOOKS, NODES, Sample, ShareBorders, Tiers, TileWork, looks_about, nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
@@ -48,6 +48,8 @@ pub(super) struct BlockEcho {
     hold_pulses: Option<u64>,
     gain_pulses: usize,
     looks_per_node: usize,
+    /// Two-way gain over its peak below which tiles are faint, dB.
+    faint_db: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
@@ -58,7 +60,7 @@ pub(super) struct BlockEcho {
 pub(super) struct BlockWork {
     /// First pulse and the pulse after the last one.
     held: Option<(u64, u64)>,
-    instants: Instants,
+    tiers: Tiers,
     nodes: [Contacts; NODES],
     windows_s: Vec<f64>,
     frame: Frame,
@@ -104,6 +106,7 @@ impl BlockEcho {
             hold_pulses,
             gain_pulses,
             looks_per_node: settled.looks_per_node,
+            faint_db: settled.faint_db,
             least_power: settled.least_power,
             pulses,
             interval_s,
@@ -137,7 +140,7 @@ impl BlockEcho {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
         BlockWork {
             held: None,
-            instants: Instants::default(),
+            tiers: Tiers::default(),
             nodes: std::array::from_fn(|_| Contacts::new(pairs, channels, contacts)),
             windows_s: Vec::with_capacity(self.block_pulses() as usize),
             frame: Frame::default(),
@@ -189,8 +192,9 @@ impl BlockEcho {
         // What is aimed by a report jumps with it: such a block ends there.
         let Range { start: first, end } = illumination.unbroken(first..(first + len).min(self.pulses), index);
         let pulses = (end - first) as usize;
-        work.instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
-        let heard = work.instants.nodes.map(|place| first + place as u64);
+        let instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
+        work.tiers = Tiers::new(instants, self.faint_db);
+        let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
         if self.length == 1 || !illumination.hears_itself(&heard, light)? {
@@ -212,33 +216,34 @@ impl BlockEcho {
             work.windows_s.push(illumination.window_start_of(at)?);
         }
         let patch = illumination.patch_of(first)?;
-        let BlockWork { instants, samples, tiles, mean_hz, nodes, .. } = &mut *work;
+        let BlockWork { tiers, samples, tiles, mean_hz, nodes, .. } = &mut *work;
         samples.clear();
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            illumination.open_block(instants, patch, light, tiles, samples)?;
+            illumination.open_block(tiers, patch, light, tiles, samples)?;
         }
         self.mean_doppler(illumination, first + pulses as u64 / 2, light, samples, &mut nodes[0], mean_hz)?;
-        let BlockWork { instants, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
+        let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         light.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let from_look = std::array::from_fn(|n| {
-                let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
-                looks_about(&instants.looks[..instants.look_count], from..=to)
-            });
             let tally =
                 illumination.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
+                    let instants = tiers.of(tile.tier);
+                    let from_look = std::array::from_fn(|n| {
+                        let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
+                        looks_about(&instants.looks[..instants.look_count], from..=to)
+                    });
                     for (pair, of_pair) in tile.pairs.iter().enumerate() {
                         let mut nodes = [None; NODES];
-                        for (to, node) in nodes.iter_mut().zip(&of_pair.nodes) {
+                        for (to, node) in nodes.iter_mut().zip(of_pair.nodes()) {
                             *to = Some(BatchNode {
                                 delay_s: &node.paths.delay_s,
                                 delay_rate: &node.paths.delay_rate,
                             });
                         }
                         let mut looks = [BatchLook { pulse: 0, amplitude: &[] }; LOOKS];
-                        for ((to, look), pulse) in looks.iter_mut().zip(&of_pair.looks).zip(instants.looks) {
+                        for ((to, look), pulse) in looks.iter_mut().zip(of_pair.looks()).zip(instants.looks) {
                             *to = BatchLook { pulse, amplitude: &look.amplitude };
                         }
                         let batch = Batch {
@@ -256,6 +261,7 @@ impl BlockEcho {
                 });
             let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
             light.costs.looked_at(facets, lit, culled);
+            light.costs.looked_at_less(tally.faint as usize);
             work.spread = (lit - culled) * illumination.pairs().len();
         }
         if illumination.point_count() > 0 {

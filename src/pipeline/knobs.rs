@@ -27,6 +27,7 @@ pub const KNOBS: &[Knob] = &[
     Knob { key: "fidelity.node_pulses", values: &["1", "4", "8", "12", "16"] },
     Knob { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Knob { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
+    Knob { key: "fidelity.faint_db", values: &["-30.0", "-40.0", "-50.0", "-400.0"] },
     Knob { key: "fidelity.kernel_width", values: &["4", "5", "6", "7"] },
     Knob { key: "fidelity.doppler", values: &["mean", "shift", "taylor"] },
 ];
@@ -53,6 +54,7 @@ pub fn settings(settled: Option<&Settled>) -> Map<String, Value> {
     set("node_pulses", json!(settled.node_pulses));
     set("gain_pulses", json!(settled.gain_pulses));
     set("scatter_pulses", json!(settled.scatter_pulses()));
+    set("faint_db", settled.faint_db.map_or(json!("none"), |faint_db| json!(faint_db)));
     set("kernel_width", json!(settled.echo.width));
     set("oversampling", json!(settled.echo.oversampling));
     let doppler = match settled.echo.doppler {

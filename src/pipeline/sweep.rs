@@ -18,6 +18,7 @@ use super::build::{self, BuildErrors};
 use super::knobs::{ERROR_KEY, KNOBS, Knob, MODELS, settings};
 use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
+use crate::plan::faint::NONE_DB;
 use crate::plan::settle::Settled;
 
 /// How long the speed of a setting is tried.
@@ -142,6 +143,7 @@ fn filled(mut run: Run, settled: &Settled) -> Run {
         asked.node_pulses.get_or_insert(settled.node_pulses);
         asked.scatter_pulses.get_or_insert(settled.scatter_pulses());
         asked.gain_pulses.get_or_insert(settled.gain_pulses);
+        asked.faint_db.get_or_insert(settled.faint_db.unwrap_or(NONE_DB));
         asked.kernel_width.get_or_insert(settled.echo.width);
         asked.doppler.get_or_insert(settled.echo.doppler);
     }

@@ -15,16 +15,16 @@
 //! | exact | facets x pairs, where every pulse is by itself | contacts |
 //! | rest | channels x M log2 M | record, receive |
 //!
-//! A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
+//! Faint tiles have 2 nodes, 2 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
 //! many pulses, as far as they do not wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, Settings};
-use crate::geometry::lanes::LANES;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::Illumination;
-use crate::radar::illumination::tiles::{NODES, SAMPLED};
-use crate::radar::illumination::tiles::{gain_instants, gain_step};
+use crate::radar::illumination::tiles::{
+    FAINT_NODES, NODES, SAMPLED, faint_gain_pulses, gain_instants, gain_step,
+};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
@@ -132,11 +132,7 @@ impl Size {
         let radar = &scene.radar;
         let shadow = scene.sea.as_ref().and_then(|sea| sea.shadow.as_ref());
         let reach = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
-        let tiles = illumination.facets().div_ceil(LANES);
-        let sampled = match tiles / SAMPLED {
-            0 | 1 => 1.0,
-            step => tiles.div_ceil(step | 1) as f64 / tiles as f64,
-        };
+        let sampled = illumination.sampled(SAMPLED);
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
         Self {
             facets: illumination.facets() as f64,
@@ -158,7 +154,10 @@ impl Size {
         let Self { facets, pairs, channels, antennas, update_pulses, cells, layers, kept, again, .. } = *self;
         let width = settled.echo.width as f64;
         let wide = if settled.precision == Precision::Double { 2.0 } else { 1.0 };
-        let spread = kept * facets * pairs * layers * (4.0 + width * channels / pairs.max(1.0)) * wide;
+        let faint = settled.faint_share;
+        // Amplitudes of faint tiles are straight lines.
+        let amplitude = 4.0 - 2.0 * faint;
+        let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
         let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();
         let block = settled.block_pulses().min(self.pulses.max(1));
@@ -175,17 +174,22 @@ impl Size {
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
         let looks = (3 * settled.looks_per_node + 1) as f64;
         let step = gain_step(block as usize, settled.gain_pulses as usize);
-        let instants = gain_instants(block as usize, step).count() as f64;
-        let nodes = NODES as f64;
+        let step_of_faint = gain_step(block as usize, faint_gain_pulses(step));
+        let [instants, of_faint] =
+            [step, step_of_faint].map(|step| gain_instants(block as usize, step).count() as f64);
+        // What all tiles are looked at for to tell the faint ones.
+        let told = if settled.faint_db.is_some() { of_faint } else { 0.0 };
+        let either = |close: f64, few: f64| (1.0 - faint) * close + faint * few;
+        let [nodes, few] = [NODES, FAINT_NODES].map(|n| n as f64);
         Work([
             per_block(nodes),
             per_block(updates * antennas),
-            per_block(again * nodes * pairs),
-            per_block(again * looks * pairs),
-            per_block(again * looks * channels),
-            per_block(again * instants * pairs),
+            per_block(again * either(nodes, few) * pairs),
+            per_block(again * either(looks, few) * pairs),
+            per_block(again * either(looks, few) * channels),
+            per_block(again * (either(instants, 0.0) + told) * pairs),
             again * facets * pairs,
-            per_block(3.0 * kept * pairs),
+            per_block(either(3.0, 1.0) * kept * pairs),
             spread,
             transform,
             0.0,

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::cost::{Prices, Size, Work};
-use super::sounding::{LONGEST, Left, Powers, Sounder, Swept};
+use super::sounding::{LONGEST, Left, Powers, Sounded, Sounder, Sweeps, Swept};
 use super::{PlanError, Prediction};
 use crate::echo::Asked;
 use crate::echo::synth::doppler::Doppler;
@@ -51,6 +51,10 @@ pub struct Settled {
     pub looks_per_node: usize,
     /// Pulses from gain to gain.
     pub gain_pulses: u64,
+    /// Two-way gain over its peak below which tiles are looked at less often, dB; `None` where none is.
+    pub faint_db: Option<f64>,
+    /// Share of the facets that then are faint, mean over the run.
+    pub faint_share: f64,
     /// Power of a facet over the mean below which it is left out.
     pub least_power: f64,
     /// Word length.
@@ -138,6 +142,21 @@ impl Judge<'_> {
     }
 }
 
+/// A rung of the gains below which tiles are faint.
+#[derive(Clone, Copy)]
+struct Rung {
+    n: usize,
+    faint_db: Option<f64>,
+    faint_share: f64,
+}
+
+/// Pulses from gain to gain at a rung, and what that leaves.
+struct Gain {
+    pulses: u64,
+    rung: Rung,
+    swept: Swept,
+}
+
 /// Chooses what is not given.
 pub fn settle(
     scene: &Scene,
@@ -145,7 +164,8 @@ pub fn settle(
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, PlanError> {
-    let mut sounder = Sounder::new(illumination, &scene.radar, waveform.as_ref(), scene.pulses)?;
+    let mut sounder =
+        Sounder::new(illumination, &scene.radar, waveform.as_ref(), scene.pulses, asked.faint_db)?;
     let power = sounder.power().clone();
     let judge = Judge { power: &power };
     let budget = 10f64.powf(asked.error_db / 10.0);
@@ -195,6 +215,8 @@ pub fn settle(
             node_pulses: 1,
             looks_per_node: 1,
             gain_pulses,
+            faint_db: None,
+            faint_share: 0.0,
             least_power,
             precision,
             echo: settings,
@@ -217,34 +239,51 @@ pub fn settle(
     // No interpolation knows of a jump, and soundings may miss it.
     let free: &[u64] = if illumination.aim_jumps() { &[1] } else { &GAIN_PULSES };
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-    let mut gains = sounder.gains(&gain_rungs, LONGEST)?;
+    let ladder = sounder.ladder().clone();
+    let rungs_of_gain: Vec<Rung> = (0..ladder.rungs().len())
+        .map(|n| Rung { n, faint_db: ladder.rungs()[n], faint_share: sounder.faint(n) })
+        .collect();
+    let sweeps_of = |sweeps: &Sweeps| -> Vec<Gain> {
+        let each = gain_rungs.iter().flat_map(|pulses| rungs_of_gain.iter().map(|rung| (*pulses, *rung)));
+        each.map(|(pulses, rung)| Gain { pulses, rung, swept: sweeps.swept(pulses, &ladder, rung.n) })
+            .collect()
+    };
+    let mut gains = sweeps_of(&sounder.gains(&gain_rungs, LONGEST)?);
     let hold_pulses = illumination.hold_pulses();
     let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
     rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
     rungs.dedup();
     rungs.retain(|pulses| *pulses > 1);
-    let predict = |left: &[Left], gain: &Swept, gain_pulses: u64| {
-        let [path, tilt, gain, culled] = judge.worst(left, (gain, gain_pulses), &culled);
+    let predict = |left: &[Left], gain: &Gain| {
+        let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &culled);
         Prediction { echo: error, path, tilt, gain, culled, bounce }
     };
     let farthest_look = if sounder.turning() { farthest_look(scene) } else { u64::MAX };
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
-    // The least that a rung may cost: one look a node, gains as far apart as they may be by themselves.
-    let farthest = gain_rungs.iter().zip(&gains);
+    let settled_of = |node_pulses: u64, looks_per_node: usize, gain_pulses: u64, rung: Rung| Settled {
+        node_pulses,
+        looks_per_node,
+        gain_pulses,
+        faint_db: rung.faint_db,
+        faint_share: rung.faint_share,
+        least_power,
+        precision,
+        echo: settings,
+    };
+    // The least that a spacing of nodes may cost: one look a node, gains as far apart and as many faint tiles as the gains allow.
     let nothing = [sounder.nothing()];
-    let farthest = farthest.filter(|(pulses, gain)| predict(&nothing, gain, **pulses).total() <= budget);
-    let farthest = farthest.map(|(pulses, _)| *pulses).max();
+    let allowed: Vec<(u64, Rung)> = gains
+        .iter()
+        .filter(|gain| predict(&nothing, gain).total() <= budget)
+        .map(|gain| (gain.pulses, gain.rung))
+        .collect();
     let least = |node_pulses: u64| {
-        let settled = Settled {
-            node_pulses,
-            looks_per_node: asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses)),
-            gain_pulses: farthest.unwrap_or(1),
-            least_power,
-            precision,
-            echo: settings,
-        };
-        prices.seconds(&size.work(&settled, true))
+        let looks = asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses));
+        let seconds = allowed.iter().map(|(pulses, rung)| {
+            prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *rung), true))
+        });
+        seconds.fold(f64::INFINITY, f64::min)
     };
     for &node_pulses in &rungs {
         if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses))
@@ -252,13 +291,21 @@ pub fn settle(
             break;
         }
         if asked.gain_pulses.is_some() {
-            gains = sounder.gains(&gain_rungs, block_pulses(node_pulses))?;
+            gains = sweeps_of(&sounder.gains(&gain_rungs, block_pulses(node_pulses))?);
         }
-        let mut left = sounder.left(0, node_pulses)?;
+        let mut sounded = vec![sounder.left(0, node_pulses)?];
+        let left_of = |sounded: &[Sounded], looks: usize, rung: Rung| -> Vec<Left> {
+            sounded.iter().flat_map(|sounded| sounded.left(looks, &ladder, rung.n)).collect()
+        };
         // Other places cost as much again: they are asked once the first allows.
-        let allows = left.iter().any(|left| {
-            let mut rungs = gain_rungs.iter().zip(&gains);
-            rungs.any(|(pulses, gain)| predict(left, gain, *pulses).total() <= budget)
+        let allows = rungs_of_gain.iter().any(|rung| {
+            (1..=LOOKS_PER_NODE).any(|looks| {
+                let left = left_of(&sounded, looks, *rung);
+                gains
+                    .iter()
+                    .filter(|gain| gain.rung.n == rung.n)
+                    .any(|gain| predict(&left, gain).total() <= budget)
+            })
         });
         if allows || rungs.len() == 1 || of_facets == 0.0 {
             let mut blocks = vec![sounder.block_of(0, node_pulses)];
@@ -266,13 +313,13 @@ pub fn settle(
                 let block = sounder.block_of(place, node_pulses);
                 if !blocks.contains(&block) {
                     blocks.push(block);
-                    left.iter_mut()
-                        .zip(sounder.left(place, node_pulses)?)
-                        .for_each(|(all, own)| all.extend(own));
+                    sounded.push(sounder.left(place, node_pulses)?);
                 }
             }
         }
-        for (looks, left) in (1..=LOOKS_PER_NODE).zip(&left) {
+        for (looks, rung) in
+            (1..=LOOKS_PER_NODE).flat_map(|looks| rungs_of_gain.iter().map(move |rung| (looks, rung)))
+        {
             if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
                 continue;
             }
@@ -280,21 +327,15 @@ pub fn settle(
             if far && asked.scatter_pulses.is_none() {
                 continue;
             }
-            for (&gain_pulses, gain) in gain_rungs.iter().zip(&gains) {
+            let left = left_of(&sounded, looks, *rung);
+            for gain in gains.iter().filter(|gain| gain.rung.n == rung.n) {
                 // What was found for long blocks holds where six instants of gain fit in.
-                let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain_pulses;
-                if few && gain_pulses > 1 && asked.gain_pulses.is_none() {
+                let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain.pulses;
+                if few && gain.pulses > 1 && asked.gain_pulses.is_none() {
                     continue;
                 }
-                let settled = Settled {
-                    node_pulses,
-                    looks_per_node: looks,
-                    gain_pulses,
-                    least_power,
-                    precision,
-                    echo: settings,
-                };
-                let prediction = predict(left, gain, gain_pulses);
+                let settled = settled_of(node_pulses, looks, gain.pulses, *rung);
+                let prediction = predict(&left, gain);
                 let work = size.work(&settled, true);
                 let plan = Plan { asked: *asked, settled, prediction, work, size };
                 let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {

@@ -28,25 +28,27 @@
 //! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
 //! platforms between the places is not seen.
 
-use std::f64::consts::TAU;
+mod left;
+mod sweep;
 
-use num_complex::{Complex32, Complex64};
+use std::ops::Range;
 
+use super::faint::Ladder;
 use super::settle::block_pulses;
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
-use crate::geometry::lanes::{LANES, Row};
+use crate::geometry::lanes::Row;
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::tiles::sounding::{Heard, Keep, Shadows};
-use crate::radar::illumination::tiles::{
-    FEW, Instants, LOOK_POINTS, LOOKS_PER_NODE, TileWork, gain_instants, gain_step, gain_weights,
-    looks_about, nodes_within,
-};
+use crate::radar::illumination::tiles::{FEW, Instants, TileWork};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
 use crate::scene::{Patch, Radar};
+
+pub use left::{Left, Sounded};
+pub use sweep::{Sweeps, Swept};
 
 /// Tiles of 256 facets of a sample.
 pub const TILES: usize = 64;
@@ -62,32 +64,6 @@ pub const LONGEST: u64 = 64;
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
 
-/// What interpolation between nodes leaves at a probe.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Left {
-    /// Pulses to the nearer end of the block.
-    pub edge: u64,
-    /// Of delays.
-    pub path: Powers,
-    /// Of scattering.
-    pub tilt: Powers,
-}
-
-/// What interpolation between instants of gain leaves.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Swept {
-    /// In the first and last interval of a block.
-    pub end: Powers,
-    /// Between the others.
-    pub inner: Powers,
-}
-
-impl Swept {
-    fn none(channels: usize) -> Self {
-        Self { end: vec![0.0; channels], inner: vec![0.0; channels] }
-    }
-}
-
 /// A block of the run.
 #[derive(Clone, Debug)]
 struct Place {
@@ -98,6 +74,8 @@ struct Place {
 /// One tile and pair at a probe.
 struct Truth {
     count: usize,
+    /// Lanes of each run of neighbours, and bin of its gain.
+    runs: Vec<(Range<usize>, usize)>,
     delay_s: Vec<f64>,
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
@@ -148,19 +126,24 @@ pub struct Sounder<'a> {
     kept: Vec<f64>,
     /// Power of facets below each of [`LEASTS`] times the mean.
     culled: Vec<Powers>,
+    ladder: Ladder,
+    /// Facets of each bin of gain, sum over the run.
+    gains: Vec<f64>,
 }
 
 /// Powers of a facet over the mean below which it may be left out.
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> Sounder<'a> {
-    /// For a run of so many pulses; lights the sample once at every place.
+    /// For a run of so many pulses, with tiles that are faint below a gain that is asked, if one is; lights the sample once at every place.
     pub fn new(
         illumination: &'a Illumination,
         radar: &'a Radar,
         waveform: &dyn Waveform,
         pulses: u64,
+        faint_db: Option<f64>,
     ) -> Result<Self, RadarError> {
+        let ladder = Ladder::new(faint_db);
         let bandwidth_hz = waveform.bandwidth_hz();
         let pairs = illumination.pairs().len();
         let mut channels = vec![Vec::new(); pairs];
@@ -187,6 +170,8 @@ impl<'a> Sounder<'a> {
             peak: vec![1.0; all],
             kept: vec![0.0; LEASTS.len()],
             culled: vec![vec![0.0; all]; LEASTS.len()],
+            gains: vec![0.0; ladder.bins()],
+            ladder,
         };
         let strongest = own.profile()?;
         // The last block of a run may be cut short.
@@ -223,6 +208,11 @@ impl<'a> Sounder<'a> {
             let [powers, worst] = self.powers(index, &truths)?;
             self.count_kept(&truths, count as f64);
             self.look_for_turning(&truths);
+            for (lanes, bin) in
+                truths.iter().step_by(self.channels.len().max(1)).flat_map(|truth| &truth.runs)
+            {
+                self.gains[*bin] += lanes.len() as f64;
+            }
             let all: f64 = powers.iter().sum();
             if all > most {
                 (strongest, most) = (index, all);
@@ -278,11 +268,13 @@ impl<'a> Sounder<'a> {
         let (cells, weight, deviations) = (self.cells_at(index)?, self.sampled(), self.deviations());
         for (n, truth) in truths.iter().enumerate() {
             for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
-                for i in (0..truth.count).filter(|i| truth.heard[*i]) {
-                    let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
-                    sums[*channel].add(w, cells.of(truth.delay_s[i]));
+                for (lanes, _) in &truth.runs {
+                    for i in lanes.clone().filter(|i| truth.heard[*i]) {
+                        let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
+                        sums[*channel].add(w, cells.of(truth.delay_s[i]));
+                    }
+                    sums[*channel].close();
                 }
-                sums[*channel].close();
             }
         }
         let mut powers: Powers = sums.iter().map(Sum::mean).collect();
@@ -406,28 +398,28 @@ impl<'a> Sounder<'a> {
         Ok(())
     }
 
-    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of tiles that lose
+    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of runs that lose
     /// enough of them. Facets that are dark count among the lost, so that rather too much is left out here.
     fn leave_out(&mut self, truths: &[Truth], means_w: &[f64]) {
         let mut sums = vec![vec![0.0; self.power.len()]; LEASTS.len()];
         for tile in truths.chunks(means_w.len().max(1)) {
-            let count = tile.first().map_or(0, |truth| truth.count);
-            let strongest: Vec<f64> = (0..count)
-                .map(|i| {
-                    let of = |(truth, mean): (&Truth, &f64)| truth.strongest(i) / mean.max(f64::MIN_POSITIVE);
-                    tile.iter().zip(means_w).map(of).fold(0.0, f64::max)
-                })
-                .collect();
-            for (least, sums) in LEASTS.iter().zip(&mut sums) {
-                let lost = |i: &usize| strongest[*i] <= *least;
-                if (0..count).filter(lost).count() <= count / FEW {
-                    continue;
-                }
-                for (truth, channels) in tile.iter().zip(&self.channels) {
-                    for (a, channel) in truth.amplitude.iter().zip(channels) {
-                        let heard = (0..count).filter(lost).filter(|i| truth.heard[*i]);
-                        sums[*channel] +=
-                            heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+            let strongest = |i: usize| {
+                let of = |(truth, mean): (&Truth, &f64)| truth.strongest(i) / mean.max(f64::MIN_POSITIVE);
+                tile.iter().zip(means_w).map(of).fold(0.0, f64::max)
+            };
+            for (lanes, _) in &tile[0].runs {
+                let strongest: Vec<(usize, f64)> = lanes.clone().map(|i| (i, strongest(i))).collect();
+                for (least, sums) in LEASTS.iter().zip(&mut sums) {
+                    let lost = || strongest.iter().filter(|(_, own)| own <= least).map(|(i, _)| *i);
+                    if lost().count() <= lanes.len() / FEW {
+                        continue;
+                    }
+                    for (truth, channels) in tile.iter().zip(&self.channels) {
+                        for (a, channel) in truth.amplitude.iter().zip(channels) {
+                            let heard = lost().filter(|i| truth.heard[*i]);
+                            sums[*channel] +=
+                                heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+                        }
                     }
                 }
             }
@@ -444,8 +436,18 @@ impl<'a> Sounder<'a> {
 
     /// Share of the facets that is in the sample; 1 without a sea.
     fn sampled(&self) -> f64 {
-        let all = self.illumination.facets().div_ceil(LANES);
-        if all == 0 { 1.0 } else { sample_of(all) as f64 / all as f64 }
+        self.illumination.sampled(TILES)
+    }
+
+    /// Share of the facets that are faint at a rung of the gains, mean over the run.
+    pub fn faint(&self, rung: usize) -> f64 {
+        let faint = self.gains.iter().enumerate().filter(|(bin, _)| self.ladder.is_faint(*bin, rung));
+        faint.map(|(_, facets)| facets).sum::<f64>() / self.gains.iter().sum::<f64>().max(1.0)
+    }
+
+    /// Gains below which tiles may be faint.
+    pub fn ladder(&self) -> &Ladder {
+        &self.ladder
     }
 
     /// The sample at a pulse, `[tile x pair]`.
@@ -455,11 +457,13 @@ impl<'a> Sounder<'a> {
         let opens_s = self.illumination.window_start_of(at)?;
         let closes_s = opens_s + self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let within = (opens_s - self.pulse_s)..closes_s;
-        let instants = Instants::of_block(at, 1, 1, 1);
+        let instants = Instants::of_block(at, 1, 1, 1).into();
+        let ladder = &self.ladder;
         self.illumination.sound(&instants, patch, TILES, keep, tiles, |heard| {
-            let (node, look) = (&heard.of.nodes[0].paths, &heard.of.looks[0]);
+            let (node, look) = (&heard.of.nodes()[0].paths, &heard.of.looks()[0]);
             truths.push(Truth {
                 count: heard.count,
+                runs: runs_of(heard, ladder),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
                 amplitude: look.amplitude.clone(),
@@ -471,106 +475,10 @@ impl<'a> Sounder<'a> {
         Ok(truths)
     }
 
-    /// What blocks leave whose every pulse is a node.
-    pub fn nothing(&self) -> Left {
-        let none = vec![0.0; self.radar.channels.len()];
-        Left { edge: 0, path: none.clone(), tilt: none }
-    }
-
     /// First pulse of the block of the run that holds a place, with nodes so many pulses apart.
     pub fn block_of(&self, place: usize, node_pulses: u64) -> u64 {
         let length = block_pulses(node_pulses);
         self.places[place].first / length * length
-    }
-
-    /// What blocks with nodes so many pulses apart leave at the probes of a place, with 1, 2 and 3 looks from node to node.
-    pub fn left(
-        &mut self,
-        place: usize,
-        node_pulses: u64,
-    ) -> Result<[Vec<Left>; LOOKS_PER_NODE], RadarError> {
-        let channels = self.radar.channels.len();
-        let mut left = std::array::from_fn(|_| vec![self.nothing()]);
-        let first = self.block_of(place, node_pulses);
-        let Some(patch) = self.illumination.patch_of(first)? else { return Ok(left) };
-        let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
-        let (nodes, count) = nodes_within(pulses);
-        if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
-            return Ok(left);
-        }
-        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
-        let within =
-            |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
-        let last = count - 2;
-        let mut probes =
-            vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
-        if last > 1 {
-            probes.push((1, within(1, 0.5)));
-        }
-        if self.is_small() {
-            let more = (0..=last).flat_map(|n| [0.2, 0.4, 0.6, 0.8].map(|share| (n, within(n, share))));
-            probes.extend(more);
-            probes.sort_unstable();
-        }
-        probes.retain(|(_, pulse)| !nodes[..count].contains(pulse));
-        probes.dedup();
-        let mut truths = Vec::new();
-        for (_, probe) in &probes {
-            truths.push(self.light(first + *probe as u64, Some(&patch), Keep::default())?);
-        }
-        let (share, deviations) = (self.sampled(), self.deviations());
-        let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
-        let Some(tiles) = &mut self.tiles else { return Ok(left) };
-        for (n, left) in left.iter_mut().enumerate() {
-            let instants = Instants::of_block(first, pulses, n + 1, pulses);
-            let looks = &instants.looks[..instants.look_count];
-            let mut sums = vec![vec![<[Sum; 2]>::default(); channels]; probes.len()];
-            let interval_of = |n: usize| {
-                let from = looks_about(looks, nodes[n]..=nodes[n + 1]);
-                let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
-                Interval { at: n, looks, from, nodes: [nodes[n], nodes[n + 1]], interval_s: self.interval_s }
-            };
-            let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
-            let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
-            self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
-                for (((interval, (_, probe)), truths), sum) in
-                    intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
-                {
-                    let truth = &truths[heard.tile * pairs + heard.pair];
-                    let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-                    let own = &self.channels[heard.pair];
-                    interval.compare(*probe, heard, truth, waves, (own, cells), sum);
-                    own.iter().for_each(|channel| sum[*channel].iter_mut().for_each(Sum::close));
-                }
-            })?;
-            *left = probes
-                .iter()
-                .zip(&sums)
-                .map(|((_, probe), sums)| Left {
-                    edge: (*probe).min(pulses - 1 - *probe) as u64,
-                    path: sums.iter().map(|[path, _]| path.worst(share, deviations)).collect(),
-                    tilt: sums.iter().map(|[_, tilt]| tilt.worst(share, deviations)).collect(),
-                })
-                .collect();
-        }
-        Ok(left)
-    }
-
-    /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points: worst of all
-    /// places. Blocks with less than six instants of gain leave more than long ones.
-    pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Vec<Swept>, RadarError> {
-        let mut worst = vec![Swept::none(self.radar.channels.len()); steps.len()];
-        for place in 0..self.places.len() {
-            let sea = self.gains_of_sea(place, steps, block_pulses)?;
-            let points = self.gains_of_points(place, steps)?;
-            for ((worst, sea), points) in worst.iter_mut().zip(&sea).zip(&points) {
-                for (worst, sea) in [(&mut worst.end, &sea.end), (&mut worst.inner, &sea.inner)] {
-                    let both = sea.iter().zip(points).map(|(sea, points)| sea + points);
-                    worst.iter_mut().zip(both).for_each(|(worst, own)| *worst = worst.max(own));
-                }
-            }
-        }
-        Ok(worst)
     }
 
     /// Deviations up at which the worst pulse and channel of the run lies.
@@ -583,124 +491,16 @@ impl<'a> Sounder<'a> {
         let from_s = self.illumination.window_start_of(index)? - self.pulse_s;
         Ok(Cells { from_s, per_s: self.cells_per_s })
     }
-
-    fn gains_of_sea(
-        &mut self,
-        place: usize,
-        steps: &[u64],
-        block_pulses: u64,
-    ) -> Result<Vec<Swept>, RadarError> {
-        let channels = self.radar.channels.len();
-        let mut worst = vec![Swept::none(channels); steps.len()];
-        let Place { first, patch: Some(patch) } = self.places[place].clone() else { return Ok(worst) };
-        let cells = self.cells_at(first)?;
-        let Some(tiles) = &mut self.tiles else { return Ok(worst) };
-        let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
-        let keep = Keep::default();
-        // Between the first two instants, the second two, and in the middle.
-        let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
-            .iter()
-            .map(|&step| {
-                let places: Vec<usize> = gain_instants(pulses, gain_step(pulses, step as usize)).collect();
-                let step = gain_step(pulses, step as usize);
-                let half = step / 2;
-                let probes = [half, step + half, (pulses / 2).next_multiple_of(step) + half];
-                let weights = |pulse: usize| {
-                    let (from, weights) = gain_weights(&places, pulse);
-                    (pulse, from, weights)
-                };
-                probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
-            })
-            .collect();
-        let mut sums: Vec<Vec<Vec<Sum>>> =
-            probes.iter().map(|probes| vec![vec![Sum::default(); channels]; probes.len()]).collect();
-        let instants = Instants::of_block(first, pulses, 1, 1);
-        self.illumination.sound(&instants, &patch, TILES, keep, tiles, |heard| {
-            let (own, look) = (&self.channels[heard.pair], &heard.of.looks[0]);
-            for ((step, probes), sums) in steps.iter().zip(&probes).zip(&mut sums) {
-                let places: Vec<usize> = gain_instants(pulses, gain_step(pulses, *step as usize)).collect();
-                for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
-                    for i in 0..heard.count {
-                        let exact = heard.gains[*pulse][i];
-                        let rows = places[*from..].iter().zip(weights);
-                        let found: f32 = rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
-                        // Shadows and facets that turn away.
-                        let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
-                        let off = f64::from((found - exact) * seen).powi(2);
-                        let cell = cells.of(heard.of.nodes[0].paths.delay_s[i]);
-                        for (channel, a) in own.iter().zip(&look.amplitude) {
-                            sum[*channel].add(square(a, i) * off, cell);
-                        }
-                    }
-                    own.iter().for_each(|channel| sum[*channel].close());
-                }
-            }
-        })?;
-        let share = self.sampled();
-        let deviations = self.deviations();
-        for (worst, sums) in worst.iter_mut().zip(&sums) {
-            for (probe, sum) in sums.iter().enumerate() {
-                let worst = if probe == 0 { &mut worst.end } else { &mut worst.inner };
-                let own = sum.iter().map(|sum| sum.worst(share, deviations));
-                worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
-            }
-        }
-        Ok(worst)
-    }
-
-    fn gains_of_points(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
-        let channels = self.radar.channels.len();
-        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
-        let points = self.illumination.point_count();
-        if points == 0 {
-            return Ok(worst);
-        }
-        let first = self.places[place].first;
-        let longest = 3 * steps.iter().max().copied().unwrap_or(1);
-        let pulses = longest.min(self.pulses - first).min(LONGEST) as usize;
-        let mut exact = Vec::with_capacity(pulses);
-        for pulse in 0..pulses {
-            let mut contacts = Contacts::new(self.channels.len(), channels, points);
-            self.illumination.points(first + pulse as u64, &mut self.light, &mut contacts)?;
-            exact.push(contacts);
-        }
-        let weight = self.sampled();
-        let turns_per_s = TAU * self.radar.carrier_hz;
-        for (worst, &step) in worst.iter_mut().zip(steps) {
-            let part = (3 * step as usize).min(pulses);
-            let (nodes, count) = nodes_within(part);
-            let nodes = &nodes[..count];
-            for pulse in 0..part {
-                let weights = through(nodes, pulse);
-                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
-                    let mut sum = 0.0;
-                    for n in 0..exact[pulse].len() {
-                        let at = |m: usize| (&exact[m].delay_s[*pair][n], &exact[m].amplitude[channel][n]);
-                        let (delay_s, a) = at(pulse);
-                        let (mut late_s, mut found) = (0.0, Complex64::ZERO);
-                        for (m, weight) in nodes.iter().zip(weights) {
-                            let (delay_m_s, a) = at(*m);
-                            late_s += weight * (delay_m_s - delay_s);
-                            found += a * weight;
-                        }
-                        let off = (found * Complex64::cis(-turns_per_s * late_s) - a).norm_sqr() * weight;
-                        sum += if off.is_finite() { off } else { 0.0 };
-                    }
-                    // Two of them may add up in phase.
-                    worst[channel] = worst[channel].max(2.0 * sum);
-                }
-            }
-        }
-        Ok(worst)
-    }
 }
 
-/// Tiles that a sample of all takes.
-fn sample_of(all: usize) -> usize {
-    match all / TILES {
-        0 | 1 => all,
-        step => all.div_ceil(step | 1),
-    }
+/// Lanes of the runs of a tile, and the bins of their gains.
+fn runs_of(heard: &Heard<'_>, ladder: &Ladder) -> Vec<(Range<usize>, usize)> {
+    let mut at = 0;
+    let lanes = heard.runs.iter().map(|run| {
+        at += run.count;
+        at - run.count..at
+    });
+    lanes.zip(heard.shares.iter().map(|share| ladder.bin(*share))).collect()
 }
 
 fn square([re, im]: &[Row; 2], i: usize) -> f64 {
@@ -717,72 +517,4 @@ fn through(places: &[usize], pulse: usize) -> [f64; 4] {
         });
     }
     weights
-}
-
-/// From one node to the next.
-struct Interval<'a> {
-    /// Place of the first.
-    at: usize,
-    /// Pulses of its looks.
-    looks: &'a [usize],
-    /// The first of them.
-    from: usize,
-    nodes: [usize; 2],
-    interval_s: f64,
-}
-
-impl Interval<'_> {
-    /// Adds what is left at a probe.
-    fn compare(
-        &self,
-        probe: usize,
-        heard: &Heard<'_>,
-        truth: &Truth,
-        (carrier_hz, half_pulse_s): (f64, f64),
-        (channels, cells): (&[usize], Cells),
-        sum: &mut [[Sum; 2]],
-    ) {
-        let [a, b] = [0, 1].map(|n| &heard.of.nodes[self.at + n].paths);
-        let length = (self.nodes[1] - self.nodes[0]) as f64;
-        let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
-        let weights = through(self.looks, probe);
-        let looks = &heard.of.looks[self.from..self.from + self.looks.len()];
-        let pulses = heard.of.factor.len();
-        let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
-        let (first, gain_weights) = gain_weights(&steps, probe);
-        for i in 0..heard.count {
-            if !truth.heard[i] {
-                continue;
-            }
-            // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has turned away.
-            let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
-            let turned = rough != 0.0 && heard.of.factor[probe][i] == 0.0;
-            let exact = f64::from(truth.factor[i]);
-            let found = if turned { 0.0 } else { exact };
-            if exact == 0.0 {
-                continue;
-            }
-            // Hermite's cubic, from the first node on.
-            let (d, v0, v1) =
-                (b.delay_s[i] - a.delay_s[i], a.delay_rate[i] * span_s, b.delay_rate[i] * span_s);
-            let late_s = (a.delay_s[i] - truth.delay_s[i])
-                + s * (v0 + s * ((3.0 * d - 2.0 * v0 - v1) + s * (v0 + v1 - 2.0 * d)));
-            let rate = a.delay_rate[i] + s * (b.delay_rate[i] - a.delay_rate[i]);
-            let late_s = late_s + half_pulse_s * (rate - truth.rate[i]);
-            let radians = (TAU * carrier_hz * late_s).powi(2).min(4.0);
-            let cell = cells.of(truth.delay_s[i]);
-            for (at, channel) in channels.iter().enumerate() {
-                let mut value = Complex32::ZERO;
-                for (look, weight) in looks.iter().zip(weights) {
-                    let [re, im] = &look.amplitude[at];
-                    value += Complex32::new(re[i], im[i]) * weight as f32;
-                }
-                let [re, im] = &truth.amplitude[at];
-                let own = Complex64::new(re[i].into(), im[i].into()) * exact;
-                let value = Complex64::new(value.re.into(), value.im.into()) * found;
-                sum[*channel][0].add(own.norm_sqr() * radians, cell);
-                sum[*channel][1].add((value - own).norm_sqr(), cell);
-            }
-        }
-    }
 }

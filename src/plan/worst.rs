@@ -1,12 +1,12 @@
 //! From the mean error of a pulse to that of the worst of many.
 //!
 //! The terms `e_i` that facets add to an error `S = sum e_i` are means over their phases: in a pulse the facets of a resolution cell `c`
-//! interfere, and another pulse has other facets there. A sample takes whole tiles of neighbours, a share `f` of all. With `S_tc` the
-//! sum of a tile's facets in a cell, the error of a pulse is spread about `S` by
+//! interfere, and another pulse has other facets there. A sample takes runs of neighbours, a share `f` of all. With `S_tc` the
+//! sum of a run's facets in a cell, the error of a pulse is spread about `S` by
 //!
 //! `v = (sum over c of (sum over t of S_tc)^2 - (1 - f) sum of S_tc^2) / S^2`:
 //!
-//! speckle, and facets that come and go; squares of tiles count by their share, since the whole patch has `1/f` times as many of them. It is
+//! speckle, and facets that come and go; squares of runs count by their share, since the whole patch has `1/f` times as many of them. It is
 //! next to nothing over hundreds of cells, and that of an exponential law, `v = 1`, where one cell or facet decides. The worst of `n` pulses
 //! and channels is taken `z = sqrt(2 ln n)` deviations up in a gamma law of that variance, by the cube of a normal variable (Wilson and
 //! Hilferty, PNAS 17, 1931), of a sum to which two deviations are added of what the sample may have missed:
@@ -30,34 +30,45 @@ const SAMPLE_SIGMAS: f64 = 2.0;
 /// Most resolution cells along delay that are told apart.
 const MOST_CELLS: usize = 4096;
 
-/// A sum of terms, all and those of each resolution cell. Terms of a tile are closed before those of the next.
+/// A sum of terms, all and those of each resolution cell. Terms of a run of neighbours are closed before those of the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
     of: f64,
     cells: Vec<f64>,
-    /// The cells of the tile that is open, and the squares of those closed.
-    open: Vec<f64>,
-    tiles: f64,
+    /// The cells of the run that is open, and the squares of those closed.
+    open: Vec<(usize, f64)>,
+    squares: f64,
 }
 
 impl Sum {
     pub(super) fn add(&mut self, term: f64, cell: usize) {
         self.of += term;
         let cell = cell.min(MOST_CELLS - 1);
-        if self.cells.len() <= cell {
-            self.cells.resize(cell + 1, 0.0);
-            self.open.resize(cell + 1, 0.0);
+        match self.open.iter_mut().find(|(own, _)| *own == cell) {
+            Some((_, sum)) => *sum += term,
+            None => self.open.push((cell, term)),
         }
-        self.open[cell] += term;
     }
 
-    /// Ends a tile.
+    /// Ends a run.
     pub(super) fn close(&mut self) {
-        for (all, own) in self.cells.iter_mut().zip(&mut self.open) {
-            *all += *own;
-            self.tiles += *own * *own;
-            *own = 0.0;
+        for (cell, own) in self.open.drain(..) {
+            if self.cells.len() <= cell {
+                self.cells.resize(cell + 1, 0.0);
+            }
+            self.cells[cell] += own;
+            self.squares += own * own;
         }
+    }
+
+    /// Takes over all closed terms of another.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.of += other.of;
+        self.squares += other.squares;
+        if self.cells.len() < other.cells.len() {
+            self.cells.resize(other.cells.len(), 0.0);
+        }
+        self.cells.iter_mut().zip(&other.cells).for_each(|(own, other)| *own += other);
     }
 
     /// The sum of the terms.
@@ -70,7 +81,7 @@ impl Sum {
         if self.of <= 0.0 {
             return 0.0;
         }
-        let missed = SAMPLE_SIGMAS * ((1.0 - share).max(0.0) * self.tiles).sqrt();
+        let missed = SAMPLE_SIGMAS * ((1.0 - share).max(0.0) * self.squares).sqrt();
         (self.of + missed) / self.of * self.worst_of_like(share, deviations)
     }
 
@@ -80,7 +91,7 @@ impl Sum {
             return 0.0;
         }
         let cells = self.cells.iter().map(|cell| cell * cell).sum::<f64>();
-        let spread = ((cells - self.tiles).max(0.0) + share * self.tiles) / (self.of * self.of);
+        let spread = ((cells - self.squares).max(0.0) + share * self.squares) / (self.of * self.of);
         self.of * worst_of(spread, deviations)
     }
 }
@@ -142,7 +153,15 @@ mod tests {
         assert!((of(&apart, 1.0) / worst_of(1.0 / 400.0, 3.0) - 1.0).abs() < 1e-9);
         // Of a small sample what it may have missed counts: two deviations of 400 terms are a tenth.
         assert!((of(&apart, 0.0) - 1.1).abs() < 1e-9);
-        // A crest that fills a tile in one cell is one term of many like it.
+        // Sums of two samples of the same.
+        let (mut both, mut other) = (Sum::default(), Sum::default());
+        for (sum, cell) in [(&mut both, 3), (&mut other, 3)] {
+            sum.add(0.5, cell);
+            sum.close();
+        }
+        both.join(&other);
+        assert_eq!((both.mean(), both.worst_of_like(1.0, 3.0)), (1.0, worst_of(1.0, 3.0)));
+        // A crest that fills a run in one cell is one term of many like it.
         let mut crest = Sum::default();
         (0..256).for_each(|_| crest.add(1.0 / 256.0, 7));
         crest.close();

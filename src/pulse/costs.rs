@@ -84,6 +84,8 @@ pub struct Counts {
     pub lit: u64,
     /// Those of the lit ones that were left out because they are too weak to matter.
     pub culled: u64,
+    /// Facets of tiles that were looked at less often, since only side lobes light them.
+    pub faint: u64,
     /// Contacts accumulated, counted again in every pulse and for every pair of antennas.
     pub accumulated: u64,
 }
@@ -118,6 +120,11 @@ impl Costs {
         self.counts.culled += culled as u64;
     }
 
+    /// Counts facets of tiles that were looked at less often.
+    pub fn looked_at_less(&mut self, facets: usize) {
+        self.counts.faint += facets as u64;
+    }
+
     /// Counts contacts that were accumulated in one pulse.
     pub fn accumulated(&mut self, contacts: usize) {
         self.counts.accumulated += contacts as u64;
@@ -131,11 +138,12 @@ impl Costs {
     /// Takes in what another worker has spent and counted.
     pub fn add(&mut self, other: &Self) {
         self.spent.iter_mut().zip(other.spent).for_each(|(to, from)| *to += from);
-        let Counts { pulses, facets, lit, culled, accumulated } = other.counts;
+        let Counts { pulses, facets, lit, culled, faint, accumulated } = other.counts;
         self.counts.pulses += pulses;
         self.counts.facets += facets;
         self.counts.lit += lit;
         self.counts.culled += culled;
+        self.counts.faint += faint;
         self.counts.accumulated += accumulated;
     }
 
@@ -167,6 +175,11 @@ impl Costs {
     /// Share of the facets that is lit and left out, 0 to 1.
     pub fn culled_share(&self) -> f64 {
         share(self.counts.culled, self.counts.facets)
+    }
+
+    /// Share of the facets in tiles that were looked at less often, 0 to 1.
+    pub fn faint_share(&self) -> f64 {
+        share(self.counts.faint, self.counts.facets)
     }
 
     /// Contacts accumulated in a pulse, mean.
@@ -221,11 +234,12 @@ mod tests {
     fn workers_are_summed() {
         let mut one = Costs::default();
         one.looked_at(10, 6, 1);
+        one.looked_at_less(4);
         one.accumulated(5);
         one.made();
         let mut both = one;
         both.add(&one);
-        let expected = Counts { pulses: 2, facets: 20, lit: 12, culled: 2, accumulated: 10 };
+        let expected = Counts { pulses: 2, facets: 20, lit: 12, culled: 2, faint: 8, accumulated: 10 };
         assert_eq!(both.counts(), expected);
         assert_eq!((both.lit_share(), both.culled_share(), both.accumulated_per_pulse()), (0.6, 0.1, 5.0));
         assert_eq!(Costs::default().lit_share(), 0.0);

@@ -86,7 +86,9 @@ pub(super) fn stream(
 
 /// `[fidelity]`; `with_sea` decides the default.
 pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
-    use keys::fidelity::{DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES};
+    use keys::fidelity::{
+        DOPPLER, ECHO, ERROR_DB, FAINT_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES,
+    };
     let section = root.section_or_empty(&keys::root::FIDELITY)?;
     let echo = section.choice(&ECHO);
     let error_db = section.number(&ERROR_DB);
@@ -100,6 +102,7 @@ pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
         node_pulses: section.count(&NODE_PULSES),
         scatter_pulses: section.count(&SCATTER_PULSES),
         gain_pulses: section.count(&GAIN_PULSES),
+        faint_db: section.number(&FAINT_DB),
         kernel_width: width.and_then(|width| usize::try_from(width).ok()),
         doppler,
         ..Asked::default()

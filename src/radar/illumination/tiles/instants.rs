@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
+/// Nodes, and looks, of a faint tile.
+pub const FAINT_NODES: usize = 2;
 /// Most looks from one node to the next.
 pub const LOOKS_PER_NODE: usize = 3;
 /// Most looks of a block.
@@ -50,6 +52,62 @@ impl Instants {
         }
         instants
     }
+
+    /// Those of the faint tiles of such a block: nodes and looks at both ends, gains [`faint_gain_pulses`] apart. `None` of blocks of few
+    /// pulses.
+    pub fn faint(&self) -> Option<Self> {
+        if self.node_count < NODES {
+            return None;
+        }
+        let (mut nodes, mut looks) = ([0; NODES], [0; LOOKS]);
+        (nodes[1], looks[1]) = (self.pulses - 1, self.pulses - 1);
+        let gain_pulses = gain_step(self.pulses, faint_gain_pulses(self.gain_pulses));
+        Some(Self { nodes, node_count: FAINT_NODES, looks, look_count: FAINT_NODES, gain_pulses, ..*self })
+    }
+}
+
+/// How closely a tile is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tier {
+    /// At all instants of its block.
+    #[default]
+    Close,
+    /// At few: no antenna pair has more than a side lobe for it.
+    Faint,
+}
+
+/// The instants of a block for all its tiles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tiers {
+    /// Of tiles that are looked at closely.
+    pub close: Instants,
+    /// Of faint ones, if there may be any.
+    pub faint: Option<Instants>,
+    /// Two-way gain of every pair over its peak below which a tile is faint, dB.
+    pub faint_db: f64,
+}
+
+impl From<Instants> for Tiers {
+    /// All tiles close.
+    fn from(close: Instants) -> Self {
+        Self::new(close, None)
+    }
+}
+
+impl Tiers {
+    /// Of a block, whose tiles are faint below a two-way gain, if at all.
+    pub fn new(close: Instants, faint_db: Option<f64>) -> Self {
+        let faint = faint_db.and_then(|_| close.faint());
+        Self { close, faint, faint_db: faint_db.unwrap_or(f64::NEG_INFINITY) }
+    }
+
+    /// Those of a tier.
+    pub fn of(&self, tier: Tier) -> &Instants {
+        match (tier, &self.faint) {
+            (Tier::Faint, Some(faint)) => faint,
+            _ => &self.close,
+        }
+    }
 }
 
 /// Pulses of the nodes within a block of so many pulses, rising, and how many there are.
@@ -65,6 +123,11 @@ pub fn nodes_within(pulses: usize) -> ([usize; NODES], usize) {
 /// Pulses from gain to gain that a block of so many pulses takes: not more than leave it all the instants of a polynomial.
 pub fn gain_step(pulses: usize, gain_pulses: usize) -> usize {
     gain_pulses.min(pulses.saturating_sub(1) / (GAIN_POINTS - 1)).max(1)
+}
+
+/// Pulses from gain to gain of a faint tile, where others have so many.
+pub fn faint_gain_pulses(gain_pulses: usize) -> usize {
+    (3 * gain_pulses / 2).max(1)
 }
 
 /// Pulses of the gain instants of a block, its last one among them.
@@ -122,6 +185,16 @@ mod tests {
         assert_eq!([37, 21, 7, 3, 1].map(|pulses| gain_step(pulses, 4)), [4, 4, 1, 1, 1]);
         assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4).collect::<Vec<_>>(), [0]);
+        // Faint tiles: both ends; the block has no less than six instants of gain.
+        let tiers = Tiers::new(block, Some(-40.0));
+        let faint = tiers.of(Tier::Faint);
+        assert_eq!(
+            (&faint.nodes[..faint.node_count], &faint.looks[..faint.look_count]),
+            (&[0, 36][..], &[0, 36][..])
+        );
+        assert_eq!((faint.gain_pulses, tiers.of(Tier::Close)), (6, &block));
+        assert_eq!(Tiers::new(short, Some(-40.0)).faint, None);
+        assert_eq!([1, 2, 3, 4, 6].map(faint_gain_pulses), [1, 3, 4, 6, 9]);
     }
 
     #[test]

@@ -2,13 +2,16 @@
 
 use num_complex::Complex32;
 
-use super::TileWork;
 use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
+use super::instants::Tier;
 use super::look::{Combine, Lengths, OntoAxes, Port, Scale, Sight, Solve, View};
+use super::runs::gather;
 use super::tile::{Look, Pair, compact};
+use super::{TileWork, Timing};
 use crate::cpu::Variant;
-use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
+use crate::frames::Vector;
+use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
 use crate::radar::antenna::Axes;
 use crate::radar::emission::Emission;
 use crate::radar::illumination::Illumination;
@@ -18,60 +21,112 @@ use crate::scattering::lanes::{Batch, Beside};
 use crate::scene::Patch;
 use crate::scene::radar::Polarisation;
 
-impl Illumination {
-    /// Lights a tile of the patch: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
-    pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, tile: usize, work: &mut TileWork) {
-        let first = tile * LANES;
-        work.tile.count = LANES.min(patch.len() - first);
-        self.place(patch, first, work);
-        for pair in 0..self.plans.len() {
-            for place in 0..work.tile.pairs[pair].nodes.len() {
-                self.find_paths(pair, first, place, work);
-            }
-            self.gains(pair, work);
+impl TileWork {
+    /// Instants of the tile at hand.
+    pub(super) fn timing(&self) -> &Timing {
+        if self.tile.tier == Tier::Faint { &self.faint } else { &self.close }
+    }
+
+    /// The tile at hand is of a tier.
+    fn choose(&mut self, tier: Tier) {
+        self.tile.tier = tier;
+        let timing = if tier == Tier::Faint { &self.faint } else { &self.close };
+        for pair in &mut self.tile.pairs {
+            (pair.node_count, pair.look_count) = (timing.node_count, timing.look_count);
         }
+    }
+
+    /// Whether no pair has a gain that counts, at any instant at hand.
+    fn is_faint(&self) -> bool {
+        let (instants, count) = (self.timing().gain_places.len(), self.tile.count);
+        self.gain_rows.iter().zip(&self.faint_below).all(|(rows, below)| {
+            let largest = |row: &Row| row[..count].iter().fold(0.0f32, |most, gain| most.max(gain.abs()));
+            rows[..instants].iter().map(largest).fold(0.0, f32::max) < *below
+        })
+    }
+}
+
+impl Illumination {
+    /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
+    pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
+        self.place(patch, work);
+        self.sight(work);
         self.keep_lit(work);
         if work.tile.count == 0 {
             return;
         }
         let footprint_m2 = patch.facet_m * patch.facet_m;
         for pair in 0..self.plans.len() {
-            for place in 0..work.tile.pairs[pair].looks.len() {
+            for place in 0..work.tile.pairs[pair].look_count {
                 self.look(sea, pair, place, footprint_m2, work);
             }
             self.factors(pair, work);
         }
     }
 
-    /// Places of the facets on the mean surface, random phases, slopes, visibility.
-    fn place(&self, patch: &Patch, first: usize, work: &mut TileWork) {
-        let TileWork {
-            nodes,
-            phasors,
-            batch,
-            places_m,
-            bounds_m,
-            drop_m,
-            fall,
-            slopes,
-            shades,
-            seen,
-            tile,
-            ..
-        } = work;
-        let earth = self.frame.earth();
-        let count = tile.count;
-        let here = first..first + count;
-        let nx = patch.facets[0];
-        let (mut ix, mut iy) = (first % nx, first / nx);
-        // Lanes beyond the patch go on along it: nobody looks at them.
-        let [x_m, y_m] = &mut *places_m;
-        for (x_m, y_m) in x_m.iter_mut().zip(y_m) {
-            [*x_m, *y_m] = patch.centre_m([patch.first[0] + ix as i64, patch.first[1] + iy as i64]);
-            ix += 1;
-            if ix == nx {
-                (ix, iy) = (0, iy + 1);
+    /// Paths and gains: at few instants first, if that may be enough for a faint tile, and else at all.
+    fn sight(&self, work: &mut TileWork) {
+        let mut known = 0;
+        if !work.faint_below.is_empty() {
+            work.choose(Tier::Faint);
+            for place in 0..work.faint.node_count {
+                self.find_paths(place, work);
             }
+            for pair in 0..self.plans.len() {
+                self.gains(pair, work);
+            }
+            if work.is_faint() {
+                return;
+            }
+            // The last node of all is known by now.
+            let (second, last) = (work.faint.node_count - 1, work.close.node_count - 1);
+            work.slopes.swap(second, last);
+            work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
+            known = 2;
+        }
+        work.choose(Tier::Close);
+        let nodes = work.close.node_count;
+        // Of two that are known one is the first and one the last.
+        for place in if known == 2 { 1..nodes - 1 } else { 0..nodes } {
+            self.find_paths(place, work);
+        }
+        for pair in 0..self.plans.len() {
+            self.gains(pair, work);
+        }
+    }
+
+    /// Largest product of the gains of field of a pair, without antennas whose gains stay with the amplitude.
+    pub(super) fn peak_gain(&self, pair: usize) -> f64 {
+        let of = &self.plans[pair].pair;
+        let ahead = Vector::from_raw(glam::DVec3::X);
+        [of.transmitter, self.radar.transmitters.len() + of.receiver]
+            .iter()
+            .map(|antenna| &self.antennas[*antenna])
+            .filter(|antenna| is_real(antenna))
+            .map(|antenna| antenna.field_gain(ahead).re.abs())
+            .product()
+    }
+
+    /// Places of the facets on the mean surface, random phases, visibility.
+    fn place(&self, patch: &Patch, work: &mut TileWork) {
+        let TileWork { runs, phasors, batch, places_m, bounds_m, drop_m, fall, shades, seen, tile, .. } =
+            work;
+        let earth = self.frame.earth();
+        let count = runs.iter().map(|run| run.count).sum();
+        tile.count = count;
+        let nx = patch.facets[0];
+        let [x_m, y_m] = &mut *places_m;
+        let mut places = x_m.iter_mut().zip(y_m);
+        for run in &*runs {
+            let key = [patch.first[0] + (run.first % nx) as i64, patch.first[1] + (run.first / nx) as i64];
+            for ((x_m, y_m), column) in places.by_ref().take(run.count).zip(0..) {
+                [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
+            }
+        }
+        // Lanes that are not in use stay near the others: nobody looks at them.
+        for row in &mut *places_m {
+            let last = row[count - 1];
+            row[count..].fill(last);
         }
         *bounds_m = places_m.each_ref().map(|row| {
             let of = &row[..count];
@@ -84,16 +139,8 @@ impl Illumination {
             (fall[0][i], fall[1][i]) = (down[0] as f32, down[1] as f32);
         }
         for (row, column) in batch.phasor.iter_mut().zip(&phasors.ordered) {
-            row[0][..count].copy_from_slice(&column[0][here.clone()]);
-            row[1][..count].copy_from_slice(&column[1][here.clone()]);
-        }
-        for (slopes, node) in slopes.iter_mut().zip(nodes) {
-            for axis in 0..2 {
-                let from = &node.fields.slope[axis][here.clone()];
-                for ((to, from), fall) in slopes[axis].iter_mut().zip(from).zip(&fall[axis]) {
-                    *to = from - fall;
-                }
-            }
+            gather(runs, &column[0], &mut row[0]);
+            gather(runs, &column[1], &mut row[1]);
         }
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
         seen.resize(shades.len() * ends, [1.0; LANES]);
@@ -101,13 +148,14 @@ impl Illumination {
             if weights.is_empty() {
                 row.fill(1.0);
             } else {
-                row[..count].copy_from_slice(&weights[here.clone()]);
+                gather(runs, weights, row);
             }
         }
     }
 
     /// Leaves out facets that are hidden at every update, turned away at every node, or seen by no gain.
     fn keep_lit(&self, work: &mut TileWork) {
+        let instants = work.timing().gain_places.len();
         let TileWork { variant, batch, places_m, whole, kept, slopes, gain_rows, shades, seen, tile, .. } =
             work;
         if *whole {
@@ -118,7 +166,8 @@ impl Illumination {
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
         for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
             let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
-            variant.run(Lit { count, nodes: &pair.nodes, slopes, gains, seen, ends, of, lit: &mut lit });
+            let (nodes, gains) = (pair.nodes(), &gains[..instants]);
+            variant.run(Lit { count, nodes, slopes, gains, seen, ends, of, lit: &mut lit });
         }
         kept.clear();
         kept.extend((0..count as u16).filter(|i| lit[usize::from(*i)] > 0.0));
@@ -127,7 +176,7 @@ impl Illumination {
             return;
         }
         for pair in &mut tile.pairs {
-            for node in &mut pair.nodes {
+            for node in &mut pair.nodes[..pair.node_count] {
                 let Paths { delay_s, delay_rate, leg_m, incident, scattered, .. } = &mut *node.paths;
                 compact(delay_s, kept);
                 compact(delay_rate, kept);
@@ -135,43 +184,52 @@ impl Illumination {
             }
         }
         slopes.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
-        gain_rows.iter_mut().flatten().chain(seen).for_each(|row| compact(row, kept));
+        gain_rows
+            .iter_mut()
+            .flat_map(|rows| &mut rows[..instants])
+            .chain(seen)
+            .for_each(|row| compact(row, kept));
         batch.phasor.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
         places_m.iter_mut().for_each(|row| compact(row, kept));
         tile.count = kept.len();
     }
 
-    /// Places and paths at a node.
-    fn find_paths(&self, pair: usize, first: usize, place: usize, work: &mut TileWork) {
-        let TileWork { variant, nodes, places_m, drop_m, tile, .. } = work;
-        let node = &nodes[place];
+    /// Slopes at a node of the tile, and places and paths over every pair.
+    fn find_paths(&self, place: usize, work: &mut TileWork) {
+        let of_block = work.timing().nodes[place];
+        let TileWork { variant, nodes, runs, places_m, drop_m, fall, slopes, tile, .. } = work;
+        let node = &nodes[of_block];
         let fields = &node.fields;
-        let here = first..first + tile.count;
-        let plan = &self.plans[pair];
-        let paths = &mut tile.pairs[pair].nodes[place].paths;
+        for ((slope, from), fall) in slopes[place].iter_mut().zip(&fields.slope).zip(&*fall) {
+            gather(runs, from, slope);
+            slope.iter_mut().zip(fall).for_each(|(slope, fall)| *slope -= fall);
+        }
         let displaced = !fields.displacement_m[0].is_empty();
-        for (axis, places_m) in places_m.iter().enumerate() {
-            paths.position_m[axis] = *places_m;
-            if displaced {
-                let from = &fields.displacement_m[axis][here.clone()];
-                for (to, from) in paths.position_m[axis].iter_mut().zip(from) {
-                    *to += f64::from(*from);
+        let mut rise_m = [0.0f32; LANES];
+        for (pair, plan) in tile.pairs.iter_mut().zip(&self.plans) {
+            let paths = &mut *pair.nodes[place].paths;
+            for (axis, places_m) in places_m.iter().enumerate() {
+                paths.position_m[axis] = *places_m;
+                if displaced {
+                    gather(runs, &fields.displacement_m[axis], &mut rise_m);
+                    for (to, from) in paths.position_m[axis].iter_mut().zip(&rise_m) {
+                        *to += f64::from(*from);
+                    }
+                    gather(runs, &fields.velocity_mps[axis], &mut paths.velocity_mps[axis]);
+                } else {
+                    paths.velocity_mps[axis].fill(0.0);
                 }
-                paths.velocity_mps[axis][..tile.count]
-                    .copy_from_slice(&fields.velocity_mps[axis][here.clone()]);
-            } else {
-                paths.velocity_mps[axis].fill(0.0);
             }
+            gather(runs, &fields.height_m, &mut rise_m);
+            for (to, (from, drop_m)) in paths.position_m[2].iter_mut().zip(rise_m.iter().zip(&*drop_m)) {
+                *to = f64::from(*from) - drop_m;
+            }
+            gather(runs, &fields.velocity_mps[2], &mut paths.velocity_mps[2]);
+            let centres = &node.emission.centres;
+            let rx = self.radar.transmitters.len() + plan.pair.receiver;
+            let ends = [End::from(&centres[plan.pair.transmitter]), End::from(&centres[rx])];
+            variant.run(Solve { count: tile.count, ends, paths });
         }
-        let heights = fields.height_m[here.clone()].iter().zip(drop_m.iter());
-        for (to, (from, drop_m)) in paths.position_m[2].iter_mut().zip(heights) {
-            *to = f64::from(*from) - drop_m;
-        }
-        paths.velocity_mps[2][..tile.count].copy_from_slice(&fields.velocity_mps[2][here]);
-        let centres = &node.emission.centres;
-        let rx = self.radar.transmitters.len() + plan.pair.receiver;
-        let ends = [End::from(&centres[plan.pair.transmitter]), End::from(&centres[rx])];
-        variant.run(Solve { count: tile.count, ends, paths });
     }
 
     /// Axes of an antenna of a pair at an emission, and their change in a second.
@@ -188,11 +246,24 @@ impl Illumination {
     /// Scattering at a look.
     fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
         let TileWork {
-            variant, looks, batch, view, lengths, places_m, bounds_m, kinds, slopes, tile, ..
+            variant,
+            close,
+            faint,
+            batch,
+            view,
+            lengths,
+            places_m,
+            bounds_m,
+            kinds,
+            slopes,
+            tile,
+            ..
         } = work;
-        let instant = &looks[place];
+        let timing = if tile.tier == Tier::Faint { faint } else { close };
+        let instant = &timing.looks[place];
         let count = tile.count;
-        let Pair { nodes: paths, looks: seen, .. } = &mut tile.pairs[pair];
+        let Pair { nodes: paths, node_count, looks: seen, .. } = &mut tile.pairs[pair];
+        let paths = &paths[..*node_count];
         let out = &mut seen[place];
         let single = sea.lanes.phases() == Phases::Single;
         let plan = &self.plans[pair];
@@ -325,32 +396,37 @@ impl Illumination {
 
     /// Products of gains at every gain instant.
     pub(super) fn gains(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gains, gain_rows, tile, .. } = work;
+        let TileWork { variant, close, faint, gain_rows, tile, .. } = work;
+        let timing = if tile.tier == Tier::Faint { faint } else { close };
         let plan = &self.plans[pair];
         let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
-        // Instants beyond those in use keep their room for the next block.
-        for (instant, out) in gains.iter().zip(&mut gain_rows[pair]) {
+        let in_use = timing.gain_places.len();
+        for (instant, out) in timing.gains[..in_use].iter().zip(&mut gain_rows[pair]) {
             let now = |antenna: usize| {
                 let (axes, change_per_s) = self.axes_of(&instant.emission, antenna);
                 Sighted { antenna: &self.antennas[antenna], axes, change_per_s }
             };
-            let (nodes, weights, count) = (&tile.pairs[pair].nodes, &instant.weights, tile.count);
+            let (nodes, weights, count) = (tile.pairs[pair].nodes(), &instant.weights, tile.count);
             Gains { count, ends: [now(tx), now(rx)], nodes, weights, out }.find(*variant);
         }
     }
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
     fn factors(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gain_rows, lagrange, cosines, shades, shares, seen, tile, .. } = work;
+        let TileWork { variant, gain_rows, close, faint, shades, shares, seen, tile, .. } = work;
+        let timing = if tile.tier == Tier::Faint { faint } else { close };
+        let points = timing.gain_points();
         let plan = &self.plans[pair];
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
-        let Pair { looks, factor, .. } = &mut tile.pairs[pair];
+        let Pair { looks, look_count, factor, .. } = &mut tile.pairs[pair];
+        let looks = &looks[..*look_count];
         let turns = variant.run(Turns { count, looks });
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
         for (pulse, out) in factor.iter_mut().enumerate() {
-            let (start, weights) = &lagrange[pulse];
-            variant.run(Weigh { count, rows: &gain_rows[pair][*start..], weights, out });
+            let (start, weights) = &timing.lagrange[pulse];
+            let (rows, weights) = (&gain_rows[pair][*start..], &weights[..points]);
+            variant.run(Weigh { count, rows, weights, out });
             let (before, share) = shares[pulse];
             // Where the next update adds nothing it may not be there.
             let next = (before + 1).min(shades.len().saturating_sub(1));
@@ -362,7 +438,7 @@ impl Illumination {
                 }
             }
             if turns {
-                let (start, weights) = &cosines[pulse];
+                let (start, weights) = &timing.cosines[pulse];
                 variant.run(Turn { count, looks: &looks[*start..], weights, out });
             }
         }

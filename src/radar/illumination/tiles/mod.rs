@@ -25,6 +25,7 @@ mod gain;
 mod instants;
 mod light;
 mod look;
+pub mod runs;
 pub mod sounding;
 mod tile;
 
@@ -54,10 +55,11 @@ use crate::sea::wake::course::Pose;
 
 use instants::through;
 pub use instants::{
-    GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, gain_instants, gain_step, gain_weights,
-    looks_about, nodes_within,
+    FAINT_NODES, GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, Tier, Tiers,
+    faint_gain_pulses, gain_instants, gain_step, gain_weights, looks_about, nodes_within,
 };
 use look::View;
+use runs::{Cut, Run};
 pub use tile::{FEW, Look, Node, Pair};
 
 /// Tiles that are looked at to learn what a block returns.
@@ -68,6 +70,8 @@ pub const SAMPLED: usize = 48;
 pub struct Tile {
     /// Facets.
     pub count: usize,
+    /// How closely it was looked at.
+    pub tier: Tier,
     /// Per transmitter-receiver pair.
     pub pairs: Vec<Pair>,
 }
@@ -81,6 +85,8 @@ pub struct Tally {
     pub lit: u64,
     /// Left out because all of them together stay below the budget.
     pub culled: u64,
+    /// In tiles that are faint.
+    pub faint: u64,
 }
 
 /// What a sample of the facets says of a block and pair.
@@ -98,13 +104,12 @@ pub struct TileWork {
     variant: Variant,
     sheet: Sheet<f32>,
     nodes: Vec<NodeWork>,
-    gains: Vec<GainInstant>,
-    gain_places: Vec<usize>,
-    /// `[pulse][gain instant]`: first, and weights from there on.
-    lagrange: Vec<(usize, [f32; GAIN_POINTS])>,
-    looks: Vec<LookInstant>,
-    /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
-    cosines: Vec<(usize, [f32; LOOK_POINTS])>,
+    close: Timing,
+    faint: Timing,
+    /// Per pair: product of the gains of field below which a tile is faint; empty where none is.
+    faint_below: Vec<f32>,
+    /// Facets of the tile at hand.
+    runs: Vec<Run>,
     shades: Vec<Shade>,
     spare: Vec<Shade>,
     maker: Option<Maker>,
@@ -132,6 +137,23 @@ pub struct TileWork {
     /// `[update][antenna]`.
     seen: Vec<Row>,
     tile: Tile,
+}
+
+/// When what is found of the tiles of a tier.
+#[derive(Clone, Default)]
+struct Timing {
+    /// Nodes of the block that a tile has.
+    nodes: [usize; NODES],
+    node_count: usize,
+    /// Those in use; more keep their room for the next block.
+    gains: Vec<GainInstant>,
+    gain_places: Vec<usize>,
+    /// `[pulse][gain instant]`: first, and weights from there on.
+    lagrange: Vec<(usize, [f32; GAIN_POINTS])>,
+    looks: Vec<LookInstant>,
+    look_count: usize,
+    /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
+    cosines: Vec<(usize, [f32; LOOK_POINTS])>,
 }
 
 #[derive(Clone)]
@@ -199,7 +221,7 @@ impl Illumination {
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of its facets says, per pair.
     pub fn open_block(
         &self,
-        instants: &Instants,
+        tiers: &Tiers,
         patch: &Patch,
         workspace: &mut Workspace,
         work: &mut TileWork,
@@ -208,7 +230,8 @@ impl Illumination {
         samples.clear();
         samples.resize(self.pairs.len(), Sample::default());
         let Some(sea) = &self.sea else { return Ok(()) };
-        work.time(self, instants)?;
+        work.time(self, tiers)?;
+        let instants = &tiers.close;
         let first = instants.first;
         let costs = &mut workspace.costs;
         costs.lap(Stage::Record);
@@ -216,11 +239,10 @@ impl Illumination {
         costs.lap(Stage::Surface);
         work.shade(self, sea, instants, patch).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
-        let tiles = patch.len().div_ceil(LANES);
         let mut facets = 0;
-        for tile in sampled(tiles, SAMPLED) {
-            self.light_tile(sea, patch, tile, work);
-            facets += LANES.min(patch.len() - tile * LANES);
+        for runs in Cut::of(patch.facets).sample(SAMPLED) {
+            facets += work.take(runs);
+            self.light_tile(sea, patch, work);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
                 let (power, rate) = pair.power(work.tile.count);
                 sample.mean_power_w += power;
@@ -250,9 +272,13 @@ impl Illumination {
     ) -> Tally {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
-        for tile in 0..patch.len().div_ceil(LANES) {
-            tally.facets += LANES.min(patch.len() - tile * LANES) as u64;
-            self.light_tile(sea, patch, tile, work);
+        for runs in Cut::of(patch.facets).tiles() {
+            let facets = work.take(runs) as u64;
+            tally.facets += facets;
+            self.light_tile(sea, patch, work);
+            if work.tile.tier == Tier::Faint {
+                tally.faint += facets;
+            }
             work.tile.thin_out(work.variant, samples, least, &mut tally);
             costs.lap(Stage::Contacts);
             if work.tile.count > 0 {
@@ -303,13 +329,12 @@ impl SeaPlan {
             variant,
             sheet,
             nodes: vec![node; NODES],
-            gains: Vec::new(),
-            looks: Vec::new(),
+            close: Timing::default(),
+            faint: Timing::default(),
+            faint_below: Vec::with_capacity(channels.len()),
+            runs: Vec::with_capacity(LANES),
             view: View::boxed(),
             lengths: Box::new([[[0.0; LANES]; Polarisation::COUNT]; 2]),
-            gain_places: Vec::new(),
-            lagrange: Vec::new(),
-            cosines: Vec::new(),
             shades: Vec::new(),
             spare: Vec::new(),
             maker,
@@ -326,7 +351,11 @@ impl SeaPlan {
             slopes: [[[0.0; LANES]; 2]; NODES],
             gain_rows: vec![Vec::new(); channels.len()],
             seen: Vec::new(),
-            tile: Tile { count: 0, pairs: channels.iter().map(|&channels| Pair::new(channels)).collect() },
+            tile: Tile {
+                count: 0,
+                tier: Tier::Close,
+                pairs: channels.iter().map(|&channels| Pair::new(channels)).collect(),
+            },
         })
     }
 
@@ -400,25 +429,18 @@ impl Phasors {
     }
 }
 
-impl TileWork {
-    /// Emissions of nodes and gain instants, and the weights of interpolation.
-    fn time(&mut self, of: &Illumination, instants: &Instants) -> Result<(), RadarError> {
-        let emissions = &of.radar.emissions;
-        let elapsed_s = |place: usize| emissions.interval_s(0, instants.first + place as u64);
-        let places = &instants.nodes[..instants.node_count];
-        self.nodes.truncate(places.len().max(1));
-        while self.nodes.len() < places.len() {
-            let last = self.nodes[0].clone();
-            self.nodes.push(last);
-        }
-        for (node, &place) in self.nodes.iter_mut().zip(places) {
-            of.evaluate(instants.first + place as u64, &mut node.emission)?;
-            node.elapsed_s = elapsed_s(place);
+impl Timing {
+    /// For instants whose nodes are among those of the block at `places`.
+    fn set(&mut self, of: &Illumination, instants: &Instants, places: &[usize]) -> Result<(), RadarError> {
+        let own = &instants.nodes[..instants.node_count];
+        self.node_count = own.len();
+        for (to, node) in self.nodes.iter_mut().zip(own) {
+            *to = places.iter().position(|place| place == node).unwrap_or(0);
         }
         self.gain_places.clear();
         self.gain_places.extend(gain_instants(instants.pulses, instants.gain_pulses));
         for (n, &place) in self.gain_places.iter().enumerate() {
-            let weights = through(places, place);
+            let weights = through(own, place);
             if n == self.gains.len() {
                 self.gains.push(GainInstant { emission: Emission::default(), weights });
             }
@@ -427,8 +449,9 @@ impl TileWork {
             of.evaluate(instants.first + place as u64, &mut gain.emission)?;
         }
         let looks = &instants.looks[..instants.look_count];
+        self.look_count = looks.len();
         for (n, &place) in looks.iter().enumerate() {
-            let weights = through(places, place);
+            let weights = through(own, place);
             if n == self.looks.len() {
                 self.looks.push(LookInstant { emission: Emission::default(), weights, poses: Vec::new() });
             }
@@ -436,11 +459,10 @@ impl TileWork {
             look.weights = weights;
             of.evaluate(instants.first + place as u64, &mut look.emission)?;
             if let Some(sea) = &of.sea {
-                sea.scattering.poses(elapsed_s(place), &mut look.poses);
+                let elapsed_s = of.radar.emissions.interval_s(0, instants.first + place as u64);
+                sea.scattering.poses(elapsed_s, &mut look.poses);
             }
         }
-        let instants_of_gain = self.gain_places.len();
-        self.gain_rows.iter_mut().for_each(|rows| rows.resize(instants_of_gain, [0.0; LANES]));
         self.lagrange.clear();
         self.cosines.clear();
         for pulse in 0..instants.pulses {
@@ -449,8 +471,49 @@ impl TileWork {
             let points = LOOK_POINTS.min(looks.len());
             self.cosines.push((first, through(&looks[first..first + points], pulse)));
         }
+        Ok(())
+    }
+
+    /// Gain instants that a pulse's gain is found from.
+    fn gain_points(&self) -> usize {
+        GAIN_POINTS.min(self.gain_places.len())
+    }
+}
+
+impl TileWork {
+    /// Facets of the tile to be lit; returns how many.
+    fn take(&mut self, runs: impl Iterator<Item = Run>) -> usize {
+        self.runs.clear();
+        self.runs.extend(runs);
+        self.runs.iter().map(|run| run.count).sum()
+    }
+
+    /// Emissions of nodes, looks and gain instants, and the weights of interpolation.
+    fn time(&mut self, of: &Illumination, tiers: &Tiers) -> Result<(), RadarError> {
+        let close = &tiers.close;
+        let places = &close.nodes[..close.node_count];
+        self.nodes.truncate(places.len().max(1));
+        while self.nodes.len() < places.len() {
+            let last = self.nodes[0].clone();
+            self.nodes.push(last);
+        }
+        for (node, &place) in self.nodes.iter_mut().zip(places) {
+            of.evaluate(close.first + place as u64, &mut node.emission)?;
+            node.elapsed_s = of.radar.emissions.interval_s(0, close.first + place as u64);
+        }
+        self.close.set(of, close, places)?;
+        self.faint_below.clear();
+        if let Some(faint) = &tiers.faint {
+            self.faint.set(of, faint, places)?;
+            let share = 10f64.powf(tiers.faint_db / 20.0);
+            self.faint_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
+        }
+        let instants_of_gain = self.close.gain_places.len().max(self.faint.gain_places.len());
+        for rows in &mut self.gain_rows {
+            rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
+        }
         for pair in &mut self.tile.pairs {
-            pair.resize(places.len(), looks.len(), instants.pulses);
+            pair.resize(places.len(), close.look_count.max(tiers.of(Tier::Faint).look_count), close.pulses);
         }
         Ok(())
     }
@@ -559,13 +622,4 @@ fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
 
 fn span_of((first, _): (u64, f64), (last, share): (u64, f64)) -> RangeInclusive<u64> {
     first..=if share > 0.0 { last + 1 } else { last }
-}
-
-/// About `wanted` of so many tiles. In odd steps: rows of a patch are often a power of two of tiles.
-fn sampled(tiles: usize, wanted: usize) -> impl Iterator<Item = usize> {
-    let step = match (tiles / wanted.max(1)).max(1) {
-        1 => 1,
-        step => step | 1,
-    };
-    (0..tiles).step_by(step)
 }

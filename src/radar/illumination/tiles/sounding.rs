@@ -3,8 +3,10 @@
 //! Tiles spread over the patch are lit as [`Illumination::visit_tiles`] lights all of them, but for two things: shadows are those of one
 //! pulse throughout, or none (both sides of any comparison share them), and the product of gains is told apart from the factor.
 
-use super::{Instants, Pair, TileWork, sampled};
-use crate::geometry::lanes::{LANES, Row};
+use super::instants::Tiers;
+use super::runs::{Cut, Run};
+use super::{Instants, Pair, TileWork};
+use crate::geometry::lanes::Row;
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::Illumination;
 use crate::scene::Patch;
@@ -17,6 +19,10 @@ pub struct Heard<'a> {
     pub pair: usize,
     /// Facets.
     pub count: usize,
+    /// They are these.
+    pub runs: &'a [Run],
+    /// For every run, what of its peak the two-way gain of field of any pair has at most, at the gain instants.
+    pub shares: &'a [f32],
     /// Nodes, looks, factors.
     pub of: &'a Pair,
     /// Product of the gains, at every gain instant.
@@ -44,16 +50,39 @@ pub struct Keep {
     pub surface: bool,
 }
 
+impl TileWork {
+    /// What of its peak the two-way gain of any pair has at most for each run of the tile at hand.
+    fn shares_of_runs(&self, peaks: &[f64], shares: &mut Vec<f32>) {
+        let instants = self.timing().gain_places.len();
+        shares.clear();
+        let mut at = 0;
+        for run in &self.runs {
+            let lanes = at..at + run.count;
+            let of = |(rows, peak): (&Vec<Row>, &f64)| {
+                let gains = rows[..instants].iter().flat_map(|row| &row[lanes.clone()]);
+                gains.fold(0.0f32, |most, gain| most.max(gain.abs())) / *peak as f32
+            };
+            shares.push(self.gain_rows.iter().zip(peaks).map(of).fold(0.0, f32::max));
+            at += run.count;
+        }
+    }
+}
+
 impl Illumination {
     /// Rms slope that is expected of the waves, along and across together; 0 without a sea.
     pub fn rms_slope(&self) -> f64 {
         self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().slope_variance.iter().sum::<f64>().sqrt())
     }
 
+    /// Share of the facets that a sample of about so many tiles has; 1 without a sea.
+    pub fn sampled(&self, tiles: usize) -> f64 {
+        self.sea.as_ref().map_or(1.0, |sea| Cut::of(sea.patch.facets).sampled(tiles))
+    }
+
     /// Lights a sample of about so many tiles at some instants.
     pub fn sound(
         &self,
-        instants: &Instants,
+        tiers: &Tiers,
         patch: &Patch,
         tiles: usize,
         keep: Keep,
@@ -61,8 +90,9 @@ impl Illumination {
         mut each: impl FnMut(&Heard<'_>),
     ) -> Result<(), RadarError> {
         let Some(sea) = &self.sea else { return Ok(()) };
+        let instants = &tiers.close;
         let first = instants.first;
-        work.time(self, instants)?;
+        work.time(self, tiers)?;
         if !keep.surface {
             sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
         }
@@ -76,16 +106,20 @@ impl Illumination {
         let held = work.shares.first().copied().unwrap_or_default();
         work.shares.clear();
         work.shares.resize(instants.pulses, held);
-        let all = patch.len().div_ceil(LANES);
-        for (place, tile) in sampled(all, tiles).enumerate() {
+        let mut shares = Vec::new();
+        let peaks: Vec<f64> = (0..self.plans.len()).map(|pair| self.peak_gain(pair)).collect();
+        for (place, runs) in Cut::of(patch.facets).sample(tiles).enumerate() {
+            work.take(runs);
             // Lanes stay facets, so that soundings can be compared.
             work.whole = true;
-            self.light_tile(sea, patch, tile, work);
+            self.light_tile(sea, patch, work);
             work.whole = false;
+            work.shares_of_runs(&peaks, &mut shares);
             for pair in 0..self.plans.len() {
-                let TileWork { gain_rows, tile, .. } = &*work;
+                let TileWork { gain_rows, runs, tile, .. } = &*work;
                 let of = &tile.pairs[pair];
-                each(&Heard { tile: place, pair, count: tile.count, of, gains: &gain_rows[pair] });
+                let gains = &gain_rows[pair][..work.timing().gain_places.len()];
+                each(&Heard { tile: place, pair, count: tile.count, runs, shares: &shares, of, gains });
             }
         }
         Ok(())

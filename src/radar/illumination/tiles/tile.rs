@@ -26,10 +26,12 @@ pub struct Look {
 /// A tile over one pair of antennas.
 #[derive(Clone)]
 pub struct Pair {
-    /// At every node.
-    pub nodes: Vec<Node>,
-    /// At every look.
-    pub looks: Vec<Look>,
+    /// Room for all nodes of a block, and how many this tile has.
+    pub(super) nodes: Vec<Node>,
+    pub(super) node_count: usize,
+    /// The same of looks.
+    pub(super) looks: Vec<Look>,
+    pub(super) look_count: usize,
     /// Per pulse: what multiplies the amplitudes.
     pub factor: Vec<Row>,
     channels: usize,
@@ -37,7 +39,18 @@ pub struct Pair {
 
 impl Pair {
     pub(super) fn new(channels: usize) -> Self {
-        Self { nodes: Vec::new(), looks: Vec::new(), factor: Vec::new(), channels }
+        let (nodes, looks, factor) = (Vec::new(), Vec::new(), Vec::new());
+        Self { nodes, node_count: 0, looks, look_count: 0, factor, channels }
+    }
+
+    /// At every node.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes[..self.node_count]
+    }
+
+    /// At every look.
+    pub fn looks(&self) -> &[Look] {
+        &self.looks[..self.look_count]
     }
 
     pub(super) fn resize(&mut self, nodes: usize, looks: usize, pulses: usize) {
@@ -54,8 +67,8 @@ impl Pair {
     pub(super) fn power(&self, count: usize) -> (f64, f64) {
         let (mut power, mut rate) = (0.0, 0.0);
         let middle = (
-            self.nodes.get(self.nodes.len() / 2),
-            self.looks.get(self.looks.len() / 2),
+            self.nodes().get(self.node_count / 2),
+            self.looks().get(self.look_count / 2),
             self.factor.get(self.factor.len() / 2),
         );
         if let (Some(node), Some(look), Some(factor)) = middle {
@@ -76,7 +89,7 @@ impl Pair {
     fn bounds(&self, count: usize, out: &mut Row) {
         let n = lanes_for(count);
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for [re, im] in self.looks.iter().flat_map(|look| &look.amplitude) {
+        for [re, im] in self.looks().iter().flat_map(|look| &look.amplitude) {
             for i in 0..n {
                 amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
             }
@@ -92,12 +105,12 @@ impl Pair {
     }
 
     fn keep(&mut self, kept: &[u16]) {
-        for node in &mut self.nodes {
+        for node in &mut self.nodes[..self.node_count] {
             // What the echo reads; the rest stays where it was.
             compact(&mut node.paths.delay_s, kept);
             compact(&mut node.paths.delay_rate, kept);
         }
-        for look in &mut self.looks {
+        for look in &mut self.looks[..self.look_count] {
             for row in look.amplitude.as_flattened_mut() {
                 compact(row, kept);
             }

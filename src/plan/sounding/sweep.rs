@@ -1,0 +1,198 @@
+//! What interpolation between instants of gain leaves.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::{LONGEST, Place, Powers, Sounder, TILES, runs_of, square, through};
+use crate::plan::faint::{Binned, Ladder};
+use crate::plan::worst::Sum;
+use crate::radar::fault::RadarError;
+use crate::radar::illumination::tiles::sounding::Keep;
+use crate::radar::illumination::tiles::{
+    Instants, faint_gain_pulses, gain_instants, gain_step, gain_weights, nodes_within,
+};
+use crate::scattering::contact::Contacts;
+
+/// What interpolation between instants of gain leaves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swept {
+    /// In the first and last interval of a block.
+    pub end: Powers,
+    /// Between the others.
+    pub inner: Powers,
+}
+
+/// Sums over the sample at the probes of one step, the first of them in the first interval: `[probe][channel]`, by gain.
+type Probed = Vec<Vec<Binned>>;
+
+/// What steps of gain leave at all places, tile by tile looked at closely or as a faint one.
+#[derive(Clone, Debug)]
+pub struct Sweeps {
+    /// Pulses from gain to gain: those of close tiles, and more that faint ones have then.
+    steps: Vec<u64>,
+    /// `[place][step]`.
+    sea: Vec<Vec<Probed>>,
+    points: Vec<Vec<Powers>>,
+    channels: usize,
+    share: f64,
+    deviations: f64,
+}
+
+impl Sweeps {
+    /// Of close tiles with one of the steps, where tiles are faint at a rung of the gains: worst of all places.
+    pub fn swept(&self, gain_pulses: u64, ladder: &Ladder, rung: usize) -> Swept {
+        let none = vec![0.0f64; self.channels];
+        let mut worst = Swept { end: none.clone(), inner: none };
+        let at = |wanted: u64| self.steps.iter().position(|step| *step == wanted).unwrap_or(0);
+        let (close, rough) = (at(gain_pulses), at(faint_gain_pulses(gain_pulses as usize) as u64));
+        for (sea, points) in self.sea.iter().zip(&self.points) {
+            for channel in 0..self.channels {
+                let of = |step: usize, faint: bool, end: bool| {
+                    let probes = sea[step].iter().enumerate().filter(|(probe, _)| (*probe == 0) == end);
+                    probes
+                        .map(|(_, probe)| self.worst(&probe[channel], ladder, rung, faint))
+                        .fold(0.0, f64::max)
+                };
+                for (worst, end) in [(&mut worst.end, true), (&mut worst.inner, false)] {
+                    let both = of(close, false, end) + of(rough, true, end);
+                    worst[channel] = worst[channel].max(both + points[close][channel]);
+                }
+            }
+        }
+        worst
+    }
+
+    fn worst(&self, of: &Binned, ladder: &Ladder, rung: usize, faint: bool) -> f64 {
+        let mut sum = Sum::default();
+        of.join_into(ladder, rung, faint, &mut sum);
+        sum.worst(self.share, self.deviations)
+    }
+}
+
+impl Sounder<'_> {
+    /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points. Blocks with less
+    /// than six instants of gain leave more than long ones.
+    pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Sweeps, RadarError> {
+        let mut all = steps.to_vec();
+        all.extend(steps.iter().map(|step| faint_gain_pulses(*step as usize) as u64));
+        all.sort_unstable();
+        all.dedup();
+        let (mut sea, mut points) = (Vec::new(), Vec::new());
+        for place in 0..self.places.len() {
+            sea.push(self.gains_of_sea(place, &all, block_pulses)?);
+            points.push(self.gains_of_points(place, &all)?);
+        }
+        let (share, deviations) = (self.sampled(), self.deviations());
+        Ok(Sweeps { steps: all, sea, points, channels: self.radar.channels.len(), share, deviations })
+    }
+
+    fn gains_of_sea(
+        &mut self,
+        place: usize,
+        steps: &[u64],
+        block_pulses: u64,
+    ) -> Result<Vec<Probed>, RadarError> {
+        let channels = self.radar.channels.len();
+        let Place { first, patch } = self.places[place].clone();
+        let cells = self.cells_at(first)?;
+        let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else {
+            return Ok(vec![Vec::new(); steps.len()]);
+        };
+        let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
+        let ladder = &self.ladder;
+        // Between the first two instants, the second two, and in the middle.
+        let instants_of = |step: u64| -> (usize, Vec<usize>) {
+            let step = gain_step(pulses, step as usize);
+            (step, gain_instants(pulses, step).collect())
+        };
+        let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
+            .iter()
+            .map(|&step| {
+                let (step, places) = instants_of(step);
+                let half = step / 2;
+                let probes = [half, step + half, (pulses / 2).next_multiple_of(step) + half];
+                let weights = |pulse: usize| {
+                    let (from, weights) = gain_weights(&places, pulse);
+                    (pulse, from, weights)
+                };
+                probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
+            })
+            .collect();
+        let mut sums: Vec<Probed> =
+            probes.iter().map(|probes| vec![vec![Binned::new(ladder); channels]; probes.len()]).collect();
+        let instants = Instants::of_block(first, pulses, 1, 1).into();
+        self.illumination.sound(&instants, &patch, TILES, Keep::default(), tiles, |heard| {
+            let (own, look) = (&self.channels[heard.pair], &heard.of.looks()[0]);
+            let runs = runs_of(heard, ladder);
+            for ((step, probes), sums) in steps.iter().zip(&probes).zip(&mut sums) {
+                let (_, places) = instants_of(*step);
+                for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
+                    for (lanes, bin) in &runs {
+                        for i in lanes.clone() {
+                            let exact = heard.gains[*pulse][i];
+                            let rows = places[*from..].iter().zip(weights);
+                            let found: f32 =
+                                rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
+                            // Shadows and facets that turn away.
+                            let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
+                            let off = f64::from((found - exact) * seen).powi(2);
+                            let cell = cells.of(heard.of.nodes()[0].paths.delay_s[i]);
+                            for (channel, a) in own.iter().zip(&look.amplitude) {
+                                sum[*channel].0[*bin].add(square(a, i) * off, cell);
+                            }
+                        }
+                        own.iter().for_each(|channel| sum[*channel].0[*bin].close());
+                    }
+                }
+            }
+        })?;
+        Ok(sums)
+    }
+
+    fn gains_of_points(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
+        let channels = self.radar.channels.len();
+        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
+        let points = self.illumination.point_count();
+        if points == 0 {
+            return Ok(worst);
+        }
+        let first = self.places[place].first;
+        let longest = 3 * steps.iter().max().copied().unwrap_or(1);
+        let pulses = longest.min(self.pulses - first).min(LONGEST) as usize;
+        let mut exact = Vec::with_capacity(pulses);
+        for pulse in 0..pulses {
+            let mut contacts = Contacts::new(self.channels.len(), channels, points);
+            self.illumination.points(first + pulse as u64, &mut self.light, &mut contacts)?;
+            exact.push(contacts);
+        }
+        let weight = self.sampled();
+        let turns_per_s = TAU * self.radar.carrier_hz;
+        for (worst, &step) in worst.iter_mut().zip(steps) {
+            let part = (3 * step as usize).min(pulses);
+            let (nodes, count) = nodes_within(part);
+            let nodes = &nodes[..count];
+            for pulse in 0..part {
+                let weights = through(nodes, pulse);
+                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+                    let mut sum = 0.0;
+                    for n in 0..exact[pulse].len() {
+                        let at = |m: usize| (&exact[m].delay_s[*pair][n], &exact[m].amplitude[channel][n]);
+                        let (delay_s, a) = at(pulse);
+                        let (mut late_s, mut found) = (0.0, Complex64::ZERO);
+                        for (m, weight) in nodes.iter().zip(weights) {
+                            let (delay_m_s, a) = at(*m);
+                            late_s += weight * (delay_m_s - delay_s);
+                            found += a * weight;
+                        }
+                        let off = (found * Complex64::cis(-turns_per_s * late_s) - a).norm_sqr() * weight;
+                        sum += if off.is_finite() { off } else { 0.0 };
+                    }
+                    // Two of them may add up in phase.
+                    worst[channel] = worst[channel].max(2.0 * sum);
+                }
+            }
+        }
+        Ok(worst)
+    }
+}

@@ -1,0 +1,138 @@
+//! Which facets of a patch are handled together.
+//!
+//! A patch is cut into strips of [`RUN`] columns, and a strip into tiles of as many rows as fit into [`LANES`]: 16 x 16 facets. So a beam lights few tiles
+//! or all of one, and what lies beside it can be told from it. A row of a strip is a **run**, facets one after the other in memory. Samples take
+//! runs from all over the patch, since whole tiles would be too few to meet a narrow beam.
+
+use crate::geometry::lanes::LANES;
+
+/// Most facets of a run.
+pub const RUN: usize = 16;
+
+/// Facets of a row, one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// Index of the first in the patch.
+    pub first: usize,
+    /// Facets.
+    pub count: usize,
+}
+
+/// How a patch is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut {
+    columns: usize,
+    rows: usize,
+}
+
+impl Cut {
+    /// Of a patch of so many columns and rows.
+    pub fn of([columns, rows]: [usize; 2]) -> Self {
+        Self { columns, rows }
+    }
+
+    /// Runs of all strips.
+    pub fn runs(&self) -> usize {
+        self.columns.div_ceil(RUN) * self.rows
+    }
+
+    /// A run by its number: strip by strip, row by row.
+    pub fn run(&self, number: usize) -> Run {
+        let (strip, row) = (number / self.rows.max(1), number % self.rows.max(1));
+        let column = strip * RUN;
+        Run { first: row * self.columns + column, count: RUN.min(self.columns.saturating_sub(column)) }
+    }
+
+    /// Tiles of the patch, each as its runs.
+    pub fn tiles(self) -> impl Iterator<Item = impl Iterator<Item = Run>> {
+        (0..self.columns.div_ceil(RUN)).flat_map(move |strip| {
+            let from = strip * self.rows;
+            let together = LANES / self.run(from).count.max(1);
+            (0..self.rows).step_by(together).map(move |row| {
+                (from + row..from + self.rows.min(row + together)).map(move |number| self.run(number))
+            })
+        })
+    }
+
+    /// Distance of the runs of a sample of about so many tiles. It is odd: rows of a patch are often a power of two.
+    fn step(&self, tiles: usize) -> usize {
+        match self.runs() / (tiles.max(1) * (LANES / RUN)) {
+            0 | 1 => 1,
+            step => step | 1,
+        }
+    }
+
+    /// A sample of about so many tiles, runs spread over the patch.
+    pub fn sample(self, tiles: usize) -> impl Iterator<Item = impl Iterator<Item = Run>> {
+        let (step, together) = (self.step(tiles), LANES / RUN.min(self.columns).max(1));
+        (0..self.runs()).step_by(step * together).map(move |from| {
+            (from..self.runs().min(from + step * together)).step_by(step).map(move |number| self.run(number))
+        })
+    }
+
+    /// Share of the facets in such a sample; 1 of no facets.
+    pub fn sampled(&self, tiles: usize) -> f64 {
+        match self.runs() {
+            0 => 1.0,
+            runs => runs.div_ceil(self.step(tiles)) as f64 / runs as f64,
+        }
+    }
+}
+
+/// Copies what facets of some runs have from rows of the patch, one run after the other.
+#[inline]
+pub(super) fn gather<T: Copy>(runs: &[Run], from: &[T], to: &mut [T]) {
+    let mut at = 0;
+    for run in runs {
+        let (from, to) = (&from[run.first..run.first + run.count], &mut to[at..at + run.count]);
+        // Whole runs without a call.
+        match (from.first_chunk::<RUN>(), to.first_chunk_mut::<RUN>()) {
+            (Some(from), Some(to)) => *to = *from,
+            _ => to.copy_from_slice(from),
+        }
+        at += run.count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_facet_is_in_one_tile() {
+        for facets in
+            [[512, 512], [64, 64], [1, 1], [1, 700], [700, 1], [17, 33], [100, 30], [15, 40], [0, 0]]
+        {
+            let cut = Cut::of(facets);
+            let mut seen = vec![0; facets[0] * facets[1]];
+            for tile in cut.tiles() {
+                let runs: Vec<Run> = tile.collect();
+                assert!(runs.iter().map(|run| run.count).sum::<usize>() <= LANES, "{facets:?}");
+                runs.iter()
+                    .for_each(|run| seen[run.first..run.first + run.count].iter_mut().for_each(|n| *n += 1));
+            }
+            assert!(seen.iter().all(|n| *n == 1), "{facets:?}");
+        }
+        // Squares, where the patch has room for them.
+        let first: Vec<Run> = Cut::of([512, 512]).tiles().next().unwrap().collect();
+        assert_eq!((first.len(), first[1]), (16, Run { first: 512, count: 16 }));
+        assert_eq!(Cut::of([512, 512]).tiles().count(), 1024);
+    }
+
+    #[test]
+    fn samples_are_spread() {
+        let cut = Cut::of([512, 512]);
+        let runs: Vec<Vec<Run>> = cut.sample(64).map(Iterator::collect).collect();
+        let facets: usize = runs.iter().flatten().map(|run| run.count).sum();
+        assert!((facets as f64 / (512.0 * 512.0) - cut.sampled(64)).abs() < 1e-9);
+        assert!((60..=64).contains(&runs.len()) && runs.iter().all(|tile| tile.len() <= 16));
+        // Every strip and every row modulo 16.
+        for strip in 0..32 {
+            assert!(runs.iter().flatten().filter(|run| run.first % 512 / 16 == strip).count() >= 30);
+        }
+        // A small patch is taken whole.
+        assert_eq!((Cut::of([64, 64]).sampled(64), Cut::of([0, 0]).sampled(3)), (1.0, 1.0));
+        let all: usize = Cut::of([100, 30]).sample(64).flatten().map(|run| run.count).sum();
+        assert_eq!(all, 3000);
+    }
+}
