@@ -6,12 +6,12 @@ use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::look::{Combine, Lengths, OntoAxes, Port, Scale, Sight, Solve, View};
-use super::runs::gather;
+use super::runs::Gather;
 use super::tile::{Look, Pair, compact};
 use super::{TileWork, Timing};
 use crate::cpu::Variant;
 use crate::frames::Vector;
-use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
+use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
 use crate::radar::antenna::Axes;
 use crate::radar::emission::Emission;
 use crate::radar::illumination::Illumination;
@@ -34,15 +34,6 @@ impl TileWork {
         for pair in &mut self.tile.pairs {
             (pair.node_count, pair.look_count) = (timing.node_count, timing.look_count);
         }
-    }
-
-    /// Whether no pair has a gain that counts, at any instant at hand.
-    fn is_faint(&self) -> bool {
-        let (instants, count) = (self.timing().gain_places.len(), self.tile.count);
-        self.gain_rows.iter().zip(&self.faint_below).all(|(rows, below)| {
-            let largest = |row: &Row| row[..count].iter().fold(0.0f32, |most, gain| most.max(gain.abs()));
-            rows[..instants].iter().map(largest).fold(0.0, f32::max) < *below
-        })
     }
 }
 
@@ -72,10 +63,7 @@ impl Illumination {
             for place in 0..work.faint.node_count {
                 self.find_paths(place, work);
             }
-            for pair in 0..self.plans.len() {
-                self.gains(pair, work);
-            }
-            if work.is_faint() {
+            if (0..self.plans.len()).all(|pair| self.gains(pair, work.faint_below.get(pair).copied(), work)) {
                 return;
             }
             // The last node of all is known by now.
@@ -91,7 +79,7 @@ impl Illumination {
             self.find_paths(place, work);
         }
         for pair in 0..self.plans.len() {
-            self.gains(pair, work);
+            self.gains(pair, None, work);
         }
     }
 
@@ -109,8 +97,20 @@ impl Illumination {
 
     /// Places of the facets on the mean surface, random phases, visibility.
     fn place(&self, patch: &Patch, work: &mut TileWork) {
-        let TileWork { runs, phasors, batch, places_m, bounds_m, drop_m, fall, shades, seen, tile, .. } =
-            work;
+        let TileWork {
+            variant,
+            runs,
+            phasors,
+            batch,
+            places_m,
+            bounds_m,
+            drop_m,
+            fall,
+            shades,
+            seen,
+            tile,
+            ..
+        } = work;
         let earth = self.frame.earth();
         let count = runs.iter().map(|run| run.count).sum();
         tile.count = count;
@@ -139,8 +139,8 @@ impl Illumination {
             (fall[0][i], fall[1][i]) = (down[0] as f32, down[1] as f32);
         }
         for (row, column) in batch.phasor.iter_mut().zip(&phasors.ordered) {
-            gather(runs, &column[0], &mut row[0]);
-            gather(runs, &column[1], &mut row[1]);
+            variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
+            variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
         seen.resize(shades.len() * ends, [1.0; LANES]);
@@ -148,7 +148,7 @@ impl Illumination {
             if weights.is_empty() {
                 row.fill(1.0);
             } else {
-                gather(runs, weights, row);
+                variant.run(Gather { runs, from: weights, to: row });
             }
         }
     }
@@ -201,7 +201,7 @@ impl Illumination {
         let node = &nodes[of_block];
         let fields = &node.fields;
         for ((slope, from), fall) in slopes[place].iter_mut().zip(&fields.slope).zip(&*fall) {
-            gather(runs, from, slope);
+            variant.run(Gather { runs, from: from, to: slope });
             slope.iter_mut().zip(fall).for_each(|(slope, fall)| *slope -= fall);
         }
         let displaced = !fields.displacement_m[0].is_empty();
@@ -211,20 +211,24 @@ impl Illumination {
             for (axis, places_m) in places_m.iter().enumerate() {
                 paths.position_m[axis] = *places_m;
                 if displaced {
-                    gather(runs, &fields.displacement_m[axis], &mut rise_m);
+                    variant.run(Gather { runs, from: &fields.displacement_m[axis], to: &mut rise_m });
                     for (to, from) in paths.position_m[axis].iter_mut().zip(&rise_m) {
                         *to += f64::from(*from);
                     }
-                    gather(runs, &fields.velocity_mps[axis], &mut paths.velocity_mps[axis]);
+                    variant.run(Gather {
+                        runs,
+                        from: &fields.velocity_mps[axis],
+                        to: &mut paths.velocity_mps[axis],
+                    });
                 } else {
                     paths.velocity_mps[axis].fill(0.0);
                 }
             }
-            gather(runs, &fields.height_m, &mut rise_m);
+            variant.run(Gather { runs, from: &fields.height_m, to: &mut rise_m });
             for (to, (from, drop_m)) in paths.position_m[2].iter_mut().zip(rise_m.iter().zip(&*drop_m)) {
                 *to = f64::from(*from) - drop_m;
             }
-            gather(runs, &fields.velocity_mps[2], &mut paths.velocity_mps[2]);
+            variant.run(Gather { runs, from: &fields.velocity_mps[2], to: &mut paths.velocity_mps[2] });
             let centres = &node.emission.centres;
             let rx = self.radar.transmitters.len() + plan.pair.receiver;
             let ends = [End::from(&centres[plan.pair.transmitter]), End::from(&centres[rx])];
@@ -394,8 +398,8 @@ impl Illumination {
         }
     }
 
-    /// Products of gains at every gain instant.
-    pub(super) fn gains(&self, pair: usize, work: &mut TileWork) {
+    /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given; says whether all were.
+    fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
         let TileWork { variant, close, faint, gain_rows, tile, .. } = work;
         let timing = if tile.tier == Tier::Faint { faint } else { close };
         let plan = &self.plans[pair];
@@ -408,7 +412,11 @@ impl Illumination {
             };
             let (nodes, weights, count) = (tile.pairs[pair].nodes(), &instant.weights, tile.count);
             Gains { count, ends: [now(tx), now(rx)], nodes, weights, out }.find(*variant);
+            if below.is_some_and(|below| out[..count].iter().any(|gain| gain.abs() >= below)) {
+                return false;
+            }
         }
+        true
     }
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
