@@ -111,9 +111,14 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
 fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     let (summary, health) = (&outcome.summary, &outcome.summary.health);
     let how = if summary.stopped { "stopped after" } else { "released" };
+    // Two causes that ask for different remedies.
+    let held_up = match health.held_up {
+        0 => String::new(),
+        ready => format!(" ({ready} of them made in time: the system held up the release)"),
+    };
     say(format_args!(
-        "{how} {} pulses in {:.2} s: {} late, {} dropped; made at {:.1} times real time",
-        health.pulses, summary.elapsed_s, health.late, health.dropped, summary.real_time_factor
+        "{how} {} pulses in {:.2} s: {} late{}, {} dropped; made at {:.1} times real time",
+        health.pulses, summary.elapsed_s, health.late, held_up, health.dropped, summary.real_time_factor
     ));
     if run.stream.pace == transport::Pace::Realtime {
         let lateness = &health.lateness_us;

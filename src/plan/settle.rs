@@ -271,6 +271,10 @@ pub fn settle(
         precision,
         echo: settings,
     };
+    // Faint tiles are looked at only at the ends of a block.
+    let may_be_faint = |node_pulses: u64, rung: &Rung| {
+        rung.faint_db.is_none() || asked.faint_db.is_some() || block_pulses(node_pulses) - 1 <= farthest_look
+    };
     // The least that a spacing of nodes may cost: one look a node, gains as far apart and as many faint tiles as the gains allow.
     let nothing = [sounder.nothing()];
     let allowed: Vec<(u64, Rung)> = gains
@@ -280,9 +284,10 @@ pub fn settle(
         .collect();
     let least = |node_pulses: u64| {
         let looks = asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses));
-        let seconds = allowed.iter().map(|(pulses, rung)| {
-            prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *rung), true))
-        });
+        let seconds =
+            allowed.iter().filter(|(_, rung)| may_be_faint(node_pulses, rung)).map(|(pulses, rung)| {
+                prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *rung), true))
+            });
         seconds.fold(f64::INFINITY, f64::min)
     };
     for &node_pulses in &rungs {
@@ -325,6 +330,9 @@ pub fn settle(
             }
             let far = node_pulses.div_ceil(looks as u64) > farthest_look && looks < LOOKS_PER_NODE;
             if far && asked.scatter_pulses.is_none() {
+                continue;
+            }
+            if !may_be_faint(node_pulses, rung) {
                 continue;
             }
             let left = left_of(&sounded, looks, *rung);

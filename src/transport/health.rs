@@ -19,6 +19,7 @@ use crate::pulse::{Pulse, flags};
 pub struct Health {
     released: AtomicU64,
     late: AtomicU64,
+    held_up: AtomicU64,
     dropped: AtomicU64,
     slipped_ns: AtomicU64,
     /// Sum over releases of the moves before them.
@@ -92,6 +93,8 @@ pub struct Snapshot {
     pub pulses: u64,
     /// Pulses released more than one PRI after their deadline.
     pub late: u64,
+    /// Those of them that were made in time: the system held up the thread that releases pulses.
+    pub held_up: u64,
     /// Pulses never released: not made in time (policy `drop`).
     pub dropped: u64,
     /// By how much the schedule was moved (policy `slip`), seconds.
@@ -126,6 +129,7 @@ impl Health {
         Self {
             released: AtomicU64::new(0),
             late: AtomicU64::new(0),
+            held_up: AtomicU64::new(0),
             dropped: AtomicU64::new(0),
             slipped_ns: AtomicU64::new(0),
             moved_us: AtomicU64::new(0),
@@ -154,6 +158,11 @@ impl Health {
                 histogram.saturating_record(ns);
             }
         }
+    }
+
+    /// Counts a late release of a pulse that was made in time.
+    pub(crate) fn hold_up(&self) {
+        self.held_up.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Counts by what navigation a released pulse flies.
@@ -241,6 +250,7 @@ impl Health {
         Snapshot {
             pulses: self.released_pulses(),
             late: self.late_pulses(),
+            held_up: self.held_up.load(Ordering::Relaxed),
             dropped: self.dropped_pulses(),
             slipped_s: self.slipped_ns.load(Ordering::Relaxed) as f64 * 1e-9,
             mean_moved_s: self.moved_us.load(Ordering::Relaxed) as f64 * 1e-6

@@ -234,6 +234,9 @@ impl Pacer {
                 let late = lateness > self.schedule.pri(index);
                 if late {
                     pulse.flags |= flags::LATE;
+                    if !too_late {
+                        self.health.hold_up();
+                    }
                 }
                 if !too_late {
                     judge.released(index, lateness, self.settings.ring_slots);
@@ -393,7 +396,7 @@ pub(super) mod tests {
             let start = Instant::now().checked_sub(Duration::from_millis(100)).unwrap();
             pacer.run(start, &AtomicBool::new(false)).unwrap();
             let shot = health.snapshot();
-            assert_eq!((shot.pulses, shot.late, shot.dropped), (4, 4, 0), "{policy:?}");
+            assert_eq!((shot.pulses, shot.late, shot.held_up, shot.dropped), (4, 4, 4, 0), "{policy:?}");
             assert!(shot.slipped_s == 0.0 && shot.lateness_us.max >= 97_000.0, "{policy:?} {shot:?}");
         }
     }

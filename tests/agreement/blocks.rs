@@ -104,6 +104,28 @@ fn grazing_facets_are_looked_at_more_often_than_the_sea() {
     assert!(often < -66.0 && seldom > often + 10.0);
 }
 
+/// What only side lobes light is looked at less often, and loses no more than its share of the echo allows.
+#[test]
+fn faint_tiles_leave_what_their_gain_allows() {
+    let range = 236..285;
+    // 512 m, so that the beam of 42 m leaves most to its side lobes.
+    let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
+    let of = |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
+    let exact = of(&[("fidelity.echo", "reference")]);
+    let [none, far, near, all] = ["-400", "-55", "-35", "0"].map(|faint_db| {
+        let knobs = [
+            ("fidelity.node_pulses", "12"),
+            ("fidelity.scatter_pulses", "12"),
+            ("fidelity.gain_pulses", "3"),
+            ("fidelity.faint_db", faint_db),
+        ];
+        let error_db = worst_db(&of(&knobs), &exact);
+        println!("mars-1, facets of 4 m, faint below {faint_db} dB: worst {error_db:.1} dB");
+        error_db
+    });
+    assert!(none < -70.0 && far < none + 3.0 && near > none + 3.0 && all > near + 10.0);
+}
+
 /// Grazing incidence with shadows, and a patch that moves under a block.
 #[test]
 fn blocks_of_grazing_and_following_seas() {

@@ -201,7 +201,7 @@ impl Illumination {
         let node = &nodes[of_block];
         let fields = &node.fields;
         for ((slope, from), fall) in slopes[place].iter_mut().zip(&fields.slope).zip(&*fall) {
-            variant.run(Gather { runs, from: from, to: slope });
+            variant.run(Gather { runs, from, to: slope });
             slope.iter_mut().zip(fall).for_each(|(slope, fall)| *slope -= fall);
         }
         let displaced = !fields.displacement_m[0].is_empty();
