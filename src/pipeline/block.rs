@@ -24,7 +24,7 @@ use crate::plan::settle::{Settled, block_length, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
-    Borders, Instants, LOOKS, NODES, Sample, ShareBorders, Tiers, TileWork, looks_about, nodes_within,
+    Borders, Faint, Instants, LOOKS, NODES, Sample, ShareBorders, Tiers, TileWork, looks_about, nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
@@ -48,8 +48,7 @@ pub(super) struct BlockEcho {
     hold_pulses: Option<u64>,
     gain_pulses: usize,
     looks_per_node: usize,
-    /// Two-way gain over its peak below which tiles are faint, dB.
-    faint_db: Option<f64>,
+    faint: Option<Faint>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
@@ -106,7 +105,7 @@ impl BlockEcho {
             hold_pulses,
             gain_pulses,
             looks_per_node: settled.looks_per_node,
-            faint_db: settled.faint_db,
+            faint: settled.faint,
             least_power: settled.least_power,
             pulses,
             interval_s,
@@ -193,7 +192,7 @@ impl BlockEcho {
         let Range { start: first, end } = illumination.unbroken(first..(first + len).min(self.pulses), index);
         let pulses = (end - first) as usize;
         let instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
-        work.tiers = Tiers::new(instants, self.faint_db);
+        work.tiers = Tiers::new(instants, self.faint);
         let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;

@@ -54,7 +54,7 @@ pub fn settings(settled: Option<&Settled>) -> Map<String, Value> {
     set("node_pulses", json!(settled.node_pulses));
     set("gain_pulses", json!(settled.gain_pulses));
     set("scatter_pulses", json!(settled.scatter_pulses()));
-    set("faint_db", settled.faint_db.map_or(json!("none"), |faint_db| json!(faint_db)));
+    set("faint_db", settled.faint.map_or(json!("none"), |faint| json!(faint.below_db)));
     set("kernel_width", json!(settled.echo.width));
     set("oversampling", json!(settled.echo.oversampling));
     let doppler = match settled.echo.doppler {

@@ -143,7 +143,7 @@ fn filled(mut run: Run, settled: &Settled) -> Run {
         asked.node_pulses.get_or_insert(settled.node_pulses);
         asked.scatter_pulses.get_or_insert(settled.scatter_pulses());
         asked.gain_pulses.get_or_insert(settled.gain_pulses);
-        asked.faint_db.get_or_insert(settled.faint_db.unwrap_or(NONE_DB));
+        asked.faint_db.get_or_insert(settled.faint.map_or(NONE_DB, |faint| faint.below_db));
         asked.kernel_width.get_or_insert(settled.echo.width);
         asked.doppler.get_or_insert(settled.echo.doppler);
     }

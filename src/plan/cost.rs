@@ -15,7 +15,7 @@
 //! | exact | facets x pairs, where every pulse is by itself | contacts |
 //! | rest | channels x M log2 M | record, receive |
 //!
-//! Faint tiles have 2 nodes, 2 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
+//! Faint tiles have 2 nodes, 2 or 3 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
 //! many pulses, as far as they do not wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
@@ -178,15 +178,16 @@ impl Size {
         let [instants, of_faint] =
             [step, step_of_faint].map(|step| gain_instants(block as usize, step).count() as f64);
         // What all tiles are looked at for to tell the faint ones.
-        let told = if settled.faint_db.is_some() { of_faint } else { 0.0 };
+        let told = if settled.faint.is_some() { of_faint } else { 0.0 };
         let either = |close: f64, few: f64| (1.0 - faint) * close + faint * few;
+        let few_looks = settled.faint.map_or(0.0, |faint| faint.looks as f64);
         let [nodes, few] = [NODES, FAINT_NODES].map(|n| n as f64);
         Work([
             per_block(nodes),
             per_block(updates * antennas),
             per_block(again * either(nodes, few) * pairs),
-            per_block(again * either(looks, few) * pairs),
-            per_block(again * either(looks, few) * channels),
+            per_block(again * either(looks, few_looks) * pairs),
+            per_block(again * either(looks, few_looks) * channels),
             per_block(again * (either(instants, 0.0) + told) * pairs),
             again * facets * pairs,
             per_block(either(3.0, 1.0) * kept * pairs),

@@ -15,7 +15,7 @@ use crate::echo::Asked;
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::radar::illumination::Illumination;
-use crate::radar::illumination::tiles::{GAIN_POINTS, LOOKS_PER_NODE, NODES};
+use crate::radar::illumination::tiles::{Faint, GAIN_POINTS, LOOKS_PER_NODE, NODES};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
@@ -51,8 +51,8 @@ pub struct Settled {
     pub looks_per_node: usize,
     /// Pulses from gain to gain.
     pub gain_pulses: u64,
-    /// Two-way gain over its peak below which tiles are looked at less often, dB; `None` where none is.
-    pub faint_db: Option<f64>,
+    /// Tiles that are looked at less often, if any are.
+    pub faint: Option<Faint>,
     /// Share of the facets that then are faint, mean over the run.
     pub faint_share: f64,
     /// Power of a facet over the mean below which it is left out.
@@ -146,7 +146,7 @@ impl Judge<'_> {
 #[derive(Clone, Copy)]
 struct Rung {
     n: usize,
-    faint_db: Option<f64>,
+    faint: Option<Faint>,
     faint_share: f64,
 }
 
@@ -215,7 +215,7 @@ pub fn settle(
             node_pulses: 1,
             looks_per_node: 1,
             gain_pulses,
-            faint_db: None,
+            faint: None,
             faint_share: 0.0,
             least_power,
             precision,
@@ -241,7 +241,10 @@ pub fn settle(
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
     let ladder = sounder.ladder().clone();
     let rungs_of_gain: Vec<Rung> = (0..ladder.rungs().len())
-        .map(|n| Rung { n, faint_db: ladder.rungs()[n], faint_share: sounder.faint(n) })
+        .map(|n| {
+            let faint = ladder.rungs()[n].map(|below_db| Faint { below_db, looks: sounder.faint_looks() });
+            Rung { n, faint, faint_share: sounder.faint_share(n) }
+        })
         .collect();
     let sweeps_of = |sweeps: &Sweeps| -> Vec<Gain> {
         let each = gain_rungs.iter().flat_map(|pulses| rungs_of_gain.iter().map(|rung| (*pulses, *rung)));
@@ -265,15 +268,11 @@ pub fn settle(
         node_pulses,
         looks_per_node,
         gain_pulses,
-        faint_db: rung.faint_db,
+        faint: rung.faint,
         faint_share: rung.faint_share,
         least_power,
         precision,
         echo: settings,
-    };
-    // Faint tiles are looked at only at the ends of a block.
-    let may_be_faint = |node_pulses: u64, rung: &Rung| {
-        rung.faint_db.is_none() || asked.faint_db.is_some() || block_pulses(node_pulses) - 1 <= farthest_look
     };
     // The least that a spacing of nodes may cost: one look a node, gains as far apart and as many faint tiles as the gains allow.
     let nothing = [sounder.nothing()];
@@ -284,10 +283,9 @@ pub fn settle(
         .collect();
     let least = |node_pulses: u64| {
         let looks = asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses));
-        let seconds =
-            allowed.iter().filter(|(_, rung)| may_be_faint(node_pulses, rung)).map(|(pulses, rung)| {
-                prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *rung), true))
-            });
+        let seconds = allowed.iter().map(|(pulses, rung)| {
+            prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *rung), true))
+        });
         seconds.fold(f64::INFINITY, f64::min)
     };
     for &node_pulses in &rungs {
@@ -330,9 +328,6 @@ pub fn settle(
             }
             let far = node_pulses.div_ceil(looks as u64) > farthest_look && looks < LOOKS_PER_NODE;
             if far && asked.scatter_pulses.is_none() {
-                continue;
-            }
-            if !may_be_faint(node_pulses, rung) {
                 continue;
             }
             let left = left_of(&sounded, looks, *rung);

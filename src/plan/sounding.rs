@@ -440,9 +440,14 @@ impl<'a> Sounder<'a> {
     }
 
     /// Share of the facets that are faint at a rung of the gains, mean over the run.
-    pub fn faint(&self, rung: usize) -> f64 {
+    pub fn faint_share(&self, rung: usize) -> f64 {
         let faint = self.gains.iter().enumerate().filter(|(bin, _)| self.ladder.is_faint(*bin, rung));
         faint.map(|(_, facets)| facets).sum::<f64>() / self.gains.iter().sum::<f64>().max(1.0)
+    }
+
+    /// Looks of a faint tile: one in the middle of a block where facets turn away.
+    pub fn faint_looks(&self) -> usize {
+        if self.turning { 3 } else { 2 }
     }
 
     /// Gains below which tiles may be faint.

@@ -110,7 +110,8 @@ fn faint_tiles_leave_what_their_gain_allows() {
     let range = 236..285;
     // 512 m, so that the beam of 42 m leaves most to its side lobes.
     let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
-    let of = |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
+    let of =
+        |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
     let exact = of(&[("fidelity.echo", "reference")]);
     let [none, far, near, all] = ["-400", "-55", "-35", "0"].map(|faint_db| {
         let knobs = [

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
-/// Nodes, and looks, of a faint tile.
+/// Nodes of a faint tile.
 pub const FAINT_NODES: usize = 2;
 /// Most looks from one node to the next.
 pub const LOOKS_PER_NODE: usize = 3;
@@ -53,16 +53,20 @@ impl Instants {
         instants
     }
 
-    /// Those of the faint tiles of such a block: nodes and looks at both ends, gains [`faint_gain_pulses`] apart. `None` of blocks of few
-    /// pulses.
-    pub fn faint(&self) -> Option<Self> {
+    /// Those of the faint tiles of such a block: nodes at both ends, some looks (2 at least) from end to end, gains [`faint_gain_pulses`]
+    /// apart. `None` of blocks of few pulses.
+    pub fn faint(&self, look_count: usize) -> Option<Self> {
         if self.node_count < NODES {
             return None;
         }
+        let (last, look_count) = (self.pulses - 1, look_count.clamp(2, NODES));
         let (mut nodes, mut looks) = ([0; NODES], [0; LOOKS]);
-        (nodes[1], looks[1]) = (self.pulses - 1, self.pulses - 1);
+        nodes[1] = last;
+        for (n, look) in looks[..look_count].iter_mut().enumerate() {
+            *look = n * last / (look_count - 1);
+        }
         let gain_pulses = gain_step(self.pulses, faint_gain_pulses(self.gain_pulses));
-        Some(Self { nodes, node_count: FAINT_NODES, looks, look_count: FAINT_NODES, gain_pulses, ..*self })
+        Some(Self { nodes, node_count: FAINT_NODES, looks, look_count, gain_pulses, ..*self })
     }
 }
 
@@ -76,6 +80,15 @@ pub enum Tier {
     Faint,
 }
 
+/// Which tiles are faint, and how they are looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Faint {
+    /// Two-way gain of every pair over its peak below which a tile is faint, dB.
+    pub below_db: f64,
+    /// Looks from end to end of a block, 2 to 4.
+    pub looks: usize,
+}
+
 /// The instants of a block for all its tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tiers {
@@ -83,8 +96,8 @@ pub struct Tiers {
     pub close: Instants,
     /// Of faint ones, if there may be any.
     pub faint: Option<Instants>,
-    /// Two-way gain of every pair over its peak below which a tile is faint, dB.
-    pub faint_db: f64,
+    /// Two-way gain of every pair over its peak below which they are, dB.
+    pub below_db: f64,
 }
 
 impl From<Instants> for Tiers {
@@ -96,9 +109,9 @@ impl From<Instants> for Tiers {
 
 impl Tiers {
     /// Of a block, whose tiles are faint below a two-way gain, if at all.
-    pub fn new(close: Instants, faint_db: Option<f64>) -> Self {
-        let faint = faint_db.and_then(|_| close.faint());
-        Self { close, faint, faint_db: faint_db.unwrap_or(f64::NEG_INFINITY) }
+    pub fn new(close: Instants, faint: Option<Faint>) -> Self {
+        let below_db = faint.map_or(f64::NEG_INFINITY, |faint| faint.below_db);
+        Self { close, faint: faint.and_then(|faint| close.faint(faint.looks)), below_db }
     }
 
     /// Those of a tier.
@@ -186,14 +199,16 @@ mod tests {
         assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4).collect::<Vec<_>>(), [0]);
         // Faint tiles: both ends; the block has no less than six instants of gain.
-        let tiers = Tiers::new(block, Some(-40.0));
+        let tiers = Tiers::new(block, Some(Faint { below_db: -40.0, looks: 2 }));
         let faint = tiers.of(Tier::Faint);
         assert_eq!(
             (&faint.nodes[..faint.node_count], &faint.looks[..faint.look_count]),
             (&[0, 36][..], &[0, 36][..])
         );
         assert_eq!((faint.gain_pulses, tiers.of(Tier::Close)), (6, &block));
-        assert_eq!(Tiers::new(short, Some(-40.0)).faint, None);
+        assert_eq!(short.faint(2), None);
+        let thrice = block.faint(3).unwrap();
+        assert_eq!(&thrice.looks[..thrice.look_count], [0, 18, 36]);
         assert_eq!([1, 2, 3, 4, 6].map(faint_gain_pulses), [1, 3, 4, 6, 9]);
     }
 

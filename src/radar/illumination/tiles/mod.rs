@@ -55,7 +55,7 @@ use crate::sea::wake::course::Pose;
 
 use instants::through;
 pub use instants::{
-    FAINT_NODES, GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, Tier, Tiers,
+    FAINT_NODES, Faint, GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, Tier, Tiers,
     faint_gain_pulses, gain_instants, gain_step, gain_weights, looks_about, nodes_within,
 };
 use look::View;
@@ -505,7 +505,7 @@ impl TileWork {
         self.faint_below.clear();
         if let Some(faint) = &tiers.faint {
             self.faint.set(of, faint, places)?;
-            let share = 10f64.powf(tiers.faint_db / 20.0);
+            let share = 10f64.powf(tiers.below_db / 20.0);
             self.faint_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }
         let instants_of_gain = self.close.gain_places.len().max(self.faint.gain_places.len());
