@@ -155,8 +155,9 @@ impl Size {
         let width = settled.echo.width as f64;
         let wide = if settled.precision == Precision::Double { 2.0 } else { 1.0 };
         let faint = settled.faint_share;
-        // Amplitudes of faint tiles are straight lines.
-        let amplitude = 4.0 - 2.0 * faint;
+        // Amplitudes through two looks are straight lines.
+        let straight = settled.faint.is_some_and(|faint| faint.looks <= 2);
+        let amplitude = if straight { 4.0 - 2.0 * faint } else { 4.0 };
         let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
         let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();

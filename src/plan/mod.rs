@@ -13,7 +13,7 @@
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`sounding`] |
 //! | culled | facets left out because they are weak | [`sounding`] |
 //!
-//! each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
+//! of tiles that are looked at closely, and of those that [`faint`] ones are; each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
 //! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a

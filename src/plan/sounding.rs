@@ -2,8 +2,9 @@
 //!
 //! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
 //! sample of its facets, weighted by what they return. At a few **places** of the run some
-//! [`TILES`] tiles are lit twice: at the instants of a block, with all between interpolated as the echo does it, and at **probes**,
-//! pulses between two nodes, as if these were nodes themselves. With `a` the amplitude of a channel without gains, `G` the gains and
+//! [`TILES`] tiles, runs of neighbours from all over the patch, are lit at the instants of a block, with all between interpolated as the echo
+//! does it, once as tiles that are looked at closely and once as faint ones; and at **probes**, pulses between two nodes, as if these were nodes
+//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever faint tiles begin ([`faint`](super::faint)). With `a` the amplitude of a channel without gains, `G` the gains and
 //! shadows, `tau` the delay, and a hat for what is interpolated,
 //!
 //! ```text
@@ -399,7 +400,7 @@ impl<'a> Sounder<'a> {
     }
 
     /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of runs that lose
-    /// enough of them. Facets that are dark count among the lost, so that rather too much is left out here.
+    /// enough of them, as tiles would have to. Facets that are dark count among the lost.
     fn leave_out(&mut self, truths: &[Truth], means_w: &[f64]) {
         let mut sums = vec![vec![0.0; self.power.len()]; LEASTS.len()];
         for tile in truths.chunks(means_w.len().max(1)) {

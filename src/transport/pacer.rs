@@ -224,6 +224,7 @@ impl Pacer {
             }
             self.health.ring_level(self.ring.filled() + 1);
             let (mut released, mut was_late, moved) = (None, false, judge.zero - begin);
+            let mut held_up = false;
             if self.settings.pace == Pace::Realtime {
                 let deadline = judge.deadline(&self.schedule, index);
                 if !sleep_until(deadline, sleeper, stop) {
@@ -234,9 +235,7 @@ impl Pacer {
                 let late = lateness > self.schedule.pri(index);
                 if late {
                     pulse.flags |= flags::LATE;
-                    if !too_late {
-                        self.health.hold_up();
-                    }
+                    held_up = judge.seen_empty.is_none_or(|empty| empty <= deadline);
                 }
                 if !too_late {
                     judge.released(index, lateness, self.settings.ring_slots);
@@ -254,6 +253,9 @@ impl Pacer {
                 break;
             };
             self.health.release(released, was_late, moved);
+            if held_up {
+                self.health.hold_up();
+            }
             self.ring.give_back(free);
             if self.status.is_some() && told.elapsed() >= STATUS_EVERY {
                 told = Instant::now();

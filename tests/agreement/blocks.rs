@@ -76,8 +76,12 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
     for (node, gain, allowed_db) in
         [("1", "1", -75.0), ("8", "4", -72.0), ("12", "4", -66.0), ("16", "4", -58.0), ("12", "8", -25.0)]
     {
-        let knobs =
-            [("fidelity.node_pulses", node), ("fidelity.gain_pulses", gain), ("fidelity.kernel_width", "5")];
+        let knobs = [
+            ("fidelity.node_pulses", node),
+            ("fidelity.gain_pulses", gain),
+            ("fidelity.kernel_width", "5"),
+            ("fidelity.faint_db", "-400"),
+        ];
         let run = scenario("mars-1.toml", &with(&knobs));
         let error_db = worst_db(&samples(&run, range.clone()), &exact);
         println!("mars-1, 64 x 64, nodes {node} pulses apart, gains {gain}: worst {error_db:.1} dB");

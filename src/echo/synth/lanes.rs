@@ -97,6 +97,10 @@ impl Synth<f32> {
         }
         let pulses = frame.pulses();
         let middle = (pulses / 2) as i32;
+        // An interval may be the whole block: room for it is made at the first batch, whatever that has.
+        let room = (pulses * LANES).saturating_sub(work.factors.len());
+        work.factors.reserve(room);
+        work.shifts.reserve(pulses.saturating_sub(work.shifts.len()));
         work.mean_hz = frame.mean_hz[batch.pair];
         self.turn_looks(batch, work);
         let mut at = None;

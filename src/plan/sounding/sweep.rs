@@ -1,16 +1,18 @@
 //! What interpolation between instants of gain leaves.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use num_complex::Complex64;
 
 use super::{LONGEST, Place, Powers, Sounder, TILES, runs_of, square, through};
+use crate::geometry::lanes::Row;
 use crate::plan::faint::{Binned, Ladder};
 use crate::plan::worst::Sum;
 use crate::radar::fault::RadarError;
-use crate::radar::illumination::tiles::sounding::Keep;
+use crate::radar::illumination::tiles::sounding::{Keep, Shadows};
 use crate::radar::illumination::tiles::{
-    Instants, faint_gain_pulses, gain_instants, gain_step, gain_weights, nodes_within,
+    Faint, Instants, Tiers, faint_gain_pulses, gain_instants, gain_step, gain_weights, nodes_within,
 };
 use crate::scattering::contact::Contacts;
 
@@ -31,8 +33,9 @@ type Probed = Vec<Vec<Binned>>;
 pub struct Sweeps {
     /// Pulses from gain to gain: those of close tiles, and more that faint ones have then.
     steps: Vec<u64>,
-    /// `[place][step]`.
-    sea: Vec<Vec<Probed>>,
+    /// `[place][close, faint][step]`.
+    sea: Vec<[Vec<Probed>; 2]>,
+    /// `[place][step]`; nothing for those of faint tiles alone.
     points: Vec<Vec<Powers>>,
     channels: usize,
     share: f64,
@@ -49,7 +52,10 @@ impl Sweeps {
         for (sea, points) in self.sea.iter().zip(&self.points) {
             for channel in 0..self.channels {
                 let of = |step: usize, faint: bool, end: bool| {
-                    let probes = sea[step].iter().enumerate().filter(|(probe, _)| (*probe == 0) == end);
+                    let probes = sea[usize::from(faint)][step]
+                        .iter()
+                        .enumerate()
+                        .filter(|(probe, _)| (*probe == 0) == end);
                     probes
                         .map(|(_, probe)| self.worst(&probe[channel], ladder, rung, faint))
                         .fold(0.0, f64::max)
@@ -70,6 +76,26 @@ impl Sweeps {
     }
 }
 
+/// Gains and what they weigh, of one tile and pair.
+struct Exact {
+    gains: Vec<Row>,
+    factor: Vec<Row>,
+    amplitude: Vec<[Row; 2]>,
+    delay_s: Vec<f64>,
+    /// As [`runs_of`] has them.
+    runs: Vec<(Range<usize>, usize)>,
+}
+
+impl Exact {
+    /// Square of what a facet's factor is off at a pulse with a gain that was found.
+    fn off(&self, pulse: usize, i: usize, found: f32) -> f64 {
+        let exact = self.gains[pulse][i];
+        // Shadows and facets that turn away.
+        let seen = if exact == 0.0 { 1.0 } else { self.factor[pulse][i] / exact };
+        f64::from((found - exact) * seen).powi(2)
+    }
+}
+
 impl Sounder<'_> {
     /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points. Blocks with less
     /// than six instants of gain leave more than long ones.
@@ -81,7 +107,10 @@ impl Sounder<'_> {
         let (mut sea, mut points) = (Vec::new(), Vec::new());
         for place in 0..self.places.len() {
             sea.push(self.gains_of_sea(place, &all, block_pulses)?);
-            points.push(self.gains_of_points(place, &all)?);
+            let of_close = self.gains_of_points(place, steps)?;
+            let none = vec![0.0; self.radar.channels.len()];
+            let of = |step| steps.iter().position(|own| own == step).map_or(&none, |own| &of_close[own]);
+            points.push(all.iter().map(|step| of(step).clone()).collect());
         }
         let (share, deviations) = (self.sampled(), self.deviations());
         Ok(Sweeps { steps: all, sea, points, channels: self.radar.channels.len(), share, deviations })
@@ -92,12 +121,13 @@ impl Sounder<'_> {
         place: usize,
         steps: &[u64],
         block_pulses: u64,
-    ) -> Result<Vec<Probed>, RadarError> {
+    ) -> Result<[Vec<Probed>; 2], RadarError> {
         let channels = self.radar.channels.len();
         let Place { first, patch } = self.places[place].clone();
         let cells = self.cells_at(first)?;
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else {
-            return Ok(vec![Vec::new(); steps.len()]);
+            let none = vec![Vec::new(); steps.len()];
+            return Ok([none.clone(), none]);
         };
         let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
         let ladder = &self.ladder;
@@ -119,34 +149,48 @@ impl Sounder<'_> {
                 probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
             })
             .collect();
-        let mut sums: Vec<Probed> =
-            probes.iter().map(|probes| vec![vec![Binned::new(ladder); channels]; probes.len()]).collect();
-        let instants = Instants::of_block(first, pulses, 1, 1).into();
-        self.illumination.sound(&instants, &patch, TILES, Keep::default(), tiles, |heard| {
-            let (own, look) = (&self.channels[heard.pair], &heard.of.looks()[0]);
-            let runs = runs_of(heard, ladder);
-            for ((step, probes), sums) in steps.iter().zip(&probes).zip(&mut sums) {
-                let (_, places) = instants_of(*step);
-                for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
-                    for (lanes, bin) in &runs {
-                        for i in lanes.clone() {
-                            let exact = heard.gains[*pulse][i];
-                            let rows = places[*from..].iter().zip(weights);
-                            let found: f32 =
-                                rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
-                            // Shadows and facets that turn away.
-                            let seen = if exact == 0.0 { 1.0 } else { heard.of.factor[*pulse][i] / exact };
-                            let off = f64::from((found - exact) * seen).powi(2);
-                            let cell = cells.of(heard.of.nodes()[0].paths.delay_s[i]);
-                            for (channel, a) in own.iter().zip(&look.amplitude) {
-                                sum[*channel].0[*bin].add(square(a, i) * off, cell);
+        let none = || -> Vec<Probed> {
+            probes.iter().map(|probes| vec![vec![Binned::new(ladder); channels]; probes.len()]).collect()
+        };
+        let mut sums = [none(), none()];
+        let (pairs, mut exact) = (self.channels.len(), Vec::new());
+        let block = Instants::of_block(first, pulses, 1, 1);
+        for (tier, sums) in sums.iter_mut().enumerate() {
+            // Gains of faint tiles at every pulse, too, but with directions that are straight from end to end of the block.
+            let tiers = Tiers::new(block, (tier == 1).then_some(Faint { below_db: f64::INFINITY, looks: 2 }));
+            let keep =
+                if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
+            self.illumination.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+                if tier == 0 {
+                    exact.push(Exact {
+                        gains: heard.gains.to_vec(),
+                        factor: heard.of.factor.clone(),
+                        amplitude: heard.of.looks()[0].amplitude.clone(),
+                        delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
+                        runs: runs_of(heard, ladder),
+                    });
+                }
+                let (own, exact) = (&self.channels[heard.pair], &exact[heard.tile * pairs + heard.pair]);
+                for ((step, probes), sums) in steps.iter().zip(&probes).zip(sums.iter_mut()) {
+                    let (_, places) = instants_of(*step);
+                    for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
+                        for (lanes, bin) in &exact.runs {
+                            for i in lanes.clone() {
+                                let rows = places[*from..].iter().zip(weights);
+                                let found: f32 =
+                                    rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
+                                let off = exact.off(*pulse, i, found);
+                                let cell = cells.of(exact.delay_s[i]);
+                                for (channel, a) in own.iter().zip(&exact.amplitude) {
+                                    sum[*channel].0[*bin].add(square(a, i) * off, cell);
+                                }
                             }
+                            own.iter().for_each(|channel| sum[*channel].0[*bin].close());
                         }
-                        own.iter().for_each(|channel| sum[*channel].0[*bin].close());
                     }
                 }
-            }
-        })?;
+            })?;
+        }
         Ok(sums)
     }
 

@@ -12,6 +12,10 @@
 //! | visibility | updates of the shadows | linear, here, as everywhere |
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
+//! That is for tiles that are looked at closely. A **faint** one, whose two-way gain stays below what is given for every pair ([`Tiers`]), has nodes at both
+//! ends of the block alone, two to four looks from end to end through which amplitudes and cosines are polynomials, and instants of gain
+//! [`faint_gain_pulses`] apart; directions and slopes are straight lines between the ends.
+//!
 //! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the looks, and one **factor** per pulse. The equations are those of
 //! the exact contacts of [`super`]; a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
 //! surface are those at each node.

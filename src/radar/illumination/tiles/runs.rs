@@ -55,17 +55,26 @@ impl Cut {
         })
     }
 
-    /// Distance of the runs of a sample of about so many tiles. It is odd: rows of a patch are often a power of two.
+    /// Whole runs that fill a tile.
+    fn together(&self) -> usize {
+        LANES / RUN.min(self.columns).max(1)
+    }
+
+    /// Distance of the runs of a sample of about so many tiles. It shares no factor with the rows, so that strips are met at rows of their own.
     fn step(&self, tiles: usize) -> usize {
-        match self.runs() / (tiles.max(1) * (LANES / RUN)) {
-            0 | 1 => 1,
-            step => step | 1,
-        }
+        let least = (self.runs() / (tiles.max(1) * self.together())).max(1);
+        let divisor = |mut a: usize, mut b: usize| {
+            while b > 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        (least..).find(|step| divisor(*step, self.rows) <= 1).unwrap_or(least)
     }
 
     /// A sample of about so many tiles, runs spread over the patch.
     pub fn sample(self, tiles: usize) -> impl Iterator<Item = impl Iterator<Item = Run>> {
-        let (step, together) = (self.step(tiles), LANES / RUN.min(self.columns).max(1));
+        let (step, together) = (self.step(tiles), self.together());
         (0..self.runs()).step_by(step * together).map(move |from| {
             (from..self.runs().min(from + step * together)).step_by(step).map(move |number| self.run(number))
         })
@@ -146,6 +155,16 @@ mod tests {
         for strip in 0..32 {
             assert!(runs.iter().flatten().filter(|run| run.first % 512 / 16 == strip).count() >= 30);
         }
+        // Every strip has rows of its own, and narrow patches their share.
+        let first_rows = |n: usize| {
+            let first = |strip: usize| {
+                Cut::of([n, n]).sample(64).flatten().find(|run| run.first % n / 16 == strip).unwrap().first
+                    / n
+            };
+            (0..4).map(first).collect::<std::collections::BTreeSet<_>>().len()
+        };
+        assert_eq!([480, 510, 820].map(first_rows), [4, 4, 4]);
+        assert!((0.05..0.07).contains(&Cut::of([4, 65_536]).sampled(64)));
         // A small patch is taken whole.
         assert_eq!((Cut::of([64, 64]).sampled(64), Cut::of([0, 0]).sampled(3)), (1.0, 1.0));
         let all: usize = Cut::of([100, 30]).sample(64).flatten().map(|run| run.count).sum();
