@@ -24,7 +24,8 @@ use crate::plan::settle::{Settled, block_length, block_pulses};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
-    Borders, Faint, Instants, LOOKS, NODES, Sample, ShareBorders, Tiers, TileWork, looks_about, nodes_within,
+    Borders, Faint, Instants, LOOKS, NODES, Sample, ShareBorders, Tier, Tiers, TileWork, looks_about,
+    nodes_within,
 };
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::scattering::contact::Contacts;
@@ -226,6 +227,8 @@ impl BlockEcho {
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
+            let looks = [Tier::Close, Tier::Faint].map(|tier| tiers.of(tier).look_count);
+            self.synth.make_room(looks[0].max(looks[1]), pulses, lanes);
             let tally =
                 illumination.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
                     let instants = tiers.of(tile.tier);

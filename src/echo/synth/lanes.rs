@@ -82,6 +82,26 @@ struct Ends<'a> {
 }
 
 impl Synth<f32> {
+    /// Makes room for any batch of a block of so many pulses with so many looks: later ones may have more of everything than the first.
+    pub fn make_room(&self, looks: usize, pulses: usize, work: &mut LaneWork) {
+        fn reserve<T>(column: &mut Vec<T>, room: usize) {
+            column.reserve(room.saturating_sub(column.len()));
+        }
+        let LaneWork { courses, looks: turned, amplitude, factors, shifts, .. } = work;
+        turned.resize_with(self.layers.len(), Vec::new);
+        amplitude.resize_with(self.layers.len(), Default::default);
+        for ((layer, turned), powers) in self.layers.iter().zip(turned).zip(amplitude) {
+            turned.resize_with(looks.max(turned.len()), Lined::default);
+            turned.iter_mut().chain(powers).for_each(|column| column.fit(LANES * layer.lanes));
+        }
+        courses.phase.iter_mut().for_each(|column| reserve(column, LANES));
+        courses.place.iter_mut().for_each(|column| reserve(column, LANES));
+        reserve(&mut courses.phase_cubic, LANES);
+        reserve(&mut courses.base, LANES);
+        reserve(factors, LANES * pulses);
+        reserve(shifts, pulses);
+    }
+
     /// Spreads a batch on the grids of its block.
     pub fn spread_lanes(
         &self,
@@ -97,10 +117,6 @@ impl Synth<f32> {
         }
         let pulses = frame.pulses();
         let middle = (pulses / 2) as i32;
-        // An interval may be the whole block: room for it is made at the first batch, whatever that has.
-        let room = (pulses * LANES).saturating_sub(work.factors.len());
-        work.factors.reserve(room);
-        work.shifts.reserve(pulses.saturating_sub(work.shifts.len()));
         work.mean_hz = frame.mean_hz[batch.pair];
         self.turn_looks(batch, work);
         let mut at = None;
