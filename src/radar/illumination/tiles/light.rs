@@ -24,13 +24,13 @@ use crate::scene::radar::Polarisation;
 impl TileWork {
     /// Instants of the tile at hand.
     pub(super) fn timing(&self) -> &Timing {
-        if self.tile.tier == Tier::Faint { &self.faint } else { &self.close }
+        self.timings.of(self.tile.tier)
     }
 
     /// The tile at hand is of a tier.
     fn choose(&mut self, tier: Tier) {
         self.tile.tier = tier;
-        let timing = if tier == Tier::Faint { &self.faint } else { &self.close };
+        let timing = self.timings.of(tier);
         for pair in &mut self.tile.pairs {
             (pair.node_count, pair.look_count) = (timing.node_count, timing.look_count);
         }
@@ -55,27 +55,26 @@ impl Illumination {
         }
     }
 
-    /// Paths and gains: at few instants first, if that may be enough for a faint tile, and else at all.
+    /// Paths and gains: at the few instants of a faint tile first, where tiles may be faint, and at all where this one is not.
     fn sight(&self, work: &mut TileWork) {
-        let mut known = 0;
+        let mut ends_known = false;
         if !work.faint_below.is_empty() {
             work.choose(Tier::Faint);
-            for place in 0..work.faint.node_count {
+            for place in 0..work.timings.faint.node_count {
                 self.find_paths(place, work);
             }
             if (0..self.plans.len()).all(|pair| self.gains(pair, work.faint_below.get(pair).copied(), work)) {
                 return;
             }
             // The last node of all is known by now.
-            let (second, last) = (work.faint.node_count - 1, work.close.node_count - 1);
+            let (second, last) = (work.timings.faint.node_count - 1, work.timings.close.node_count - 1);
             work.slopes.swap(second, last);
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
-            known = 2;
+            ends_known = true;
         }
         work.choose(Tier::Close);
-        let nodes = work.close.node_count;
-        // Of two that are known one is the first and one the last.
-        for place in if known == 2 { 1..nodes - 1 } else { 0..nodes } {
+        let nodes = work.timings.close.node_count;
+        for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
             self.find_paths(place, work);
         }
         for pair in 0..self.plans.len() {
@@ -250,20 +249,9 @@ impl Illumination {
     /// Scattering at a look.
     fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
         let TileWork {
-            variant,
-            close,
-            faint,
-            batch,
-            view,
-            lengths,
-            places_m,
-            bounds_m,
-            kinds,
-            slopes,
-            tile,
-            ..
+            variant, timings, batch, view, lengths, places_m, bounds_m, kinds, slopes, tile, ..
         } = work;
-        let timing = if tile.tier == Tier::Faint { faint } else { close };
+        let timing = timings.of(tile.tier);
         let instant = &timing.looks[place];
         let count = tile.count;
         let Pair { nodes: paths, node_count, looks: seen, .. } = &mut tile.pairs[pair];
@@ -400,8 +388,8 @@ impl Illumination {
 
     /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given; says whether all were.
     fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
-        let TileWork { variant, close, faint, gain_rows, tile, .. } = work;
-        let timing = if tile.tier == Tier::Faint { faint } else { close };
+        let TileWork { variant, timings, gain_rows, tile, .. } = work;
+        let timing = timings.of(tile.tier);
         let plan = &self.plans[pair];
         let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
         let in_use = timing.gain_places.len();
@@ -421,8 +409,8 @@ impl Illumination {
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
     fn factors(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gain_rows, close, faint, shades, shares, seen, tile, .. } = work;
-        let timing = if tile.tier == Tier::Faint { faint } else { close };
+        let TileWork { variant, gain_rows, timings, shades, shares, seen, tile, .. } = work;
+        let timing = timings.of(tile.tier);
         let points = timing.gain_points();
         let plan = &self.plans[pair];
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];

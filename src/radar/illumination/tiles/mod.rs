@@ -108,8 +108,7 @@ pub struct TileWork {
     variant: Variant,
     sheet: Sheet<f32>,
     nodes: Vec<NodeWork>,
-    close: Timing,
-    faint: Timing,
+    timings: Timings,
     /// Per pair: product of the gains of field below which a tile is faint; empty where none is.
     faint_below: Vec<f32>,
     /// Facets of the tile at hand.
@@ -158,6 +157,13 @@ struct Timing {
     look_count: usize,
     /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
     cosines: Vec<(usize, [f32; LOOK_POINTS])>,
+}
+
+/// Those of both tiers.
+#[derive(Clone, Default)]
+struct Timings {
+    close: Timing,
+    faint: Timing,
 }
 
 #[derive(Clone)]
@@ -333,8 +339,7 @@ impl SeaPlan {
             variant,
             sheet,
             nodes: vec![node; NODES],
-            close: Timing::default(),
-            faint: Timing::default(),
+            timings: Timings::default(),
             faint_below: Vec::with_capacity(channels.len()),
             runs: Vec::with_capacity(LANES),
             view: View::boxed(),
@@ -433,6 +438,15 @@ impl Phasors {
     }
 }
 
+impl Timings {
+    fn of(&self, tier: Tier) -> &Timing {
+        match tier {
+            Tier::Close => &self.close,
+            Tier::Faint => &self.faint,
+        }
+    }
+}
+
 impl Timing {
     /// For instants whose nodes are among those of the block at `places`.
     fn set(&mut self, of: &Illumination, instants: &Instants, places: &[usize]) -> Result<(), RadarError> {
@@ -505,14 +519,17 @@ impl TileWork {
             of.evaluate(close.first + place as u64, &mut node.emission)?;
             node.elapsed_s = of.radar.emissions.interval_s(0, close.first + place as u64);
         }
-        self.close.set(of, close, places)?;
+        self.timings.close.set(of, close, places)?;
         self.faint_below.clear();
         if let Some(faint) = &tiers.faint {
-            self.faint.set(of, faint, places)?;
+            self.timings.faint.set(of, faint, places)?;
             let share = 10f64.powf(tiers.below_db / 20.0);
             self.faint_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }
-        let instants_of_gain = self.close.gain_places.len().max(self.faint.gain_places.len());
+        let instants_of_gain = [Tier::Close, Tier::Faint]
+            .map(|tier| self.timings.of(tier).gain_places.len())
+            .into_iter()
+            .fold(0, usize::max);
         for rows in &mut self.gain_rows {
             rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
         }
