@@ -17,6 +17,7 @@ use crate::config::{self, Run};
 use crate::pipeline::accuracy::{self, Accuracy, Judge};
 use crate::pipeline::build;
 use crate::pipeline::knobs;
+use crate::pipeline::prices::Priced;
 use crate::pipeline::speed::{self, Speed, TRIAL};
 use crate::pulse::costs::Stage;
 use crate::transport::Pace;
@@ -60,6 +61,8 @@ struct Report {
     startup_s: Option<f64>,
     /// Seconds of one worker for a pulse, by stage.
     stages: Map<String, Value>,
+    /// The same as predicted, of those that have a price.
+    predicted_stages: Map<String, Value>,
     settings: Map<String, Value>,
 }
 
@@ -141,7 +144,7 @@ fn report(
     speed: &Speed,
     begun: Instant,
     judged: Option<&(Judge, Accuracy)>,
-    priced: Option<[f64; 2]>,
+    priced: Option<Priced>,
     bytes: u64,
 ) -> Report {
     let name = |channel: usize| {
@@ -163,8 +166,8 @@ fn report(
         pulses_per_s: speed.pulses_per_s,
         facet_pulses_per_s: speed.facet_pulses_per_s(),
         real_time_factor: speed.real_time_factor,
-        predicted_real_time_factor: priced.map(|[_, own]| own),
-        list_real_time_factor: priced.map(|[list, _]| list),
+        predicted_real_time_factor: priced.map(|priced| priced.factor),
+        list_real_time_factor: priced.map(|priced| priced.list_factor),
         predicted_rel_rms_db: speed.plan.as_ref().map(|plan| plan.prediction.total_db()),
         predicted_error_db: speed.plan.as_ref().map(parts_db).unwrap_or_default(),
         predicted_rss_mib: speed.plan.map(|_| bytes as f64 / f64::from(1 << 20)),
@@ -187,6 +190,11 @@ fn report(
         stages: Stage::ALL
             .iter()
             .map(|stage| (stage.name().to_owned(), Value::from(speed.costs.seconds_per_pulse(*stage))))
+            .collect(),
+        predicted_stages: priced
+            .iter()
+            .flat_map(|priced| priced.stages_s)
+            .map(|(stage, seconds)| (stage.name().to_owned(), Value::from(seconds)))
             .collect(),
         settings: knobs::settings(speed.plan.as_ref().map(|plan| &plan.settled)),
     }
@@ -237,9 +245,12 @@ fn text(report: &Report) -> String {
     let total: f64 = Stage::ALL.iter().map(seconds).sum();
     for stage in &Stage::ALL {
         let share = if total > 0.0 { 100.0 * seconds(stage) / total } else { 0.0 };
+        let predicted = report.predicted_stages.get(stage.name()).and_then(Value::as_f64);
+        let predicted =
+            predicted.map_or_else(String::new, |seconds| format!("  (predicted {:.3})", 1e3 * seconds));
         row(
             &format!("stage {}", stage.name()),
-            format!("{:10.3} ms a pulse {share:5.1} %", 1e3 * seconds(stage)),
+            format!("{:10.3} ms a pulse {share:5.1} %{predicted}", 1e3 * seconds(stage)),
         );
     }
     match (report.rel_rms_db, report.rel_rms_db_mean, &report.error) {

@@ -19,6 +19,17 @@ pub const ROUNDS: usize = 5;
 const PRICED: [Stage; 6] =
     [Stage::Surface, Stage::Shadow, Stage::Contacts, Stage::Spread, Stage::Transform, Stage::Receive];
 
+/// Speed as predicted.
+#[derive(Clone, Copy, Debug)]
+pub struct Priced {
+    /// Real-time factor by the prices of a common machine.
+    pub list_factor: f64,
+    /// Real-time factor as calibrated on this one.
+    pub factor: f64,
+    /// Seconds of one worker for a pulse, calibrated; records go with receiving, filling with spreading.
+    pub stages_s: [(Stage, f64); PRICED.len()],
+}
+
 impl PulseFactory {
     /// The same with other nodes; `None` where pulses are made one by one.
     fn with_nodes(&self, settled: &Settled) -> Option<Self> {
@@ -39,15 +50,19 @@ impl PulseFactory {
 }
 
 impl PulseStream {
-    /// Real-time factor by the prices of a common machine, and as calibrated on this one; `None` for the reference.
-    pub fn priced(&self) -> Result<Option<[f64; 2]>, BuildErrors> {
+    /// Speed as predicted; `None` for the reference.
+    pub fn priced(&self) -> Result<Option<Priced>, BuildErrors> {
         let Some(plan) = self.factory().plan() else { return Ok(None) };
         let prices = self.calibrated()?.unwrap_or(Prices::TABLE);
         let prf_hz = self.schedule().times.mean_prf_hz();
         let workers =
             busy_workers(self.schedule().count, self.factory().block_pulses(), self.threads() as u64);
         let factor = |prices: Prices| workers / prices.seconds(&plan.work) / prf_hz;
-        Ok(Some([factor(Prices::TABLE), factor(prices)]))
+        Ok(Some(Priced {
+            list_factor: factor(Prices::TABLE),
+            factor: factor(prices),
+            stages_s: PRICED.map(|stage| (stage, prices.stage_seconds(&plan.work, stage))),
+        }))
     }
 
     /// Prices of this machine; `None` for the reference.
