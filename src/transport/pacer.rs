@@ -49,7 +49,7 @@ use crate::pulse::{Pulse, flags};
 use super::fanout::FanOut;
 use super::health::Health;
 use super::rights;
-use super::ring::{Consumer, Look, NAP};
+use super::ring::{Consumer, DOZE, Look, NAP};
 use super::schedule::Schedule;
 use super::{Pace, Policy, Settings};
 
@@ -300,8 +300,17 @@ impl Pacer {
                     }
                 }
             }
-            thread::sleep(NAP);
+            self.ring.doze(self.until_next_look(judge, now, expected));
         }
+    }
+
+    /// How long the pacer need not look into a ring that was empty: till the deadline of the pulse that is due. From then on it counts when it came.
+    fn until_next_look(&self, judge: &Judge, now: Instant, expected: u64) -> Duration {
+        if self.settings.pace != Pace::Realtime || expected >= self.schedule.end() {
+            return DOZE;
+        }
+        let left = judge.deadline(&self.schedule, expected).saturating_duration_since(now);
+        if left.is_zero() { NAP } else { left }
     }
 
     fn underrun(&self, judge: &Judge, now: Instant, index: u64) -> PacerError {
