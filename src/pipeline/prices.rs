@@ -3,6 +3,8 @@
 //! All workers of a stream make blocks at once, with other settings than those planned (nodes half as far apart); what each stage took over
 //! what the price list says scales the prices of that stage. The median of [`ROUNDS`] rounds is taken.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::block::BlockEcho;
@@ -79,37 +81,39 @@ impl PulseStream {
             (0..self.threads()).map(|_| (factory.slot(), factory.workspace())).collect();
         let block = factory.block_pulses();
         let blocks = (self.schedule().count / block).max(1);
-        let mut rounds = Vec::with_capacity(ROUNDS);
-        // The first round also takes memory into use.
-        for round in 0..=ROUNDS as u64 {
-            if blocks == 1 && round > 0 {
-                hands.iter_mut().for_each(|(_, work)| *work = factory.workspace());
-            }
-            let spent = self.pool().install(|| {
-                hands
-                    .par_iter_mut()
-                    .enumerate()
-                    .map(|(hand, (slot, work))| {
-                        // Never the block that is at hand.
-                        let at = (round + hand as u64) % blocks;
+        // Blocks that share updates of shadows follow each other, as in a run; others are from all of it.
+        let consecutive = factory.illumination.hold_pulses().is_some();
+        let all = (ROUNDS as u64 + 1) * hands.len() as u64;
+        let turns = AtomicU64::new(0);
+        // Every worker goes at its own pace, as in a run: what neighbours share is seldom made twice.
+        let spent = self.pool().install(|| {
+            hands
+                .par_iter_mut()
+                .with_max_len(1)
+                .map(|(slot, work)| {
+                    let mut spent = Vec::with_capacity(ROUNDS);
+                    // The first round also takes memory into use.
+                    for round in 0..=ROUNDS {
+                        let turn = turns.fetch_add(1, Ordering::Relaxed);
+                        let at = if consecutive { turn } else { turn * blocks.max(all) / all } % blocks;
+                        // The block at hand is made again, too.
+                        work.start_anew();
                         let first = self.schedule().first + at * block;
-                        let before = *work.costs();
                         for index in first..(first + block).min(self.schedule().end()) {
                             factory.make(index, slot, work)?;
                         }
-                        Ok(PRICED.map(|stage| per_pulse(&before, work.costs(), stage)))
-                    })
-                    .collect::<Result<Vec<_>, PulseError>>()
-            })?;
-            if round > 0 {
-                rounds.push(spent);
-            }
-        }
+                        if round > 0 {
+                            spent.push(PRICED.map(|stage| per_pulse(work.costs(), stage)));
+                        }
+                    }
+                    Ok(spent)
+                })
+                .collect::<Result<Vec<_>, PulseError>>()
+        })?;
         let mut prices = Prices::TABLE;
         for (n, stage) in PRICED.into_iter().enumerate() {
-            let mut seconds: Vec<f64> = rounds
-                .iter()
-                .map(|hands| hands.iter().map(|own| own[n]).sum::<f64>() / hands.len().max(1) as f64)
+            let mut seconds: Vec<f64> = (0..ROUNDS)
+                .map(|round| spent.iter().map(|own| own[round][n]).sum::<f64>() / spent.len().max(1) as f64)
                 .collect();
             seconds.sort_by(f64::total_cmp);
             let table = Prices::TABLE.stage_seconds(&work, stage);
@@ -133,16 +137,14 @@ fn busy_workers(pulses: u64, block: u64, threads: u64) -> f64 {
     if rounds > 0.0 { pulses as f64 / block as f64 / rounds } else { threads as f64 }
 }
 
-/// What a stage took for a pulse between two readings; records go with receiving, and filling with spreading.
-fn per_pulse(before: &Costs, after: &Costs, stage: Stage) -> f64 {
-    let pulses = (after.counts().pulses - before.counts().pulses).max(1) as f64;
-    let of = |stage| after.seconds(stage) - before.seconds(stage);
+/// What a stage took for a pulse; records go with receiving, and filling with spreading.
+fn per_pulse(costs: &Costs, stage: Stage) -> f64 {
     let more = match stage {
-        Stage::Receive => of(Stage::Record),
-        Stage::Spread => of(Stage::Fill),
+        Stage::Receive => costs.seconds_per_pulse(Stage::Record),
+        Stage::Spread => costs.seconds_per_pulse(Stage::Fill),
         _ => 0.0,
     };
-    (of(stage) + more) / pulses
+    costs.seconds_per_pulse(stage) + more
 }
 
 #[cfg(test)]
