@@ -1,6 +1,6 @@
 //! What pieces of work take on this machine: a short calibration for the prediction of speed.
 //!
-//! All workers of a stream make blocks at once, with other settings than those planned (nodes half as far apart); what each stage took over
+//! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned (nodes half as far apart); what each stage took over
 //! what the price list says scales the prices of that stage. The median of [`ROUNDS`] rounds is taken.
 
 use std::sync::atomic::{AtomicU64, Ordering};

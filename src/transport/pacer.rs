@@ -231,14 +231,18 @@ impl Pacer {
                     cut_short = true;
                     break;
                 }
-                let lateness = Instant::now().saturating_duration_since(deadline);
+                let now = Instant::now();
+                let lateness = now.saturating_duration_since(deadline);
                 let late = lateness > self.schedule.pri(index);
                 if late {
                     pulse.flags |= flags::LATE;
                     held_up = judge.seen_empty.is_none_or(|empty| empty <= deadline);
                 }
                 if !too_late {
-                    judge.released(index, lateness, self.settings.ring_slots);
+                    // What the pulse itself came late is not the pacer's.
+                    let since = judge.seen_empty.map_or(deadline, |empty| empty.max(deadline));
+                    let own = now.saturating_duration_since(since);
+                    judge.released(index, own, self.settings.ring_slots);
                 } else if self.settings.policy == Policy::Slip {
                     judge.zero = Schedule::after(judge.zero, lateness);
                     self.health.slip(lateness);
@@ -410,6 +414,33 @@ pub(super) mod tests {
             assert_eq!((shot.pulses, shot.late, shot.held_up, shot.dropped), (4, 4, 4, 0), "{policy:?}");
             assert!(shot.slipped_s == 0.0 && shot.lateness_us.max >= 97_000.0, "{policy:?} {shot:?}");
         }
+    }
+
+    /// Each batch comes less than an interval later than the one before: at last they are too late all the same.
+    #[test]
+    fn a_generation_that_is_short_by_little_is_short() {
+        let (batches, batch) = (60, 10);
+        let (mut producer, ring) = ring((0..4 * batch).map(|_| Pulse::new(&LAYOUT)));
+        let (template, health) = filled(Policy::Drop, &[0], (batches * batch) as u64);
+        let pacer = Pacer { ring, ..template };
+        thread::scope(|scope| {
+            let start = Instant::now();
+            let pacing = scope.spawn(move || pacer.run(start, &AtomicBool::new(false)));
+            let never = AtomicBool::new(false);
+            for n in 0..batches {
+                for (slot, index) in producer.reserve(batch, &never).unwrap().iter_mut().zip(n * batch..) {
+                    slot.index = index as u64;
+                }
+                // A batch of 10 ms takes 10.5.
+                let due = start + Duration::from_micros(10_500) * n as u32;
+                thread::sleep(due.saturating_duration_since(Instant::now()));
+                producer.commit(batch);
+            }
+            drop(producer);
+            pacing.join().unwrap().unwrap();
+        });
+        let shot = health.snapshot();
+        assert!(shot.dropped > 0, "{shot:?}");
     }
 
     /// A batch that comes late is late from its first pulse to its last: nothing of it leaves in a burst.
