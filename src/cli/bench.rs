@@ -61,7 +61,7 @@ struct Report {
     startup_s: Option<f64>,
     /// Seconds of one worker for a pulse, by stage.
     stages: Map<String, Value>,
-    /// The same as predicted, of those that have a price.
+    /// The same as predicted, of those that have a price: `spread` with `fill`, `receive` with `record`.
     predicted_stages: Map<String, Value>,
     settings: Map<String, Value>,
 }
@@ -246,8 +246,13 @@ fn text(report: &Report) -> String {
     for stage in &Stage::ALL {
         let share = if total > 0.0 { 100.0 * seconds(stage) / total } else { 0.0 };
         let predicted = report.predicted_stages.get(stage.name()).and_then(Value::as_f64);
+        let with = match stage {
+            Stage::Spread => ", fill with it",
+            Stage::Receive => ", record with it",
+            _ => "",
+        };
         let predicted =
-            predicted.map_or_else(String::new, |seconds| format!("  (predicted {:.3})", 1e3 * seconds));
+            predicted.map_or_else(String::new, |seconds| format!("  (predicted {:.3}{with})", 1e3 * seconds));
         row(
             &format!("stage {}", stage.name()),
             format!("{:10.3} ms a pulse {share:5.1} %{predicted}", 1e3 * seconds(stage)),

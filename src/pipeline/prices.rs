@@ -1,7 +1,8 @@
 //! What pieces of work take on this machine: a short calibration for the prediction of speed.
 //!
 //! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned (nodes half as far apart); what each stage took over
-//! what the price list says scales the prices of that stage. The median of [`ROUNDS`] rounds is taken.
+//! what the price list says scales the prices of that stage. Every worker makes [`ROUNDS`] blocks that count, and one before, for its memory. Blocks are from the whole run, so their mean counts
+//! and not their median: a run may cost more at one end than at the other. Where the patch follows they are the first ones, one after the other, for neighbours share updates of the shadows.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,7 +16,7 @@ use crate::plan::settle::Settled;
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 
-/// Rounds of the calibration.
+/// Blocks of a worker that count.
 pub const ROUNDS: usize = 5;
 /// Stages with prices.
 const PRICED: [Stage; 6] =
@@ -81,21 +82,24 @@ impl PulseStream {
             (0..self.threads()).map(|_| (factory.slot(), factory.workspace())).collect();
         let block = factory.block_pulses();
         let blocks = (self.schedule().count / block).max(1);
-        // Blocks that share updates of shadows follow each other, as in a run; others are from all of it.
         let consecutive = factory.illumination.hold_pulses().is_some();
-        let all = (ROUNDS as u64 + 1) * hands.len() as u64;
+        let workers = hands.len() as u64;
+        let counted = (ROUNDS as u64 * workers).max(1);
         let turns = AtomicU64::new(0);
-        // Every worker goes at its own pace, as in a run: what neighbours share is seldom made twice.
         let spent = self.pool().install(|| {
             hands
                 .par_iter_mut()
                 .with_max_len(1)
                 .map(|(slot, work)| {
                     let mut spent = Vec::with_capacity(ROUNDS);
-                    // The first round also takes memory into use.
                     for round in 0..=ROUNDS {
                         let turn = turns.fetch_add(1, Ordering::Relaxed);
-                        let at = if consecutive { turn } else { turn * blocks.max(all) / all } % blocks;
+                        if consecutive && turn >= blocks && !spent.is_empty() {
+                            // Made once more, a block would find the shadows of the first time.
+                            break;
+                        }
+                        let spread = (2 * turn.saturating_sub(workers) + 1) * blocks / (2 * counted);
+                        let at = if consecutive { turn } else { spread } % blocks;
                         // The block at hand is made again, too.
                         work.start_anew();
                         let first = self.schedule().first + at * block;
@@ -110,16 +114,20 @@ impl PulseStream {
                 })
                 .collect::<Result<Vec<_>, PulseError>>()
         })?;
+        let spent = spent.concat();
+        let mean = |n: usize| spent.iter().map(|stages| stages[n]).sum::<f64>() / spent.len().max(1) as f64;
         let mut prices = Prices::TABLE;
         for (n, stage) in PRICED.into_iter().enumerate() {
-            let mut seconds: Vec<f64> = (0..ROUNDS)
-                .map(|round| spent.iter().map(|own| own[round][n]).sum::<f64>() / spent.len().max(1) as f64)
-                .collect();
-            seconds.sort_by(f64::total_cmp);
+            let found = match stage {
+                // Single pulses from all over the run make updates that would serve many of their neighbours.
+                Stage::Shadow if !interpolates => continue,
+                // Exact contacts have their surface in their price.
+                Stage::Contacts if !interpolates => mean(n) + mean(0),
+                _ => mean(n),
+            };
             let table = Prices::TABLE.stage_seconds(&work, stage);
-            let median = seconds.get(ROUNDS / 2).copied().unwrap_or(table);
-            if table > 0.0 {
-                prices = prices.scaled(stage, median / table);
+            if table > 0.0 && !spent.is_empty() {
+                prices = prices.scaled(stage, found / table);
             }
         }
         Ok(Some(prices))

@@ -109,8 +109,8 @@ pub struct Size {
     antennas: f64,
     /// From update to update of the shadows, pulses; `None` without shadows.
     update_pulses: Option<f64>,
-    /// Whether blocks share the updates between them, as those of a patch that follows do.
-    shared_updates: bool,
+    /// Pulses for which a patch that follows is held: blocks divide them, and share the updates between them.
+    hold_pulses: Option<u64>,
     cells: f64,
     layers: f64,
     /// Share of the facets that is spread.
@@ -140,7 +140,7 @@ impl Size {
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
-            shared_updates: illumination.hold_pulses().is_some(),
+            hold_pulses: illumination.hold_pulses(),
             cells: reach as f64 * settings.oversampling,
             layers: moments,
             kept,
@@ -161,7 +161,7 @@ impl Size {
         let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
         let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();
-        let block = settled.block_pulses().min(self.pulses.max(1));
+        let block = settled.block_pulses(self.hold_pulses).min(self.pulses.max(1));
         if !interpolates || block <= 1 || settled.node_pulses <= 1 {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
@@ -171,7 +171,7 @@ impl Size {
         }
         let pulses = block as f64;
         let per_block = |times: f64| facets * times / pulses;
-        let ends = if self.shared_updates { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
+        let ends = if self.hold_pulses.is_some() { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
         let looks = (3 * settled.looks_per_node + 1) as f64;
         let step = gain_step(block as usize, settled.gain_pulses as usize);

@@ -68,9 +68,9 @@ pub struct Settled {
 }
 
 impl Settled {
-    /// Pulses of a block.
-    pub fn block_pulses(&self) -> u64 {
-        if self.precision == Precision::Double { 1 } else { block_pulses(self.node_pulses) }
+    /// Pulses of a block, where a patch that follows is held for some pulses.
+    pub fn block_pulses(&self, hold_pulses: Option<u64>) -> u64 {
+        if self.precision == Precision::Double { 1 } else { block_length(self.node_pulses, hold_pulses) }
     }
 
     /// Pulses from look to look.

@@ -15,7 +15,7 @@
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -23,11 +23,12 @@ use crate::pulse::Pulse;
 
 use super::health::Health;
 use super::pacer::Worth;
-use super::ring::{NAP, Producer};
+use super::ring::{Bell, NAP, Producer};
 
 /// Workers of a stream.
 pub struct Crew<'a> {
     held: Mutex<Held<'a>>,
+    bell: Arc<Bell>,
     workers: u32,
     /// Pulses from here on are nobody's.
     end: u64,
@@ -87,7 +88,7 @@ impl<'a> Crew<'a> {
         stop: &'a AtomicBool,
         health: &'a Health,
     ) -> Self {
-        let slots = ring.slots();
+        let (slots, bell) = (ring.slots(), ring.bell());
         let held = Held {
             ring,
             next: pulses.start,
@@ -100,6 +101,7 @@ impl<'a> Crew<'a> {
         };
         Self {
             held: Mutex::new(held),
+            bell,
             workers: u32::try_from(workers.max(1)).unwrap_or(u32::MAX),
             end: pulses.end,
             worth,
@@ -180,6 +182,9 @@ impl<'a> Crew<'a> {
         }
         ring.put(&mut slots);
         spare.push(slots);
+        drop(held);
+        // Who is woken may take this core at once: no other worker is to wait for the lock meanwhile.
+        self.bell.ring();
     }
 
     /// Calls all workers off if the thread panics while it holds what is returned.

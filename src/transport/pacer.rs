@@ -15,7 +15,7 @@
 //! **Underrun**: the main ring was seen empty later than `d(n) + P(n) + h`, so pulse n was not *made* in
 //! time. A pacer that wakes late itself finds the pulse in the ring; that is lateness and no underrun. It also
 //! holds back slots that generation needs for the pulses that come one ring later: `h` is the pacer's own worst
-//! lateness over the last two rings of releases. On an underrun the policy acts:
+//! lateness over the last two rings of releases, counted from `d(n)` or from when the ring was last seen empty, whichever is later. On an underrun the policy acts:
 //!
 //! - `stop`: the run ends with [`PacerError::Underrun`].
 //! - `slip`: nothing is lost. When the pulse comes, all deadlines from it on move by its lateness; it
@@ -178,9 +178,9 @@ impl Judge {
     }
 
     /// Takes note of the pacer's own lateness at a release.
-    fn released(&mut self, index: u64, lateness: Duration, ring_slots: usize) {
-        if lateness >= self.held || index > self.held_until {
-            self.held = lateness;
+    fn released(&mut self, index: u64, own: Duration, ring_slots: usize) {
+        if own >= self.held || index > self.held_until {
+            self.held = own;
             self.held_until = index.saturating_add(2 * ring_slots as u64);
         }
     }

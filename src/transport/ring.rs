@@ -39,14 +39,14 @@ use std::sync::{Arc, OnceLock};
 use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
-/// How long a producer sleeps between two looks.
+/// How long who is not woken sleeps between two looks: a producer, and a pacer whose pulse is overdue.
 pub const NAP: Duration = Duration::from_micros(150);
 /// How long a consumer sleeps at most between two looks: nothing wakes it at the end of a stream.
 pub const DOZE: Duration = Duration::from_millis(5);
 
-/// Wakes the consumer.
+/// Wakes the consumer of a ring.
 #[derive(Debug, Default)]
-struct Bell {
+pub struct Bell {
     waits: AtomicBool,
     /// The thread that waited first; another one naps.
     sleeper: OnceLock<Thread>,
@@ -69,7 +69,8 @@ impl Bell {
         self.waits.store(false, Ordering::Relaxed);
     }
 
-    fn ring(&self) {
+    /// Wakes the consumer if it waits.
+    pub fn ring(&self) {
         fence(Ordering::SeqCst);
         if self.waits.load(Ordering::Relaxed)
             && self.waits.swap(false, Ordering::Relaxed)
@@ -183,13 +184,18 @@ impl<T> Producer<T> {
         there
     }
 
-    /// Hands over slots that were [taken](Self::take), in order and in one step.
+    /// What wakes the consumer after a [`put`](Self::put).
+    pub fn bell(&self) -> Arc<Bell> {
+        Arc::clone(&self.bell)
+    }
+
+    /// Hands over slots that were [taken](Self::take), in order and in one step. It does not wake the consumer, so that it may be called with a lock held:
+    /// the [bell](Self::bell) does.
     pub fn put(&mut self, slots: &mut Vec<Box<T>>) {
         // Room for every slot that exists.
         if let Ok(chunk) = self.filled.write_chunk_uninit(slots.len()) {
             chunk.fill_from_iter(slots.drain(..));
         }
-        self.bell.ring();
     }
 
     /// Hands the first `n` reserved slots to the consumer, in order and in one step.

@@ -152,7 +152,7 @@ fn hour_ten_is_as_exact_as_second_one() {
     let plan = plan(&run);
     let predicted_db = plan.prediction.total_db();
     assert!(plan.settled.node_pulses > 1, "{plan:?}");
-    let length = plan.settled.block_pulses();
+    let length = plan.settled.block_pulses(None);
     let of = |from_s: f64| {
         let first = (from_s * 222.0) as u64 / length * length;
         let pulses: Vec<u64> = (0..12).map(|n| first + n * (2 * length - 1) / 11).collect();
