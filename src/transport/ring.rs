@@ -61,7 +61,7 @@ impl Bell {
             return;
         }
         // Either this thread sees what was committed, or the one that committed it sees the flag.
-        self.waits.store(true, Ordering::Relaxed);
+        self.waits.store(true, Ordering::Release);
         fence(Ordering::SeqCst);
         if is_empty() {
             thread::park_timeout(at_most);
@@ -73,7 +73,7 @@ impl Bell {
     pub fn ring(&self) {
         fence(Ordering::SeqCst);
         if self.waits.load(Ordering::Relaxed)
-            && self.waits.swap(false, Ordering::Relaxed)
+            && self.waits.swap(false, Ordering::Acquire)
             && let Some(sleeper) = self.sleeper.get()
         {
             sleeper.unpark();
