@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::args::{BenchArgs, Setting};
-use super::check::plan::parts_db;
+use super::check::plan::{not_kept, parts_db};
 use super::error::CliError;
 use super::progress;
 use super::run::overrides;
@@ -105,6 +105,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     let measured = speed::speed(stream, lasts, Some(status));
     watcher.finish();
     let measured = measured?;
+    warn(measured.plan.iter().filter_map(|plan| not_kept(plan.asked.error_db, plan.prediction.total_db())));
     // Calibrated once the stream has had its machine and its memory for itself.
     let priced = build::rehearse(&run, 0..pulses)?.priced()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
@@ -246,6 +247,7 @@ fn text(report: &Report) -> String {
     for stage in &Stage::ALL {
         let share = if total > 0.0 { 100.0 * seconds(stage) / total } else { 0.0 };
         let predicted = report.predicted_stages.get(stage.name()).and_then(Value::as_f64);
+        let predicted = predicted.filter(|seconds| *seconds > 0.0);
         let with = match stage {
             Stage::Spread => ", fill with it",
             Stage::Receive => ", record with it",

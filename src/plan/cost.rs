@@ -14,6 +14,7 @@
 //! | transform | channels x M log2 M | transform |
 //! | exact | facets x pairs, where every pulse is by itself | contacts |
 //! | rest | channels x M log2 M | record, receive |
+//! | points | targets and direct paths x pairs | fill, spread |
 //!
 //! Faint tiles have 2 nodes, 2 or 3 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
 //! many pulses, as far as they do not wait for each other's memory.
@@ -31,7 +32,7 @@ use crate::scene::Scene;
 use super::settle::Settled;
 
 /// Pieces of work.
-pub const PIECES: usize = 12;
+pub const PIECES: usize = 13;
 
 /// Names of the pieces.
 pub const NAMES: [&str; PIECES] = [
@@ -47,6 +48,7 @@ pub const NAMES: [&str; PIECES] = [
     "transform",
     "exact",
     "rest",
+    "points",
 ];
 
 /// How often each piece of work is done in a pulse, in the order of [`NAMES`].
@@ -59,8 +61,9 @@ pub struct Prices(pub [f64; PIECES]);
 
 impl Prices {
     /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
-    pub const TABLE: Self =
-        Self([50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9]);
+    pub const TABLE: Self = Self([
+        50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,
+    ]);
 
     /// Stage in which each piece is spent.
     pub const STAGES: [Stage; PIECES] = [
@@ -76,6 +79,7 @@ impl Prices {
         Stage::Transform,
         Stage::Contacts,
         Stage::Receive,
+        Stage::Spread,
     ];
 
     /// Seconds of one worker in a stage for a pulse.
@@ -104,6 +108,7 @@ impl Prices {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     facets: f64,
+    points: f64,
     pairs: f64,
     channels: f64,
     antennas: f64,
@@ -136,6 +141,7 @@ impl Size {
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
         Self {
             facets: illumination.facets() as f64,
+            points: illumination.point_count() as f64,
             pairs: illumination.pairs().len() as f64,
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
@@ -151,7 +157,9 @@ impl Size {
 
     /// What settings ask for in a pulse; `interpolates`: in blocks.
     pub fn work(&self, settled: &Settled, interpolates: bool) -> Work {
-        let Self { facets, pairs, channels, antennas, update_pulses, cells, layers, kept, again, .. } = *self;
+        let Self {
+            facets, points, pairs, channels, antennas, update_pulses, cells, layers, kept, again, ..
+        } = *self;
         let width = settled.echo.width as f64;
         let wide = if settled.precision == Precision::Double { 2.0 } else { 1.0 };
         let faint = settled.faint_share;
@@ -166,7 +174,7 @@ impl Size {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
-            work[11] = rest;
+            (work[11], work[12]) = (rest, points * pairs);
             return Work(work);
         }
         let pulses = block as f64;
@@ -196,6 +204,7 @@ impl Size {
             transform,
             0.0,
             rest,
+            points * pairs,
         ])
     }
 }

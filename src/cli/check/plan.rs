@@ -27,6 +27,15 @@ pub(in crate::cli) fn parts_db(plan: &Plan) -> Map<String, Value> {
     parts.map(|(name, part)| (name.to_owned(), Value::from(10.0 * part.log10()))).collect()
 }
 
+/// What to say where the error that is asked is not kept.
+pub(in crate::cli) fn not_kept(asked_db: f64, predicted_db: f64) -> Option<String> {
+    (predicted_db > asked_db).then(|| {
+        format!(
+            "an error of {asked_db} dB is asked, {predicted_db:.1} dB are predicted: what the knobs of [fidelity] leave open does not allow less"
+        )
+    })
+}
+
 impl PlanReport {
     pub(super) fn new(plan: &Plan, real_time_factor: f64, bytes: u64) -> Self {
         Self {
@@ -41,12 +50,7 @@ impl PlanReport {
 
     /// What to say where the error is not kept.
     pub(super) fn warning(&self) -> Option<String> {
-        (self.predicted_rel_rms_db > self.error_db).then(|| {
-            format!(
-                "an error of {} dB is asked, {:.1} dB are predicted: the knobs of [fidelity] that are given do not allow less",
-                self.error_db, self.predicted_rel_rms_db
-            )
-        })
+        not_kept(self.error_db, self.predicted_rel_rms_db)
     }
 
     pub(super) fn rows(&self) -> Vec<Described> {
