@@ -140,6 +140,12 @@ impl Visibility {
         (number, share)
     }
 
+    /// Updates about so many seconds, at most.
+    pub fn most_updates(&self, lasts_s: f64) -> usize {
+        // Rounding makes no update.
+        (lasts_s / self.update_s - 1e-6).ceil().max(0.0) as usize + 2
+    }
+
     /// Makes an update, unless it is held. `scenery` tells the patch and the place of every antenna at a time, and
     /// `lower` the fall of the mean surface at a place, m.
     pub fn update<'a, T: Real, E: From<WakeError> + From<ShadowError>>(

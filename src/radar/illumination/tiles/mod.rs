@@ -562,9 +562,13 @@ impl TileWork {
         while self.shades.len() > count {
             self.spare.extend(self.shades.pop());
         }
-        // The next block may have one update more: room for it is made now.
-        self.spare.reserve(count + 1);
-        while self.shades.len() + self.spare.len() <= count {
+        // Another block as long may have more updates: room for them is made with the first one.
+        let lasts_s = emissions.interval_s(instants.first, instants.first + instants.pulses as u64 - 1);
+        let most = visibility.most_updates(lasts_s).max(count) + 1;
+        self.shades.reserve(most.saturating_sub(self.shades.len()));
+        self.spare.reserve(most.saturating_sub(self.spare.len()));
+        self.seen.reserve((most * visibility.ends).saturating_sub(self.seen.len()));
+        while self.shades.len() + self.spare.len() < most {
             let room = || Vec::with_capacity(patch.len());
             self.spare.push(Shade { weights: std::iter::repeat_with(room).take(visibility.ends).collect() });
         }
