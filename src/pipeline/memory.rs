@@ -21,9 +21,9 @@ pub const PROGRAM_BYTES: u64 = 24 << 20;
 /// Shared, a facet: the reference's, the fast echo's.
 pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 /// Of each worker, a facet: the reference's, the fast echo's.
-pub const WORKER_FACET_BYTES: [u64; 2] = [700, 400];
+pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
 /// Of each worker of the fast echo, a facet, where the patch follows: a surface of its own for the shadows, and updates that blocks share.
-pub const FOLLOW_FACET_BYTES: u64 = 200;
+pub const FOLLOW_FACET_BYTES: u64 = 250;
 
 /// About what the sea of a scene takes, bytes.
 pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {

@@ -564,7 +564,7 @@ impl TileWork {
         }
         // Another block as long may have more updates: room for them is made with the first one.
         let lasts_s = emissions.interval_s(instants.first, instants.first + instants.pulses as u64 - 1);
-        let most = visibility.most_updates(lasts_s).max(count) + 1;
+        let most = visibility.most_updates(lasts_s).max(count);
         self.shades.reserve(most.saturating_sub(self.shades.len()));
         self.spare.reserve(most.saturating_sub(self.spare.len()));
         self.seen.reserve((most * visibility.ends).saturating_sub(self.seen.len()));
