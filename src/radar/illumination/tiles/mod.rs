@@ -526,10 +526,8 @@ impl TileWork {
             let share = 10f64.powf(tiers.below_db / 20.0);
             self.faint_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }
-        let instants_of_gain = [Tier::Close, Tier::Faint]
-            .map(|tier| self.timings.of(tier).gain_places.len())
-            .into_iter()
-            .fold(0, usize::max);
+        let Timings { close: at_close, faint: at_faint } = &self.timings;
+        let instants_of_gain = at_close.gain_places.len().max(at_faint.gain_places.len());
         for rows in &mut self.gain_rows {
             rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
         }
