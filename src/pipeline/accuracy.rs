@@ -1,11 +1,15 @@
 //! The error of an echo, measured against the reference echo of the same run.
 //!
 //! ```text
-//! error = max over pulses and channels of  ||fast - ref|| / sqrt( mean over the pulses of ||ref||^2 in that channel )
+//! error = max over pulses and channels of  ||fast - ref|| / sqrt( mean over the run of ||ref||^2 in that channel )
 //! ```
 //!
 //! over samples before noise and converter, `||.||` the root of the sum of squares over a window. The mean error takes the mean of
 //! the squares over pulses and channels. Channels in which nothing is heard at all, and nothing should be, do not count.
+//!
+//! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`] pulses spread evenly over it, or
+//! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within [`OF_POWER_DB`] of the reference (0.1 dB of the mean), and at least
+//! what the pulses of the reference add to a run that is silent otherwise.
 //!
 //! Pulses are drawn from the seed of the scene, one from each of so many equal parts of the run, by turns the first, the last and the
 //! middle one of a block and any other: [`sample`].
@@ -27,12 +31,19 @@ use super::changing;
 use super::memory::sea_bytes;
 use super::stages::{PulseError, PulseFactory};
 use crate::config::Run;
-use crate::echo::Fidelity;
+use crate::echo::{Asked, Fidelity};
 use crate::pulse::Samples;
 use crate::rng::{Room, stream};
 
 /// What no difference at all is told as, dB; twice the bits of an f64 lie above.
 pub const LEAST_DB: f64 = -400.0;
+
+/// Pulses of which the mean power is taken, without a sea and with one.
+pub const OF_POINTS: u64 = 4096;
+/// The same with a sea.
+pub const OF_SEA: u64 = 64;
+/// Error of the echo that it is taken of, dB.
+const OF_POWER_DB: f64 = -40.0;
 
 /// An error as measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +64,8 @@ pub struct Accuracy {
 pub struct Judge {
     pulses: Vec<u64>,
     samples: Vec<Vec<Complex32>>,
-    channels: usize,
+    /// Mean power of each channel over the run.
+    means: Vec<f64>,
     threads: usize,
     pulses_per_s: f64,
 }
@@ -125,9 +137,22 @@ impl Judge {
         let fit = available_bytes().map_or(threads, |bytes| usize::try_from(bytes / one).unwrap_or(threads));
         let workers = threads.min(fit).max(1);
         let begun = Instant::now();
-        let samples = make(&factory, &pulses, workers, &passed)?;
+        let samples = make(&factory, &pulses, workers, &passed, <[_]>::to_vec)?;
         let pulses_per_s = pulses.len() as f64 / begun.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
-        Ok(Self { pulses, samples, channels: factory.layout().channels, threads, pulses_per_s })
+        let channels = factory.layout().channels;
+        drop(factory);
+        let found: Vec<Vec<f64>> = samples.iter().map(|pulse| powers(pulse, channels)).collect();
+        let all = if pulses.len() as u64 == run.scene.pulses { None } else { over_the_run(run, threads)? };
+        let means = match all {
+            Some(all) => (0..channels)
+                .map(|channel| {
+                    let heard = found.iter().map(|pulse| pulse[channel]).sum::<f64>();
+                    mean_of(&all, channel).max(heard / run.scene.pulses.max(1) as f64)
+                })
+                .collect(),
+            None => (0..channels).map(|channel| mean_of(&found, channel)).collect(),
+        };
+        Ok(Self { pulses, samples, means, threads, pulses_per_s })
     }
 
     /// The pulses.
@@ -148,27 +173,58 @@ impl Judge {
 
     /// The pulses as a factory without noise and converter makes them.
     pub(super) fn make(&self, factory: &PulseFactory) -> Result<Vec<Vec<Complex32>>, PulseError> {
-        make(factory, &self.pulses, self.threads, &|_| ())
+        make(factory, &self.pulses, self.threads, &|_| (), <[_]>::to_vec)
     }
 
     /// The error of samples, `[pulse][channel x sample]`.
     pub(super) fn accuracy(&self, found: &[Vec<Complex32>]) -> Accuracy {
-        compare(&self.pulses, self.channels, found, &self.samples)
+        compare(&self.pulses, &self.means, found, &self.samples)
     }
 
     /// How far two sets of samples are apart, as an error of the first.
     pub(super) fn apart(&self, found: &[Vec<Complex32>], from: &[Vec<Complex32>]) -> Accuracy {
-        compare(&self.pulses, self.channels, found, from)
+        compare(&self.pulses, &self.means, found, from)
     }
 }
 
-/// The error of `found` against `reference`, `[pulse][channel x sample]`.
+/// Power of each channel of a pulse.
+fn powers(samples: &[Complex32], channels: usize) -> Vec<f64> {
+    (0..channels).map(|channel| power(&samples[of_channel(channel, channels, samples.len())])).collect()
+}
+
+fn of_channel(channel: usize, channels: usize, samples: usize) -> std::ops::Range<usize> {
+    let len = samples / channels;
+    channel * len..(channel + 1) * len
+}
+
+/// Mean power of a channel over pulses, `[pulse][channel]`.
+fn mean_of(powers: &[Vec<f64>], channel: usize) -> f64 {
+    powers.iter().map(|pulse| pulse[channel]).sum::<f64>() / powers.len().max(1) as f64
+}
+
+/// Powers of pulses spread over a run, `[pulse][channel]`; `None` where only the reference can make them.
+fn over_the_run(run: &Run, threads: usize) -> Result<Option<Vec<Vec<f64>>>, BuildErrors> {
+    let asked = Asked { node_pulses: Some(1), ..Asked::error_db(OF_POWER_DB) };
+    let factory = factory_for(run, &Fidelity::Fast(asked))?;
+    let count = if factory.facets() > 0 { OF_SEA } else { OF_POINTS }.min(run.scene.pulses);
+    let middle = |n: u64| u128::from(run.scene.pulses) * u128::from(2 * n + 1) / u128::from(2 * count);
+    let pulses: Vec<u64> = (0..count).map(|n| middle(n) as u64).collect();
+    let channels = factory.layout().channels;
+    match make(&factory, &pulses, threads, &|_| (), |samples| powers(samples, channels)) {
+        Ok(powers) => Ok(Some(powers)),
+        Err(PulseError::Unplaced { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// The error of `found` against `reference`, `[pulse][channel x sample]`, relative to the mean powers of the channels.
 fn compare(
     pulses: &[u64],
-    channels: usize,
+    means: &[f64],
     found: &[Vec<Complex32>],
     reference: &[Vec<Complex32>],
 ) -> Accuracy {
+    let channels = means.len();
     let mut accuracy = Accuracy {
         rel_rms_db: LEAST_DB,
         rel_rms_db_mean: LEAST_DB,
@@ -177,13 +233,8 @@ fn compare(
         channel_db: vec![None; channels],
     };
     let (mut sum, mut terms) = (0.0, 0u32);
-    for channel in 0..channels {
-        let of = |pulse: &'_ Vec<Complex32>| {
-            let len = pulse.len() / channels;
-            channel * len..(channel + 1) * len
-        };
-        let mean = reference.iter().map(|pulse| power(&pulse[of(pulse)])).sum::<f64>()
-            / reference.len().max(1) as f64;
+    for (channel, &mean) in means.iter().enumerate() {
+        let of = |pulse: &[Complex32]| of_channel(channel, channels, pulse.len());
         for ((found, reference), index) in found.iter().zip(reference).zip(pulses) {
             let apart: f64 = found[of(found)]
                 .iter()
@@ -218,13 +269,14 @@ fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErro
     changing::factory(&run, fidelity)
 }
 
-/// Samples of pulses that stand in their order, `[pulse][channel x sample]`: blocks go to whoever is free.
-fn make(
+/// What is kept of the samples, `[channel x sample]`, of pulses that stand in their order: blocks go to whoever is free.
+fn make<T: Send>(
     factory: &PulseFactory,
     pulses: &[u64],
     threads: usize,
     passed: &(impl Fn(usize) + Sync),
-) -> Result<Vec<Vec<Complex32>>, PulseError> {
+    keep: impl Fn(&[Complex32]) -> T + Sync,
+) -> Result<Vec<T>, PulseError> {
     let block = factory.block_pulses();
     let groups: Vec<&[u64]> = pulses.chunk_by(|a, b| a / block == b / block).collect();
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -234,14 +286,15 @@ fn make(
         while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
             for &index in *group {
                 factory.make(index, &mut slot, &mut work)?;
-                let samples = match &slot.samples {
-                    Samples::Cf32(samples) => samples.clone(),
+                let kept = match &slot.samples {
+                    Samples::Cf32(samples) => keep(samples),
                     // Not made here: runs are without converter.
                     Samples::Ci16(codes) => {
-                        codes.iter().map(|[re, im]| Complex32::new(f32::from(*re), f32::from(*im))).collect()
+                        let of = |[re, im]: &[i16; 2]| Complex32::new(f32::from(*re), f32::from(*im));
+                        keep(&codes.iter().map(of).collect::<Vec<_>>())
                     }
                 };
-                made.push((index, samples));
+                made.push((index, kept));
                 passed(done.fetch_add(1, Ordering::Relaxed) + 1);
             }
         }
@@ -258,7 +311,7 @@ fn make(
         made.append(&mut part?);
     }
     made.sort_by_key(|(index, _)| *index);
-    Ok(made.into_iter().map(|(_, samples)| samples).collect())
+    Ok(made.into_iter().map(|(_, kept)| kept).collect())
 }
 
 #[cfg(test)]
@@ -299,18 +352,20 @@ mod tests {
         let reference =
             vec![vec![c(1.0), c(1.0), c(0.0), c(0.0)], vec![c(2.0), c(2f32.sqrt()), c(0.0), c(0.0)]];
         let mut found = reference.clone();
-        let same = compare(&[3, 9], 2, &found, &reference);
+        let powers: Vec<Vec<f64>> = reference.iter().map(|pulse| powers(pulse, 2)).collect();
+        let means = [0, 1].map(|channel| mean_of(&powers, channel));
+        let same = compare(&[3, 9], &means, &found, &reference);
         assert_eq!((same.rel_rms_db, same.rel_rms_db_mean), (LEAST_DB, LEAST_DB));
         assert_eq!(same.channel_db, [Some(LEAST_DB), None]);
         found[0][0] = c(1.1);
-        let off = compare(&[3, 9], 2, &found, &reference);
+        let off = compare(&[3, 9], &means, &found, &reference);
         // f32 holds 1.1 to 6e-8: 1e-6 of the square of 0.1.
         assert!((off.rel_rms_db - 10.0 * (0.01f64 / 4.0).log10()).abs() < 1e-4, "{off:?}");
         assert!((off.rel_rms_db_mean - 10.0 * (0.01f64 / 8.0).log10()).abs() < 1e-4, "{off:?}");
         assert_eq!((off.worst_pulse, off.worst_channel), (3, 0));
         // An echo where there is none.
         found[1][3] = c(1e-9);
-        let ghost = compare(&[3, 9], 2, &found, &reference);
+        let ghost = compare(&[3, 9], &means, &found, &reference);
         assert_eq!((ghost.rel_rms_db, ghost.worst_pulse, ghost.worst_channel), (-LEAST_DB, 9, 1));
     }
 }

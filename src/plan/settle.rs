@@ -9,10 +9,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::cost::{Prices, Size, Work};
+use super::sounding::points::Law;
 use super::sounding::{LONGEST, Left, Powers, Sounded, Sounder, Sweeps, Swept};
 use super::{PlanError, Prediction};
 use crate::echo::Asked;
-use crate::echo::synth::doppler::Doppler;
+use crate::echo::synth::doppler::{Doppler, error_power};
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::radar::illumination::Illumination;
 use crate::radar::illumination::tiles::{Faint, GAIN_POINTS, LOOKS_PER_NODE, NODES};
@@ -45,6 +46,10 @@ const OF_TURNING_DB: f64 = -40.0;
 /// What the acceleration of the water adds in the worst pulse to its mean, dB: the worst of 48 pulses from 800 km is 4.7 dB above it
 /// (`tests/data/scenarios/orbit.toml`, -54.4 against -59.2 dB of the closed form).
 const WORST_BOUNCE_DB: f64 = 5.0;
+
+/// Rounding of the samples to f32, those of the reference too: uniform within a unit of `2^-23` where the mantissa is 1, on the whole half the
+/// power of that, `2 x 2^-46/24`.
+const OF_SAMPLES: f64 = 1.2e-15;
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,17 +178,11 @@ pub fn settle(
     let power = sounder.power().clone();
     let judge = Judge { power: &power };
     let budget = 10f64.powf(asked.error_db / 10.0);
-    // What is in proportion to a pulse weighs as the strongest one.
-    let peak = sounder.peak().iter().fold(1.0f64, |most, own| most.max(*own));
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
     let of_facets = illumination.facets() as f64;
 
     let echo_of = |settings: Settings, precision: Precision| {
-        echo_error(scene, illumination, waveform, &sounder, settings, precision).map(|of| PredictedError {
-            gridding: peak * of.gridding,
-            doppler: peak * of.doppler,
-            rounding: peak * of.rounding,
-        })
+        EchoError::of(scene, illumination, waveform, &sounder, settings, precision)
     };
     let doppler = asked.doppler.unwrap_or(match waveform.sweep_rate_hz_per_s() {
         Some(_) => Doppler::Shift,
@@ -204,14 +203,20 @@ pub fn settle(
             break;
         }
     }
-    let (mut settings, mut error) = echo.unwrap_or((settings_of(8), PredictedError::default()));
-    if asked.doppler.is_none() && doppler != Doppler::Taylor && error.doppler > 0.3 * budget {
+    let (mut settings, mut echo) = match echo {
+        Some(echo) => echo,
+        None => (settings_of(8), echo_of(settings_of(8), precision)?),
+    };
+    let longest = if exact { 1 } else { LONGEST };
+    let of_doppler = |echo: &EchoError| echo.of_blocks(&sounder, longest).doppler;
+    if asked.doppler.is_none() && doppler != Doppler::Taylor && of_doppler(&echo) > 0.3 * budget {
         let with_moment = Settings { doppler: Doppler::Taylor, ..settings };
         let other = echo_of(with_moment, precision)?;
-        if other.doppler < 0.5 * error.doppler {
-            (settings, error) = (with_moment, other);
+        if of_doppler(&other) < 0.5 * of_doppler(&echo) {
+            (settings, echo) = (with_moment, other);
         }
     }
+    let of_single = echo.of_blocks(&sounder, 1);
     let kept = sounder.kept(least_power);
     let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
     let one_by_one = |gain_pulses: u64| {
@@ -225,7 +230,7 @@ pub fn settle(
             precision,
             echo: settings,
         };
-        let prediction = Prediction { echo: error, ..Prediction::default() };
+        let prediction = Prediction { echo: of_single, ..Prediction::default() };
         Plan { asked: *asked, settled, prediction, work: size.work(&settled, false), size }
     };
     if exact || !sounder.interpolates() {
@@ -265,9 +270,9 @@ pub fn settle(
     rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
     rungs.dedup();
     rungs.retain(|pulses| *pulses > 1);
-    let predict = |left: &[Left], gain: &Gain| {
+    let predict = |echo: PredictedError, left: &[Left], gain: &Gain| {
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &culled);
-        Prediction { echo: error, path, tilt, gain, culled, bounce }
+        Prediction { echo, path, tilt, gain, culled, bounce }
     };
     let farthest_look = if sounder.turning() { farthest_look(scene) } else { u64::MAX };
     let prices = Prices::TABLE;
@@ -286,7 +291,7 @@ pub fn settle(
     let nothing = [sounder.nothing()];
     let allowed: Vec<(u64, Rung)> = gains
         .iter()
-        .filter(|gain| predict(&nothing, gain).total() <= budget)
+        .filter(|gain| predict(of_single, &nothing, gain).total() <= budget)
         .map(|gain| (gain.pulses, gain.rung))
         .collect();
     let least = |node_pulses: u64| {
@@ -304,6 +309,7 @@ pub fn settle(
         if asked.gain_pulses.is_some() {
             gains = sweeps_of(&sounder.gains(&gain_rungs, block_pulses(node_pulses))?);
         }
+        let of_block = echo.of_blocks(&sounder, block_length(node_pulses, hold_pulses));
         let mut sounded = vec![sounder.left(0, node_pulses)?];
         let left_of = |sounded: &[Sounded], looks: usize, rung: Rung| -> Vec<Left> {
             sounded.iter().flat_map(|sounded| sounded.left(looks, &ladder, rung.n)).collect()
@@ -315,7 +321,7 @@ pub fn settle(
                 gains
                     .iter()
                     .filter(|gain| gain.rung.n == rung.n)
-                    .any(|gain| predict(&left, gain).total() <= budget)
+                    .any(|gain| predict(of_block, &left, gain).total() <= budget)
             })
         });
         if allows || rungs.len() == 1 || of_facets == 0.0 {
@@ -346,7 +352,7 @@ pub fn settle(
                     continue;
                 }
                 let settled = settled_of(node_pulses, looks, gain.pulses, *rung);
-                let prediction = predict(&left, gain);
+                let prediction = predict(of_block, &left, gain);
                 let work = size.work(&settled, true);
                 let plan = Plan { asked: *asked, settled, prediction, work, size };
                 let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {
@@ -379,40 +385,72 @@ fn farthest_look(scene: &Scene) -> u64 {
 }
 
 /// Error of the echo itself, the worst pair.
-fn echo_error(
-    scene: &Scene,
-    illumination: &Illumination,
-    waveform: &Arc<dyn Waveform>,
-    sounder: &Sounder<'_>,
-    settings: Settings,
-    precision: Precision,
-) -> Result<PredictedError, PlanError> {
-    let radar = &scene.radar;
-    let of_channels = illumination.channel_pairs();
-    let (waveform, samples) = (Arc::clone(waveform), radar.window.samples);
-    let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
-    let cells_per_s = settings.oversampling * rate_hz;
-    let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
-    let drift_cells =
-        if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
-    let of: Box<dyn Fn(f64, f64) -> PredictedError> = match precision {
-        Precision::Single => {
-            let synth = Synth::<f32>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
-            Box::new(move |mean, off| synth.predicted_error_of(mean, off, drift_cells))
+struct EchoError {
+    gridding: f64,
+    rounding: f64,
+    /// Of facets.
+    doppler: f64,
+    /// Of points.
+    law: Law,
+}
+
+impl EchoError {
+    fn of(
+        scene: &Scene,
+        illumination: &Illumination,
+        waveform: &Arc<dyn Waveform>,
+        sounder: &Sounder<'_>,
+        settings: Settings,
+        precision: Precision,
+    ) -> Result<Self, PlanError> {
+        let radar = &scene.radar;
+        let of_channels = illumination.channel_pairs();
+        let (own_waveform, samples) = (Arc::clone(waveform), radar.window.samples);
+        let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
+        let cells_per_s = settings.oversampling * rate_hz;
+        let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
+        let drift_cells =
+            if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
+        let (fft_len, of): (usize, Box<dyn Fn(f64) -> PredictedError>) = match precision {
+            Precision::Single => {
+                let synth =
+                    Synth::<f32>::new(own_waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+                (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
+            }
+            Precision::Double => {
+                let synth =
+                    Synth::<f64>::new(own_waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+                (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
+            }
+        };
+        let off_mean = |mean_hz: f64, off_hz: f64| {
+            error_power(settings.doppler, waveform.as_ref(), rate_hz, fft_len, mean_hz, off_hz)
+        };
+        let (mut worst, mut doppler, mut a_mean_hz) = (of(0.0), 0.0f64, 0.0);
+        for (mean_hz, groups) in sounder.dopplers() {
+            let own = of(mean_hz);
+            if own.total_db() > worst.total_db() {
+                worst = own;
+            }
+            let sum: f64 = groups.iter().map(|off_hz| off_mean(mean_hz, *off_hz)).sum();
+            doppler = doppler.max(sum / groups.len().max(1) as f64);
+            a_mean_hz = mean_hz;
         }
-        Precision::Double => {
-            let synth = Synth::<f64>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
-            Box::new(move |mean, off| synth.predicted_error_of(mean, off, drift_cells))
-        }
-    };
-    let mut worst = of(0.0, 0.0);
-    for (mean, groups) in sounder.dopplers() {
-        let mut own = of(mean, 0.0);
-        let doppler: f64 = groups.iter().map(|off| of(mean, *off).doppler).sum();
-        own.doppler = doppler / groups.len().max(1) as f64;
-        if own.total_db() > worst.total_db() {
-            worst = own;
-        }
+        let law =
+            Law::new(sounder.points(), settings.doppler == Doppler::Taylor, |hz| off_mean(a_mean_hz, hz));
+        // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may be in phase.
+        let peak = sounder.peak([1.0, 2.0]).max(1.0);
+        Ok(Self {
+            gridding: peak * worst.gridding,
+            rounding: peak * (worst.rounding + OF_SAMPLES),
+            doppler: sounder.peak([1.0, 0.0]) * doppler,
+            law,
+        })
     }
-    Ok(worst)
+
+    /// In blocks of so many pulses.
+    fn of_blocks(&self, sounder: &Sounder<'_>, pulses: u64) -> PredictedError {
+        let doppler = self.doppler + sounder.doppler_of_points(&self.law, pulses);
+        PredictedError { gridding: self.gridding, rounding: self.rounding, doppler }
+    }
 }

@@ -24,12 +24,13 @@
 //! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
 //! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
 //!
-//! Targets and direct paths are few: all of them are followed, at every pulse.
+//! Targets and direct paths are few: they are followed themselves, in [`points`].
 //!
 //! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
 //! platforms between the places is not seen.
 
 mod left;
+pub mod points;
 mod sweep;
 
 use std::ops::Range;
@@ -45,8 +46,9 @@ use crate::radar::illumination::tiles::sounding::{Heard, Keep, Shadows};
 use crate::radar::illumination::tiles::{FEW, Instants, TileWork};
 use crate::radar::illumination::{Illumination, Workspace};
 use crate::radar::waveform::Waveform;
-use crate::scattering::contact::Contacts;
 use crate::scene::{Patch, Radar};
+
+use points::{Law, Points};
 
 pub use left::{Left, Sounded};
 pub use sweep::{Sweeps, Swept};
@@ -116,13 +118,16 @@ pub struct Sounder<'a> {
     interpolates: bool,
     /// Whether some facets turn away from an antenna.
     turning: bool,
-    /// `(pair, Doppler Hz, power W)` of facets and points, all places.
+    /// `(pair, Doppler Hz, power W)` of facets, all places.
     dopplers: Vec<(usize, f64, f64)>,
-    /// Largest rate of a delay.
+    /// `[pair]`: power of the points at all places, and its sum with their Doppler.
+    dopplers_of_points: Vec<(f64, f64)>,
+    /// Largest rate of a delay of facets.
     fastest: f64,
-    /// Mean power over the run, and what the strongest pulse may have over that.
+    /// Mean power over the run, of facets and points, and what the facets of the strongest pulse may have.
     power: Powers,
-    peak: Powers,
+    highest: Powers,
+    points: Points,
     /// Share of the facets, mean over the run, above each of [`LEASTS`] times the mean power and not dark.
     kept: Vec<f64>,
     /// Power of facets below each of [`LEASTS`] times the mean.
@@ -166,14 +171,17 @@ impl<'a> Sounder<'a> {
             interpolates: true,
             turning: false,
             dopplers: Vec::new(),
+            dopplers_of_points: vec![(0.0, 0.0); pairs],
             fastest: 0.0,
             power: vec![0.0; all],
-            peak: vec![1.0; all],
+            highest: vec![0.0; all],
+            points: Points::default(),
             kept: vec![0.0; LEASTS.len()],
             culled: vec![vec![0.0; all]; LEASTS.len()],
             gains: vec![0.0; ladder.bins()],
             ladder,
         };
+        own.find_points()?;
         let strongest = own.profile()?;
         // The last block of a run may be cut short.
         let last = pulses.saturating_sub(LONGEST / 2);
@@ -188,14 +196,14 @@ impl<'a> Sounder<'a> {
             own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
             own.open(own.places.len() - 1)?;
         }
+        own.follow_points()?;
         Ok(own)
     }
 
     /// Power over the run; tells the strongest pulse.
     fn profile(&mut self) -> Result<u64, RadarError> {
         let count = PROFILE.min(self.pulses);
-        let (mut strongest, mut most) = (0, 0.0);
-        let mut highest = vec![0.0f64; self.power.len()];
+        let (mut strongest, mut most) = (self.points.loudest, 0.0);
         for step in 0..count {
             let index =
                 (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
@@ -221,11 +229,10 @@ impl<'a> Sounder<'a> {
             for (mean, own) in self.power.iter_mut().zip(powers) {
                 *mean += own / count as f64;
             }
-            highest.iter_mut().zip(worst).for_each(|(highest, own)| *highest = highest.max(own));
+            self.highest.iter_mut().zip(worst).for_each(|(highest, own)| *highest = highest.max(own));
         }
-        for ((peak, mean), highest) in self.peak.iter_mut().zip(&self.power).zip(highest) {
-            *peak = if *mean > 0.0 { highest / mean } else { 1.0 };
-        }
+        let weight = self.sampled();
+        self.power.iter_mut().zip(&self.points.power).for_each(|(mean, own)| *mean += weight * own);
         Ok(strongest)
     }
 
@@ -263,7 +270,7 @@ impl<'a> Sounder<'a> {
         self.kept[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
     }
 
-    /// Powers of a sample and of the points of a pulse, and those that the worst of pulses like it may have.
+    /// Powers of a sample at a pulse, and those that the worst of pulses like it may have.
     fn powers(&mut self, index: u64, truths: &[Truth]) -> Result<[Powers; 2], RadarError> {
         let mut sums = vec![Sum::default(); self.power.len()];
         let (cells, weight, deviations) = (self.cells_at(index)?, self.sampled(), self.deviations());
@@ -278,34 +285,8 @@ impl<'a> Sounder<'a> {
                 }
             }
         }
-        let mut powers: Powers = sums.iter().map(Sum::mean).collect();
-        let mut worst: Powers = sums.iter().map(|sum| sum.worst_of_like(weight, deviations)).collect();
-        for (_, channel, _, w) in self.points(index)? {
-            powers[channel] += w * weight;
-            // Two of them may add up in phase.
-            worst[channel] += 2.0 * w * weight;
-        }
-        Ok([powers, worst])
-    }
-
-    /// Points of a pulse: `(pair, channel, delay rate, power)`.
-    fn points(&mut self, index: u64) -> Result<Vec<(usize, usize, f64, f64)>, RadarError> {
-        let mut found = Vec::new();
-        let points = self.illumination.point_count();
-        if points == 0 {
-            return Ok(found);
-        }
-        let mut contacts = Contacts::new(self.channels.len(), self.power.len(), points);
-        self.illumination.points(index, &mut self.light, &mut contacts)?;
-        for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
-            for (a, rate) in contacts.amplitude[channel].iter().zip(&contacts.delay_rate[*pair]) {
-                let w = a.norm_sqr();
-                if w.is_finite() && w > 0.0 {
-                    found.push((*pair, channel, *rate, w));
-                }
-            }
-        }
-        Ok(found)
+        let worst = sums.iter().map(|sum| sum.worst_of_like(weight, deviations)).collect();
+        Ok([sums.iter().map(Sum::mean).collect(), worst])
     }
 
     /// Whether blocks are interpolated at all; if not, every pulse is made by itself.
@@ -328,14 +309,27 @@ impl<'a> Sounder<'a> {
         &self.power
     }
 
-    /// Power that the strongest of all pulses may have, over the mean.
-    pub fn peak(&self) -> &Powers {
-        &self.peak
+    /// What is in proportion to the power of a pulse, in the strongest that there may be, over the mean of all: of the worst channel, with
+    /// weights of facets and of points.
+    pub fn peak(&self, [of_facets, of_points]: [f64; 2]) -> f64 {
+        let both = self.highest.iter().zip(&self.points.highest);
+        let highest = both.map(|(facets, points)| of_facets * facets + of_points * self.sampled() * points);
+        self.worst_ratio(&highest.collect())
+    }
+
+    /// What Doppler within a pulse leaves of points in the worst pulse of blocks of so many, over the mean power of all.
+    pub fn doppler_of_points(&self, law: &Law, block_pulses: u64) -> f64 {
+        self.sampled() * self.worst_ratio(&self.points.doppler(law, block_pulses))
+    }
+
+    fn worst_ratio(&self, powers: &Powers) -> f64 {
+        let heard = powers.iter().zip(&self.power).filter(|(_, mean)| **mean > 0.0);
+        heard.map(|(own, mean)| own / mean).fold(0.0, f64::max)
     }
 
     /// Largest rate of a delay.
     pub fn fastest(&self) -> f64 {
-        self.fastest
+        self.fastest.max(self.points.fastest)
     }
 
     /// Power of facets that fall below a share of the mean power, at the worst place.
@@ -343,17 +337,18 @@ impl<'a> Sounder<'a> {
         &self.culled[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
     }
 
-    /// Mean Doppler of each pair, and groups of equal power with the rms of what is off it, Hz.
+    /// Mean Doppler of each pair, and groups of facets of equal power with the rms of what is off it, Hz.
     pub fn dopplers(&self) -> Vec<(f64, Vec<f64>)> {
         let mut of_pairs = Vec::new();
         for pair in 0..self.channels.len() {
             let mut own: Vec<(f64, f64)> =
                 self.dopplers.iter().filter(|(p, ..)| *p == pair).map(|(_, hz, w)| (*hz, *w)).collect();
             let all: f64 = own.iter().map(|(_, w)| w).sum();
-            if all <= 0.0 {
+            let (of_points, weighted) = self.dopplers_of_points[pair];
+            if all + of_points <= 0.0 {
                 continue;
             }
-            let mean = own.iter().map(|(hz, w)| hz * w).sum::<f64>() / all;
+            let mean = (own.iter().map(|(hz, w)| hz * w).sum::<f64>() + weighted) / (all + of_points);
             own.sort_by(|a, b| (a.0 - mean).abs().total_cmp(&(b.0 - mean).abs()));
             let (mut groups, mut sums, mut passed) = (Vec::new(), (0.0, 0.0), 0.0);
             for (hz, w) in own {
@@ -391,12 +386,7 @@ impl<'a> Sounder<'a> {
         let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
         means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
         self.leave_out(&truths, &means_w);
-        let weight = self.sampled();
-        for (pair, _, rate, w) in self.points(first)? {
-            self.dopplers.push((pair, scale * rate, w * weight));
-            self.fastest = self.fastest.max(rate.abs());
-        }
-        Ok(())
+        self.add_points_at(first)
     }
 
     /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of runs that lose

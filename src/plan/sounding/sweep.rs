@@ -1,20 +1,16 @@
 //! What interpolation between instants of gain leaves.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
-use num_complex::Complex64;
-
-use super::{LONGEST, Place, Powers, Sounder, TILES, runs_of, square, through};
+use super::{LONGEST, Place, Powers, Sounder, TILES, runs_of, square};
 use crate::geometry::lanes::Row;
 use crate::plan::faint::{Binned, Ladder};
 use crate::plan::worst::Sum;
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::tiles::sounding::{Keep, Shadows};
 use crate::radar::illumination::tiles::{
-    Faint, Instants, Tiers, faint_gain_pulses, gain_instants, gain_step, gain_weights, nodes_within,
+    Faint, Instants, Tiers, faint_gain_pulses, gain_instants, gain_step, gain_weights,
 };
-use crate::scattering::contact::Contacts;
 
 /// What interpolation between instants of gain leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,8 +31,8 @@ pub struct Sweeps {
     steps: Vec<u64>,
     /// `[place][close, faint][step]`.
     sea: Vec<[Vec<Probed>; 2]>,
-    /// `[place][step]`; nothing for those of faint tiles alone.
-    points: Vec<Vec<Powers>>,
+    /// Of points, steps and powers.
+    points: Vec<(u64, Powers)>,
     channels: usize,
     share: f64,
     deviations: f64,
@@ -49,7 +45,7 @@ impl Sweeps {
         let mut worst = Swept { end: none.clone(), inner: none };
         let at = |wanted: u64| self.steps.iter().position(|step| *step == wanted).unwrap_or(0);
         let (close, rough) = (at(gain_pulses), at(faint_gain_pulses(gain_pulses as usize) as u64));
-        for (sea, points) in self.sea.iter().zip(&self.points) {
+        for sea in &self.sea {
             for channel in 0..self.channels {
                 let of = |step: usize, faint: bool, end: bool| {
                     let probes = sea[usize::from(faint)][step]
@@ -62,8 +58,13 @@ impl Sweeps {
                 };
                 for (worst, end) in [(&mut worst.end, true), (&mut worst.inner, false)] {
                     let both = of(close, false, end) + of(rough, true, end);
-                    worst[channel] = worst[channel].max(both + points[close][channel]);
+                    worst[channel] = worst[channel].max(both);
                 }
+            }
+        }
+        if let Some((_, points)) = self.points.iter().find(|(step, _)| *step == gain_pulses) {
+            for worst in [&mut worst.end, &mut worst.inner] {
+                worst.iter_mut().zip(points).for_each(|(worst, own)| *worst += own);
             }
         }
         worst
@@ -104,15 +105,14 @@ impl Sounder<'_> {
         all.extend(steps.iter().map(|step| faint_gain_pulses(*step as usize) as u64));
         all.sort_unstable();
         all.dedup();
-        let (mut sea, mut points) = (Vec::new(), Vec::new());
+        let mut sea = Vec::new();
         for place in 0..self.places.len() {
             sea.push(self.gains_of_sea(place, &all, block_pulses)?);
-            let of_close = self.gains_of_points(place, steps)?;
-            let none = vec![0.0; self.radar.channels.len()];
-            let of = |step| steps.iter().position(|own| own == step).map_or(&none, |own| &of_close[own]);
-            points.push(all.iter().map(|step| of(step).clone()).collect());
         }
         let (share, deviations) = (self.sampled(), self.deviations());
+        let of_points = self.gains_of_points(steps)?.into_iter();
+        let of_points = of_points.map(|powers| powers.iter().map(|own| share * own).collect());
+        let points = steps.iter().copied().zip(of_points).collect();
         Ok(Sweeps { steps: all, sea, points, channels: self.radar.channels.len(), share, deviations })
     }
 
@@ -192,51 +192,5 @@ impl Sounder<'_> {
             })?;
         }
         Ok(sums)
-    }
-
-    fn gains_of_points(&mut self, place: usize, steps: &[u64]) -> Result<Vec<Powers>, RadarError> {
-        let channels = self.radar.channels.len();
-        let mut worst = vec![vec![0.0f64; channels]; steps.len()];
-        let points = self.illumination.point_count();
-        if points == 0 {
-            return Ok(worst);
-        }
-        let first = self.places[place].first;
-        let longest = 3 * steps.iter().max().copied().unwrap_or(1);
-        let pulses = longest.min(self.pulses - first).min(LONGEST) as usize;
-        let mut exact = Vec::with_capacity(pulses);
-        for pulse in 0..pulses {
-            let mut contacts = Contacts::new(self.channels.len(), channels, points);
-            self.illumination.points(first + pulse as u64, &mut self.light, &mut contacts)?;
-            exact.push(contacts);
-        }
-        let weight = self.sampled();
-        let turns_per_s = TAU * self.radar.carrier_hz;
-        for (worst, &step) in worst.iter_mut().zip(steps) {
-            let part = (3 * step as usize).min(pulses);
-            let (nodes, count) = nodes_within(part);
-            let nodes = &nodes[..count];
-            for pulse in 0..part {
-                let weights = through(nodes, pulse);
-                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
-                    let mut sum = 0.0;
-                    for n in 0..exact[pulse].len() {
-                        let at = |m: usize| (&exact[m].delay_s[*pair][n], &exact[m].amplitude[channel][n]);
-                        let (delay_s, a) = at(pulse);
-                        let (mut late_s, mut found) = (0.0, Complex64::ZERO);
-                        for (m, weight) in nodes.iter().zip(weights) {
-                            let (delay_m_s, a) = at(*m);
-                            late_s += weight * (delay_m_s - delay_s);
-                            found += a * weight;
-                        }
-                        let off = (found * Complex64::cis(-turns_per_s * late_s) - a).norm_sqr() * weight;
-                        sum += if off.is_finite() { off } else { 0.0 };
-                    }
-                    // Two of them may add up in phase.
-                    worst[channel] = worst[channel].max(2.0 * sum);
-                }
-            }
-        }
-        Ok(worst)
     }
 }
