@@ -116,11 +116,15 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         0 => String::new(),
         ready => format!(" ({ready} of them made in time: the system held up the release)"),
     };
+    let made = match health.made {
+        0 => "none was made".to_owned(),
+        _ => format!("made at {:.1} times real time", summary.real_time_factor),
+    };
     say(format_args!(
-        "{how} {} pulses in {:.2} s: {} late{}, {} dropped; made at {:.1} times real time",
-        health.pulses, summary.elapsed_s, health.late, held_up, health.dropped, summary.real_time_factor
+        "{how} {} pulses in {:.2} s: {} late{}, {} dropped; {made}",
+        health.pulses, summary.elapsed_s, health.late, held_up, health.dropped
     ));
-    if run.stream.pace == transport::Pace::Realtime {
+    if run.stream.pace == transport::Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
         say(format_args!(
             "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer {} ordinary threads",
@@ -135,9 +139,6 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     for right in health.rights.iter().filter(|right| !right.granted) {
         let reason = right.reason.as_deref().unwrap_or("refused");
         say(format_args!("warning: the system refused stream.{}: {reason}", right.asked));
-    }
-    if health.pulses == 0 && health.dropped > 0 {
-        say("warning: no pulse was made within the latency; raise stream.latency_ms");
     }
     for sink in &health.sinks {
         if sink.dropped > 0 {

@@ -77,6 +77,8 @@ pub(super) fn stream(
         policy: policy?,
         latency_s,
         ring_slots: slots,
+        // A block is what its echo makes of it.
+        batch_pulses: 1,
         threads,
         pacer_ahead: ahead?,
         pacer_core: pacer_core?,
