@@ -79,6 +79,12 @@ fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// So many of something: `1 pulse`, `2 pulses`.
+fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
+    let plural = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {what}{plural}")
+}
+
 /// What the user should know, a line each.
 fn warn(warnings: impl IntoIterator<Item = impl std::fmt::Display>) {
     for warning in warnings {

@@ -91,7 +91,7 @@ pub enum PacerError {
     },
     /// Policy `drop`: every pulse of the run came too late.
     #[error(
-        "not one of {pulses} pulses was released: policy = \"drop\" discards what is made too late, and all of them \
+        "not one pulse of {pulses} was released: policy = \"drop\" discards what is made too late, and all of them \
          were. Allowed: {}, a lighter scene, policy = \"slip\", or --pace fast", latency.more()
     )]
     NothingReleased {
@@ -523,7 +523,7 @@ pub(super) mod tests {
         assert_eq!((shot.pulses, shot.late, shot.dropped), (0, 0, 4));
         // Nor does a run end well that released nothing.
         let Err(error @ PacerError::NothingReleased { pulses: 4, .. }) = ended else { panic!("{ended:?}") };
-        insta::assert_snapshot!(error, @r#"not one of 4 pulses was released: policy = "drop" discards what is made too late, and all of them were. Allowed: stream.latency_ms = 1 or more (it is 0; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip", or --pace fast"#);
+        insta::assert_snapshot!(error, @r#"not one pulse of 4 was released: policy = "drop" discards what is made too late, and all of them were. Allowed: stream.latency_ms = 1 or more (it is 0; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip", or --pace fast"#);
     }
 
     #[test]

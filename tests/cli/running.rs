@@ -35,6 +35,7 @@ fn a_run_says_what_it_did_in_json() {
     assert_eq!(summary["sinks"][0]["written"], 30);
     assert_eq!(summary["out"][0]["pulses"], 30);
     assert!(folder.path().join(&out).exists());
+    assert!(!ended.stderr.contains("slipped"), "{}", ended.stderr);
     // How the recorded track was made is told.
     assert!(ended.stderr.contains("smoothed"), "{}", ended.stderr);
 
@@ -129,12 +130,21 @@ fn a_run_that_releases_nothing_has_failed() {
     // One block, and it is late as a whole.
     let ended = short_of_latency("drop", &["--pulses", "0..3"]);
     assert_eq!(ended.code, 1, "{}", ended.stderr);
-    for part in ["not one of 3 pulses was released", "stream.latency_ms = 15 or more (it is 1;"] {
+    for part in ["not one pulse of 3 was released", "stream.latency_ms = 15 or more (it is 1;"] {
         assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
     }
     let summary = json(&ended.stdout);
     assert_eq!((&summary["pulses"], &summary["dropped"]), (&0.into(), &3.into()));
-    assert!(summary["error"].as_str().unwrap().contains("not one of 3"));
+    assert!(summary["error"].as_str().unwrap().contains("not one pulse of 3"));
+}
+
+#[test]
+fn slipped_time_is_told() {
+    let ended = short_of_latency("slip", &["--pulses", "0..1"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("released 1 pulse in "), "{}", ended.stderr);
+    assert!(ended.stderr.contains("time slipped by "), "{}", ended.stderr);
+    assert!(json(&ended.stdout)["slipped_s"].as_f64().unwrap() > 0.0, "{}", ended.stdout);
 }
 
 /// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.
