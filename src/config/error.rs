@@ -421,6 +421,17 @@ pub enum Warning {
         /// Its name.
         name: String,
     },
+    /// Knobs of the fast echo beside the reference.
+    #[error(
+        "without effect on the reference echo{}: {keys}; fidelity.echo = \"fast\" heeds them",
+        if *written { "" } else { ", which a scenario without [sea] has" }
+    )]
+    IdleKnobs {
+        /// The keys.
+        keys: String,
+        /// Whether the scenario itself asks for the reference.
+        written: bool,
+    },
     /// The ring cannot hold the latency.
     #[error(
         "{wanted} pulses are under way within the latency, {slots} fit in {mebibytes} MiB: pulses are made {slots} ahead"
