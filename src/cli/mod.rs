@@ -29,8 +29,8 @@ use std::time::Instant;
 use clap::Parser;
 
 pub use args::{
-    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotASpan, Pace, PulseRange, ReceiveArgs,
-    RunArgs, Setting, Template, TradeoffArgs,
+    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotACount, NotADuration, NotASpan, Pace,
+    PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs,
 };
 pub use control::ControlFault;
 pub use error::CliError;
