@@ -57,14 +57,31 @@ impl ConfigError {
     }
 }
 
+/// Faults of syntax that are listed: a file that is no TOML at all has one on every line.
+const MOST_SYNTAX: usize = 5;
+
 fn list(path: &std::path::Path, faults: &[Fault]) -> String {
     let mut text = String::new();
+    let mut garbled = 0;
     for fault in faults {
+        if matches!(fault.problem, Problem::Syntax { .. }) {
+            garbled += 1;
+            if garbled > MOST_SYNTAX {
+                continue;
+            }
+        }
         let place = match fault.at {
             At::File { line, column } => format!("{}:{line}:{column}", path.display()),
             At::Override => "--set".to_owned(),
         };
         text.push_str(&format!("{place}: {fault}\n"));
+    }
+    if garbled > MOST_SYNTAX {
+        text.push_str(&format!(
+            "{}: not valid TOML in {} more places\n",
+            path.display(),
+            garbled - MOST_SYNTAX
+        ));
     }
     let plural = if faults.len() == 1 { "fault" } else { "faults" };
     text.push_str(&format!("{}: {} {plural}", path.display(), faults.len()));
