@@ -14,6 +14,7 @@ use super::sea::snapshot::SnapshotArgs;
 use super::speckle::SpeckleArgs;
 use super::table::TableArgs;
 use super::wake::WakeArgs;
+use crate::config::keys::{self, Kind};
 
 /// Hardware-in-the-loop bistatic marine radar emulator.
 #[derive(Debug, Parser)]
@@ -59,6 +60,7 @@ pub enum Command {
 
 /// `nereus run`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct RunArgs {
     /// Scenario file
     pub config: PathBuf,
@@ -66,7 +68,7 @@ pub struct RunArgs {
     #[arg(long, value_enum)]
     pub pace: Option<Pace>,
     /// Length of the run (instead of scene.duration_s)
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = duration)]
     pub duration_s: Option<String>,
     /// Make only these pulses of the run, the last one excluded
     #[arg(long, value_name = "A..B")]
@@ -103,17 +105,18 @@ pub struct CheckArgs {
 
 /// `nereus bench`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct BenchArgs {
     /// Scenario file
     pub config: PathBuf,
     /// Make the first so many pulses of the run [default: what fits in some 10 s, at least two blocks for every thread]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
     pub pulses: Option<u64>,
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<u64>,
     /// Pulses, spread over the run, at which the error is measured; 0: none
-    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = counts(0, u64::MAX))]
     pub error_pulses: u64,
     /// Set a key of the scenario, e.g. fidelity.node_pulses=2
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -125,6 +128,7 @@ pub struct BenchArgs {
 
 /// `nereus tradeoff`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct TradeoffArgs {
     /// Scenario file
     pub config: PathBuf,
@@ -135,13 +139,13 @@ pub struct TradeoffArgs {
     #[arg(long)]
     pub grid: bool,
     /// Pulses, spread over the run, at which errors are measured
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = counts(1, u64::MAX))]
     pub error_pulses: u64,
     /// Error that is wanted, dB (instead of fidelity.error_db)
-    #[arg(long, value_name = "DB", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DB")]
     pub error_db: Option<f64>,
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<u64>,
     /// Set a key of the scenario, e.g. scene.facet_m=2
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -200,12 +204,13 @@ pub struct MergeArgs {
 
 /// `nereus receive`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct ReceiveArgs {
     /// Address and port of this machine; port 0 takes a free one and says which
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4991")]
     pub listen: String,
     /// End after so many whole pulses
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
     pub pulses: Option<u64>,
     /// End after so long
     #[arg(long, value_name = "S", value_parser = seconds)]
@@ -222,6 +227,47 @@ pub struct ReceiveArgs {
     /// Print the report as one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// Not a whole number, or not one that is allowed.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("allowed: a whole number from {least} to {}", if *most == u64::MAX { "2^64 - 1".to_owned() } else { most.to_string() })]
+pub struct NotACount {
+    /// The least allowed.
+    pub least: u64,
+    /// The most allowed.
+    pub most: u64,
+}
+
+/// Reads whole numbers within a range.
+pub(super) fn counts(least: u64, most: u64) -> impl Fn(&str) -> Result<u64, NotACount> + Clone + Send + Sync {
+    move |text| {
+        let count = text.parse().ok().filter(|count| (least..=most).contains(count));
+        count.ok_or(NotACount { least, most })
+    }
+}
+
+/// Reads numbers of threads, as `stream.threads` has them.
+pub(super) fn threads() -> impl Fn(&str) -> Result<u64, NotACount> + Clone + Send + Sync {
+    match keys::stream::THREADS.kind {
+        Kind::Count { min, max } => counts(min, max),
+        _ => counts(0, u64::MAX),
+    }
+}
+
+/// Not a length that a run can have.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("allowed: {}", keys::scene::DURATION_S.kind.allowed())]
+pub struct NotADuration;
+
+/// The length of a run, as `scene.duration_s` has it; the text itself becomes part of the recorded scenario.
+fn duration(text: &str) -> Result<String, NotADuration> {
+    let seconds: f64 = text.parse().map_err(|_| NotADuration)?;
+    let fits = match keys::scene::DURATION_S.kind {
+        Kind::Number { min, max, above, .. } => (min..=max).contains(&seconds) && !(above && seconds == min),
+        _ => seconds.is_finite(),
+    };
+    if fits { Ok(text.to_owned()) } else { Err(NotADuration) }
 }
 
 /// Not a span of time.

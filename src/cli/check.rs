@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::args::CheckArgs;
 use super::error::CliError;
 use super::run::overrides;
-use super::warn;
+use super::{counted, warn};
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
 use crate::frames::Earth;
@@ -166,18 +166,18 @@ fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
         described(
             "speed",
             format!(
-                "{} pulses/s with {} threads ({} pulses made for this forecast): {} times real time",
+                "{} pulses/s with {} ({} made for this forecast): {} times real time",
                 digits(forecast.pulses_per_s),
-                forecast.threads,
-                forecast.trial_pulses,
+                counted(forecast.threads, "thread"),
+                counted(forecast.trial_pulses, "pulse"),
                 digits(forecast.real_time_factor)
             ),
         ),
         described(
             "memory of the sea",
-            format!("about {} MiB with {} threads", forecast.sea_bytes >> 20, forecast.threads),
+            format!("about {} MiB with {}", forecast.sea_bytes >> 20, counted(forecast.threads, "thread")),
         ),
-        described("in the window", format!("up to {} targets", forecast.targets_in_window)),
+        described("in the window", format!("up to {}", counted(forecast.targets_in_window, "target"))),
         described(
             "at pace fast",
             format!("about {} s", digits(forecast.pulses as f64 / forecast.pulses_per_s)),
@@ -301,8 +301,11 @@ fn lines(run: &Run, report: &Report) -> Vec<Described> {
         described(
             "time",
             format!(
-                "{}, {} pulses in {:.6} s, mean PRF {} Hz",
-                report.start_utc, report.pulses, report.duration_s, report.mean_prf_hz
+                "{}, {} in {:.6} s, mean PRF {} Hz",
+                report.start_utc,
+                counted(report.pulses, "pulse"),
+                report.duration_s,
+                report.mean_prf_hz
             ),
         ),
         described(

@@ -29,8 +29,8 @@ use std::time::Instant;
 use clap::Parser;
 
 pub use args::{
-    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotASpan, Pace, PulseRange, ReceiveArgs,
-    RunArgs, Setting, Template, TradeoffArgs,
+    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotACount, NotADuration, NotASpan, Pace,
+    PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs,
 };
 pub use control::ControlFault;
 pub use error::CliError;
@@ -77,6 +77,12 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
 fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// So many of something: `1 pulse`, `2 pulses`.
+fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
+    let plural = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }
 
 /// What the user should know, a line each.

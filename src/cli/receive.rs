@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::args::ReceiveArgs;
 use super::error::CliError;
 use super::run::names_hdf5;
-use super::say;
+use super::{counted, say};
 use crate::pipeline::build::BuildErrors;
 use crate::receive::Listener;
 use crate::receive::listener::{Opener, Until};
@@ -80,13 +80,19 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
     )?;
     writeln!(
         out,
-        "gaps        {} pulses by number, {} by time stamps, {} packets by packet counts",
-        report.missing.pulses_by_index, report.missing.pulses_by_time, report.missing.packets_by_count
+        "gaps        {} by number, {} by time stamps, {} packets by packet counts",
+        counted(report.missing.pulses_by_index, "pulse"),
+        report.missing.pulses_by_time,
+        report.missing.packets_by_count
     )?;
     writeln!(
         out,
-        "order       {} packets overtaken, {} twice, {} too late, {} on no pulse's grid; {} pulses backwards",
-        report.overtaken, report.duplicates, report.too_late, report.stray, report.backwards
+        "order       {} packets overtaken, {} twice, {} too late, {} on no pulse's grid; {} backwards",
+        report.overtaken,
+        report.duplicates,
+        report.too_late,
+        report.stray,
+        counted(report.backwards, "pulse")
     )?;
     writeln!(
         out,

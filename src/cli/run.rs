@@ -12,7 +12,7 @@ use super::args::{Pace, RunArgs, Setting};
 use super::control::{Door, Subject};
 use super::error::CliError;
 use super::progress;
-use super::{say, warn};
+use super::{counted, say, warn};
 use crate::config::{self, Run};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::live::{FlightReport, LiveNav};
@@ -116,11 +116,19 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         0 => String::new(),
         ready => format!(" ({ready} of them made in time: the system held up the release)"),
     };
+    let made = match health.made {
+        0 => "none was made".to_owned(),
+        _ => format!("made at {:.1} times real time", summary.real_time_factor),
+    };
     say(format_args!(
-        "{how} {} pulses in {:.2} s: {} late{}, {} dropped; made at {:.1} times real time",
-        health.pulses, summary.elapsed_s, health.late, held_up, health.dropped, summary.real_time_factor
+        "{how} {} in {:.2} s: {} late{}, {} dropped; {made}",
+        counted(health.pulses, "pulse"),
+        summary.elapsed_s,
+        health.late,
+        held_up,
+        health.dropped
     ));
-    if run.stream.pace == transport::Pace::Realtime {
+    if run.stream.pace == transport::Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
         say(format_args!(
             "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer {} ordinary threads",
@@ -132,18 +140,19 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
             if health.pacer_ahead { "ahead of all" } else { "among" }
         ));
     }
+    if health.slipped_s > 0.0 {
+        say(format_args!("time slipped by {} in all (policy \"slip\")", span(health.slipped_s)));
+    }
     for right in health.rights.iter().filter(|right| !right.granted) {
         let reason = right.reason.as_deref().unwrap_or("refused");
         say(format_args!("warning: the system refused stream.{}: {reason}", right.asked));
     }
-    if health.pulses == 0 && health.dropped > 0 {
-        say("warning: no pulse was made within the latency; raise stream.latency_ms");
-    }
     for sink in &health.sinks {
         if sink.dropped > 0 {
             say(format_args!(
-                "warning: sink '{}' was too slow and missed {} pulses",
-                sink.name, sink.dropped
+                "warning: sink '{}' was too slow and missed {}",
+                sink.name,
+                counted(sink.dropped, "pulse")
             ));
         }
     }
@@ -172,6 +181,11 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     }
 }
 
+/// A span of time, in milliseconds up to a second.
+fn span(seconds: f64) -> String {
+    if seconds < 1.0 { format!("{:.3} ms", seconds * 1e3) } else { format!("{seconds:.3} s") }
+}
+
 /// What came of live navigation, for people.
 fn tell_navigation(live: &LiveNav, outcome: &RunOutcome) {
     let health = &outcome.summary.health;
@@ -192,8 +206,10 @@ fn tell_navigation(live: &LiveNav, outcome: &RunOutcome) {
     }
     if health.extrapolated > 0 {
         say(format_args!(
-            "warning: navigation was extrapolated for {} of {} pulses, for {} of them it was stale",
-            health.extrapolated, health.pulses, health.stale
+            "warning: navigation was extrapolated for {} of {}, for {} of them it was stale",
+            health.extrapolated,
+            counted(health.pulses, "pulse"),
+            health.stale
         ));
     }
 }

@@ -13,7 +13,7 @@ use super::bench::{load, reference, settings_text};
 use super::error::CliError;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
-use super::{say, warn};
+use super::{counted, say, warn};
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::imaging::output::{FileKind, Output, OutputError};
@@ -169,11 +169,11 @@ fn csv(sweep: &Sweep, taken: Option<&Point>) -> String {
 
 fn text(report: &Report) -> String {
     let mut text = format!(
-        "{}: {} facets, {} threads, errors at {} pulses against the reference ({:.2} pulses/s)\n",
+        "{}: {}, {}, errors at {} against the reference ({:.2} pulses/s)\n",
         report.scenario,
-        report.facets,
-        report.threads,
-        report.error_pulses.len(),
+        counted(report.facets, "facet"),
+        counted(report.threads, "thread"),
+        counted(report.error_pulses.len(), "pulse"),
         report.reference_pulses_per_s
     );
     let name = |change: &str| change.replace("fidelity.", "").replace('"', "");

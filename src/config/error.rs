@@ -57,14 +57,31 @@ impl ConfigError {
     }
 }
 
+/// Faults of syntax that are listed: a file that is no TOML at all has one on every line.
+const MOST_SYNTAX: usize = 5;
+
 fn list(path: &std::path::Path, faults: &[Fault]) -> String {
     let mut text = String::new();
+    let mut garbled = 0;
     for fault in faults {
+        if matches!(fault.problem, Problem::Syntax { .. }) {
+            garbled += 1;
+            if garbled > MOST_SYNTAX {
+                continue;
+            }
+        }
         let place = match fault.at {
             At::File { line, column } => format!("{}:{line}:{column}", path.display()),
             At::Override => "--set".to_owned(),
         };
         text.push_str(&format!("{place}: {fault}\n"));
+    }
+    if garbled > MOST_SYNTAX {
+        text.push_str(&format!(
+            "{}: not valid TOML in {} more places\n",
+            path.display(),
+            garbled - MOST_SYNTAX
+        ));
     }
     let plural = if faults.len() == 1 { "fault" } else { "faults" };
     text.push_str(&format!("{}: {} {plural}", path.display(), faults.len()));
@@ -420,6 +437,17 @@ pub enum Warning {
     SlickCut {
         /// Its name.
         name: String,
+    },
+    /// Knobs of the fast echo beside the reference.
+    #[error(
+        "without effect on the reference echo{}: {keys}; fidelity.echo = \"fast\" heeds them",
+        if *written { "" } else { ", which a scenario without [sea] has" }
+    )]
+    IdleKnobs {
+        /// The keys.
+        keys: String,
+        /// Whether the scenario itself asks for the reference.
+        written: bool,
     },
     /// The ring cannot hold the latency.
     #[error(

@@ -357,6 +357,42 @@ fn a_ring_that_cannot_hold_the_latency_is_said() {
 }
 
 #[test]
+fn a_file_that_is_no_toml_is_told_in_few_lines() {
+    let told = |lines: usize| {
+        let text = format!("[scene]\nduration_s = -1\n{}", "Not a scenario.\n".repeat(lines));
+        parse(&text, Path::new("bad.toml"), &[]).unwrap_err().to_string()
+    };
+    let long = told(300);
+    assert_eq!(long.lines().filter(|line| line.contains(": not valid TOML: ")).count(), 5, "{long}");
+    let found: usize = long.lines().last().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
+    // What is wrong with values is told all the same.
+    assert!(long.contains("scene.duration_s: -1 is out of range") && found > 300, "{long}");
+    let more = format!("bad.toml: not valid TOML in {} more places", found - (long.lines().count() - 2));
+    assert!(long.contains(&more), "{more}: {long}");
+    assert!(!told(2).contains("more places"));
+}
+
+#[test]
+fn knobs_without_effect_are_named() {
+    let knobs = [("fidelity.kernel_width", "6"), ("fidelity.doppler", "mean"), ("fidelity.error_db", "-70")];
+    let warned = |echo: &[(&str, &str)]| {
+        let run = coastal_with(&[echo, &knobs].concat()).unwrap();
+        of_scene(&run).iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let keys =
+        "fidelity.error_db, fidelity.kernel_width, fidelity.doppler; fidelity.echo = \"fast\" heeds them";
+    assert_eq!(
+        warned(&[("fidelity.echo", "reference")]),
+        [format!("without effect on the reference echo: {keys}")]
+    );
+    // Without a sea the reference is what is taken.
+    let taken = format!("without effect on the reference echo, which a scenario without [sea] has: {keys}");
+    assert_eq!(warned(&[]), [taken]);
+    assert_eq!(warned(&[("fidelity.echo", "fast")]), [""; 0]);
+    assert_eq!(of_scene(&coastal_with(&[("fidelity.echo", "reference")]).unwrap()), [&Warning::NoSink; 0]);
+}
+
+#[test]
 fn inconsistent_settings() {
     insta::assert_snapshot!(faults_of(&[("radar.waveform.bandwidth_hz", "100.1e6")]), @r#"radar.waveform.bandwidth_hz: 1.001e8 Hz is more than radar.sample_rate_hz holds; allowed: up to 1e8 Hz"#);
     insta::assert_snapshot!(faults_of(&[("radar.window.samples", "33")]), @r#"radar.window.samples: 33 samples (3.3e-7 s) are shorter than the pulse (3.33e-7 s); allowed: at least 34"#);

@@ -433,9 +433,10 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
     let slot_bytes = layout.channels * layout.samples * size_of::<Complex32>();
     let wanted = block.saturating_mul(2 * threads + 1).min(RING_BYTES / slot_bytes.max(1));
     let ring_slots = run.stream.ring_slots.max(wanted);
+    let batch_pulses = factory.block_pulses().saturating_mul(threads as u64);
     Ok(PulseStream {
         factory,
-        settings: transport::Settings { ring_slots, ..run.stream },
+        settings: transport::Settings { ring_slots, batch_pulses, ..run.stream },
         schedule,
         header,
         sinks: run.sinks.clone(),

@@ -51,6 +51,8 @@ pub struct Settings {
     pub latency_s: f64,
     /// Slots of the ring between generation and release.
     pub ring_slots: usize,
+    /// Pulses that are made at once before the first of them is there: a block for every thread.
+    pub batch_pulses: u64,
     /// Threads that make pulses; 0: as many as the machine has.
     pub threads: usize,
     /// Whether the pacer asks to run ahead of all ordinary threads (`SCHED_FIFO`).
@@ -69,6 +71,7 @@ impl Default for Settings {
             policy: Policy::Stop,
             latency_s: 0.5,
             ring_slots: 128,
+            batch_pulses: 1,
             threads: 0,
             pacer_ahead: true,
             pacer_core: None,

@@ -25,7 +25,8 @@
 //!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation is
 //!   told the first index still worth making ([`Worth`]): the one emitted now, so that the full latency
 //!   is again in hand; the pulses between are never made. Under a lasting overload pulses therefore come
-//!   in runs of about a latency's length with gaps between.
+//!   in runs of about a latency's length with gaps between. A run of which not one pulse was released ends with
+//!   [`PacerError::NothingReleased`].
 //!
 //! At pace `fast` there are no deadlines: nothing waits, nothing is late, nothing is dropped.
 //!
@@ -70,9 +71,9 @@ const STATUS_EVERY: Duration = Duration::from_millis(100);
 pub enum PacerError {
     /// Policy `stop`: a pulse was not made in time.
     #[error(
-        "{stage} is short: pulse {index} was not made {late_by_s:.4} s after its deadline; {made_hz:.1} pulses/s \
-         made since the start, {needed_hz:.1} needed (factor {:.3}). Allowed: more stream.latency_ms, a lighter scene, \
-         policy = \"slip\" or \"drop\", or --pace fast", made_hz / needed_hz
+        "{stage} is short: {:.1} ms after its deadline pulse {index} is not made yet; {}. Allowed: {}, a lighter \
+         scene, policy = \"slip\" or \"drop\", or --pace fast",
+        late_by_s * 1e3, so_far(*made_hz, *needed_hz), latency.more()
     )]
     Underrun {
         /// The stage that is short.
@@ -85,6 +86,19 @@ pub enum PacerError {
         made_hz: f64,
         /// Pulses due per second.
         needed_hz: f64,
+        /// What the latency holds.
+        latency: InHand,
+    },
+    /// Policy `drop`: every pulse of the run came too late.
+    #[error(
+        "not one pulse of {pulses} was released: policy = \"drop\" discards what is made too late, and all of them \
+         were. Allowed: {}, a lighter scene, policy = \"slip\", or --pace fast", latency.more()
+    )]
+    NothingReleased {
+        /// Pulses of the run.
+        pulses: u64,
+        /// What the latency holds.
+        latency: InHand,
     },
     /// Generation handed over a pulse that is not after the last one.
     #[error("echo generation handed over pulse {index} where {expected} or a later one was due")]
@@ -94,6 +108,41 @@ pub enum PacerError {
         /// The smallest index allowed.
         expected: u64,
     },
+}
+
+/// The latency, and what is made before the first pulse is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InHand {
+    /// The latency, s.
+    pub latency_s: f64,
+    /// Emission time of the pulses that are made at once ([`Settings::batch_pulses`]), s.
+    pub batch_s: f64,
+}
+
+impl InHand {
+    /// The latency that helps.
+    fn more(&self) -> String {
+        let Self { latency_s, batch_s } = *self;
+        if latency_s >= batch_s {
+            return "more stream.latency_ms".to_owned();
+        }
+        // Not a millisecond more for the last bit of a quotient.
+        let enough_ms = (batch_s * 1e3 - 1e-6).ceil();
+        format!(
+            "stream.latency_ms = {enough_ms:.0} or more (it is {}; pulses are made in blocks, and a block for every \
+             thread is that long)",
+            (latency_s * 1e6).round() / 1e3
+        )
+    }
+}
+
+/// What was made since the start. A rate of nothing says nothing.
+fn so_far(made_hz: f64, needed_hz: f64) -> String {
+    if made_hz == 0.0 {
+        return "no other is, either".to_owned();
+    }
+    let factor = made_hz / needed_hz;
+    format!("{made_hz:.1} pulses/s made since the start, {needed_hz:.1} needed (factor {factor:.3})")
 }
 
 /// Progress of a running stream.
@@ -273,6 +322,10 @@ impl Pacer {
             expected = end;
         }
         self.tell(expected);
+        let (released, dropped) = (self.health.released_pulses(), self.health.dropped_pulses());
+        if !cut_short && released == 0 && dropped > 0 {
+            return Err(PacerError::NothingReleased { pulses: dropped, latency: self.in_hand() });
+        }
         Ok(())
     }
 
@@ -326,7 +379,13 @@ impl Pacer {
             late_by_s: now.saturating_duration_since(deadline).as_secs_f64(),
             made_hz: self.health.made_pulses() as f64 / elapsed_s,
             needed_hz: self.schedule.times.mean_prf_hz(),
+            latency: self.in_hand(),
         }
+    }
+
+    fn in_hand(&self) -> InHand {
+        let batch_s = self.settings.batch_pulses as f64 / self.schedule.times.mean_prf_hz();
+        InHand { latency_s: self.settings.latency_s, batch_s }
     }
 
     fn tell(&self, expected: u64) {
@@ -449,7 +508,7 @@ pub(super) mod tests {
         let (mut producer, ring) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
         let (template, health) = filled(Policy::Drop, &[0], 4);
         let pacer = Pacer { ring, ..template };
-        thread::scope(|scope| {
+        let ended = thread::scope(|scope| {
             let pacing = scope.spawn(|| pacer.run(Instant::now(), &AtomicBool::new(false)));
             let never = AtomicBool::new(false);
             for (slot, index) in producer.reserve(4, &never).unwrap().iter_mut().zip(0..) {
@@ -458,10 +517,13 @@ pub(super) mod tests {
             thread::sleep(Duration::from_millis(50));
             producer.commit(4);
             drop(producer);
-            pacing.join().unwrap().unwrap();
+            pacing.join().unwrap()
         });
         let shot = health.snapshot();
         assert_eq!((shot.pulses, shot.late, shot.dropped), (0, 0, 4));
+        // Nor does a run end well that released nothing.
+        let Err(error @ PacerError::NothingReleased { pulses: 4, .. }) = ended else { panic!("{ended:?}") };
+        insta::assert_snapshot!(error, @r#"not one pulse of 4 was released: policy = "drop" discards what is made too late, and all of them were. Allowed: stream.latency_ms = 1 or more (it is 0; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip", or --pace fast"#);
     }
 
     #[test]
@@ -478,14 +540,16 @@ pub(super) mod tests {
 
     #[test]
     fn the_shortage_reads_as_it_should() {
-        let error = PacerError::Underrun {
+        let error = |index, made_hz, latency_s| PacerError::Underrun {
             stage: "echo generation",
-            index: 812,
+            index,
             late_by_s: 0.00512,
-            made_hz: 111.0,
+            made_hz,
             needed_hz: 222.0,
+            latency: InHand { latency_s, batch_s: 74.0 / 222.0 },
         };
-        insta::assert_snapshot!(error, @r#"echo generation is short: pulse 812 was not made 0.0051 s after its deadline; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_ms, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
+        insta::assert_snapshot!(error(812, 111.0, 0.5), @r#"echo generation is short: 5.1 ms after its deadline pulse 812 is not made yet; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_ms, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
+        insta::assert_snapshot!(error(0, 0.0, 0.0015), @r#"echo generation is short: 5.1 ms after its deadline pulse 0 is not made yet; no other is, either. Allowed: stream.latency_ms = 334 or more (it is 1.5; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip" or "drop", or --pace fast"#);
     }
 
     #[test]

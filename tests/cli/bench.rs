@@ -137,11 +137,7 @@ fn figures_that_cannot_be_measured_are_refused() {
     refused("bench", &["--set", "fidelity.node_pulse=3"], "node_pulse");
     let crowded = nereus(folder.path(), &["bench", &sea(), "--threads", "5000"]);
     assert_eq!(crowded.code, 2, "{}", crowded.stderr);
-    assert!(
-        crowded.stderr.contains("stream.threads") && crowded.stderr.contains("1024"),
-        "{}",
-        crowded.stderr
-    );
+    assert!(crowded.stderr.contains("--threads") && crowded.stderr.contains("1024"), "{}", crowded.stderr);
     refused("tradeoff", &["--error-pulses", "0"], "--error-pulses");
     refused("tradeoff", &["--set", "fidelity.kernel_width=3"], "kernel_width");
     let taken = folder.path().join("taken");

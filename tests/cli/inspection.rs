@@ -137,6 +137,32 @@ fn wrong_arguments_exit_2_and_help_exits_0() {
     }
 }
 
+/// A number that is not allowed is told by the option that has it, with what is.
+#[test]
+fn numbers_out_of_range_name_their_option() {
+    let sea = "configs/sea.toml";
+    let of_threads = "for '--threads <T>': allowed: a whole number from 0 to 1024";
+    for (arguments, expected) in [
+        (&["bench", sea, "--threads", "-1"][..], of_threads),
+        (&["bench", sea, "--threads", "2000"], of_threads),
+        (&["tradeoff", sea, "--threads", "two"], of_threads),
+        (&["speckle", sea, "--threads", "-1"], of_threads),
+        (&["bench", sea, "--pulses", "-5"], "for '--pulses <N>': allowed: a whole number from 1 to 2^64 - 1"),
+        (&["bench", sea, "--error-pulses", "-5"], "'--error-pulses <N>': allowed: a whole number from 0"),
+        (&["speckle", sea, "--winds", "361"], "for '--winds <N>': allowed: a whole number from 1 to 360"),
+        (&["receive", "--pulses", "0"], "for '--pulses <N>': allowed: a whole number from 1"),
+        (&["receive", "--idle-s", "-1"], "for '--idle-s <S>': allowed: a number of seconds above 0"),
+        (&["snapshot", sea, "--pulse", "-1"], "for '--pulse <N>': allowed: a whole number from 0"),
+        (&["run", sea, "--duration-s", "-1"], "for '--duration-s <S>': allowed: a number"),
+        (&["run", sea, "--duration-s", "long"], "for '--duration-s <S>': allowed: a number"),
+    ] {
+        let ended = nereus(package(), arguments);
+        assert_eq!((ended.code, ended.stdout.as_str()), (2, ""), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(expected), "{arguments:?}: {}", ended.stderr);
+        assert!(!ended.stderr.contains("-- -") && !ended.stderr.contains("--set"), "{}", ended.stderr);
+    }
+}
+
 #[test]
 fn the_manual_is_printed() {
     let printed = nereus(package(), &["new", "keys"]).stdout;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{nereus, package};
+use crate::program::{Ended, nereus, package};
 
 fn calibration() -> String {
     package().join("configs/calibration.toml").display().to_string()
@@ -35,6 +35,7 @@ fn a_run_says_what_it_did_in_json() {
     assert_eq!(summary["sinks"][0]["written"], 30);
     assert_eq!(summary["out"][0]["pulses"], 30);
     assert!(folder.path().join(&out).exists());
+    assert!(!ended.stderr.contains("slipped"), "{}", ended.stderr);
     // How the recorded track was made is told.
     assert!(ended.stderr.contains("smoothed"), "{}", ended.stderr);
 
@@ -96,6 +97,54 @@ fn a_track_that_ends_before_the_run_does_is_refused() {
     assert_eq!(ended.code, 2, "{}", ended.stderr);
     assert!(ended.stderr.contains("missing at the end"), "{}", ended.stderr);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// A run in real time on a small sea, whose pulses come in blocks: more of them than a millisecond holds.
+fn short_of_latency(policy: &str, more: &[&str]) -> Ended {
+    let folder = tempfile::tempdir().unwrap();
+    let sea = package().join("configs/sea.toml").display().to_string();
+    let policy = format!("stream.policy={policy}");
+    let scene = ["run", &sea, "--set", "scene.patch_size_m=[128, 128]", "--set", &policy, "--json"];
+    let rate = ["--set", "radar.prf_hz=5000", "--pace", "realtime", "--set", "stream.threads=2"];
+    let short = ["--set", "fidelity.node_pulses=12"];
+    let sink = ["--set", "sink.0.kind=plain", "--out", "x.plain", "--set", "stream.latency_ms=1"];
+    nereus(folder.path(), &[&scene[..], &rate, &short, &sink, more].concat())
+}
+
+#[test]
+fn a_latency_below_a_block_is_told_with_one_that_is_not() {
+    let ended = short_of_latency("stop", &["--duration-s", "0.1"]);
+    assert_eq!(ended.code, 1, "{}", ended.stderr);
+    // 37 pulses of each of two threads at 5 kHz.
+    for part in ["after its deadline pulse 0 is not made yet", "stream.latency_ms = 15 or more (it is 1;"] {
+        assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
+    }
+    for part in ["0.0 pulses/s", "factor 0.000", "lateness p50"] {
+        assert!(!ended.stderr.contains(part), "{part}: {}", ended.stderr);
+    }
+    assert!(json(&ended.stdout)["error"].as_str().unwrap().contains("pulse 0"));
+}
+
+#[test]
+fn a_run_that_releases_nothing_has_failed() {
+    // One block, and it is late as a whole.
+    let ended = short_of_latency("drop", &["--pulses", "0..3"]);
+    assert_eq!(ended.code, 1, "{}", ended.stderr);
+    for part in ["not one pulse of 3 was released", "stream.latency_ms = 15 or more (it is 1;"] {
+        assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
+    }
+    let summary = json(&ended.stdout);
+    assert_eq!((&summary["pulses"], &summary["dropped"]), (&0.into(), &3.into()));
+    assert!(summary["error"].as_str().unwrap().contains("not one pulse of 3"));
+}
+
+#[test]
+fn slipped_time_is_told() {
+    let ended = short_of_latency("slip", &["--pulses", "0..1"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("released 1 pulse in "), "{}", ended.stderr);
+    assert!(ended.stderr.contains("time slipped by "), "{}", ended.stderr);
+    assert!(json(&ended.stdout)["slipped_s"].as_f64().unwrap() > 0.0, "{}", ended.stdout);
 }
 
 /// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.

@@ -6,6 +6,36 @@ use std::path::PathBuf;
 use crate::program::{nereus, package};
 use crate::table_golden::golden;
 
+/// What is set is told as keys and as what follows from them, and what was asked otherwise beside it.
+#[test]
+fn settings_are_told_as_asked_and_as_set() {
+    let check = |scatter: &str, more: &[&str]| {
+        let sea = package().join("configs/sea.toml").display().to_string();
+        let small =
+            ["check", &sea, "--set", "scene.patch_size_m=[16, 16]", "--set", "fidelity.node_pulses=12"];
+        let scatter = format!("fidelity.scatter_pulses={scatter}");
+        let ended = nereus(package(), &[&small[..], &["--set", &scatter], more].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        ended.stdout
+    };
+    let row = |text: &str, what: &str| {
+        text.lines().find(|line| line.trim_start().starts_with(what)).map(str::to_owned).unwrap_or_default()
+    };
+    let text = check("5", &[]);
+    assert!(row(&text, "rounded").contains("scatter_pulses 4, asked 5 ("), "{text}");
+    let (keys, follow) = (row(&text, "settings"), row(&text, "follow"));
+    for name in ["oversampling", "precision"] {
+        assert!(!keys.contains(name) && follow.contains(name), "{name}: {text}");
+    }
+    for name in ["node_pulses 12", "scatter_pulses 4", "kernel_width"] {
+        assert!(keys.contains(name) && !follow.contains(name), "{name}: {text}");
+    }
+    assert_eq!(row(&check("6", &[]), "rounded"), "");
+    let plan = |scatter| serde_json::from_str::<serde_json::Value>(&check(scatter, &["--json"])).unwrap();
+    assert_eq!(plan("5")["plan"]["asked"]["scatter_pulses"], 5);
+    assert!(plan("6")["plan"]["asked"].is_null());
+}
+
 /// Checks a scenario with settings.
 fn check(scenario: &str, settings: &[&str]) -> (serde_json::Value, String) {
     let mut arguments = vec!["check", scenario, "--json"];

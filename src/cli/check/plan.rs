@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use super::{Described, described, digits};
 use crate::cli::bench::settings_text;
+use crate::config::keys;
 use crate::pipeline::knobs;
 use crate::plan::settle::Plan;
 
@@ -13,6 +14,9 @@ use crate::plan::settle::Plan;
 pub(super) struct PlanReport {
     error_db: f64,
     settings: Map<String, Value>,
+    /// What was given of the settings and is set otherwise.
+    #[serde(skip_serializing_if = "Map::is_empty")]
+    asked: Map<String, Value>,
     predicted_rel_rms_db: f64,
     /// By cause, dB.
     predicted_error_db: Map<String, Value>,
@@ -25,6 +29,19 @@ pub(super) struct PlanReport {
 pub(in crate::cli) fn parts_db(plan: &Plan) -> Map<String, Value> {
     let parts = plan.prediction.parts().into_iter().filter(|(_, part)| *part > 0.0);
     parts.map(|(name, part)| (name.to_owned(), Value::from(10.0 * part.log10()))).collect()
+}
+
+/// Settings that were given and are set otherwise, as given: instants lie where a block has room for them.
+fn set_otherwise(plan: &Plan) -> Map<String, Value> {
+    let (asked, settled) = (&plan.asked, &plan.settled);
+    let pulses = [
+        ("node_pulses", asked.node_pulses, settled.node_pulses),
+        ("gain_pulses", asked.gain_pulses, settled.gain_pulses),
+        ("scatter_pulses", asked.scatter_pulses, settled.scatter_pulses()),
+    ];
+    let other =
+        pulses.into_iter().filter_map(|(name, asked, set)| Some((name, asked.filter(|n| *n != set)?)));
+    other.map(|(name, asked)| (name.to_owned(), Value::from(asked))).collect()
 }
 
 /// What to say where the error that is asked is not kept.
@@ -41,6 +58,7 @@ impl PlanReport {
         Self {
             error_db: plan.asked.error_db,
             settings: knobs::settings(Some(&plan.settled)),
+            asked: set_otherwise(plan),
             predicted_rel_rms_db: plan.prediction.total_db(),
             predicted_error_db: parts_db(plan),
             predicted_real_time_factor: real_time_factor,
@@ -56,8 +74,31 @@ impl PlanReport {
     pub(super) fn rows(&self) -> Vec<Described> {
         let parts = self.predicted_error_db.iter().filter_map(|(name, db)| Some((name, db.as_f64()?)));
         let parts: Vec<String> = parts.map(|(name, db)| format!("{name} {db:.0}")).collect();
-        vec![
-            described("settings", settings_text(&self.settings)),
+        // What can be written into a scenario, and what comes of it.
+        let is_key = |name: &str| keys::fidelity::TABLE.keys.iter().any(|key| key.name == name);
+        let (given, follow): (Map<_, _>, Map<_, _>) =
+            self.settings.clone().into_iter().partition(|(name, _)| is_key(name));
+        let mut rows = vec![
+            described("settings", format!("{} (keys of [fidelity])", settings_text(&given))),
+            described(
+                "follow",
+                format!("{} (no keys: they follow from the settings)", settings_text(&follow)),
+            ),
+        ];
+        let rounded = self.asked.iter().map(|(name, asked)| {
+            let set = self.settings.get(name).unwrap_or(&Value::Null);
+            let why = match name.as_str() {
+                "node_pulses" => " (blocks divide the pulses for which a patch that follows stays)",
+                "scatter_pulses" => " (it is node_pulses, or about half or a third of it)",
+                _ => "",
+            };
+            format!("{name} {set}, asked {asked}{why}")
+        });
+        let rounded: Vec<String> = rounded.collect();
+        if !rounded.is_empty() {
+            rows.push(described("rounded", rounded.join("; ")));
+        }
+        rows.extend([
             described("error", format!("{:.1} dB, asked {} dB", self.predicted_rel_rms_db, self.error_db)),
             described("by cause", format!("{} dB", parts.join(", "))),
             described(
@@ -65,6 +106,7 @@ impl PlanReport {
                 format!("{} times real time by the price list", digits(self.predicted_real_time_factor)),
             ),
             described("memory", format!("{:.0} MiB resident", self.predicted_rss_mib)),
-        ]
+        ]);
+        rows
     }
 }

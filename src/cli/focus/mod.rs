@@ -20,7 +20,7 @@ use super::args::{PulseRange, distinct};
 use super::error::CliError;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
-use super::{say, warn};
+use super::{counted, say, warn};
 use crate::imaging::backproject::{Aperture, PulseEcho, fast};
 use crate::imaging::canvas::Canvas;
 use crate::imaging::ground::{Ground, GroundError};
@@ -660,7 +660,7 @@ fn picture(
         FocusNav::Reported => "reported",
         FocusNav::Both => "true and reported",
     };
-    let title = format!("{name}, {} pulses, {nav} navigation", focused.pulses);
+    let title = format!("{name}, {}, {nav} navigation", counted(focused.pulses, "pulse"));
     let step = args.pixel_m * args.looks as f64;
     let edge = |axis: usize| {
         let [low, _] = ground.edges_m(axis);

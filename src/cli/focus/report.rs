@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{
-    CliError, FocusArgs, FocusError, FocusNav, Focused, Ground, Recording, interpolation_error_db, multilook,
-    oversampling, percentile, say, speckle,
+    CliError, FocusArgs, FocusError, FocusNav, Focused, Ground, Recording, counted, interpolation_error_db,
+    multilook, oversampling, percentile, say, speckle,
 };
 use crate::cli::speckle::Speckle;
 use crate::imaging::point_target::PointTarget;
@@ -163,7 +163,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
             _ => "no power".to_owned(),
         };
         let band = channel.doppler_hz.map_or(String::new(), |hz| format!(" in a band of {hz:.1} Hz"));
-        writeln!(out, "{:<11} {power}; {} pulses{band}, {cells}", channel.name, channel.pulses)?;
+        writeln!(out, "{:<11} {power}; {}{band}, {cells}", channel.name, counted(channel.pulses, "pulse"))?;
         if let Some(found) = &channel.speckle {
             speckle::tell(found, out)?;
         }

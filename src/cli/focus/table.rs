@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::compare::{Channel, Comparison, Figures, Target};
 use super::forecast::Law;
-use super::{CliError, FocusArgs, say};
+use super::{CliError, FocusArgs, counted, say};
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
@@ -44,7 +44,7 @@ fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
         Some([range, cross]) => format!("cells of {range:.2} m by {cross:.3} m"),
         None => "no cross-range".to_owned(),
     };
-    writeln!(out, "{:<11} {} pulses, {cells}", channel.name, channel.pulses)?;
+    writeln!(out, "{:<11} {}, {cells}", channel.name, counted(channel.pulses, "pulse"))?;
     let pixels = &channel.pixels;
     if let (Some(loss), Some([right, wrong]), Some(coherence)) =
         (pixels.mean_loss_db, pixels.contrast, pixels.coherence)

@@ -18,6 +18,7 @@ const LONGEST_CUT: usize = 200;
 
 /// `nereus nav corrupt`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct NavCorruptArgs {
     /// The file
     pub file: PathBuf,

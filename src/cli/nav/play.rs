@@ -20,6 +20,7 @@ const LAST_BYTES: Duration = Duration::from_secs(2);
 
 /// `nereus nav play`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct NavPlayArgs {
     /// The recording
     pub file: PathBuf,

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::args::Setting;
+use super::super::args::{Setting, counts};
 use super::super::error::CliError;
 use super::super::run::overrides;
 use super::super::{say, warn};
@@ -33,11 +33,12 @@ const SPAN_DB: f64 = 60.0;
 
 /// `nereus snapshot`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct SnapshotArgs {
     /// Scenario file
     pub config: PathBuf,
     /// The pulse
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = counts(0, u64::MAX))]
     pub pulse: u64,
     /// The channel that the picture shows [default: the last one]
     #[arg(long, value_name = "NAME")]

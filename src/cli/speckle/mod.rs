@@ -12,7 +12,7 @@ use std::time::Instant;
 use clap::Args;
 use glam::DVec2;
 
-use super::args::{Setting, distinct};
+use super::args::{Setting, counts, distinct, threads};
 use super::bench::load;
 use super::error::CliError;
 use super::progress;
@@ -34,11 +34,12 @@ use report::{Azimuth, Report};
 
 /// `nereus speckle`
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct SpeckleArgs {
     /// Scenario file, with a sea
     pub config: PathBuf,
     /// Azimuths of the wind, evenly over 360 degrees from 0: downwind
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u64).range(1..=360))]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = counts(1, 360))]
     pub winds: u64,
     /// Channels to look at [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -47,16 +48,16 @@ pub struct SpeckleArgs {
     #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, default_value = "500,1500")]
     pub pixels: Vec<usize>,
     /// Samples drawn from a fitted law for the probability of its distance; 0: none
-    #[arg(long, value_name = "N", default_value_t = 99, value_parser = clap::value_parser!(u64).range(..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 99, value_parser = counts(0, 100_000))]
     pub resamples: u64,
     /// Pixels at most, evenly over the image, whose distance from a law is tested
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(2..))]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = counts(2, u64::MAX))]
     pub test_pixels: u64,
     /// Folder for speckle.csv and speckle.png
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<u64>,
     /// Set a key of the scenario, e.g. sea.wind_ustar_mps=0.5
     #[arg(long = "set", value_name = "KEY=VALUE")]

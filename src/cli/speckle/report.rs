@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::fits::{Shape, Speckle};
 use super::image::Geometry;
 use super::{Files, SpeckleArgs};
+use crate::cli::counted;
 use crate::config::Run;
 use crate::imaging::canvas::Canvas;
 use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, PlotError, Spacing};
@@ -213,8 +214,11 @@ impl Report {
 
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{}: {} facets, {} pulses for each wind; {:.0} s\n",
-            self.scenario, self.facets, self.pulses, self.seconds
+            "{}: {}, {} for each wind; {:.0} s\n",
+            self.scenario,
+            counted(self.facets, "facet"),
+            counted(self.pulses, "pulse"),
+            self.seconds
         );
         if let Some(first) = self.azimuths.first() {
             let [near, middle, far] = first.grazing_deg;

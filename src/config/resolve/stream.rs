@@ -77,6 +77,8 @@ pub(super) fn stream(
         policy: policy?,
         latency_s,
         ring_slots: slots,
+        // A block is what its echo makes of it.
+        batch_pulses: 1,
         threads,
         pacer_ahead: ahead?,
         pacer_core: pacer_core?,
@@ -108,9 +110,15 @@ pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
         ..Asked::default()
     };
     let fast = echo.map_or(with_sea && !section.has(&ECHO), |word| word == "fast");
-    // Knobs of the fast echo may stand beside "reference": so one key switches a scenario.
+    // Knobs of the fast echo may stand beside "reference", so that one key switches a scenario; they do nothing there.
+    let knobs = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
+    let knobs: Vec<String> = knobs.map(|key| format!("fidelity.{}", key.name)).collect();
+    let written = section.has(&ECHO);
     section.finish();
     if !fast {
+        if !knobs.is_empty() {
+            root.reader().warn(Warning::IdleKnobs { keys: knobs.join(", "), written });
+        }
         return Some(Fidelity::Reference);
     }
     Some(Fidelity::Fast(Asked { error_db: error_db?, ..asked }))
