@@ -12,9 +12,9 @@ use super::check::plan::{not_kept, parts_db};
 use super::error::CliError;
 use super::progress;
 use super::run::overrides;
-use super::{say, warn};
+use super::{counted, say, warn};
 use crate::config::{self, Run};
-use crate::pipeline::accuracy::{self, Accuracy, Judge};
+use crate::pipeline::accuracy::{self, Accuracy, Judge, LEAST_DB};
 use crate::pipeline::build;
 use crate::pipeline::knobs;
 use crate::pipeline::prices::Priced;
@@ -129,7 +129,7 @@ fn judge(run: &Run, measured: &Speed, pulses: u64) -> Result<(Judge, Accuracy), 
 /// The reference of some pulses, with progress.
 pub(super) fn reference(run: &Run, pulses: Vec<u64>, threads: usize) -> Result<Judge, CliError> {
     let total = pulses.len() as u64;
-    say(format_args!("reference of {total} pulses ..."));
+    say(format_args!("reference of {} ...", counted(total, "pulse")));
     let (status, watcher) = progress::watch(total);
     let judge = Judge::new(run, pulses, threads, |passed| {
         // Progress that nobody has time to show is not worth waiting for.
@@ -216,7 +216,6 @@ fn text(report: &Report) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "  {what:22}{how}");
     };
-    let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     row("settings", settings_text(&report.settings));
     row(
         "contacts",
@@ -230,12 +229,12 @@ fn text(report: &Report) -> String {
     row(
         "speed",
         format!(
-            "{:.1} pulses/s, {:.3} times real time, {:.2} M facet-pulses/s ({} pulses, {})",
+            "{:.1} pulses/s, {:.3} times real time, {:.2} M facet-pulses/s ({}, {})",
             report.pulses_per_s,
             report.real_time_factor,
             report.facet_pulses_per_s / 1e6,
-            report.pulses,
-            plural(report.threads, "thread")
+            counted(report.pulses, "pulse"),
+            counted(report.threads as u64, "thread")
         ),
     );
     let measured =
@@ -261,13 +260,17 @@ fn text(report: &Report) -> String {
         );
     }
     match (report.rel_rms_db, report.rel_rms_db_mean, &report.error) {
+        (Some(worst), _, Some(error)) if worst <= LEAST_DB => row(
+            "error",
+            format!("none: {} have the bits of the reference", counted(error.pulses.len() as u64, "pulse")),
+        ),
         (Some(worst), Some(mean), Some(error)) => row(
             "error",
             format!(
                 "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {} against the reference",
                 error.worst_pulse,
                 error.worst_channel,
-                plural(error.pulses.len(), "pulse")
+                counted(error.pulses.len() as u64, "pulse")
             ),
         ),
         _ => row("error", "not measured".to_owned()),
