@@ -9,7 +9,8 @@
 //!
 //! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`] pulses spread evenly over it, or
 //! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within [`OF_POWER_DB`] of the reference (0.1 dB of the mean), and at least
-//! what the pulses of the reference add to a run that is silent otherwise.
+//! what the pulses of the reference add to a run that is silent otherwise. Where contacts cannot be followed, and only the reference makes
+//! them, the mean is that of the pulses drawn.
 //!
 //! Pulses are drawn from the seed of the scene, one from each of so many equal parts of the run, by turns the first, the last and the
 //! middle one of a block and any other: [`sample`].
@@ -32,6 +33,7 @@ use super::memory::sea_bytes;
 use super::stages::{PulseError, PulseFactory};
 use crate::config::Run;
 use crate::echo::{Asked, Fidelity};
+use crate::plan::sounding::spread_over;
 use crate::pulse::Samples;
 use crate::rng::{Room, stream};
 
@@ -207,8 +209,7 @@ fn over_the_run(run: &Run, threads: usize) -> Result<Option<Vec<Vec<f64>>>, Buil
     let asked = Asked { node_pulses: Some(1), ..Asked::error_db(OF_POWER_DB) };
     let factory = factory_for(run, &Fidelity::Fast(asked))?;
     let count = if factory.facets() > 0 { OF_SEA } else { OF_POINTS }.min(run.scene.pulses);
-    let middle = |n: u64| u128::from(run.scene.pulses) * u128::from(2 * n + 1) / u128::from(2 * count);
-    let pulses: Vec<u64> = (0..count).map(|n| middle(n) as u64).collect();
+    let pulses: Vec<u64> = spread_over(run.scene.pulses, count).collect();
     let channels = factory.layout().channels;
     match make(&factory, &pulses, threads, &|_| (), |samples| powers(samples, channels)) {
         Ok(powers) => Ok(Some(powers)),

@@ -216,12 +216,13 @@ impl BlockEcho {
             work.windows_s.push(illumination.window_start_of(at)?);
         }
         let patch = illumination.patch_of(first)?;
-        let BlockWork { tiers, samples, tiles, mean_hz, nodes, .. } = &mut *work;
+        let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             illumination.open_block(tiers, patch, light, tiles, samples)?;
         }
-        self.mean_doppler(illumination, first + pulses as u64 / 2, light, samples, &mut nodes[0], mean_hz)?;
+        let middle = (first + pulses as u64 / 2, windows_s[pulses / 2]);
+        self.mean_doppler(illumination, middle, light, samples, &mut nodes[0], mean_hz)?;
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         light.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
@@ -276,11 +277,12 @@ impl BlockEcho {
         Ok((first, end))
     }
 
-    /// Mean Doppler of every pair, weighted by power: of the sea's sample and of targets at a pulse.
+    /// Mean Doppler of every pair, weighted by power: of the sea's sample and of targets as far as they are heard, at a pulse whose window opens so long
+    /// after its emission.
     fn mean_doppler(
         &self,
         illumination: &Illumination,
-        index: u64,
+        (index, opens_s): (u64, f64),
         light: &mut Workspace,
         samples: &[Sample],
         contacts: &mut Contacts,
@@ -296,9 +298,9 @@ impl BlockEcho {
             for (channel, _) in
                 illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair)
             {
-                let amplitudes = contacts.amplitude[channel].iter();
-                for (a, rate) in amplitudes.zip(&contacts.delay_rate[pair]) {
-                    let own = a.norm_sqr();
+                let courses = contacts.delay_s[pair].iter().zip(&contacts.delay_rate[pair]);
+                for (a, (delay_s, rate)) in contacts.amplitude[channel].iter().zip(courses) {
+                    let own = illumination.heard_share(opens_s, *delay_s) * a.norm_sqr();
                     if own.is_finite() && rate.abs() < 1.0 {
                         power += own;
                         sum += own * rate;

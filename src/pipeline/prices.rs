@@ -56,21 +56,22 @@ impl PulseStream {
     /// Speed as predicted; `None` for the reference.
     pub fn priced(&self) -> Result<Option<Priced>, BuildErrors> {
         let Some(plan) = self.factory().plan() else { return Ok(None) };
-        let (prices, of_blocks) = self.calibrated(plan)?;
+        let prices = self.calibrated(plan)?;
         let prf_hz = self.schedule().times.mean_prf_hz();
         let pulses = self.schedule().count;
-        let workers = busy_workers(pulses, self.factory().block_pulses(), self.threads() as u64);
-        let factor = |prices: Prices, workers: f64| workers / prices.seconds(&plan.work) / prf_hz;
+        // A run shorter than a block is priced as it is.
+        let block = self.factory().block_pulses().min(pulses);
+        let workers = busy_workers(pulses, block, self.threads() as u64);
+        let factor = |prices: Prices| workers / prices.seconds(&plan.work) / prf_hz;
         Ok(Some(Priced {
-            list_factor: factor(Prices::TABLE, workers),
-            // What one block that is cut short takes was measured as it is.
-            factor: factor(prices, if pulses < of_blocks { 1.0 } else { workers }),
+            list_factor: factor(Prices::TABLE),
+            factor: factor(prices),
             stages_s: PRICED.map(|stage| (stage, prices.stage_seconds(&plan.work, stage))),
         }))
     }
 
-    /// Prices of this machine, found on blocks of so many pulses.
-    fn calibrated(&self, plan: &Plan) -> Result<(Prices, u64), BuildErrors> {
+    /// Prices of this machine.
+    fn calibrated(&self, plan: &Plan) -> Result<Prices, BuildErrors> {
         let settled = Settled { node_pulses: (plan.settled.node_pulses / 2).max(2), ..plan.settled };
         let interpolates = plan.work.0[10] == 0.0;
         let other = if interpolates { self.factory().with_nodes(&settled) } else { None };
@@ -130,7 +131,7 @@ impl PulseStream {
                 prices = prices.scaled(stage, found / table);
             }
         }
-        Ok((prices, block))
+        Ok(prices)
     }
 }
 

@@ -175,6 +175,10 @@ pub fn settle(
 ) -> Result<Plan, PlanError> {
     let mut sounder =
         Sounder::new(illumination, &scene.radar, waveform.as_ref(), scene.pulses, asked.faint_db)?;
+    // No interpolation knows of a jump, and soundings may miss it.
+    let free: &[u64] = if illumination.aim_jumps() { &[1] } else { &GAIN_PULSES };
+    let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
+    sounder.follow_points(&gain_rungs)?;
     let power = sounder.power().clone();
     let judge = Judge { power: &power };
     let budget = 10f64.powf(asked.error_db / 10.0);
@@ -245,9 +249,6 @@ pub fn settle(
     // What is the same at all rungs.
     let culled = sounder.culled(least_power).clone();
     let bounce = 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, illumination);
-    // No interpolation knows of a jump, and soundings may miss it.
-    let free: &[u64] = if illumination.aim_jumps() { &[1] } else { &GAIN_PULSES };
-    let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
     let ladder = sounder.ladder().clone();
     let rung_of = |n: usize| {
         let faint = ladder.rungs()[n].map(|below_db| Faint { below_db, looks: sounder.faint_looks() });
@@ -426,18 +427,17 @@ impl EchoError {
         let off_mean = |mean_hz: f64, off_hz: f64| {
             error_power(settings.doppler, waveform.as_ref(), rate_hz, fft_len, mean_hz, off_hz)
         };
-        let (mut worst, mut doppler, mut a_mean_hz) = (of(0.0), 0.0f64, 0.0);
+        let (mut worst, mut worst_hz, mut doppler) = (of(0.0), 0.0, 0.0f64);
         for (mean_hz, groups) in sounder.dopplers() {
             let own = of(mean_hz);
             if own.total_db() > worst.total_db() {
-                worst = own;
+                (worst, worst_hz) = (own, mean_hz);
             }
             let sum: f64 = groups.iter().map(|off_hz| off_mean(mean_hz, *off_hz)).sum();
             doppler = doppler.max(sum / groups.len().max(1) as f64);
-            a_mean_hz = mean_hz;
         }
         let law =
-            Law::new(sounder.points(), settings.doppler == Doppler::Taylor, |hz| off_mean(a_mean_hz, hz));
+            Law::new(sounder.points(), settings.doppler == Doppler::Taylor, |hz| off_mean(worst_hz, hz));
         // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may be in phase.
         let peak = sounder.peak([1.0, 2.0]).max(1.0);
         Ok(Self {

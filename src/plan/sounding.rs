@@ -21,7 +21,7 @@
 //! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt are at their best: each probe
 //! takes the gain of its own interval.
 //!
-//! The mean power of the run is that of [`PROFILE`] pulses spread over it, and the places are its strongest one and both ends: what is in
+//! The mean power of facets is that of [`PROFILE`] pulses spread over the run, and the places are its strongest one and both ends: what is in
 //! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
 //!
 //! Targets and direct paths are few: they are followed themselves, in [`points`].
@@ -30,6 +30,7 @@
 //! platforms between the places is not seen.
 
 mod left;
+mod line;
 pub mod points;
 mod sweep;
 
@@ -196,7 +197,6 @@ impl<'a> Sounder<'a> {
             own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
             own.open(own.places.len() - 1)?;
         }
-        own.follow_points()?;
         Ok(own)
     }
 
@@ -204,9 +204,7 @@ impl<'a> Sounder<'a> {
     fn profile(&mut self) -> Result<u64, RadarError> {
         let count = PROFILE.min(self.pulses);
         let (mut strongest, mut most) = (self.points.loudest, 0.0);
-        for step in 0..count {
-            let index =
-                (u128::from(self.pulses) * u128::from(2 * step + 1) / u128::from(2 * count.max(1))) as u64;
+        for (step, index) in spread_over(self.pulses, count).enumerate() {
             let patch = self.illumination.patch_of(index)?;
             // The waves of the first stand for all.
             let truths = self.light(
@@ -487,6 +485,12 @@ impl<'a> Sounder<'a> {
         let from_s = self.illumination.window_start_of(index)? - self.pulse_s;
         Ok(Cells { from_s, per_s: self.cells_per_s })
     }
+}
+
+/// Numbers of `count` pulses in the middle of as many equal parts of a run.
+pub fn spread_over(pulses: u64, count: u64) -> impl Iterator<Item = u64> {
+    let middle = move |n: u64| u128::from(pulses) * u128::from(2 * n + 1) / u128::from(2 * count.max(1));
+    (0..count).map(move |n| middle(n) as u64)
 }
 
 /// Lanes of the runs of a tile, and the bins of their gains.

@@ -110,9 +110,11 @@ impl Sounder<'_> {
             sea.push(self.gains_of_sea(place, &all, block_pulses)?);
         }
         let (share, deviations) = (self.sampled(), self.deviations());
-        let of_points = self.gains_of_points(steps)?.into_iter();
-        let of_points = of_points.map(|powers| powers.iter().map(|own| share * own).collect());
-        let points = steps.iter().copied().zip(of_points).collect();
+        let of_points = |step: &u64| -> Option<(u64, Powers)> {
+            let left = self.points().swept(*step)?;
+            Some((*step, left.iter().map(|own| share * own).collect()))
+        };
+        let points = steps.iter().filter_map(of_points).collect();
         Ok(Sweeps { steps: all, sea, points, channels: self.radar.channels.len(), share, deviations })
     }
 

@@ -32,6 +32,17 @@ impl Illumination {
         Ok(true)
     }
 
+    /// Share of an echo of such a delay that some window hears, of those that open `opens_s` after their emission: 0 to 1.
+    pub fn heard_share(&self, opens_s: f64, delay_s: f64) -> f64 {
+        let listens_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let (begins_s, interval_s) = (delay_s - opens_s, self.radar.emissions.interval_s(0, 1));
+        let heard_s = |begins_s: f64| self.pulse_length_s.min(listens_s - begins_s) - (-begins_s).max(0.0);
+        // Where pulses are in the air a later window hears it, or an earlier one.
+        let folded_s = if interval_s > 0.0 { begins_s.rem_euclid(interval_s) } else { begins_s };
+        let most_s = [begins_s, folded_s, folded_s - interval_s].map(heard_s).into_iter().fold(0.0, f64::max);
+        (most_s / self.pulse_length_s).min(1.0)
+    }
+
     /// Start of the window of a pulse after its emission by the clocks of the radar, s.
     pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
