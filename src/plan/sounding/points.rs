@@ -1,11 +1,11 @@
 //! Targets and direct paths of a run.
 //!
-//! They are few, so they are followed themselves: at up to [`MOST_PROFILE`] pulses spread over the run for their power, and in
+//! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power, and in
 //! **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is short, else those about the loudest
-//! pulses, and some spread over it. Of more than [`MOST_POINTS`] the loudest are followed, for all.
+//! pulses, and some spread over it. Of more than 4096 the loudest are followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and what is left is taken at its worst:
-//! [`line`](super::line).
+//! `line.rs`.
 //!
 //! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
 
