@@ -8,7 +8,7 @@
 //! the squares over pulses and channels. Channels in which nothing is heard at all, and nothing should be, do not count.
 //!
 //! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`] pulses spread evenly over it, or
-//! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within [`OF_POWER_DB`] of the reference (0.1 dB of the mean), and at least
+//! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within -40 dB of the reference (0.1 dB of the mean), and at least
 //! what the pulses of the reference add to a run that is silent otherwise. Where contacts cannot be followed, and only the reference makes
 //! them, the mean is that of the pulses drawn.
 //!
