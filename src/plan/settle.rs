@@ -251,15 +251,18 @@ pub fn settle(
     let bounce = 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, illumination);
     let ladder = sounder.ladder().clone();
     let rung_of = |n: usize| {
-        let faint = ladder.rungs()[n].map(|below_db| Faint { below_db, looks: sounder.faint_looks() });
+        let faint = ladder.rungs()[n].filter(|_| of_facets > 0.0);
+        let faint = faint.map(|below_db| Faint { below_db, looks: sounder.faint_looks() });
         Rung { n, faint, faint_share: sounder.faint_share(n) }
     };
-    // Where facets turn away single ones count, and without a sea there is nothing to be faint.
+    // Where facets turn away single ones count.
     let may_be = |rung: &Rung| {
-        let turns = |faint: &Faint| sounder.turning() && faint.below_db > OF_TURNING_DB;
-        asked.faint_db.is_some() || rung.faint.is_none_or(|faint| of_facets > 0.0 && !turns(&faint))
+        let turns = |faint: Faint| sounder.turning() && faint.below_db > OF_TURNING_DB;
+        asked.faint_db.is_some() || !rung.faint.is_some_and(turns)
     };
-    let faint_rungs: Vec<Rung> = (0..ladder.rungs().len()).map(rung_of).filter(may_be).collect();
+    // Without a sea there is nothing to be faint.
+    let first = if of_facets > 0.0 { 0 } else { ladder.rungs().len() - 1 };
+    let faint_rungs: Vec<Rung> = (first..ladder.rungs().len()).map(rung_of).filter(may_be).collect();
     let sweeps_of = |sweeps: &Sweeps| -> Vec<Gain> {
         let each = gain_rungs.iter().flat_map(|pulses| faint_rungs.iter().map(|rung| (*pulses, *rung)));
         each.map(|(pulses, rung)| Gain { pulses, rung, swept: sweeps.swept(pulses, &ladder, rung.n) })
