@@ -21,6 +21,7 @@ use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::plan::settle::{Settled, block_length, block_pulses};
+use crate::plan::sounding::points::{mean_rate, of_points};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::illumination::tiles::{
@@ -221,8 +222,7 @@ impl BlockEcho {
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             illumination.open_block(tiers, patch, light, tiles, samples)?;
         }
-        let middle = (first + pulses as u64 / 2, windows_s[pulses / 2]);
-        self.mean_doppler(illumination, middle, light, samples, &mut nodes[0], mean_hz)?;
+        self.mean_doppler(illumination, (first, windows_s), light, samples, &mut nodes[0], mean_hz)?;
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         light.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
@@ -277,37 +277,37 @@ impl BlockEcho {
         Ok((first, end))
     }
 
-    /// Mean Doppler of every pair, weighted by power: of the sea's sample and of targets as far as they are heard, at a pulse whose window opens so long
-    /// after its emission.
+    /// Mean Doppler of every pair, weighted by power: of the sea's sample, and of targets as far as they are heard at [`of_points`] (of all of them
+    /// where none is).
     fn mean_doppler(
         &self,
         illumination: &Illumination,
-        (index, opens_s): (u64, f64),
+        (first, windows_s): (u64, &[f64]),
         light: &mut Workspace,
         samples: &[Sample],
         contacts: &mut Contacts,
         mean_hz: &mut Vec<f64>,
     ) -> Result<(), PulseError> {
-        mean_hz.clear();
-        illumination.points(index, light, contacts)?;
         let facets = illumination.facets() as f64;
-        for pair in 0..illumination.pairs().len() {
+        mean_hz.clear();
+        mean_hz.resize(illumination.pairs().len(), 0.0);
+        let of_pulses = of_points(windows_s.len());
+        for (pair, mean_hz) in mean_hz.iter_mut().enumerate() {
             let sample = samples.get(pair).copied().unwrap_or_default();
-            let mut power = sample.mean_power_w * facets;
-            let mut sum = power * sample.mean_rate;
-            for (channel, _) in
-                illumination.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair)
-            {
-                let courses = contacts.delay_s[pair].iter().zip(&contacts.delay_rate[pair]);
-                for (a, (delay_s, rate)) in contacts.amplitude[channel].iter().zip(courses) {
-                    let own = illumination.heard_share(opens_s, *delay_s) * a.norm_sqr();
-                    if own.is_finite() && rate.abs() < 1.0 {
-                        power += own;
-                        sum += own * rate;
-                    }
+            let of_facets = sample.mean_power_w * facets;
+            let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
+            for pulse in of_pulses {
+                let index = first + pulse as u64;
+                illumination.points(index, light, contacts)?;
+                let share = |delay_s| illumination.heard_share(index, windows_s[pulse], delay_s);
+                for (sums, own) in [
+                    (&mut heard, illumination.rates(contacts, pair, share)),
+                    (&mut all, illumination.rates(contacts, pair, |_| 1.0)),
+                ] {
+                    *sums = (sums.0 + own.0, sums.1 + own.1);
                 }
             }
-            mean_hz.push(if power > 0.0 { self.synth.carrier_hz() * sum / power } else { 0.0 });
+            *mean_hz = self.synth.carrier_hz() * mean_rate((of_facets, sample.mean_rate), heard, all);
         }
         Ok(())
     }

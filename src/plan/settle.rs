@@ -185,9 +185,7 @@ pub fn settle(
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
     let of_facets = illumination.facets() as f64;
 
-    let echo_of = |settings: Settings, precision: Precision| {
-        EchoError::of(scene, illumination, waveform, &sounder, settings, precision)
-    };
+    let echoes = Echoes { scene, illumination, waveform };
     let doppler = asked.doppler.unwrap_or(match waveform.sweep_rate_hz_per_s() {
         Some(_) => Doppler::Shift,
         None => Doppler::Taylor,
@@ -198,29 +196,34 @@ pub fn settle(
     let precision = if exact && asked.error_db <= EXACT_DB { Precision::Double } else { Precision::Single };
     // Gridding and rounding take a tenth of the budget, or what there is.
     let widths: Vec<usize> = asked.kernel_width.map_or(WIDTHS.collect(), |width| vec![width]);
-    let mut echo = None;
+    let mut settings = settings_of(8);
+    let (mut error, mut fft_len) = (PredictedError::default(), 0);
     for width in widths {
-        let error = echo_of(settings_of(width), precision)?;
-        let enough = error.gridding <= 0.1 * budget;
-        echo = Some((settings_of(width), error));
-        if enough {
+        settings = settings_of(width);
+        (error, fft_len) = echoes.error(&sounder, settings, precision)?;
+        if error.gridding <= 0.1 * budget {
             break;
         }
     }
-    let (mut settings, mut echo) = match echo {
-        Some(echo) => echo,
-        None => (settings_of(8), echo_of(settings_of(8), precision)?),
-    };
-    let longest = if exact { 1 } else { LONGEST };
-    let of_doppler = |echo: &EchoError| echo.of_blocks(&sounder, longest).doppler;
-    if asked.doppler.is_none() && doppler != Doppler::Taylor && of_doppler(&echo) > 0.3 * budget {
-        let with_moment = Settings { doppler: Doppler::Taylor, ..settings };
-        let other = echo_of(with_moment, precision)?;
-        if of_doppler(&other) < 0.5 * of_doppler(&echo) {
-            (settings, echo) = (with_moment, other);
+    let hold_pulses = illumination.hold_pulses();
+    let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+    rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
+    rungs.dedup();
+    rungs.retain(|pulses| *pulses > 1);
+    let lengths = rungs.iter().filter(|_| !exact).map(|pulses| block_length(*pulses, hold_pulses));
+    let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
+    let longest = blocks.iter().copied().max().unwrap_or(1);
+    let mut of_doppler = echoes.doppler_error(&mut sounder, doppler, fft_len, &blocks)?;
+    let may_have_moment = asked.doppler.is_none() && doppler != Doppler::Taylor;
+    if may_have_moment && of_doppler.of_blocks(longest) > 0.3 * budget {
+        let other = echoes.doppler_error(&mut sounder, Doppler::Taylor, fft_len, &blocks)?;
+        if other.of_blocks(longest) < 0.5 * of_doppler.of_blocks(longest) {
+            settings.doppler = Doppler::Taylor;
+            of_doppler = other;
         }
     }
-    let of_single = echo.of_blocks(&sounder, 1);
+    let echo_of = |block: u64| PredictedError { doppler: of_doppler.of_blocks(block), ..error };
+    let of_single = echo_of(1);
     let kept = sounder.kept(least_power);
     let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
     let one_by_one = |gain_pulses: u64| {
@@ -269,11 +272,6 @@ pub fn settle(
             .collect()
     };
     let mut gains = sweeps_of(&sounder.gains(&gain_rungs, LONGEST)?);
-    let hold_pulses = illumination.hold_pulses();
-    let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
-    rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
-    rungs.dedup();
-    rungs.retain(|pulses| *pulses > 1);
     let predict = |echo: PredictedError, left: &[Left], gain: &Gain| {
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &culled);
         Prediction { echo, path, tilt, gain, culled, bounce }
@@ -313,7 +311,7 @@ pub fn settle(
         if asked.gain_pulses.is_some() {
             gains = sweeps_of(&sounder.gains(&gain_rungs, block_pulses(node_pulses))?);
         }
-        let of_block = echo.of_blocks(&sounder, block_length(node_pulses, hold_pulses));
+        let of_block = echo_of(block_length(node_pulses, hold_pulses));
         let mut sounded = vec![sounder.left(0, node_pulses)?];
         let left_of = |sounded: &[Sounded], looks: usize, rung: Rung| -> Vec<Left> {
             sounded.iter().flat_map(|sounded| sounded.left(looks, &ladder, rung.n)).collect()
@@ -388,28 +386,38 @@ fn farthest_look(scene: &Scene) -> u64 {
     (pulses.floor() as u64).max(1)
 }
 
-/// Error of the echo itself, the worst pair.
-struct EchoError {
-    gridding: f64,
-    rounding: f64,
-    /// Of facets.
-    doppler: f64,
-    /// Of points.
-    law: Law,
+/// The fast echo of a scene.
+struct Echoes<'a> {
+    scene: &'a Scene,
+    illumination: &'a Illumination,
+    waveform: &'a Arc<dyn Waveform>,
 }
 
-impl EchoError {
-    fn of(
-        scene: &Scene,
-        illumination: &Illumination,
-        waveform: &Arc<dyn Waveform>,
+/// What Doppler within a pulse leaves: of facets, and of points in blocks of so many pulses.
+struct DopplerError {
+    of_facets: f64,
+    of_points: Vec<(u64, f64)>,
+}
+
+impl DopplerError {
+    /// In blocks of so many pulses.
+    fn of_blocks(&self, pulses: u64) -> f64 {
+        let of_points = self.of_points.iter().find(|(block, _)| *block == pulses).map_or(0.0, |(_, of)| *of);
+        self.of_facets + of_points
+    }
+}
+
+impl Echoes<'_> {
+    /// Gridding and rounding, the worst pair, and the samples of a transform.
+    fn error(
+        &self,
         sounder: &Sounder<'_>,
         settings: Settings,
         precision: Precision,
-    ) -> Result<Self, PlanError> {
-        let radar = &scene.radar;
-        let of_channels = illumination.channel_pairs();
-        let (own_waveform, samples) = (Arc::clone(waveform), radar.window.samples);
+    ) -> Result<(PredictedError, usize), PlanError> {
+        let radar = &self.scene.radar;
+        let of_channels = self.illumination.channel_pairs();
+        let (waveform, samples) = (Arc::clone(self.waveform), radar.window.samples);
         let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
         let cells_per_s = settings.oversampling * rate_hz;
         let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
@@ -417,43 +425,45 @@ impl EchoError {
             if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
         let (fft_len, of): (usize, Box<dyn Fn(f64) -> PredictedError>) = match precision {
             Precision::Single => {
-                let synth =
-                    Synth::<f32>::new(own_waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+                let synth = Synth::<f32>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
                 (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
             }
             Precision::Double => {
-                let synth =
-                    Synth::<f64>::new(own_waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+                let synth = Synth::<f64>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
                 (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
             }
         };
-        let off_mean = |mean_hz: f64, off_hz: f64| {
-            error_power(settings.doppler, waveform.as_ref(), rate_hz, fft_len, mean_hz, off_hz)
-        };
-        let (mut worst, mut worst_hz, mut doppler) = (of(0.0), 0.0, 0.0f64);
-        for (mean_hz, groups) in sounder.dopplers() {
-            let own = of(mean_hz);
-            if own.total_db() > worst.total_db() {
-                (worst, worst_hz) = (own, mean_hz);
-            }
-            let sum: f64 = groups.iter().map(|off_hz| off_mean(mean_hz, *off_hz)).sum();
-            doppler = doppler.max(sum / groups.len().max(1) as f64);
-        }
-        let law =
-            Law::new(sounder.points(), settings.doppler == Doppler::Taylor, |hz| off_mean(worst_hz, hz));
+        let means = sounder.dopplers().into_iter().map(|(mean_hz, _)| mean_hz);
+        let errors = [0.0].into_iter().chain(means).map(of);
+        let worst = errors.max_by(|a, b| a.total_db().total_cmp(&b.total_db())).unwrap_or_default();
         // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may be in phase.
         let peak = sounder.peak([1.0, 2.0]).max(1.0);
-        Ok(Self {
-            gridding: peak * worst.gridding,
-            rounding: peak * (worst.rounding + OF_SAMPLES),
-            doppler: sounder.peak([1.0, 0.0]) * doppler,
-            law,
-        })
+        let rounding = peak * (worst.rounding + OF_SAMPLES);
+        Ok((PredictedError { gridding: peak * worst.gridding, rounding, doppler: 0.0 }, fft_len))
     }
 
-    /// In blocks of so many pulses.
-    fn of_blocks(&self, sounder: &Sounder<'_>, pulses: u64) -> PredictedError {
-        let doppler = self.doppler + sounder.doppler_of_points(&self.law, pulses);
-        PredictedError { gridding: self.gridding, rounding: self.rounding, doppler }
+    /// Doppler, the worst pair, in blocks of so many pulses each.
+    fn doppler_error(
+        &self,
+        sounder: &mut Sounder<'_>,
+        doppler: Doppler,
+        fft_len: usize,
+        blocks: &[u64],
+    ) -> Result<DopplerError, PlanError> {
+        let radar = &self.scene.radar;
+        let off_mean = |mean_hz: f64, off_hz: f64| {
+            error_power(doppler, self.waveform.as_ref(), radar.sample_rate_hz, fft_len, mean_hz, off_hz)
+        };
+        let dopplers = sounder.dopplers();
+        let of_pair = |(mean_hz, groups): &(f64, Vec<f64>)| {
+            let sum: f64 = groups.iter().map(|off_hz| off_mean(*mean_hz, *off_hz)).sum();
+            sum / groups.len().max(1) as f64
+        };
+        let of_facets = sounder.peak([1.0, 0.0]) * dopplers.iter().map(of_pair).fold(0.0, f64::max);
+        if self.illumination.point_count() == 0 {
+            return Ok(DopplerError { of_facets, of_points: Vec::new() });
+        }
+        let law = Law::new(2.0 * radar.carrier_hz * sounder.fastest(), |off_hz| off_mean(0.0, off_hz));
+        Ok(DopplerError { of_facets, of_points: sounder.doppler_of_points(&law, blocks)? })
     }
 }

@@ -49,7 +49,7 @@ use crate::radar::illumination::{Illumination, Workspace};
 use crate::radar::waveform::Waveform;
 use crate::scene::{Patch, Radar};
 
-use points::{Law, Points};
+use points::Points;
 
 pub use left::{Left, Sounded};
 pub use sweep::{Sweeps, Swept};
@@ -313,11 +313,6 @@ impl<'a> Sounder<'a> {
         let both = self.highest.iter().zip(&self.points.highest);
         let highest = both.map(|(facets, points)| of_facets * facets + of_points * self.sampled() * points);
         self.worst_ratio(&highest.collect())
-    }
-
-    /// What Doppler within a pulse leaves of points in the worst pulse of blocks of so many, over the mean power of all.
-    pub fn doppler_of_points(&self, law: &Law, block_pulses: u64) -> f64 {
-        self.sampled() * self.worst_ratio(&self.points.doppler(law, block_pulses))
     }
 
     fn worst_ratio(&self, powers: &Powers) -> f64 {

@@ -181,6 +181,26 @@ fn several_pulses_in_the_air() {
     targets_hold("configs/coastal.toml", &settings, &[-60.0, -80.0]);
 }
 
+/// One that leaves the window within a block: the middle of the block no longer hears what sets its Doppler.
+#[test]
+fn targets_that_leave() {
+    let one = "[{ name = \"out\", position_m = [0, 0, 0], velocity_mps = [-300, 0, 0], rcs_dbsm = 30 }]";
+    let mut settings = vec![("target", one), ("radar.window.start_us", "19.57936")];
+    settings.extend([("scene.duration_s", "0.6"), ("platform.1.track.position_m", "[3000, -66, 3000]")]);
+    settings.extend(ALL_AROUND);
+    targets_hold("configs/coastal.toml", &settings, &[-60.0]);
+}
+
+/// A plate of points: for some pulses all of them are in phase.
+#[test]
+fn plates_that_flash() {
+    let plate: Vec<_> = (0..201).map(|n| ([0.0, f64::from(n) * 0.04 - 4.0, 0.0], 0.0)).collect();
+    let plate = targets(&plate);
+    let mut settings = vec![("target", plate.as_str()), ("scene.duration_s", "0.6")];
+    settings.push(("platform.1.track.position_m", "[3000, -66, 3000]"));
+    targets_hold("configs/coastal.toml", &settings, &[-30.0, -60.0]);
+}
+
 /// One of which the window hears the last twentieth.
 #[test]
 fn part_of_an_echo() {

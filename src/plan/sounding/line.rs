@@ -9,14 +9,14 @@
 //! for what is left of a pulse lies at its ends and those of its band, and is alike over some cells (1.26 cells apart two targets of equal
 //! Doppler off the mean had 2.6 dB more than their powers add up to), and where there is more than one point [`SIDE_LOBES`] times as
 //! much, for the range side lobes of others; but not more than points of random phases add up to at their worst, each cell with
-//! an exponential law ([`worst`](crate::plan::worst)).
+//! an exponential law ([`worst`](crate::plan::worst)), times the most that an echo of the run has over the sum of its powers: a plate flashes.
 
 use num_complex::Complex64;
 
 use crate::plan::worst::worst_of;
 
 /// Points whose phases count in the power of a pulse: more have any.
-const MOST_COHERENT: usize = 1024;
+const MOST_COHERENT: usize = 4096;
 /// The least that is left of points that cancel, of the sum of their powers.
 const LEAST_COHERENT: f64 = 1e-9;
 /// Cells within which what is left of two points may be in phase.
@@ -34,8 +34,8 @@ impl Line {
         Self(line)
     }
 
-    /// The most that moduli add up to in a pulse, its worst so many deviations up.
-    pub(super) fn most(&self, deviations: f64, modulus: impl Fn(usize) -> f64) -> f64 {
+    /// The most that moduli add up to in a pulse: random phases are taken so many deviations up, and at so much more as echoes of the run are coherent.
+    pub(super) fn most(&self, [deviations, coherence]: [f64; 2], modulus: impl Fn(usize) -> f64) -> f64 {
         let terms: Vec<(f64, f64)> = self
             .0
             .iter()
@@ -45,7 +45,7 @@ impl Line {
         if terms.len() < 2 {
             return terms.iter().map(|(_, modulus)| modulus * modulus).sum();
         }
-        (SIDE_LOBES * in_phase(&terms)).min(of_random_phases(&terms, deviations))
+        (SIDE_LOBES * in_phase(&terms)).min(coherence * of_random_phases(&terms, deviations))
     }
 
     /// Power of amplitudes with their phases.
@@ -124,10 +124,10 @@ mod tests {
             Line::new(&delays_s, 1.0)
         };
         // Two may; of a thousand in ten cells each cell has an exponential law.
-        assert!((line(2, 10.0).most(4.0, |_| 1.0) - 4.0 * SIDE_LOBES).abs() < 1e-12);
-        assert!((line(1000, 100.0).most(4.0, |_| 1.0) / 1000.0 - worst_of(0.1, 4.0)).abs() < 1e-9);
-        assert_eq!(line(1, 1.0).most(4.0, |_| 3.0), 9.0);
-        assert_eq!(line(0, 1.0).most(4.0, |_| 3.0), 0.0);
+        assert!((line(2, 10.0).most([4.0, 1.0], |_| 1.0) - 4.0 * SIDE_LOBES).abs() < 1e-12);
+        assert!((line(1000, 100.0).most([4.0, 1.0], |_| 1.0) / 1000.0 - worst_of(0.1, 4.0)).abs() < 1e-9);
+        assert_eq!(line(1, 1.0).most([4.0, 1.0], |_| 3.0), 9.0);
+        assert_eq!(line(0, 1.0).most([4.0, 1.0], |_| 3.0), 0.0);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power, and in
 //! **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is short, else those about the loudest
-//! pulses, and some spread over it. Of more than 4096 the loudest are followed, for all.
+//! pulses, and some spread over it. Of more than 1024 the loudest are followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and what is left is taken at its worst:
 //! `line.rs`.
@@ -26,9 +26,9 @@ const LEAST_PROFILE: u64 = 64;
 const MOST_FOLLOWED: u64 = 1 << 20;
 const STRETCHES: std::ops::RangeInclusive<u64> = 1..=64;
 /// Points that are followed.
-const MOST_POINTS: usize = 4096;
-/// Dopplers of which a [`Law`] is told.
-const KNOTS: usize = 6;
+const MOST_POINTS: usize = 1024;
+/// Dopplers of which a [`Law`] is told, over the largest.
+const KNOTS: [f64; 6] = [1e-9, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
 /// What the points of a run return.
 #[derive(Clone, Debug, Default)]
@@ -41,87 +41,73 @@ pub struct Points {
     pub loudest: u64,
     /// Largest rate of a delay.
     pub fastest: f64,
+    /// Most power of a pulse over that of random phases, 1 at least.
+    coherence: f64,
     /// Points that are followed, and the power of all over theirs.
     followed: Vec<usize>,
     all_of_followed: f64,
     /// First pulses of the stretches.
     stretches: Vec<u64>,
-    /// Doppler at all pulses of the stretches.
-    offsets: Vec<Offset>,
     /// What cubics leave: steps of gain, and powers by channel.
     swept: Vec<(u64, Powers)>,
 }
 
-/// Doppler of a channel's points at a pulse off their mean, Hz.
-#[derive(Clone, Copy, Debug)]
-struct Offset {
-    channel: usize,
-    /// Most power of the pulse, W.
-    power: f64,
-    /// Root of the mean square, and of the mean fourth power, by power.
-    rms_hz: f64,
-    fourth_hz: f64,
-    /// Change of the mean from pulse to pulse.
-    drift_hz: f64,
+/// A stretch of successive pulses.
+struct Stretch {
+    first: u64,
+    /// Points that are followed, pulse by pulse.
+    exact: Vec<Contacts>,
+    /// `[pulse][pair]`.
+    lines: Vec<Vec<Line>>,
+    /// `[pulse][pair]`: of all points.
+    rates: Vec<Vec<Rates>>,
 }
 
-impl Points {
-    /// The most that Doppler within a pulse leaves in the worst pulse of blocks of so many pulses, `[channel]`.
-    pub fn doppler(&self, law: &Law, block_pulses: u64) -> Powers {
-        let mut worst = vec![0.0f64; self.power.len()];
-        for of in &self.offsets {
-            let hz = of.off_hz(block_pulses, law.fourth);
-            if hz > 0.0 {
-                worst[of.channel] = worst[of.channel].max(of.power * law.at(hz));
-            }
-        }
-        worst
-    }
+/// Powers, and sums of powers and delay rates, of points that are heard and of all.
+type Rates = [(f64, f64); 2];
+
+/// Pulses of a block of so many at which its points are weighed for their mean Doppler: first, middle and last.
+pub fn of_points(pulses: usize) -> [usize; 3] {
+    [0, pulses / 2, pulses.saturating_sub(1)]
+}
+
+/// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of [`of_points`]: of those that are heard,
+/// or, where there is nothing else, of all.
+pub fn mean_rate((of_facets, rate): (f64, f64), heard: (f64, f64), all: (f64, f64)) -> f64 {
+    let points = if of_facets + heard.0 > 0.0 { heard } else { all };
+    let power = of_facets + points.0 / 3.0;
+    if power > 0.0 { (of_facets * rate + points.1 / 3.0) / power } else { 0.0 }
 }
 
 /// What a Doppler off the mean leaves of a pulse, relative to its power.
 #[derive(Clone, Debug)]
 pub struct Law {
-    /// Grows as the fourth power, or else as the square.
-    fourth: bool,
     /// Logarithms of Hz and of what is left: powers from one to the next.
-    knots: Vec<(f64, f64)>,
+    knots: [(f64, f64); KNOTS.len()],
 }
 
 impl Law {
-    /// For the points of a run, with `left` what a Doppler in Hz leaves, which grows as its square or as its fourth power.
-    pub fn new(points: &Points, fourth: bool, left: impl Fn(f64) -> f64) -> Self {
-        let all = points.offsets.iter().flat_map(|of| [1, LONGEST].map(|block| of.off_hz(block, fourth)));
-        let heard = all.filter(|hz| *hz > 0.0);
-        let (least_hz, most_hz) =
-            heard.fold((f64::INFINITY, 0.0f64), |(least, most), hz| (least.min(hz), most.max(hz)));
-        if most_hz == 0.0 {
-            return Self { fourth, knots: Vec::new() };
-        }
-        // What is a millionth of the largest leaves nothing.
-        let least_hz = least_hz.max(1e-6 * most_hz);
-        let knot = |n: usize| least_hz * (most_hz / least_hz).powf(n as f64 / (KNOTS - 1) as f64);
-        let of = |hz: f64| (hz.ln(), left(hz).max(f64::MIN_POSITIVE).ln());
-        Self { fourth, knots: (0..KNOTS).map(|n| of(knot(n))).collect() }
+    /// Up to a Doppler, of `left`, the error power of one in Hz. What is left of either sign counts, and never falls: a waveform that is cut off at the ends
+    /// of its band may lose a bin by the smallest Doppler.
+    pub fn new(most_hz: f64, left: impl Fn(f64) -> f64) -> Self {
+        let mut most = f64::MIN_POSITIVE;
+        let knots = KNOTS.map(|share| {
+            let hz = share * most_hz.max(1e-3);
+            most = most.max(left(hz)).max(left(-hz));
+            (hz.ln(), most.ln())
+        });
+        Self { knots }
     }
 
-    fn at(&self, hz: f64) -> f64 {
-        if self.knots.is_empty() {
-            return 0.0;
-        }
+    /// The root of the error power.
+    fn root(&self, hz: f64) -> f64 {
         let at = hz.ln();
+        if hz == 0.0 || at <= self.knots[0].0 {
+            return (0.5 * self.knots[0].1).exp();
+        }
         let n = self.knots.partition_point(|knot| knot.0 < at).clamp(1, self.knots.len() - 1);
         let [(a, left_a), (b, left_b)] = [self.knots[n - 1], self.knots[n]];
-        let share = if b > a { (at - a) / (b - a) } else { 1.0 };
-        (left_a + share * (left_b - left_a)).exp()
-    }
-}
-
-impl Offset {
-    /// Off the mean of a block of some pulses, which is that of its middle.
-    fn off_hz(&self, block_pulses: u64, fourth: bool) -> f64 {
-        let own = if fourth { self.fourth_hz } else { self.rms_hz };
-        own + self.drift_hz * 0.5 * block_pulses.saturating_sub(1) as f64
+        (0.5 * (left_a + (at - a) / (b - a) * (left_b - left_a))).exp()
     }
 }
 
@@ -134,8 +120,12 @@ impl Sounder<'_> {
     /// Finds what the points of the run return.
     pub(super) fn find_points(&mut self) -> Result<(), RadarError> {
         let channels = self.radar.channels.len();
-        self.points =
-            Points { power: vec![0.0; channels], highest: vec![0.0; channels], ..Points::default() };
+        self.points = Points {
+            power: vec![0.0; channels],
+            highest: vec![0.0; channels],
+            coherence: 1.0,
+            ..Points::default()
+        };
         let points = self.illumination.point_count();
         if points == 0 || self.pulses == 0 {
             return Ok(());
@@ -147,7 +137,7 @@ impl Sounder<'_> {
         let mut contacts = self.no_points();
         let deviations = self.deviations();
         for index in spread_over(self.pulses, count) {
-            let opens_s = self.points_at(index, &mut contacts)?;
+            let (opens_s, _) = self.points_at(index, &mut contacts)?;
             let mut all = 0.0;
             for (pair, channels) in self.channels.iter().enumerate() {
                 let delays_s = &contacts.delay_s[pair];
@@ -155,12 +145,14 @@ impl Sounder<'_> {
                 for &channel in channels {
                     let amplitude = &contacts.amplitude[channel];
                     let power = line.power(|n| {
-                        let heard = self.illumination.heard_share(opens_s, delays_s[n]).sqrt();
+                        let heard = self.illumination.heard_share(index, opens_s, delays_s[n]).sqrt();
                         amplitude[n] * heard * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
                     });
                     self.points.power[channel] += power / count as f64;
                     all += power;
-                    let most = line.most(deviations, |n| amplitude[n].norm());
+                    let each: f64 = amplitude.iter().map(Complex64::norm_sqr).sum();
+                    self.points.coherence = self.points.coherence.max(power / each.max(f64::MIN_POSITIVE));
+                    let most = line.most([deviations, self.points.coherence], |n| amplitude[n].norm());
                     self.points.highest[channel] = self.points.highest[channel].max(most);
                     for ((most, mean), a) in of_each.iter_mut().zip(amplitude) {
                         (*most, *mean) = (most.max(a.norm_sqr()), *mean + a.norm_sqr());
@@ -178,28 +170,21 @@ impl Sounder<'_> {
         Ok(())
     }
 
-    /// Follows the points through the stretches, once the facets' Doppler is known: with gains every so many pulses.
+    /// Follows the points through the stretches with gains every so many pulses.
     pub fn follow_points(&mut self, gain_pulses: &[u64]) -> Result<(), RadarError> {
-        // Of all facets, the mean of the places: power, and its sum with Doppler.
-        let share = self.sampled() * self.places.len().max(1) as f64;
-        let mut of_facets = vec![(0.0, 0.0); self.channels.len()];
-        for (pair, hz, w) in &self.dopplers {
-            let (power, weighted) = &mut of_facets[*pair];
-            (*power, *weighted) = (*power + w / share, *weighted + w * hz / share);
-        }
-        self.points.offsets.clear();
-        self.points.swept = gain_pulses.iter().map(|step| (*step, vec![0.0; self.power.len()])).collect();
-        let mut swept = std::mem::take(&mut self.points.swept);
+        let mut swept: Vec<_> = gain_pulses.iter().map(|step| (*step, vec![0.0; self.power.len()])).collect();
+        let bounds = [self.deviations(), self.points.coherence];
         for n in 0..self.points.stretches.len() {
-            let exact = self.stretch(n)?;
-            let lines: Vec<Vec<Line>> = exact
-                .iter()
-                .map(|own| own.delay_s.iter().map(|delays_s| Line::new(delays_s, self.cells_per_s)).collect())
-                .collect();
-            self.take_offsets(&exact, &lines, &of_facets);
+            let stretch = self.stretch(n)?;
+            for (own, lines) in stretch.exact.iter().zip(&stretch.lines) {
+                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+                    let most = lines[*pair].most(bounds, |n| own.amplitude[channel][n].norm());
+                    self.points.highest[channel] = self.points.highest[channel].max(most);
+                }
+            }
             for (step, worst) in &mut swept {
                 let length = usize::try_from(3 * *step).unwrap_or(usize::MAX).max(1);
-                for (exact, lines) in exact.chunks(length).zip(lines.chunks(length)) {
+                for (exact, lines) in stretch.exact.chunks(length).zip(stretch.lines.chunks(length)) {
                     self.add_part(exact, lines, worst);
                 }
             }
@@ -208,17 +193,71 @@ impl Sounder<'_> {
         Ok(())
     }
 
+    /// The most that Doppler within a pulse leaves of points in the worst pulse of blocks of so many pulses each, over the mean power of all.
+    pub fn doppler_of_points(&mut self, law: &Law, blocks: &[u64]) -> Result<Vec<(u64, f64)>, RadarError> {
+        // Of all facets, the mean of the places: power, and its sum with delay rates.
+        let share = self.sampled() * self.places.len().max(1) as f64;
+        let mut of_facets = vec![(0.0, 0.0); self.channels.len()];
+        for (pair, hz, w) in &self.dopplers {
+            let (power, sum) = &mut of_facets[*pair];
+            (*power, *sum) = (*power + w / share, *sum + w * hz / self.radar.carrier_hz / share);
+        }
+        of_facets.iter_mut().for_each(|(power, sum)| *sum /= power.max(f64::MIN_POSITIVE));
+        let mut worst: Vec<(u64, Powers)> =
+            blocks.iter().map(|block| (*block, vec![0.0; self.power.len()])).collect();
+        for n in 0..self.points.stretches.len() {
+            let stretch = self.stretch(n)?;
+            for (block, worst) in &mut worst {
+                self.add_doppler(&stretch, *block, law, &of_facets, worst);
+            }
+        }
+        Ok(worst.iter().map(|(block, of)| (*block, self.sampled() * self.worst_ratio(of))).collect())
+    }
+
+    /// Doppler of the points of a stretch off the mean of their blocks.
+    fn add_doppler(
+        &self,
+        stretch: &Stretch,
+        block: u64,
+        law: &Law,
+        of_facets: &[(f64, f64)],
+        worst: &mut Powers,
+    ) {
+        let (carrier_hz, bounds) = (self.radar.carrier_hz, [self.deviations(), self.points.coherence]);
+        let block = block.max(1);
+        let mut from = 0;
+        while from < stretch.exact.len() {
+            // Blocks of the run; of those that begin before the stretch or end after it, their part.
+            let within = (block - (stretch.first + from as u64) % block) as usize;
+            let pulses = from..(from + within).min(stretch.exact.len());
+            for (pair, channels) in self.channels.iter().enumerate() {
+                let sum = |which: usize| {
+                    let of = of_points(pulses.len()).map(|n| stretch.rates[from + n][pair][which]);
+                    of.iter().fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
+                };
+                let mean = mean_rate(of_facets[pair], sum(0), sum(1));
+                for pulse in pulses.clone() {
+                    let own = &stretch.exact[pulse];
+                    for &channel in channels {
+                        let left = |n: usize| {
+                            let off_hz = carrier_hz * (own.delay_rate[pair][n] - mean);
+                            own.amplitude[channel][n].norm() * law.root(off_hz.abs())
+                        };
+                        worst[channel] = worst[channel].max(stretch.lines[pulse][pair].most(bounds, left));
+                    }
+                }
+            }
+            from = pulses.end;
+        }
+    }
+
     /// Adds the points of a pulse to what the mean Doppler is taken of.
     pub(super) fn add_points_at(&mut self, index: u64) -> Result<(), RadarError> {
-        let weight = self.sampled();
+        let (weight, carrier_hz) = (self.sampled(), self.radar.carrier_hz);
         let mut contacts = self.no_points();
-        self.points_at(index, &mut contacts)?;
-        for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
-            let (power, weighted) = &mut self.dopplers_of_points[*pair];
-            for (a, rate) in contacts.amplitude[channel].iter().zip(&contacts.delay_rate[*pair]) {
-                let w = weight * a.norm_sqr();
-                (*power, *weighted) = (*power + w, *weighted + w * rate * self.radar.carrier_hz);
-            }
+        let (_, rates) = self.points_at(index, &mut contacts)?;
+        for ((power, weighted), [heard, _]) in self.dopplers_of_points.iter_mut().zip(rates) {
+            (*power, *weighted) = (*power + weight * heard.0, *weighted + weight * heard.1 * carrier_hz);
         }
         Ok(())
     }
@@ -228,35 +267,43 @@ impl Sounder<'_> {
         Contacts::new(self.channels.len(), self.radar.channels.len(), self.illumination.point_count())
     }
 
-    /// Points that are followed, at all pulses of a stretch.
-    fn stretch(&mut self, n: usize) -> Result<Vec<Contacts>, RadarError> {
+    fn stretch(&mut self, n: usize) -> Result<Stretch, RadarError> {
         let first = self.points.stretches[n];
-        let (mut all, mut found) = (self.no_points(), Vec::new());
+        let mut all = self.no_points();
         let scale = self.points.all_of_followed.sqrt();
+        let mut stretch = Stretch { first, exact: Vec::new(), lines: Vec::new(), rates: Vec::new() };
         for index in first..first.saturating_add(LONGEST).min(self.pulses) {
-            self.points_at(index, &mut all)?;
-            let of = |column: &Vec<f64>| self.points.followed.iter().map(|n| column[*n]).collect();
+            let (_, rates) = self.points_at(index, &mut all)?;
+            let of =
+                |column: &Vec<f64>| -> Vec<f64> { self.points.followed.iter().map(|n| column[*n]).collect() };
             let amplitude =
                 |column: &Vec<Complex64>| self.points.followed.iter().map(|n| scale * column[*n]).collect();
-            found.push(Contacts {
+            let delay_s: Vec<Vec<f64>> = all.delay_s.iter().map(of).collect();
+            stretch.lines.push(delay_s.iter().map(|own| Line::new(own, self.cells_per_s)).collect());
+            stretch.exact.push(Contacts {
                 emission_offset_s: of(&all.emission_offset_s),
-                delay_s: all.delay_s.iter().map(of).collect(),
+                delay_s,
                 delay_rate: all.delay_rate.iter().map(of).collect(),
                 amplitude: all.amplitude.iter().map(amplitude).collect(),
             });
+            stretch.rates.push(rates);
         }
-        Ok(found)
+        Ok(stretch)
     }
 
-    /// Points of a pulse, and its window's start; silent are those that the window does not hear at all, and those without a course.
-    fn points_at(&mut self, index: u64, contacts: &mut Contacts) -> Result<f64, RadarError> {
+    /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does not hear at all, and those without a course.
+    fn points_at(&mut self, index: u64, contacts: &mut Contacts) -> Result<(f64, Vec<Rates>), RadarError> {
         self.illumination.points(index, &mut self.light, contacts)?;
         let opens_s = self.illumination.window_start_of(index)?;
+        let share = |delay_s: f64| self.illumination.heard_share(index, opens_s, delay_s);
+        let rates = |pair| {
+            [self.illumination.rates(contacts, pair, share), self.illumination.rates(contacts, pair, |_| 1.0)]
+        };
+        let rates = (0..self.channels.len()).map(rates).collect();
         for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
             let courses = contacts.delay_s[*pair].iter().zip(&contacts.delay_rate[*pair]);
             for (a, (delay_s, rate)) in contacts.amplitude[channel].iter_mut().zip(courses) {
-                let heard = self.illumination.heard_share(opens_s, *delay_s) > 0.0;
-                if !(heard && rate.abs() < 1.0 && a.norm_sqr().is_finite()) {
+                if !(share(*delay_s) > 0.0 && rate.abs() < 1.0 && a.norm_sqr().is_finite()) {
                     *a = Complex64::ZERO;
                 }
             }
@@ -268,53 +315,13 @@ impl Sounder<'_> {
                 }
             }
         }
-        Ok(opens_s)
-    }
-
-    /// Doppler of the points of a stretch.
-    fn take_offsets(&mut self, exact: &[Contacts], lines: &[Vec<Line>], of_facets: &[(f64, f64)]) {
-        let (scale, deviations) = (self.radar.carrier_hz, self.deviations());
-        // As blocks weigh it: all channels of a pair.
-        let mean_hz = |contacts: &Contacts, pair: usize| {
-            let (mut power, mut sum) = of_facets[pair];
-            for channel in &self.channels[pair] {
-                for (a, rate) in contacts.amplitude[*channel].iter().zip(&contacts.delay_rate[pair]) {
-                    sum += a.norm_sqr() * rate * scale;
-                    power += a.norm_sqr();
-                }
-            }
-            (power > 0.0).then(|| sum / power)
-        };
-        for (pair, channels) in self.channels.iter().enumerate() {
-            let means: Vec<Option<f64>> = exact.iter().map(|contacts| mean_hz(contacts, pair)).collect();
-            for (n, ((contacts, mean), lines)) in exact.iter().zip(&means).zip(lines).enumerate() {
-                let Some(mean) = mean else { continue };
-                let beside = [n.checked_sub(1), Some(n + 1)].into_iter().flatten();
-                let drift_hz = beside
-                    .filter_map(|n| means.get(n).copied().flatten())
-                    .map(|other| (other - mean).abs())
-                    .fold(0.0, f64::max);
-                for &channel in channels {
-                    let amplitude = &contacts.amplitude[channel];
-                    let (mut all, mut second, mut fourth) = (0.0, 0.0, 0.0);
-                    for (a, rate) in amplitude.iter().zip(&contacts.delay_rate[pair]) {
-                        let (w, off) = (a.norm_sqr(), scale * rate - mean);
-                        (all, second, fourth) = (all + w, second + w * off.powi(2), fourth + w * off.powi(4));
-                    }
-                    if all > 0.0 {
-                        let power = lines[pair].most(deviations, |n| amplitude[n].norm());
-                        let (rms_hz, fourth_hz) = ((second / all).sqrt(), (fourth / all).powf(0.25));
-                        self.points.highest[channel] = self.points.highest[channel].max(power);
-                        self.points.offsets.push(Offset { channel, power, rms_hz, fourth_hz, drift_hz });
-                    }
-                }
-            }
-        }
+        Ok((opens_s, rates))
     }
 
     /// The worst pulse of some that have a cubic in common: three steps of gain.
     fn add_part(&self, exact: &[Contacts], lines: &[Vec<Line>], worst: &mut Powers) {
-        let (turns_per_s, deviations) = (TAU * self.radar.carrier_hz, self.deviations());
+        let turns_per_s = TAU * self.radar.carrier_hz;
+        let bounds = [self.deviations(), self.points.coherence];
         let (nodes, count) = nodes_within(exact.len());
         let nodes = &nodes[..count];
         for (pulse, own) in exact.iter().enumerate().filter(|(pulse, _)| !nodes.contains(pulse)) {
@@ -329,7 +336,7 @@ impl Sounder<'_> {
                     }
                     (found * Complex64::cis(-turns_per_s * late_s) - a).norm()
                 };
-                worst[channel] = worst[channel].max(lines[pulse][*pair].most(deviations, off));
+                worst[channel] = worst[channel].max(lines[pulse][*pair].most(bounds, off));
             }
         }
     }
@@ -399,29 +406,24 @@ mod tests {
     }
 
     #[test]
-    fn doppler_follows_the_law_it_is_given() {
-        let offset = |channel, power, rms_hz| Offset {
-            channel,
-            power,
-            rms_hz,
-            fourth_hz: 2.0 * rms_hz,
-            drift_hz: 1.0,
-        };
-        let points = Points {
-            power: vec![0.0; 3],
-            offsets: vec![offset(0, 2.0, 10.0), offset(0, 1.0, 300.0), offset(1, 1.0, 0.0)],
-            ..Points::default()
-        };
-        let close = |found: &Powers, wanted: [f64; 3]| {
-            let near = |(a, b): (&f64, f64)| (a - b).abs() <= 1e-9 * b;
-            assert!(found.iter().zip(wanted).all(near), "{found:?} {wanted:?}");
-        };
-        let square = Law::new(&points, false, |hz| 1e-12 * hz * hz);
-        close(&points.doppler(&square, 1), [9e-8, 0.0, 0.0]);
-        close(&points.doppler(&square, 3), [1e-12 * 301f64.powi(2), 1e-12, 0.0]);
-        let fourth = Law::new(&points, true, |hz| 1e-20 * hz.powi(4));
-        close(&points.doppler(&fourth, 1), [1e-20 * 600f64.powi(4), 0.0, 0.0]);
-        let none = Points::default();
-        assert_eq!(none.doppler(&Law::new(&none, true, |_| 1.0), 64), Powers::new());
+    fn laws_are_powers_from_knot_to_knot() {
+        let close =
+            |found: f64, wanted: f64| assert!((found / wanted - 1.0).abs() < 1e-9, "{found} {wanted}");
+        let square = Law::new(1e4, |hz| 1e-12 * hz * hz);
+        [10.0, 3e3, 1e4, 2e4].into_iter().for_each(|hz| close(square.root(hz), 1e-6 * hz));
+        // A bin that is lost to one side by the smallest Doppler.
+        let edge = Law::new(1e4, |hz| if hz < 0.0 { 1e-4 } else { 1e-12 * hz * hz });
+        [0.0, 1e-7, 1e3].into_iter().for_each(|hz| close(edge.root(hz), 1e-2));
+        assert!(Law::new(0.0, |_| 0.0).root(0.0) < 1e-100);
+    }
+
+    #[test]
+    fn blocks_have_the_mean_of_what_is_heard() {
+        assert_eq!(of_points(64), [0, 32, 63]);
+        assert_eq!((of_points(1), of_points(0)), ([0; 3], [0; 3]));
+        // Facets of 2 W, and points of 6 W over three pulses; nothing but what is not heard; nothing.
+        assert_eq!(mean_rate((2.0, 1e-6), (6.0, -6e-6), (60.0, 1.0)), 0.0);
+        assert_eq!(mean_rate((0.0, 0.0), (0.0, 0.0), (3.0, 6e-6)), 2e-6);
+        assert_eq!(mean_rate((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)), 0.0);
     }
 }

@@ -12,6 +12,9 @@ use crate::scattering::contact::Contacts;
 use crate::scene::Patch;
 use crate::scene::radar::TxPolarisation;
 
+/// Pulses in the air at once that are looked for where intervals differ.
+const MOST_IN_AIR: u64 = 256;
+
 impl Illumination {
     /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals,
     /// from facets that keep their phases: then their contacts can be interpolated.
@@ -32,15 +35,47 @@ impl Illumination {
         Ok(true)
     }
 
-    /// Share of an echo of such a delay that some window hears, of those that open `opens_s` after their emission: 0 to 1.
-    pub fn heard_share(&self, opens_s: f64, delay_s: f64) -> f64 {
+    /// Share of the echo of a pulse with such a delay that some window hears, of those that open `opens_s` after their emission: 0 to 1.
+    pub fn heard_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
         let listens_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-        let (begins_s, interval_s) = (delay_s - opens_s, self.radar.emissions.interval_s(0, 1));
-        let heard_s = |begins_s: f64| self.pulse_length_s.min(listens_s - begins_s) - (-begins_s).max(0.0);
+        let begins_s = delay_s - opens_s;
+        let heard_s = |later_s: f64| {
+            let begins_s = begins_s - later_s;
+            self.pulse_length_s.min(listens_s - begins_s) - (-begins_s).max(0.0)
+        };
         // Where pulses are in the air a later window hears it, or an earlier one.
-        let folded_s = if interval_s > 0.0 { begins_s.rem_euclid(interval_s) } else { begins_s };
-        let most_s = [begins_s, folded_s, folded_s - interval_s].map(heard_s).into_iter().fold(0.0, f64::max);
-        (most_s / self.pulse_length_s).min(1.0)
+        let emissions = &self.radar.emissions;
+        let mut most_s = heard_s(0.0);
+        if emissions.is_uniform() {
+            let interval_s = emissions.interval_s(0, 1);
+            if interval_s > 0.0 {
+                let later = (begins_s / interval_s).floor();
+                most_s =
+                    [later, later + 1.0].map(|n| heard_s(n * interval_s)).into_iter().fold(most_s, f64::max);
+            }
+        } else {
+            let later = (1..=MOST_IN_AIR).map(|n| emissions.interval_s(index, index.saturating_add(n)));
+            let later = later.take_while(|later_s| *later_s <= begins_s + self.pulse_length_s);
+            let before = (1..=MOST_IN_AIR.min(index)).map(|n| -emissions.interval_s(index - n, index));
+            let before = before.take_while(|later_s| begins_s - *later_s <= listens_s);
+            most_s = later.chain(before).map(heard_s).fold(most_s, f64::max);
+        }
+        (most_s.max(0.0) / self.pulse_length_s).min(1.0)
+    }
+
+    /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay rates.
+    pub fn rates(&self, contacts: &Contacts, pair: usize, share: impl Fn(f64) -> f64) -> (f64, f64) {
+        let (mut power, mut sum) = (0.0, 0.0);
+        for (channel, _) in self.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
+            let courses = contacts.delay_s[pair].iter().zip(&contacts.delay_rate[pair]);
+            for (a, (delay_s, rate)) in contacts.amplitude[channel].iter().zip(courses) {
+                let own = share(*delay_s) * a.norm_sqr();
+                if own.is_finite() && rate.abs() < 1.0 {
+                    (power, sum) = (power + own, sum + own * rate);
+                }
+            }
+        }
+        (power, sum)
     }
 
     /// Start of the window of a pulse after its emission by the clocks of the radar, s.
