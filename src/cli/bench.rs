@@ -267,7 +267,7 @@ fn text(report: &Report) -> String {
         (Some(worst), Some(mean), Some(error)) => row(
             "error",
             format!(
-                "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {} against the reference",
+                "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {} drawn from the run, against the reference",
                 error.worst_pulse,
                 error.worst_channel,
                 counted(error.pulses.len() as u64, "pulse")
