@@ -222,7 +222,7 @@ impl BlockEcho {
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             illumination.open_block(tiers, patch, light, tiles, samples)?;
         }
-        self.mean_doppler(illumination, (first, windows_s), light, samples, &mut nodes[0], mean_hz)?;
+        self.mean_doppler(illumination, (first, windows_s), light, samples, nodes, mean_hz)?;
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         light.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
@@ -285,29 +285,31 @@ impl BlockEcho {
         (first, windows_s): (u64, &[f64]),
         light: &mut Workspace,
         samples: &[Sample],
-        contacts: &mut Contacts,
+        points: &mut [Contacts],
         mean_hz: &mut Vec<f64>,
     ) -> Result<(), PulseError> {
+        let of_pulses = if illumination.point_count() > 0 { &of_points(windows_s.len())[..] } else { &[] };
+        for (pulse, points) in of_pulses.iter().zip(points.iter_mut()) {
+            illumination.points(first + *pulse as u64, light, points)?;
+        }
         let facets = illumination.facets() as f64;
         mean_hz.clear();
-        mean_hz.resize(illumination.pairs().len(), 0.0);
-        let of_pulses = of_points(windows_s.len());
-        for (pair, mean_hz) in mean_hz.iter_mut().enumerate() {
+        for pair in 0..illumination.pairs().len() {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let of_facets = sample.mean_power_w * facets;
             let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
-            for pulse in of_pulses {
-                let index = first + pulse as u64;
-                illumination.points(index, light, contacts)?;
-                let share = |delay_s| illumination.heard_share(index, windows_s[pulse], delay_s);
+            for (pulse, points) in of_pulses.iter().zip(points.iter()) {
+                let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
+                let share = |delay_s| illumination.heard_share(index, opens_s, delay_s);
                 for (sums, own) in [
-                    (&mut heard, illumination.rates(contacts, pair, share)),
-                    (&mut all, illumination.rates(contacts, pair, |_| 1.0)),
+                    (&mut heard, illumination.rates(points, pair, share)),
+                    (&mut all, illumination.rates(points, pair, |_| 1.0)),
                 ] {
                     *sums = (sums.0 + own.0, sums.1 + own.1);
                 }
             }
-            *mean_hz = self.synth.carrier_hz() * mean_rate((of_facets, sample.mean_rate), heard, all);
+            let rate = mean_rate((of_facets, sample.mean_rate), heard, all);
+            mean_hz.push(self.synth.carrier_hz() * rate);
         }
         Ok(())
     }

@@ -52,6 +52,13 @@ pub struct Points {
     swept: Vec<(u64, Powers)>,
 }
 
+impl Points {
+    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these.
+    pub fn swept(&self, gain_pulses: u64) -> Option<&Powers> {
+        self.swept.iter().find(|(step, _)| *step == gain_pulses).map(|(_, powers)| powers)
+    }
+}
+
 /// A stretch of successive pulses.
 struct Stretch {
     first: u64,
@@ -267,6 +274,7 @@ impl Sounder<'_> {
         Contacts::new(self.channels.len(), self.radar.channels.len(), self.illumination.point_count())
     }
 
+    /// Points that are followed, at all pulses of a stretch.
     fn stretch(&mut self, n: usize) -> Result<Stretch, RadarError> {
         let first = self.points.stretches[n];
         let mut all = self.no_points();
@@ -339,13 +347,6 @@ impl Sounder<'_> {
                 worst[channel] = worst[channel].max(lines[pulse][*pair].most(bounds, off));
             }
         }
-    }
-}
-
-impl Points {
-    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these.
-    pub fn swept(&self, gain_pulses: u64) -> Option<&Powers> {
-        self.swept.iter().find(|(step, _)| *step == gain_pulses).map(|(_, powers)| powers)
     }
 }
 
