@@ -293,3 +293,94 @@ fn decisions_are_numbered_without_gaps() {
         }
     }
 }
+
+/// Section numbers that follow a name of the physics page on a line: "section 3.1", "sections 3.1 and 3.2".
+fn sections_cited(after: &str) -> Vec<String> {
+    let text = after.trim_start_matches(['`', ')', ',', ':', ' ']);
+    // A link names its file in brackets after the text.
+    let text = text.strip_prefix("](physics.md)").unwrap_or(text).trim_start();
+    let Some(mut rest) = text.strip_prefix("sections ").or_else(|| text.strip_prefix("section ")) else {
+        return Vec::new();
+    };
+    let mut found = Vec::new();
+    loop {
+        let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
+        let section = number.trim_end_matches('.');
+        if section.is_empty() {
+            return found;
+        }
+        found.push(section.to_owned());
+        rest = &rest[section.len()..];
+        let Some(next) = rest.strip_prefix(", ").or_else(|| rest.strip_prefix(" and ")) else { return found };
+        rest = next;
+    }
+}
+
+/// Text files that may cite the physics page.
+fn cited_from() -> Vec<PathBuf> {
+    let mut found = vec![root().join("README.md"), root().join("CHANGELOG.md")];
+    for folder in ["src", "tests", "tools", "docs", "configs", "hulls", "examples", "benches"] {
+        for extension in ["rs", "md", "py", "toml"] {
+            found.extend(files(&root().join(folder), extension));
+        }
+    }
+    // Tools without an ending.
+    let tools = fs::read_dir(root().join("tools")).unwrap().map(|entry| entry.unwrap().path());
+    found.extend(tools.filter(|path| path.is_file() && path.extension().is_none()));
+    found
+}
+
+#[test]
+fn sections_of_the_physics_page_exist() {
+    let page = fs::read_to_string(root().join("docs/physics.md")).unwrap();
+    let headings: Vec<&str> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("### ").or_else(|| line.strip_prefix("## ")))
+        .filter_map(|heading| heading.split(' ').next())
+        .filter(|number| number.starts_with(|c: char| c.is_ascii_digit()))
+        .collect();
+    let once: BTreeSet<&str> = headings.iter().copied().collect();
+    assert!(once.len() == headings.len() && once.len() > 20, "{headings:?}");
+
+    let mut faults = Vec::new();
+    let mut cited = 0;
+    let mut check = |path: &Path, line: usize, sections: Vec<String>| {
+        cited += sections.len();
+        let missing = sections.iter().filter(|section| !once.contains(section.as_str()));
+        faults.extend(missing.map(|section| format!("{}:{line}: section {section}", path.display())));
+    };
+    for path in cited_from() {
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        for (number, line) in (1..).zip(text.lines()) {
+            for (at, name) in line.match_indices("docs/physics.md") {
+                check(&path, number, sections_cited(&line[at + name.len()..]));
+            }
+        }
+    }
+    // The page cites itself by the bare word.
+    for (number, line) in (1..).zip(page.lines()) {
+        for (at, _) in line.match_indices("section") {
+            check(Path::new("docs/physics.md"), number, sections_cited(&line[at..]));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(cited > 60, "only {cited} sections are cited");
+}
+
+#[test]
+fn physics_is_cited_from_documents_that_are_here() {
+    // Names of documents that are not part of the repository; put together so that this file does not hold them.
+    let in_capitals = format!("{}{}", "PHYS", "ICS");
+    let in_any_case = ["project", "physics"].map(|word| format!("{word} notes"));
+    let mut faults = Vec::new();
+    for path in cited_from() {
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        for (number, line) in (1..).zip(text.lines()) {
+            let lower = line.to_lowercase();
+            if line.contains(&in_capitals) || in_any_case.iter().any(|name| lower.contains(name)) {
+                faults.push(format!("{}:{number}: {}", path.display(), line.trim()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

@@ -23,7 +23,7 @@ ASPECTS_DEG = range(0, 360, 15)
 # Strongest wind, m/s, and least incidence, degrees, of the empirical model.
 NRL_MOST_MPS, NRL_LEAST_DEG = 12.9, 30
 COLUMNS = ("upwind", "azimuth mean", "mars2007, upwind", "NRL")
-# PHYSICS 6.4: X band, upwind, 10 m/s, specular part undamped: incidence, HH and VV, dB.
+# docs/physics.md section 10.6: X band, upwind, 10 m/s, specular part undamped: incidence, HH and VV, dB.
 SPECIFIED = (
     (0, 12.9, 12.9), (20, 0.5, 0.8), (30, -9.6, -7.7), (45, -19.8, -13.6), (60, -28.3, -17.0), (80, -42.1, -23.0),
 )
@@ -119,7 +119,7 @@ def draw(picture, nereus):
             if wind_mps == 10.0:
                 level = {"hh": 1, "vv": 2}[channel]
                 points = [(row[0], row[level]) for row in SPECIFIED]
-                axis.plot(*zip(*points), "kx", label="PHYSICS 6.4, upwind, undamped")
+                axis.plot(*zip(*points), "kx", label="docs/physics.md section 10.6, upwind, undamped")
             axis.set_title(f"{channel.upper()}, {wind_mps:g} m/s")
             axis.grid(alpha=0.3)
             axis.legend(fontsize=7, loc="lower left")

@@ -42,7 +42,7 @@
 //! look away from the terminal are dark by their scattering, not here. Heights that are not finite give
 //! weights of 0 and hide nothing or all, but never NaN.
 //!
-//! Source: project physics notes 6.6 (binary rule of the paper, with a width).
+//! Source: `docs/physics.md` section 11.1 (binary rule of the MaRS paper, with a width).
 //!
 //! ```
 //! use nereus::frames::Point;

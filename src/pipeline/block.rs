@@ -8,7 +8,7 @@
 //! its own, and nothing is interpolated. Where a report is changed by which something is aimed, a block ends ([`Illumination::unbroken`]).
 //!
 //! A patch that follows stays for some pulses ([`Illumination::hold_pulses`]), and blocks divide these. A block depends on its number and the run alone, so any thread may make
-//! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: project notes 8.5.
+//! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -66,7 +66,7 @@ pub fn error_power(sweeps_rad_s: &[f64], nodes: &Nodes, t_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Mean over the pulses of an interval of the nodes, dB, one way, in the case of the notes.
+    /// Mean over the pulses of an interval of the nodes, dB, one way, in the case of docs/physics.md section 15.7.
     fn mean_db(count: usize, first: usize, pulses: usize) -> f64 {
         let sweep = sweep_rad_s(4.0, 0.03, 0.052);
         let nodes = Nodes::evenly(count, pulses as f64 / 222.0);
@@ -76,9 +76,9 @@ mod tests {
     }
 
     #[test]
-    fn gains_of_the_notes() {
-        // Project notes 8.5, measured over facets of +-0.03 in u, one way: linear, and the middle interval of a cubic. The fewer pulses
-        // there are, the more the ends, which are exact, count: 2 dB.
+    fn gains_of_the_physics_page() {
+        // docs/physics.md section 15.7: facets over +-0.03 in u, one way, linear, and the middle interval of a cubic. The fewer
+        // pulses there are, the more the ends, which are exact, count: 2 dB.
         for (pulses, linear_db, cubic_db) in [(4, -44.0, -78.0), (8, -32.0, -55.0), (16, -21.0, -32.0)] {
             let (linear, cubic) = (mean_db(2, 0, pulses), mean_db(4, 1, pulses));
             println!("{pulses}: linear {linear:.1}, cubic {cubic:.1}");

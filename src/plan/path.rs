@@ -66,8 +66,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quadratics_over_blocks_as_in_the_notes() {
-        // Project notes 8.5: one leg, X band, 222 m/s, 4243 m, 222 Hz; relative rms over a block about its middle. Figures are given to
+    fn quadratics_over_blocks_as_on_the_physics_page() {
+        // docs/physics.md section 15.7: one leg, X band, 222 m/s, 4243 m, 222 Hz; relative rms over a block about its middle. Figures are given to
         // a decibel.
         for (pulses, db) in [(8.0, -86.0), (16.0, -67.0), (32.0, -49.0), (64.0, -31.0)] {
             let half_s: f64 = 0.5 * pulses / 222.0;

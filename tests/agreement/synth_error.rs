@@ -130,7 +130,7 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
     // Two equal contacts, their Doppler as far above the mean as below; far enough apart that the pulses hardly meet.
     let airborne = patches()[0].clone();
     let long = Patch { pulse_s: 1e4 / 60e6, samples: 100, ..airborne.clone() };
-    // dB. Mean and Taylor: project physics notes 1.4 and (2 pi nu Tc)^2 / (2 sqrt 80). Shift: impulses, and for the long pulse at
+    // dB. Mean and Taylor: docs/physics.md section 3.4 and (2 pi nu Tc)^2 / (2 sqrt 80). Shift: impulses, and for the long pulse at
     // 14.8 kHz (four samples of strip) 2 nu / B; the two between have no closed form and stand for themselves.
     let stated = [
         (&airborne, Doppler::Mean, [-64.0, -47.0, -41.0]),

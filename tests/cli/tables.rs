@@ -315,7 +315,7 @@ fn ratio(decibels: f64) -> f64 {
     10f64.powf(decibels / 10.0)
 }
 
-/// The NRCS table of the specification at 45 degrees upwind (10 GHz, 10 m/s, whole sea, averaged over tilts), where
+/// The NRCS table of docs/physics.md section 10.6 at 45 degrees upwind (10 GHz, 10 m/s, whole sea, averaged over tilts), where
 /// specular points hardly count: to half its last digit, 0.05 dB.
 #[test]
 fn the_default_is_the_whole_sea_seen_from_where_it_is_lit() {

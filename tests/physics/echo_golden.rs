@@ -54,7 +54,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)).sqrt()
 }
 
-/// PHYSICS 1.2: the exact delay of a pulse that leaves at `t`.
+/// docs/physics.md section 3.1: the exact delay of a pulse that leaves at `t`.
 fn light_time(scene: &Scene, n: usize, t: f64) -> f64 {
     let (position, velocity, _) = &scene.scat[n];
     let from = at(&scene.tx, &scene.vtx, t);

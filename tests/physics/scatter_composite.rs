@@ -1,4 +1,4 @@
-//! The composite NRCS of PHYSICS 6.4 (10 GHz, radar looking upwind, U10 = 10 m/s, cut k/3, all waves below the cut in the
+//! The composite NRCS of docs/physics.md section 10.6 (10 GHz, radar looking upwind, U10 = 10 m/s, cut k/3, all waves below the cut in the
 //! slope density, averaged over tilts). Its table is what 13 x 13 Gauss-Hermite nodes and a sharp cut give; the library has
 //! 3 x 3 nodes and a smooth cut, and docs/sigma0.md says how far each is from the integral.
 
@@ -97,7 +97,7 @@ fn the_rules_integrate_moments() {
     assert!((three[2].0 - 3f64.sqrt()).abs() < 1e-15 && (three[1].1 - 2.0 / 3.0).abs() < 1e-15);
 }
 
-/// PHYSICS 6.4: incidence, VV, HH, VH, dB.
+/// docs/physics.md section 10.6: incidence, VV, HH, VH, dB.
 const TABLE: [(f64, f64, f64, f64); 6] = [
     (0.0, 12.9, 12.9, f64::NAN),
     (20.0, 0.8, 0.5, -31.4),
@@ -137,7 +137,7 @@ fn composite(
 fn composite_nrcs_table() {
     let sea = sea(0.0, true);
     let rule = gauss_hermite(13);
-    println!("composite NRCS by 13 x 13 nodes and a sharp cut: found (PHYSICS 6.4), dB");
+    println!("composite NRCS by 13 x 13 nodes and a sharp cut: found (docs/physics.md section 10.6), dB");
     for (deg, vv, hh, vh) in TABLE {
         let found = composite(&sea, deg, &rule, Cut::Sharp, false);
         println!("{deg:>4}: VV {:.2} ({vv}) HH {:.2} ({hh}) VH {:.2} ({vh})", found[0], found[1], found[2]);

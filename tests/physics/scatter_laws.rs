@@ -143,7 +143,7 @@ fn monostatic_bragg_is_the_textbook_formula() {
     println!("monostatic Bragg: worst {worst:.1e}");
 }
 
-/// The printed amplitudes rotated by the bases of facet and vertical, as PHYSICS 6.2 writes it.
+/// The printed amplitudes rotated by the bases of facet and vertical, as docs/physics.md section 10.3 writes it.
 fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -> f64) -> ScatterMatrix {
     let Some((ci, cs)) = path.local_cosines(plane.normal) else { return NO_ECHO };
     let (kx, ky) = spm::bragg_vector(k, plane, path);

@@ -1,4 +1,4 @@
-//! Laws that the two-scale facet keeps whatever is chosen, and rows of PHYSICS 11 about specular points and steep facets.
+//! Laws that the two-scale facet keeps whatever is chosen, and rows of docs/physics.md section 19 about specular points and steep facets.
 
 use std::f64::consts::{PI, TAU};
 
@@ -134,7 +134,7 @@ fn monostatic_specular_points_are_the_textbook_formula() {
     }
 }
 
-/// PHYSICS 11, "Rx through specular point".
+/// docs/physics.md section 19, "receiver through the specular point".
 #[test]
 fn the_receiver_passes_through_the_specular_point() {
     let medium = Medium { resolved_radpm: 0.0, downwind_rad: 0.0, ..medium(DVec3::X) };
@@ -181,7 +181,7 @@ fn the_receiver_passes_through_the_specular_point() {
     }
 }
 
-/// PHYSICS 11, "DEM slopes >= 1".
+/// docs/physics.md section 19, "slopes of 1 and more".
 #[test]
 fn facets_steeper_than_45_degrees_are_facets() {
     // Seen along its own normal a facet is a mirror, however steep it is: the specular part is that of a level one at nadir.
@@ -205,7 +205,7 @@ fn facets_steeper_than_45_degrees_are_facets() {
     }
 }
 
-/// PHYSICS 11, "facet under antenna": the bases at nadir are a convention, the power is not.
+/// docs/physics.md section 19, "facet under an antenna": the bases at nadir are a convention, the power is not.
 #[test]
 fn nadir_does_not_depend_on_the_convention_of_its_bases() {
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {

@@ -77,7 +77,7 @@ fn swell_runs_under_a_calm() {
 #[test]
 fn at_25_metres_per_second() {
     let wind = Wind::from_speed(25.0, 19.5, WindProfile::Cardone, 0.0).unwrap();
-    // PHYSICS 11: Lmin 2.05 km, Hs about 16 m at U10 = 25.
+    // docs/physics.md section 19: Lmin 2.05 km, Hs about 16 m at U10 = 25.
     assert!((sampling::least_length_m(&FungLee::new(&wind), 0.25) - 2053.0).abs() < 1.0);
     let wind = calm_or(25.1);
     assert!(wind.is_extrapolated());
@@ -91,7 +91,7 @@ fn at_25_metres_per_second() {
 
 #[test]
 fn short_waves_fall_off_as_elfouhaily_has_them() {
-    // PHYSICS 11: at K = 2000 rad/m Bh has fallen by exp(-(2000/370 - 1)^2/4) = e^-4.9.
+    // docs/physics.md section 19: at K = 2000 rad/m Bh has fallen by exp(-(2000/370 - 1)^2/4) = e^-4.9.
     let sea = Elfouhaily::new(&calm_or(10.0), Development::default()).unwrap();
     let level =
         |k: f64| sea.curvature(k)[1] * (k * (1.0 + (k / CAPILLARY_PEAK_RAD_M).powi(2)) / k / k).sqrt();

@@ -151,7 +151,7 @@ fn every_row_of_rayleigh_density() {
     judge.verdict();
 }
 
-/// PHYSICS 3.6: heights and slopes of Elfouhaily's sea, to the digits printed, and within its acceptance
+/// docs/physics.md section 6.9: heights and slopes of Elfouhaily's sea, to the digits printed, and within its acceptance
 /// bands of 0.0246 U10^2 and of Cox and Munk.
 #[test]
 fn heights_and_slopes_of_the_table() {
@@ -183,7 +183,7 @@ fn heights_and_slopes_of_the_table() {
     }
 }
 
-/// PHYSICS 0 E4 and 12: the least length of a patch depends on the spectrum.
+/// docs/physics.md section 8.1: the least length of a patch depends on the spectrum.
 #[test]
 fn least_length_of_the_actual_spectrum() {
     let wind = wind(10.0, 19.5);
@@ -206,7 +206,7 @@ fn least_length_of_the_actual_spectrum() {
 
 #[test]
 fn printed_facet_densities() {
-    // PHYSICS 4.4: facets per metre at 10, 5 and 1 GHz, normal incidence, for 5, 10 and 15 m/s at 19.5 m.
+    // docs/physics.md section 8.2: facets per metre at 10, 5 and 1 GHz, normal incidence, for 5, 10 and 15 m/s at 19.5 m.
     let printed = [(10e9, [26.4, 42.7, 62.7]), (5e9, [10.0, 14.8, 20.6]), (1e9, [1.01, 1.08, 1.17])];
     for (carrier_hz, row) in printed {
         for (speed_mps, printed) in [5.0, 10.0, 15.0].into_iter().zip(row) {
@@ -323,7 +323,7 @@ fn a_turned_wind_turns_the_spectrum() {
     }
 }
 
-/// The slope ratio for which Fung and Lee's directional function was made (PHYSICS 3.4): crosswind over
+/// The slope ratio for which Fung and Lee's directional function was made (docs/physics.md section 6.3): crosswind over
 /// upwind is R. The band is that of the integral, its rule another one: 1e-4.
 #[test]
 fn fung_lee_has_the_slope_ratio_of_cox_and_munk() {
@@ -337,7 +337,7 @@ fn fung_lee_has_the_slope_ratio_of_cox_and_munk() {
 
 #[test]
 fn the_mix_has_the_crosswind_ratio_of_its_spreading() {
-    // PHYSICS 3.4: up over cross 3.8 dB at X band (K_B = 2 k sin 45 deg) with D from Fung and Lee.
+    // docs/physics.md section 6.3: up over cross 3.8 dB at X band (K_B = 2 k sin 45 deg) with D from Fung and Lee.
     let wind = Wind::from_friction_velocity(0.36, WindProfile::Cardone, 0.0).unwrap();
     let mix = Mix::new(&wind, age(0.84)).unwrap();
     let k = 2.0 * TAU * 10e9 / 299_792_458.0 * 0.5f64.sqrt();

@@ -27,7 +27,7 @@ fn at(hull: &Hull, speed_mps: f64) -> Kochin {
     Kochin::new(hull, speed_mps, Transom::Open).unwrap()
 }
 
-/// `Fz` of Wigley's hull in closed form (PHYSICS 5.2), by quadrature where the closed form loses digits.
+/// `Fz` of Wigley's hull in closed form (docs/physics.md section 9.2), by quadrature where the closed form loses digits.
 fn depthwise_m(draught_m: f64, k_radpm: f64) -> f64 {
     let at = k_radpm * draught_m;
     if at < 0.5 {
@@ -128,7 +128,7 @@ fn standard_cw(froude: f64) -> f64 {
     resistance_coefficient(resistance_n, speed_mps, DENSITY_KGPM3, wetted_surface([1.0, 0.1, 0.0625]))
 }
 
-/// Cw of the specification's own table (5.2), three decimals.
+/// Cw of docs/physics.md section 9.2, three decimals.
 #[test]
 fn coefficients_of_the_standard_hull() {
     // S/[L(2T + B)] = 0.6613, four decimals.

@@ -13,7 +13,7 @@
 //! Everything is computed in f64 and rounded last.
 //!
 //! **Errors.** With 4 nodes over a block of half length `Th` the range remainder is at most `max |R''''| Th^4 / 24`; with 3 nodes
-//! `0.064 max|R'''| Th^3` (ends and middle); see project notes 8.5 for sizes. The place in f32 is rounded to `2^-24` of the cells
+//! `0.064 max|R'''| Th^3` (ends and middle); see `docs/physics.md` section 15.7 for sizes. The place in f32 is rounded to `2^-24` of the cells
 //! that it moves within half a block ([`Fill::drift_cells`]).
 
 use num_complex::Complex64;

@@ -208,8 +208,8 @@ mod tests {
 
     #[test]
     fn gridding_errors_are_those_measured_elsewhere() {
-        // Project physics notes 8.3: relative rms of 5000 scatterers at 100 MHz, ES, sigma = 2. Within 1 dB for what the flat band
-        // and the sample of scatterers leave open.
+        // docs/physics.md section 15.4: relative rms of 5000 scatterers at 100 MHz, sigma = 2. Within 1 dB for what the flat
+        // band and the sample of scatterers leave open.
         for (width, measured_db) in [(4, -70.4), (5, -89.9), (6, -110.0), (7, -130.0), (8, -149.0)] {
             let kernel = Kernel::new(width, 2.0).unwrap();
             let band: Vec<(f64, f64)> = (-30..=30).map(|k| (f64::from(k) / 200.0, 1.0)).collect();

@@ -14,8 +14,8 @@
 //! | horizontal displacement, m | `-(K/k) Im e` |
 //! | rate of the slope, 1/s | `K w Re e` |
 //!
-//! as the sea has them, then under the window of [`upstream`](super::upstream). Source: PHYSICS of a thin ship
-//! (Havelock, Michell; Tuck, Lazauskas and Scullen 1999). Limits: linear waves, deep water, far field; no wake
+//! as the sea has them, then under the window of [`upstream`](super::upstream). Source: thin-ship theory,
+//! `docs/physics.md` section 9.1 (Havelock, Michell; Tuck, Lazauskas and Scullen 1999). Limits: linear waves, deep water, far field; no wake
 //! ([`Presence`]) of a ship slower than 0.1 m/s, or whose longest wave `2 pi V^2/g` is shorter than four
 //! facets, or whose waves the band limit takes away.
 //!
