@@ -172,7 +172,7 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
             // Two echoes 80 samples apart: the rest of a bin in which they add up, 1/80 of the band, 0.1 dB each.
             assert!((measured - predicted).abs() < 0.2, "{measured} dB for {predicted}");
             // The closed forms know nothing of the ripples of a chirp at B Tc = 20, which the filter cuts by some 5 %, 0.5 dB;
-            // the notes round to 0.5.
+            // the page rounds to 0.5.
             assert!((predicted - stated_db).abs() < 1.0, "{predicted} dB for {stated_db}");
         }
     }
