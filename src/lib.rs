@@ -37,6 +37,7 @@ pub mod frames;
 pub mod time;
 pub mod rng;
 pub mod pulse;
+pub mod files;
 pub mod scene;
 pub mod sea;
 pub mod nav;

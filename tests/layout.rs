@@ -6,13 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in the order in which one may use another.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 22] = [
     "cpu",
     "units",
     "frames",
     "time",
     "rng",
     "pulse",
+    "files",
     "scene",
     "sea",
     "nav",

@@ -39,7 +39,7 @@ class Recording:
 
     def samples(self, a=0, b=None):
         """Samples of rows a..b as complex64 [pulse, channel, sample], in sqrt(W)."""
-        iq = self["iq"][a : self.pulses if b is None else min(b, self.pulses)]
+        iq = self._rows("iq", a, self.pulses if b is None else min(b, self.pulses))
         step = self.meta.get("adc_step")
         if iq.dtype.names:  # codes of a mid-rise converter in HDF5
             iq = np.stack([iq["r"], iq["i"]], axis=-1)
@@ -47,6 +47,15 @@ class Recording:
             iq = (iq.astype(np.float32) + np.float32(0.5)) * np.float32(step)
             iq = iq[..., 0] + 1j * iq[..., 1]
         return iq.astype(np.complex64)
+
+    def _rows(self, column, a, b):
+        """Rows of a column. A chunk read in the moment in which it is written again fails its checksum: once more then."""
+        for wait_s in (0.05, 0.2, 1.0):
+            try:
+                return self[column][a:b]
+            except OSError:
+                time.sleep(wait_s)
+        return self[column][a:b]
 
     def nav(self, platform, which="reported"):
         """Position, velocity, attitude quaternion of a platform, per pulse."""

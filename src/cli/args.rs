@@ -48,6 +48,8 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
+    /// Read all of a recording and say whether it is whole: exit 0 if so, 1 if not
+    Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection
     Focus(Box<FocusArgs>),
     /// Fit laws to the speckle of the sea over the azimuth of the wind: shape parameters, how well they fit, a picture
@@ -86,6 +88,16 @@ pub struct RunArgs {
     #[arg(long)]
     pub force: bool,
     /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `nereus verify`
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// HDF5 file or folder
+    pub recording: PathBuf,
+    /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
 }

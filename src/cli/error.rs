@@ -12,6 +12,7 @@ use super::sea::SeaError;
 use super::speckle::SpeckleError;
 use super::table::TableError;
 use crate::config::ConfigError;
+use crate::imaging::recording::RecordingError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
 use crate::pipeline::speed::SpeedError;
 use crate::radar::pattern::PatternError;
@@ -78,6 +79,17 @@ pub enum CliError {
     /// No image of a recording.
     #[error(transparent)]
     Focus(#[from] FocusError),
+    /// A recording that cannot be looked at.
+    #[error(transparent)]
+    Verify(RecordingError),
+    /// A recording that is not whole.
+    #[error("{}: not whole: {faults} {}", path.display(), if *faults == 1 { "fault" } else { "faults" })]
+    NotWhole {
+        /// The recording.
+        path: PathBuf,
+        /// Faults found.
+        faults: u64,
+    },
     /// No statistics of speckle.
     #[error(transparent)]
     Speckle(#[from] SpeckleError),
@@ -100,6 +112,7 @@ impl CliError {
             | Self::NoHdf5 { .. }
             | Self::Control(_)
             | Self::Table(_)
+            | Self::Verify(_)
             | Self::Speckle(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.
@@ -110,7 +123,7 @@ impl CliError {
             Self::Focus(error) => error.exit_code(),
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
-            Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
+            Self::NotWhole { .. } | Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
             #[cfg(not(feature = "hdf5"))]
             Self::MergeNeedsHdf5 => 2,
             // A full disk is not wrong input.

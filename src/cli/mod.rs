@@ -19,6 +19,7 @@ mod sea;
 mod speckle;
 mod table;
 mod tradeoff;
+mod verify;
 mod wake;
 
 use std::ffi::OsString;
@@ -30,7 +31,7 @@ use clap::Parser;
 
 pub use args::{
     Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotACount, NotADuration, NotASpan, Pace,
-    PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs,
+    PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs, VerifyArgs,
 };
 pub use control::ControlFault;
 pub use error::CliError;
@@ -53,6 +54,7 @@ pub use wake::WakeArgs;
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let begun = Instant::now();
+    report_large_files();
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -73,6 +75,18 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     }
 }
+
+/// A file that grows beyond the limit of the process (`ulimit -f`) is an error with a message, not the end of the program:
+/// the signal that says so is held back in every thread, and the write fails with its reason.
+#[cfg(unix)]
+fn report_large_files() {
+    let mut signals = nix::sys::signal::SigSet::empty();
+    signals.add(nix::sys::signal::Signal::SIGXFSZ);
+    let _ = signals.thread_block();
+}
+
+#[cfg(not(unix))]
+fn report_large_files() {}
 
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
 fn say(line: impl std::fmt::Display) {
@@ -104,6 +118,7 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Verify(args) => verify::verify(args, out),
         Command::Focus(args) => focus::focus(args, out),
         Command::Speckle(args) => speckle::speckle(args, out),
         Command::Receive(args) => receive::receive(args, out),

@@ -1,8 +1,9 @@
 //! A file that is whole or not there.
 //!
-//! What is there already stays, unless it may be overwritten; then too only a file of the same kind (by its first
-//! bytes, or empty) is replaced, and none that another program has locked. The file is written beside its place under
-//! the name `.name.<process>.partial` and renamed when it is complete; a failure leaves what was there before.
+//! The rule is that of [`crate::files`]: what is there already stays, unless it may be overwritten; then too only a file of
+//! the same kind is exchanged for the new one when that is complete, and none that another program has locked. HDF5 files
+//! say by their attribute `format` that this program made them, pictures and tables begin as those of their kind; an
+//! empty file holds nothing that is lost.
 //!
 //! ```
 //! use nereus::imaging::output::{FileKind, Output, OutputError};
@@ -21,6 +22,8 @@
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+
+use crate::files::{self, Draft, FileFault, Holding};
 
 /// Kinds of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,15 +51,38 @@ impl FileKind {
         }
     }
 
+    /// Whether what is there is a file of this kind, or empty.
+    fn recognise(self, path: &Path) -> Option<Holding> {
+        // A pipe, a device or a folder is not even opened.
+        fs::symlink_metadata(path).ok().filter(|data| data.is_file())?;
+        let mut start = Vec::new();
+        fs::File::open(path).ok()?.take(8).read_to_end(&mut start).ok()?;
+        let is_ours = start.is_empty()
+            || start == self.signature() && (self != Self::Hdf5 || format(path).starts_with(b"nereus"));
+        is_ours.then_some(Holding::File)
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Settings => "table of settings",
             Self::Speckle => "table of speckle",
             Self::Png => "PNG picture",
-            Self::Hdf5 => "HDF5 file",
+            Self::Hdf5 => "HDF5 file of this program",
             Self::SeaState => "saved sea",
         }
     }
+}
+
+/// What an HDF5 file says it is.
+#[cfg(feature = "hdf5")]
+fn format(path: &Path) -> Vec<u8> {
+    crate::sinks::hdf5::file::format_of(path).unwrap_or_default()
+}
+
+/// Nothing that this build could have made.
+#[cfg(not(feature = "hdf5"))]
+fn format(_: &Path) -> Vec<u8> {
+    Vec::new()
 }
 
 /// Why a file cannot be made.
@@ -134,7 +160,7 @@ impl Output {
     /// Checks that it may be made; nothing is changed.
     pub fn plan(path: &Path, kind: FileKind, force: bool) -> Result<Self, OutputError> {
         let output = Self { path: path.to_owned(), kind, force };
-        output.check()?;
+        files::preflight(path, force, &|path| kind.recognise(path)).map_err(|fault| output.fault(fault))?;
         let folder = output.folder();
         let data = fs::metadata(folder).map_err(OutputError::io(folder, "the folder of the output"))?;
         if !data.is_dir() || path.file_name().is_none() {
@@ -160,47 +186,34 @@ impl Output {
         }
     }
 
-    fn check(&self) -> Result<(), OutputError> {
-        let path = || self.path.clone();
-        if fs::symlink_metadata(&self.path).is_err() {
-            return Ok(());
-        }
-        if !self.force {
-            return Err(OutputError::Exists { path: path() });
-        }
-        // A pipe, a device or a folder is not even opened.
-        let plain = fs::metadata(&self.path).is_ok_and(|data| data.is_file());
-        let Some(mut file) = plain.then(|| fs::File::open(&self.path).ok()).flatten() else {
-            return Err(OutputError::Foreign { path: path(), kind: self.kind.name() });
-        };
-        let mut start = Vec::new();
-        let read = file.by_ref().take(8).read_to_end(&mut start);
-        if read.is_err() || !(start.is_empty() || start == self.kind.signature()) {
-            return Err(OutputError::Foreign { path: path(), kind: self.kind.name() });
-        }
-        match file.try_lock() {
-            Err(fs::TryLockError::WouldBlock) => Err(OutputError::InUse { path: path() }),
-            // A system without locks goes without.
-            _ => Ok(()),
+    /// What the system or the rule for outputs said.
+    fn fault(&self, fault: FileFault) -> OutputError {
+        match fault {
+            FileFault::Exists { path } => OutputError::Exists { path },
+            FileFault::Foreign { path } => OutputError::Foreign { path, kind: self.kind.name() },
+            FileFault::InUse { path } => OutputError::InUse { path },
+            FileFault::NoFolder { path } => OutputError::Io {
+                path,
+                action: "the folder of the output",
+                source: io::ErrorKind::NotADirectory.into(),
+            },
+            FileFault::Io { path, action, source } => OutputError::Io { path, action, source },
         }
     }
 
     /// Has the file written under another name, and gives it its own.
     pub fn write<E: From<OutputError>>(self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        let partial = self.folder().join(format!(".{name}.{}.partial", std::process::id()));
-        let _ = fs::remove_file(&partial);
-        let done = fill(&partial).and_then(|()| {
-            // Somebody may have made the file meanwhile.
-            self.check()?;
-            fs::rename(&partial, &self.path)
-                .map_err(OutputError::io(&self.path, "putting the file in place"))?;
-            Ok(())
-        });
-        if done.is_err() {
-            let _ = fs::remove_file(&partial);
+        let mut draft = Draft::named(&self.path);
+        let filled = fill(draft.path());
+        if filled.is_err() {
+            // Half a file, or none.
+            let _ = draft.made(Holding::File);
+            draft.abandon();
+            return filled;
         }
-        done
+        let recognise = |path: &Path| self.kind.recognise(path);
+        let done = draft.made(Holding::File).and_then(|()| draft.finish(self.force, &recognise));
+        done.map(|_| ()).map_err(|fault| self.fault(fault).into())
     }
 }
 

@@ -58,7 +58,7 @@ use super::changing;
 use super::control::{Control, Desk, control};
 use super::live::{LiveFault, LiveNav};
 use super::memory::{PROGRAM_BYTES, sea_bytes};
-use super::outputs::{header, open_all, same_kind};
+use super::outputs::{header, open_all, placed, same_kind};
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 use super::tracks::flown;
@@ -605,7 +605,7 @@ impl PulseStream {
         });
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
-        Ok((outcome, costs))
+        Ok((placed(outcome), costs))
     }
 }
 

@@ -1,17 +1,17 @@
 //! Opens where pulses go, and says there what the run is.
 
-use std::fs;
 use std::sync::Arc;
 
 use super::navigation;
-use super::stages::PulseFactory;
+use super::stages::{PulseError, PulseFactory};
 use crate::config::Run;
 use crate::nav::changes::Changes;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
-use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, Sink, SinkError};
+use crate::sinks::sink::{AdcRow, ChannelRow, Closed, Header, Origin, PairRow, Sink, SinkError, SinkReport};
 use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
+use crate::transport::stage::{Outcome, RunError};
 
 /// What the run is.
 pub(super) fn header(
@@ -100,23 +100,43 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
     })
 }
 
-/// Opens every sink, or none: when one fails, what the others have made is removed.
+/// Opens every sink, or none: when one fails, the others remove what they have made, and nothing else.
 pub(super) fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec<Box<dyn Sink>>, SinkError> {
     let mut opened: Vec<Box<dyn Sink>> = Vec::with_capacity(sinks.len());
     for settings in sinks {
         match open(settings, header) {
             Ok(sink) => opened.push(sink),
             Err(error) => {
-                for report in opened.into_iter().filter_map(|sink| sink.finish().ok()) {
-                    for path in report.files {
-                        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-                    }
-                }
+                opened.iter_mut().for_each(|sink| sink.abandon());
                 return Err(error);
             }
         }
     }
     Ok(opened)
+}
+
+/// Puts recordings in the place of older ones, if the whole run went well; otherwise they stay beside them.
+pub(super) fn placed(
+    outcome: Outcome<Option<Closed>, PulseError, SinkError>,
+) -> Outcome<Option<SinkReport>, PulseError, SinkError> {
+    let Outcome { summary, reports, mut result } = outcome;
+    let reports = reports
+        .into_iter()
+        .map(|(name, closed)| {
+            let Some(closed) = closed else { return (name, None) };
+            if result.is_err() {
+                return (name, Some(closed.keep()));
+            }
+            match closed.place() {
+                Ok(report) => (name, Some(report)),
+                Err(error) => {
+                    result = Err(RunError::Sink { name: name.clone(), error });
+                    (name, None)
+                }
+            }
+        })
+        .collect();
+    Outcome { summary, reports, result }
 }
 
 /// Whether two places are of the same kind.

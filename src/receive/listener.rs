@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver as Inbox, Sender, TrySendError, bounded};
+use crossbeam_channel::{Receiver as Inbox, RecvTimeoutError, Sender, TrySendError, bounded};
 use socket2::SockRef;
 use thiserror::Error;
 
 use crate::pulse::Pulse;
-use crate::sinks::sink::{Header, Sink, SinkError, SinkReport};
+use crate::sinks::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 
 use super::report::Report;
 use super::{Outlet, Receiver};
@@ -89,13 +89,19 @@ impl Recorder {
         let (pulses, inbox) = bounded::<Box<Pulse>>(waiting);
         let (give, free) = bounded(waiting);
         let thread = thread::spawn(move || {
-            for pulse in inbox {
-                sink.write(&pulse)?;
-                match give.try_send(pulse) {
-                    Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
+            loop {
+                match inbox.recv_timeout(FLUSH_INTERVAL) {
+                    Ok(pulse) => {
+                        sink.write(&pulse)?;
+                        match give.try_send(pulse) {
+                            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
+                        }
+                    }
+                    // Silence: what has come is made readable.
+                    Err(RecvTimeoutError::Timeout) => sink.flush()?,
+                    Err(RecvTimeoutError::Disconnected) => return sink.finish(),
                 }
             }
-            sink.finish()
         });
         Ok(Self { pulses, free, thread })
     }

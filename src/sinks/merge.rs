@@ -6,14 +6,14 @@
 //! the shard before it is the one that its segment followed (`after_pulse`), or the part of the run before its own.
 //! The recording of the whole run would have the same gap. The datasets of the result are
 //! those of the whole run, bit for bit. Shards are copied in blocks of bounded size into a file beside the
-//! output, which is renamed at the end: a merge that fails leaves nothing.
+//! output, which gets its name at the end ([`crate::files`]): a merge that fails leaves nothing, and what was there before.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::files::Draft;
 use crate::pulse::flags;
 use crate::pulse::log::Entry;
 
@@ -137,10 +137,7 @@ impl Shard {
 
 /// Joins `shards` into `out`; an existing `out` is replaced only with `force`.
 pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport, MergeError> {
-    if fs::symlink_metadata(out).is_ok() && !force {
-        return Err(SinkError::Exists { path: out.to_owned() }.into());
-    }
-    super::parent_exists(out)?;
+    super::hdf5::preflight(out, None, force)?;
     let list = ordered(shards)?;
     let (Some(earliest), Some(latest)) = (list.first(), list.last()) else {
         return Err(MergeError::Nothing { shards: shards.len() });
@@ -153,27 +150,18 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
     // Every shard has all changes up to its last pulse.
     header.changes = list.iter().rev().find_map(|shard| shard.header.changes.clone());
 
-    let name = out.file_name().unwrap_or_default().to_string_lossy();
-    let partial = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    let _ = fs::remove_file(&partial);
-    let copied = (|| {
-        let mut recording = Recording::create(&partial, &header, earliest.after)
-            .map_err(Fault::at(&partial, "making the result"))?;
-        for shard in &list {
-            copy(shard, &mut recording)?;
-        }
-        let pulses = recording.rows() as u64;
-        recording.close().map_err(Fault::at(&partial, "closing the result"))?;
-        fs::rename(&partial, out).map_err(SinkError::io(out, "putting the result in place"))?;
-        Ok(pulses)
-    })();
-    let pulses = match copied {
-        Ok(pulses) => pulses,
-        Err(error) => {
-            let _ = fs::remove_file(&partial);
-            return Err(error);
-        }
-    };
+    let mut recording = Recording::create(Draft::named(out), &header, earliest.after)
+        .map_err(Fault::at(out, "making the result"))?;
+    if let Err(error) = list.iter().try_for_each(|shard| copy(shard, &mut recording)) {
+        recording.abandon();
+        return Err(error);
+    }
+    let pulses = recording.rows() as u64;
+    let draft = recording.close().map_err(|(fault, draft)| {
+        draft.abandon();
+        Fault::at(out, "closing the result")(fault)
+    })?;
+    draft.finish(force, &super::hdf5::recognise).map_err(SinkError::from)?;
     let (first, last) = (earliest.first, latest.last);
     Ok(MergeReport {
         out: out.to_owned(),

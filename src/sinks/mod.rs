@@ -89,7 +89,7 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                 continue;
             }
             Kind::Nav(settings) => match settings.device.file() {
-                Some(path) => (path, false, new_file(path, settings.force)),
+                Some(path) => (path, false, port::preflight(path, settings.force).map_err(SinkError::from)),
                 None if !devices.contains(&&settings.device) => {
                     devices.push(&settings.device);
                     continue;
@@ -144,25 +144,4 @@ fn hdf5_preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Result<()
 #[cfg(not(feature = "hdf5"))]
 fn hdf5_preflight(path: &Path, _: Option<f64>, _: bool) -> Result<(), SinkError> {
     Err(SinkError::NoHdf5 { path: path.to_owned() })
-}
-
-/// A file is made anew, in a folder that is there.
-fn new_file(path: &Path, force: bool) -> Result<(), SinkError> {
-    parent_exists(path)?;
-    let exists = path.symlink_metadata().is_ok();
-    if exists && !(force && path.is_file()) {
-        return Err(SinkError::Exists { path: path.to_owned() });
-    }
-    Ok(())
-}
-
-/// The folder in which an output is to be made must be there.
-fn parent_exists(path: &Path) -> Result<(), SinkError> {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => {
-            let data = fs::metadata(folder).map_err(SinkError::io(folder, "the folder of the output"))?;
-            if data.is_dir() { Ok(()) } else { Err(SinkError::NoFolder { path: folder.to_owned() }) }
-        }
-        _ => Ok(()),
-    }
 }

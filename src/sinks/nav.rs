@@ -9,8 +9,8 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::port::{Device, Port};
-use super::sink::{Header, Sink, SinkError, SinkReport};
+use super::port::{self, Device, Port, PortFault};
+use super::sink::{Closed, Header, Sink, SinkError, SinkReport};
 use crate::pulse::{PlatformRecord, Pulse};
 use crate::time::TimeTag;
 
@@ -43,7 +43,7 @@ pub struct NavSettings {
     pub rate_hz: f64,
     /// Delay of a message in emission time, s.
     pub latency_s: f64,
-    /// Overwrite a file that exists.
+    /// Replace a file of messages that exists.
     pub force: bool,
 }
 
@@ -73,8 +73,10 @@ impl NavSink {
     /// Opens the port.
     pub fn open(settings: &NavSettings, speech: Box<dyn Speech>, header: &Header) -> Result<Self, SinkError> {
         let device = settings.device.clone();
-        let port = Port::open(device, settings.force)
-            .map_err(|source| SinkError::Port { device: settings.device.to_string(), source })?;
+        let port = Port::open(device, settings.force).map_err(|fault| match fault {
+            PortFault::System(source) => SinkError::Port { device: settings.device.to_string(), source },
+            PortFault::File(fault) => fault.into(),
+        })?;
         Ok(Self {
             settings: settings.clone(),
             port,
@@ -87,6 +89,12 @@ impl NavSink {
             waiting: VecDeque::new(),
             message: Vec::new(),
         })
+    }
+
+    /// A file that cannot be written ends the sink.
+    fn fault(&mut self) -> Result<(), SinkError> {
+        let path = self.settings.device.file().unwrap_or("".as_ref());
+        self.port.fault().map_or(Ok(()), |source| Err(SinkError::io(path, "writing")(source)))
     }
 
     fn tick_at(&self, time_s: f64) -> i64 {
@@ -135,25 +143,33 @@ impl Sink for NavSink {
             }
         }
         self.release(Some(pulse.time));
-        Ok(())
+        self.fault()
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
         self.port.flush();
-        Ok(())
+        self.fault()
     }
 
-    fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
+    fn abandon(&mut self) {
+        self.port.abandon();
+    }
+
+    fn close(&mut self) -> Result<Closed, SinkError> {
         self.release(None);
         let files = self.settings.device.file().map(|path| path.to_owned()).into_iter().collect();
-        let port = self.port.finish(LAST_BYTES);
-        Ok(SinkReport {
+        let (port, draft) = self.port.close(LAST_BYTES);
+        self.fault()?;
+        let force = draft.as_ref().is_some_and(|(_, force)| *force);
+        let report = SinkReport {
             name: "nav".to_owned(),
             pulses: self.pulses,
             bytes: port.bytes,
             files,
             port: Some(port),
             wire: None,
-        })
+        };
+        let drafts = draft.map(|(draft, _)| draft).into_iter().collect();
+        Ok(Closed { report, drafts, force, recognise: Some(port::recognise), ..Closed::default() })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::pulse::Pulse;
 
-use super::sink::{Sink, SinkError, SinkReport};
+use super::sink::{Closed, Sink, SinkError, SinkReport};
 
 /// Counts pulses.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,7 +35,8 @@ impl Sink for NullSink {
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<SinkReport, SinkError> {
-        Ok(SinkReport { name: "null".to_owned(), pulses: self.pulses, ..SinkReport::default() })
+    fn close(&mut self) -> Result<Closed, SinkError> {
+        let name = "null".to_owned();
+        Ok(Closed::of(SinkReport { name, pulses: self.pulses, ..SinkReport::default() }))
     }
 }

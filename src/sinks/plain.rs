@@ -19,24 +19,33 @@
 
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 
+use crate::files::{self, Draft, Holding};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
-use super::sink::{FLUSH_INTERVAL, FORMAT_VERSION, Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, FLUSH_INTERVAL, FORMAT_VERSION, Header, Sink, SinkError, SinkReport};
 use super::unwritten::Unwritten;
 
 /// Rows wait in memory until this many bytes are there (or a flush is due).
 const BUFFER_BYTES: usize = 1 << 20;
 
+/// The header.
+const META: &str = "meta.json";
+/// Changes of reports.
+const CHANGES: &str = "truth/changes.jsonl";
+
 /// A folder of plain files.
 #[derive(Debug)]
 pub struct PlainSink {
-    path: PathBuf,
+    target: PathBuf,
+    /// None when it has been handed on.
+    draft: Option<Draft>,
+    force: bool,
     /// In the order of [`columns`]: the index last.
     files: Vec<PlainFile>,
     buffered_bytes: usize,
@@ -58,24 +67,60 @@ struct Changes {
 struct PlainFile {
     column: Column,
     rows: Rows,
-    path: PathBuf,
     file: File,
 }
 
-/// Whether a folder may be made (or made anew) here.
+/// Whether a folder may be made, or replaced, here.
 pub(super) fn preflight(path: &Path, force: bool) -> Result<(), SinkError> {
-    if fs::symlink_metadata(path).is_err() {
-        return super::parent_exists(path);
+    Ok(files::preflight(path, force, &recognise)?)
+}
+
+/// Largest `meta.json` that is looked at.
+const META_BYTES: u64 = 256 << 20;
+
+/// The files of a plain recording, if a folder holds one and nothing else. An empty folder holds nothing that is lost.
+fn recognise(path: &Path) -> Option<Holding> {
+    let found = tree(path)?;
+    if found.is_empty() {
+        return Some(Holding::Folder(Vec::new()));
     }
-    if !force {
-        return Err(SinkError::Exists { path: path.to_owned() });
+    let meta_path = path.join(META);
+    if !fs::symlink_metadata(&meta_path).is_ok_and(|data| data.is_file() && data.len() <= META_BYTES) {
+        return None;
     }
-    let is_empty = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none());
-    let is_recording = fs::read(path.join("meta.json"))
-        .ok()
-        .and_then(|text| serde_json::from_slice::<Value>(&text).ok())
-        .is_some_and(|meta| meta["format"] == "nereus");
-    if is_empty || is_recording { Ok(()) } else { Err(SinkError::NotARecording { path: path.to_owned() }) }
+    let meta: Value = serde_json::from_slice(&fs::read(meta_path).ok()?).ok()?;
+    if meta["format"] != "nereus" {
+        return None;
+    }
+    let columns = meta["columns"].as_object()?;
+    let own = own_files(columns.keys().map(String::as_str));
+    found.iter().all(|file| own.contains(file)).then(|| Holding::Folder(own))
+}
+
+/// Every file below a folder; `None` if something there is neither file nor folder.
+fn tree(path: &Path) -> Option<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    let mut folders = vec![PathBuf::new()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(path.join(&folder)).ok()? {
+            let entry = entry.ok()?;
+            let inside = folder.join(entry.file_name());
+            match entry.file_type().ok()? {
+                kind if kind.is_dir() => folders.push(inside),
+                kind if kind.is_file() => files.push(inside),
+                _ => return None,
+            }
+        }
+    }
+    Some(files)
+}
+
+/// The files of a recording with these columns, the one that is locked first.
+fn own_files<'a>(columns: impl IntoIterator<Item = &'a str>) -> Vec<PathBuf> {
+    let fixed = [META, "replica.bin", CHANGES].map(PathBuf::from);
+    let of_columns = columns.into_iter().map(|column| PathBuf::from(format!("{column}.bin")));
+    let is_inside = |path: &PathBuf| path.components().all(|part| matches!(part, Component::Normal(_)));
+    fixed.into_iter().chain(of_columns).filter(is_inside).collect()
 }
 
 impl PlainSink {
@@ -83,26 +128,49 @@ impl PlainSink {
     pub fn create(path: &Path, force: bool, header: &Header) -> Result<Self, SinkError> {
         header.check()?;
         preflight(path, force)?;
-        if fs::symlink_metadata(path).is_ok() {
-            fs::remove_dir_all(path).map_err(SinkError::io(path, "removing the old recording"))?;
+        let list = columns(header);
+        let mut draft = Draft::named(path);
+        fs::create_dir(draft.path()).map_err(SinkError::io(path, "making the folder"))?;
+        draft.made(Holding::Folder(own_files(list.iter().map(|column| column.path.as_str()))))?;
+        let made = Self::fill(draft.path(), list, header).and_then(|made| {
+            draft.lock();
+            draft.place_early(force)?;
+            Ok(made)
+        });
+        match made {
+            Ok((files, changes)) => {
+                let row_bytes = files.iter().map(|file| file.column.row_bytes()).sum();
+                Ok(Self {
+                    target: path.to_owned(),
+                    draft: Some(draft),
+                    force,
+                    files,
+                    changes,
+                    buffered_bytes: 0,
+                    row_bytes,
+                    pulses: 0,
+                    flushed: Instant::now(),
+                })
+            }
+            Err(error) => {
+                draft.abandon();
+                Err(error)
+            }
         }
-        let made = Self::fill(path, header);
-        if made.is_err() {
-            let _ = fs::remove_dir_all(path);
-        }
-        made
     }
 
-    fn fill(path: &Path, header: &Header) -> Result<Self, SinkError> {
-        fs::create_dir(path).map_err(SinkError::io(path, "making the folder"))?;
+    fn fill(
+        path: &Path,
+        list: Vec<Column>,
+        header: &Header,
+    ) -> Result<(Vec<PlainFile>, Option<Changes>), SinkError> {
         let write = |name: &str, bytes: &[u8]| {
             let file = path.join(name);
             fs::write(&file, bytes).map_err(SinkError::io(&file, "writing"))
         };
         write("replica.bin", bytemuck::cast_slice(&header.replica))?;
-        let list = columns(header);
         let meta = format!("{:#}\n", meta(header, &list));
-        write("meta.json", meta.as_bytes())?;
+        write(META, meta.as_bytes())?;
         let row_bytes: usize = list.iter().map(Column::row_bytes).sum();
         let rows_kept = BUFFER_BYTES.div_ceil(row_bytes);
         let mut files = Vec::with_capacity(list.len());
@@ -113,27 +181,25 @@ impl PlainSink {
             }
             let file = File::create_new(&file_path).map_err(SinkError::io(&file_path, "making the file"))?;
             let rows = Rows::with_capacity(column.element, column.width() * rows_kept);
-            files.push(PlainFile { column, rows, path: file_path, file });
+            files.push(PlainFile { column, rows, file });
         }
         let changes = match &header.changes {
             None => None,
             Some(log) => {
-                let file_path = path.join("truth/changes.jsonl");
+                let file_path = path.join(CHANGES);
                 fs::create_dir_all(path.join("truth")).map_err(SinkError::io(path, "making the folder"))?;
                 let file =
                     File::create_new(&file_path).map_err(SinkError::io(&file_path, "making the file"))?;
                 Some(Changes { unwritten: Unwritten::of(log), path: file_path, file })
             }
         };
-        Ok(Self {
-            changes,
-            path: path.to_owned(),
-            files,
-            buffered_bytes: 0,
-            row_bytes,
-            pulses: 0,
-            flushed: Instant::now(),
-        })
+        Ok((files, changes))
+    }
+
+    /// Where a file of the recording is now: the folder may have got its name since it was opened.
+    fn place_of(&self, column: &Column) -> PathBuf {
+        let folder = self.draft.as_ref().map_or(self.target.as_path(), Draft::path);
+        folder.join(format!("{}.bin", column.path))
     }
 }
 
@@ -143,7 +209,7 @@ impl Sink for PlainSink {
     }
 
     fn describe(&self) -> String {
-        format!("plain recording {}", self.path.display())
+        format!("plain recording {}", self.target.display())
     }
 
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
@@ -167,28 +233,61 @@ impl Sink for PlainSink {
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        for file in &mut self.files {
-            file.file.write_all(file.rows.as_bytes()).map_err(SinkError::io(&file.path, "writing"))?;
+        let mut failed = None;
+        for (place, file) in self.files.iter_mut().enumerate() {
+            if let Err(source) = file.file.write_all(file.rows.as_bytes()) {
+                failed = Some((place, source));
+                break;
+            }
             file.rows.clear();
+        }
+        if let Some((place, source)) = failed {
+            let path = self.place_of(&self.files[place].column);
+            return Err(SinkError::Io { path, action: "writing", source });
         }
         self.buffered_bytes = 0;
         self.flushed = Instant::now();
         Ok(())
     }
 
-    fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
+    fn close(&mut self) -> Result<Closed, SinkError> {
         self.flush()?;
         for file in &self.files {
-            file.file.sync_all().map_err(SinkError::io(&file.path, "closing"))?;
+            file.file.sync_all().map_err(SinkError::io(&self.place_of(&file.column), "closing"))?;
         }
-        Ok(SinkReport {
+        let folder = self.draft.as_ref().map_or(self.target.as_path(), Draft::path).to_owned();
+        for name in [META, "replica.bin", CHANGES].iter().map(|name| folder.join(name)).filter(|p| p.exists())
+        {
+            let synced = File::open(&name).and_then(|file| file.sync_all());
+            synced.map_err(SinkError::io(&name, "closing"))?;
+        }
+        let report = SinkReport {
             name: "plain".to_owned(),
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
-            files: vec![self.path.clone()],
+            files: vec![self.target.clone()],
             wire: None,
             port: None,
-        })
+        };
+        let drafts = self.draft.take().into_iter().collect();
+        Ok(Closed { report, drafts, force: self.force, recognise: Some(recognise), ..Closed::default() })
+    }
+
+    fn readable(&mut self) -> Option<u64> {
+        // Rows beyond the last whole pulse are cut off; where that fails, the index still says how many are complete.
+        let index_bytes =
+            self.files.last().and_then(|index| index.file.metadata().ok()).map(|data| data.len());
+        let pulses = index_bytes.map_or(0, |bytes| bytes / size_of::<u64>() as u64);
+        for file in self.files.iter().rev() {
+            let _ = file.file.set_len(pulses * file.column.row_bytes() as u64);
+        }
+        Some(pulses)
+    }
+
+    fn abandon(&mut self) {
+        if let Some(draft) = self.draft.take() {
+            draft.abandon();
+        }
     }
 }
 

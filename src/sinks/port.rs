@@ -3,13 +3,14 @@
 //! | device | what it is |
 //! | --- | --- |
 //! | `/dev/ttyUSB0`, `/dev/pts/3` | a serial port or pseudo terminal; raw, 8N1, with its baud rate (feature `serial`) |
-//! | `file:PATH` | a file that is made |
+//! | `file:PATH` | a file that is made ([`crate::files`]); with force it replaces a file of messages when it is complete |
 //! | `tcp://ADDRESS:PORT` | a connection to somebody who listens |
 //! | `udp://ADDRESS:PORT` | datagrams, a message each |
 //!
 //! A [`Port`] never waits: what the port does not take at once is held, up to 4096 bytes, and goes before the next message;
 //! a message for which there is no room is lost as a whole and counted, so nobody reads half of one. A port that vanishes is
-//! counted and opened again, at most twice a second; until then messages are lost.
+//! counted and opened again, at most twice a second; until then messages are lost. A **file** that cannot be written (a full
+//! disk) is a fault, not a port that vanishes: it ends with the last whole message, and [`Port::fault`] says why.
 //!
 //! ```
 //! use nereus::sinks::port::{Device, Port};
@@ -23,14 +24,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::fs::OpenOptions;
-use std::io::{self, ErrorKind, Write};
+use std::fs::{self, OpenOptions};
+use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use thiserror::Error;
+
+use crate::files::{Draft, FileFault, Holding};
 
 /// Bytes that wait for a port.
 const HELD_BYTES: usize = 4096;
@@ -94,12 +97,11 @@ impl Device {
         }
     }
 
-    fn open(&self, again: bool, force: bool) -> io::Result<Box<dyn Write + Send>> {
+    fn open(&self) -> io::Result<Box<dyn Write + Send>> {
         Ok(match self {
             Self::Serial { path, baud } => Box::new(serial(path, *baud)?),
-            Self::File(path) if again => Box::new(OpenOptions::new().append(true).open(path)?),
-            Self::File(path) if force => Box::new(std::fs::File::create(path)?),
-            Self::File(path) => Box::new(OpenOptions::new().write(true).create_new(true).open(path)?),
+            // A pipe or a device; a file that is made is not opened again.
+            Self::File(path) => Box::new(OpenOptions::new().write(true).open(path)?),
             Self::Tcp(address) => {
                 let stream = TcpStream::connect_timeout(address, CONNECT)?;
                 stream.set_nodelay(true)?;
@@ -212,10 +214,65 @@ pub struct PortCounts {
     pub reopened: u64,
 }
 
+/// Why a port cannot be opened.
+#[derive(Debug, Error)]
+pub enum PortFault {
+    /// The system refused.
+    #[error(transparent)]
+    System(#[from] io::Error),
+    /// A file cannot be made.
+    #[error(transparent)]
+    File(#[from] FileFault),
+}
+
+/// A file that takes messages.
+#[derive(Debug)]
+struct Made {
+    draft: Draft,
+    file: fs::File,
+    force: bool,
+    /// Bytes of whole messages.
+    whole: u64,
+}
+
+/// Whether a file may be made, or replaced, here.
+pub fn preflight(path: &Path, force: bool) -> Result<(), FileFault> {
+    match is_regular_or_new(path) {
+        true => crate::files::preflight(path, force, &recognise),
+        false if force => Ok(()),
+        false => Err(FileFault::Exists { path: path.to_owned() }),
+    }
+}
+
+/// A pipe or a device is written as it is.
+fn is_regular_or_new(path: &Path) -> bool {
+    fs::metadata(path).map_or(true, |data| data.is_file() || data.is_dir())
+}
+
+/// A file that may be replaced by one of messages: it is empty, or begins with a message of navigation.
+pub fn recognise(path: &Path) -> Option<Holding> {
+    let mut start = Vec::new();
+    fs::symlink_metadata(path).ok().filter(|data| data.is_file())?;
+    fs::File::open(path).ok()?.take(16).read_to_end(&mut start).ok()?;
+    let talks = |rest: &[u8]| {
+        let name = rest.iter().position(|byte| *byte == b',').map(|end| &rest[..end]);
+        name.is_some_and(|name| name.len() >= 5 && name.iter().all(u8::is_ascii_alphanumeric))
+    };
+    let is_ours = match start.as_slice() {
+        [] | [0xAA, 0x44, 0x12 | 0x13, ..] => true,
+        [b'$' | b'!' | b'#', rest @ ..] => talks(rest),
+        _ => false,
+    };
+    is_ours.then_some(Holding::File)
+}
+
 /// Something that takes bytes.
 pub struct Port {
     device: Device,
     link: Option<Box<dyn Write + Send>>,
+    /// The file, where the port is one that is made.
+    made: Option<Made>,
+    fault: Option<io::Error>,
     held: Vec<u8>,
     tried: Instant,
     counts: PortCounts,
@@ -228,15 +285,32 @@ impl std::fmt::Debug for Port {
 }
 
 impl Port {
-    /// Opens a device; `force` overwrites a file that exists.
-    pub fn open(device: Device, force: bool) -> io::Result<Self> {
-        let link = device.open(false, force)?;
-        Ok(Self::over(device, Some(link)))
+    /// Opens a device; with `force` a file of messages that exists is replaced at the end.
+    pub fn open(device: Device, force: bool) -> Result<Self, PortFault> {
+        let Some(path) = device.file().filter(|path| is_regular_or_new(path)) else {
+            if let Some(path) = device.file() {
+                preflight(path, force)?;
+            }
+            let link = device.open()?;
+            return Ok(Self::over(device, Some(link)));
+        };
+        preflight(path, force)?;
+        let (mut draft, file) = Draft::file(path)?;
+        draft.lock();
+        if let Err(fault) = draft.place_early(force) {
+            draft.abandon();
+            return Err(fault.into());
+        }
+        let link = file.try_clone()?;
+        let mut port = Self::over(device, Some(Box::new(link)));
+        port.made = Some(Made { draft, file, force, whole: 0 });
+        Ok(port)
     }
 
     fn over(device: Device, link: Option<Box<dyn Write + Send>>) -> Self {
         let held = Vec::with_capacity(2 * HELD_BYTES);
-        Self { device, link, held, tried: Instant::now(), counts: PortCounts::default() }
+        let counts = PortCounts::default();
+        Self { device, link, made: None, fault: None, held, tried: Instant::now(), counts }
     }
 
     /// Hands over a message, without waiting.
@@ -261,13 +335,14 @@ impl Port {
 
     /// Hands over what waits, and opens the port again if it vanished.
     pub fn flush(&mut self) {
-        if self.link.is_none() && self.tried.elapsed() >= REOPEN {
+        if self.link.is_none() && self.made.is_none() && self.tried.elapsed() >= REOPEN {
             self.tried = Instant::now();
-            self.link = self.device.open(true, false).ok();
+            self.link = self.device.open().ok();
             self.counts.reopened += u64::from(self.link.is_some());
         }
         let Some(link) = &mut self.link else { return };
         let mut taken = 0;
+        let mut fault = None;
         let alive = loop {
             if taken == self.held.len() {
                 break true;
@@ -278,19 +353,72 @@ impl Port {
                 Err(error) => match error.kind() {
                     ErrorKind::Interrupted => {}
                     ErrorKind::WouldBlock | ErrorKind::TimedOut => break true,
-                    _ => break false,
+                    _ => {
+                        fault = Some(error);
+                        break false;
+                    }
                 },
             }
         };
         self.counts.bytes += taken as u64;
         self.held.drain(..taken);
-        if !alive {
-            self.vanish();
+        match &mut self.made {
+            Some(made) if alive => made.whole = self.counts.bytes,
+            Some(_) => self.give_up(fault.unwrap_or_else(|| ErrorKind::WriteZero.into())),
+            None if !alive => self.vanish(),
+            None => {}
         }
     }
 
-    /// Waits some time for what is left, then counts it as lost.
-    pub fn finish(mut self, patience: Duration) -> PortCounts {
+    /// A file that cannot be written ends with its last whole message.
+    fn give_up(&mut self, fault: io::Error) {
+        let Some(made) = &mut self.made else { return };
+        let _ = made.file.set_len(made.whole);
+        self.counts.messages = self.counts.messages.saturating_sub(1);
+        self.counts.lost_messages += 1;
+        self.counts.lost_bytes += self.counts.bytes - made.whole + self.held.len() as u64;
+        self.counts.bytes = made.whole;
+        self.held.clear();
+        self.link = None;
+        self.fault = Some(fault);
+    }
+
+    /// Whether a file could not be written.
+    pub fn failed(&self) -> bool {
+        self.fault.is_some()
+    }
+
+    /// Why a file could not be written, once.
+    pub fn fault(&mut self) -> Option<io::Error> {
+        self.fault.take()
+    }
+
+    /// Waits some time for what is left, then counts it as lost. A file is put in its place.
+    pub fn finish(mut self, patience: Duration) -> Result<PortCounts, PortFault> {
+        self.wait(patience);
+        if let Some(fault) = self.fault {
+            return Err(fault.into());
+        }
+        if let Some(made) = self.made {
+            made.draft.finish_or_keep(made.force, &recognise)?;
+        }
+        Ok(self.counts)
+    }
+
+    /// The same, but a file is left to the caller, with whether it is to replace another.
+    pub(super) fn close(&mut self, patience: Duration) -> (PortCounts, Option<(Draft, bool)>) {
+        self.wait(patience);
+        (self.counts, self.made.take().map(|made| (made.draft, made.force)))
+    }
+
+    /// Removes the file that was made.
+    pub(super) fn abandon(&mut self) {
+        if let Some(made) = self.made.take() {
+            made.draft.abandon();
+        }
+    }
+
+    fn wait(&mut self, patience: Duration) {
         let until = Instant::now() + patience;
         self.flush();
         while !self.held.is_empty() && self.link.is_some() && Instant::now() < until {
@@ -298,7 +426,6 @@ impl Port {
             self.flush();
         }
         self.counts.lost_bytes += self.held.len() as u64;
-        self.counts
     }
 
     /// What became of the messages so far.
@@ -372,7 +499,7 @@ mod tests {
         port.send(&[61; 100]);
         assert_eq!((port.counts().vanished, port.counts().lost_bytes), (1, 1870));
         port.send(&[62; 100]);
-        let counts = port.finish(Duration::ZERO);
+        let counts = port.finish(Duration::ZERO).unwrap();
         assert_eq!((counts.lost_messages, counts.lost_bytes, counts.reopened), (19, 1970, 0));
     }
 
@@ -395,7 +522,7 @@ mod tests {
         for _ in 0..3 {
             port.send(&[0; 10]);
         }
-        let counts = port.finish(Duration::ZERO);
+        let counts = port.finish(Duration::ZERO).unwrap();
         assert_eq!((counts.messages, counts.lost_messages, counts.vanished), (12, 0, 0));
     }
 

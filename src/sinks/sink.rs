@@ -10,6 +10,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::port::PortCounts;
+use crate::files::{self, Draft, FileFault, Holding};
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat};
 use crate::scene::radar::Polarisation;
@@ -35,8 +36,64 @@ pub trait Sink: Send {
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError>;
     /// Makes everything taken so far visible to readers.
     fn flush(&mut self) -> Result<(), SinkError>;
-    /// Completes and closes the output.
-    fn finish(self: Box<Self>) -> Result<SinkReport, SinkError>;
+    /// Completes and closes the output. It is not yet put in the place of an older one: see [`Closed`].
+    fn close(&mut self) -> Result<Closed, SinkError>;
+    /// After a failure: gives up what cannot be completed, and counts the pulses that a reader of the output finds.
+    /// `None` of a sink that keeps nothing.
+    fn readable(&mut self) -> Option<u64> {
+        None
+    }
+    /// Removes what this sink has made: a run that could not begin leaves nothing.
+    fn abandon(&mut self) {}
+    /// Completes and closes the output and puts it in its place.
+    fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
+        self.close()?.place()
+    }
+}
+
+/// An output that is complete and closed.
+///
+/// A recording that is to replace an older one still has the name of its process, so that a run that fails in another
+/// of its sinks leaves the older one as it was.
+#[derive(Debug, Default)]
+pub struct Closed {
+    /// What the sink did; the files as they will be named.
+    pub report: SinkReport,
+    pub(super) drafts: Vec<Draft>,
+    /// Whether older recordings are replaced.
+    pub(super) force: bool,
+    /// Older segments beyond those of this run.
+    pub(super) surplus: Vec<PathBuf>,
+    pub(super) recognise: Option<fn(&Path) -> Option<Holding>>,
+}
+
+impl Closed {
+    /// Of an output that has no place to be put in.
+    pub fn of(report: SinkReport) -> Self {
+        Self { report, ..Self::default() }
+    }
+
+    /// Puts everything in its place, hands it to the disk, and removes what it replaces.
+    pub fn place(self) -> Result<SinkReport, SinkError> {
+        let Self { report, drafts, force, surplus, recognise } = self;
+        let recognise = |path: &Path| recognise.and_then(|recognise| recognise(path));
+        for draft in drafts {
+            draft.finish_or_keep(force, &recognise)?;
+        }
+        for path in surplus {
+            files::remove_recognised(&path, &recognise)?;
+        }
+        Ok(report)
+    }
+
+    /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor does it
+    /// replace anything.
+    pub fn keep(mut self) -> SinkReport {
+        if !self.drafts.is_empty() {
+            self.report.files = self.drafts.iter().map(|draft| draft.path().to_owned()).collect();
+        }
+        self.report
+    }
 }
 
 /// What a sink did.
@@ -172,9 +229,9 @@ pub enum SinkError {
         /// The output.
         path: PathBuf,
     },
-    /// Asked to overwrite something else than a recording.
+    /// Asked to overwrite something else than an output of the same kind.
     #[error(
-        "{path}: not overwritten, because it is no recording of this kind (an HDF5 file, or a folder whose meta.json says format nereus)"
+        "{path}: not overwritten, because it is no output of this kind (an HDF5 file whose attribute format is nereus, a folder that holds a plain recording and nothing else, a file of the same navigation format)"
     )]
     NotARecording {
         /// What is there.
@@ -392,15 +449,37 @@ impl Header {
     }
 }
 
+impl From<FileFault> for SinkError {
+    fn from(fault: FileFault) -> Self {
+        match fault {
+            FileFault::Exists { path } => Self::Exists { path },
+            FileFault::Foreign { path } => Self::NotARecording { path },
+            FileFault::InUse { path } => Self::InUse { path },
+            FileFault::NoFolder { path } => Self::NoFolder { path },
+            FileFault::Io { path, action, source } => Self::Io { path, action, source },
+        }
+    }
+}
+
 /// The body of a sink's thread: takes pulses until the stream ends, then closes.
 ///
-/// When a write fails the sink is dropped, which closes what can be closed, and the error is returned.
-pub fn drain(mut sink: Box<dyn Sink>, mut feed: Feed) -> Result<SinkReport, SinkError> {
+/// When something fails, the pulses that the feed counts as written become those that a reader finds.
+pub fn drain(mut sink: Box<dyn Sink>, mut feed: Feed) -> Result<Closed, SinkError> {
+    let done = take_all(sink.as_mut(), &mut feed);
+    if done.is_err()
+        && let Some(pulses) = sink.readable()
+    {
+        feed.wrote_in_all(pulses);
+    }
+    done
+}
+
+fn take_all(sink: &mut dyn Sink, feed: &mut Feed) -> Result<Closed, SinkError> {
     loop {
         match feed.next(FLUSH_INTERVAL, |pulse| sink.write(pulse))? {
             Fed::Pulse(()) => {}
             Fed::Idle => sink.flush()?,
-            Fed::Ended => return sink.finish(),
+            Fed::Ended => return sink.close(),
         }
     }
 }

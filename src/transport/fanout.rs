@@ -70,6 +70,11 @@ impl Outlet {
 }
 
 impl Feed {
+    /// Corrects the count of pulses written: a sink that failed knows how many can be read.
+    pub fn wrote_in_all(&self, pulses: u64) {
+        self.health.wrote_in_all(pulses);
+    }
+
     /// Waits up to `patience` for a pulse and hands it to `take`; the slot goes back afterwards.
     pub fn next<R, E>(
         &mut self,

@@ -78,7 +78,7 @@ pub struct NavigationLatency {
 pub struct SinkSnapshot {
     /// The sink's name.
     pub name: String,
-    /// Pulses that the sink took.
+    /// Pulses that the sink took; of a recording that failed, those that can be read.
     pub written: u64,
     /// Pulses that this sink missed because its queue was full.
     pub dropped: u64,
@@ -281,6 +281,10 @@ impl SinkHealth {
 
     pub(crate) fn wrote(&self) {
         self.written.fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub(crate) fn wrote_in_all(&self, pulses: u64) {
+        self.written.store(pulses, Ordering::Relaxed);
     }
 
     pub(crate) fn missed(&self) {

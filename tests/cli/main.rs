@@ -4,6 +4,8 @@
 mod bench;
 #[cfg(unix)]
 mod control;
+#[cfg(unix)]
+mod files;
 mod focus;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]

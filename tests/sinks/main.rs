@@ -7,6 +7,7 @@ mod navigation;
 mod recording_fixture;
 mod recording_outputs;
 mod recording_plain;
+mod recording_rule;
 mod wire;
 mod wire_fixture;
 mod wire_receive;

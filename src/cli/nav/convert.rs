@@ -1,13 +1,13 @@
 //! `nereus nav convert`
 
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::error::NavToolError;
 use super::recorded::solutions;
-use super::{SourceArgs, Target, TargetArgs, new_file};
+use super::{SourceArgs, Target, TargetArgs, write_file};
 use crate::cli::error::CliError;
 use crate::cli::say;
 use crate::nav::encode::Format;
@@ -52,11 +52,7 @@ pub(super) fn convert(args: &NavConvertArgs) -> Result<(), CliError> {
         None => csv(&solutions, &mut bytes),
     }
     // Nothing is made before all could be written.
-    let file = new_file(&args.out, args.force)?;
-    let mut file = BufWriter::new(file);
-    file.write_all(&bytes)
-        .and_then(|()| file.flush())
-        .map_err(|source| NavToolError::Write { path: args.out.clone(), source })?;
+    write_file(&args.out, args.force, &bytes)?;
     say(format_args!("{}: {} fixes, {} bytes", args.out.display(), solutions.len(), bytes.len()));
     Ok(())
 }

@@ -1,13 +1,12 @@
 //! `nereus nav corrupt`
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 use rand::RngExt;
 
 use super::error::NavToolError;
-use super::new_file;
+use super::write_file;
 use crate::cli::error::CliError;
 use crate::cli::say;
 use crate::nav::replay::read_bytes;
@@ -74,9 +73,7 @@ pub(super) fn corrupt(args: &NavCorruptArgs) -> Result<(), CliError> {
         flipped += u64::from(flip);
         spoiled.push(if flip { byte ^ (1 << bit) } else { byte });
     }
-    new_file(&args.out, args.force)?
-        .write_all(&spoiled)
-        .map_err(|source| NavToolError::Write { path: args.out.clone(), source })?;
+    write_file(&args.out, args.force, &spoiled)?;
     say(format_args!(
         "{}: {} bytes; {dropped} dropped, {flipped} with a bit flipped, {cut_bytes} cut in {cuts} stretches",
         args.out.display(),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::files::FileFault;
 use crate::nav::NavError;
 use crate::nav::encode::EncodeError;
 use crate::nav::pcap::CaptureError;
@@ -58,11 +59,16 @@ pub enum NavToolError {
         /// The output.
         path: PathBuf,
     },
-    /// The output is there.
-    #[error("{}: exists already; choose another name, or overwrite it with --force", path.display())]
-    Exists {
-        /// The output.
-        path: PathBuf,
+    /// The output cannot be made.
+    #[error(transparent)]
+    Output(#[from] FileFault),
+    /// A file does not take the messages.
+    #[error("{device}: writing: {source}")]
+    Unwritten {
+        /// The device.
+        device: String,
+        /// What the system says.
+        source: io::Error,
     },
     /// The output cannot be written.
     #[error("{}: cannot write: {source}", path.display())]
@@ -120,7 +126,12 @@ impl NavToolError {
     pub fn exit_code(&self) -> u8 {
         if matches!(
             self,
-            Self::Write { .. } | Self::Port { .. } | Self::Control { .. } | Self::Refused { .. }
+            Self::Output(FileFault::Io { .. })
+                | Self::Unwritten { .. }
+                | Self::Write { .. }
+                | Self::Port { .. }
+                | Self::Control { .. }
+                | Self::Refused { .. }
         ) {
             1
         } else {

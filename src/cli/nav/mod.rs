@@ -8,12 +8,14 @@ mod inspect;
 mod play;
 mod recorded;
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{Read, Write};
+use std::path::Path;
 
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::error::CliError;
+use crate::files::{self, Draft, Holding};
+use crate::sinks::port;
 
 pub use convert::NavConvertArgs;
 pub use corrupt::NavCorruptArgs;
@@ -125,17 +127,32 @@ pub(super) fn nav(args: &NavArgs, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-/// A file to be made; one that exists is overwritten only by force.
-fn new_file(path: &PathBuf, force: bool) -> Result<std::fs::File, NavToolError> {
-    let mut options = std::fs::OpenOptions::new();
-    options.write(true);
-    if force {
-        options.create(true).truncate(true);
-    } else {
-        options.create_new(true);
+/// Makes a file; one that exists is replaced only by force, and only if it begins like navigation.
+fn write_file(path: &Path, force: bool, bytes: &[u8]) -> Result<(), NavToolError> {
+    let fault = |source| NavToolError::Write { path: path.to_owned(), source };
+    // A pipe or a device is written as it is.
+    if force && std::fs::metadata(path).is_ok_and(|data| !(data.is_file() || data.is_dir())) {
+        return std::fs::OpenOptions::new()
+            .write(true)
+            .open(path)
+            .and_then(|mut f| f.write_all(bytes))
+            .map_err(fault);
     }
-    options.open(path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::AlreadyExists => NavToolError::Exists { path: path.clone() },
-        _ => NavToolError::Write { path: path.clone(), source },
-    })
+    files::preflight(path, force, &recognise)?;
+    let (draft, mut file) = Draft::file(path)?;
+    if let Err(source) = file.write_all(bytes) {
+        draft.abandon();
+        return Err(fault(source));
+    }
+    Ok(draft.finish(force, &recognise).map(|_| ())?)
+}
+
+/// Messages, or a table as `nav convert` makes it.
+fn recognise(path: &Path) -> Option<Holding> {
+    let is_table = || {
+        let mut start = [0; 15];
+        let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        (read.is_ok() && start == *b"unix_s,lat_deg,").then_some(Holding::File)
+    };
+    port::recognise(path).or_else(is_table)
 }

@@ -13,7 +13,7 @@ use super::{SourceArgs, Target, TargetArgs};
 use crate::cli::error::CliError;
 use crate::cli::say;
 use crate::nav::encode::{EncodeError, Format};
-use crate::sinks::port::{Device, Port};
+use crate::sinks::port::{Device, Port, PortFault};
 
 /// How long the last bytes may take.
 const LAST_BYTES: Duration = Duration::from_secs(2);
@@ -64,8 +64,11 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
             source,
         })?;
     }
-    let mut port = Port::open(device.clone(), args.force)
-        .map_err(|source| NavToolError::Port { device: device.to_string(), source })?;
+    let fault = |fault| match fault {
+        PortFault::System(source) => NavToolError::Port { device: device.to_string(), source },
+        PortFault::File(fault) => NavToolError::Output(fault),
+    };
+    let mut port = Port::open(device.clone(), args.force).map_err(fault)?;
     let begun = Instant::now();
     for said in &solutions {
         let due = Duration::from_secs_f64(said.time.since(first.time).max(0.0) / args.rate);
@@ -74,8 +77,15 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
         if format.write(said, &mut message).is_ok() {
             port.send(&message);
         }
+        if port.failed() {
+            break;
+        }
     }
-    let counts = port.finish(LAST_BYTES);
+    let failed = port.fault();
+    let counts = match failed {
+        Some(source) => return Err(NavToolError::Unwritten { device: device.to_string(), source }.into()),
+        None => port.finish(LAST_BYTES).map_err(fault)?,
+    };
     say(format_args!(
         "{device}: {} messages of {} sent in {:.1} s, {} lost; vanished {} times",
         counts.messages,

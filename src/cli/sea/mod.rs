@@ -162,7 +162,7 @@ fn selection(args: &SeaArgs) -> Selection {
 
 fn save(output: Output, realised: &Realised) -> Result<(), SeaError> {
     output.write(|partial| {
-        let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
+        let file = File::create_new(partial).map_err(OutputError::io(partial, "making the file"))?;
         Ok(realised.surface.save(&mut BufWriter::new(file))?)
     })
 }
@@ -230,7 +230,7 @@ pub(super) fn save_png(output: Output, picture: &Picture) -> Result<(), SeaError
 /// Writes a picture that is drawn.
 pub(super) fn save_canvas(output: Output, canvas: &Canvas) -> Result<(), SeaError> {
     output.write(|partial| {
-        let file = File::create(partial).map_err(OutputError::io(partial, "making the file"))?;
+        let file = File::create_new(partial).map_err(OutputError::io(partial, "making the file"))?;
         let mut file = BufWriter::new(file);
         canvas.write_png(&mut file)?;
         file.flush().map_err(OutputError::io(partial, "writing"))?;

@@ -15,6 +15,7 @@
 //! ```
 
 mod plain;
+pub mod verify;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -168,6 +169,29 @@ impl Source {
             #[cfg(feature = "hdf5")]
             Self::Hdf5(recorded) => recorded.has(column),
             Self::Plain(plain) => plain.has(column),
+        }
+    }
+
+    /// Whole rows of a column, and bytes beyond them.
+    fn length(&self, column: &Column) -> Result<(u64, u64), RecordingError> {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => {
+                use crate::sinks::hdf5::file::Fault;
+                let rows =
+                    recorded.length(column).map_err(Fault::at(column.path.as_ref(), "reading its size"))?;
+                Ok((rows, 0))
+            }
+            Self::Plain(plain) => plain.length(column),
+        }
+    }
+
+    /// Whether a changed byte is seen.
+    fn has_checksums(&self) -> bool {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => recorded.has_checksums(),
+            Self::Plain(_) => false,
         }
     }
 

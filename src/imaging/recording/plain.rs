@@ -57,6 +57,14 @@ impl Plain {
         self.listed.contains(&column.path)
     }
 
+    /// Whole rows of a column, and bytes beyond them.
+    pub fn length(&self, column: &Column) -> Result<(u64, u64), RecordingError> {
+        let path = self.folder.join(format!("{}.bin", column.path));
+        let held = fs::metadata(&path).map_err(SinkError::io(&path, "reading the recording"))?.len();
+        let row = column.row_bytes().max(1) as u64;
+        Ok((held / row, held % row))
+    }
+
     pub fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
         let bytes = self.bytes(column, &rows)?;
         let wanted = column.row_bytes() * rows.len();

@@ -47,7 +47,7 @@ fn fixed<const N: usize>(text: &str) -> Result<FixedUnicode<N>, Fault> {
 impl ChangeTable {
     /// An empty one.
     pub fn create(file: &File, log: &Arc<Log>) -> Result<Self, Fault> {
-        let builder = file.new_dataset::<Row>().chunk(CHUNK).shape([Extent::resizable(0)]);
+        let builder = file.new_dataset::<Row>().fletcher32().chunk(CHUNK).shape([Extent::resizable(0)]);
         Ok(Self { dataset: builder.create(PATH)?, rows: 0, unwritten: Unwritten::of(log) })
     }
 

@@ -6,13 +6,17 @@
 //! writer.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::io::Read;
+use std::path::Path;
 
 use ::hdf5::file::LibraryVersion;
+use ::hdf5::filters::Filter;
+use ::hdf5::types::VarLenUnicode;
 use ::hdf5::{Dataset, Extent, File, Group, H5Type, Hyperslab, OpenMode, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
 use thiserror::Error;
 
+use crate::files::{Draft, FileFault, Holding};
 use crate::sinks::columns::{Column, Element, Rows, columns};
 use crate::sinks::sink::{Header, SinkError};
 
@@ -60,14 +64,48 @@ pub(crate) struct Recording {
     datasets: Vec<Dataset>,
     changes: Option<ChangeTable>,
     file: File,
-    path: PathBuf,
+    draft: Draft,
     columns: Vec<Column>,
     /// Rows of all columns but the last.
     rows: usize,
     /// Indices of the rows after the last flush.
     pending: Vec<u64>,
-    /// Tells other runs that the file is being written.
-    _mark: Option<fs::File>,
+}
+
+/// A file that is open, its datasets, and its table of changes.
+type Made = (File, Vec<Dataset>, Option<ChangeTable>);
+
+/// A file that is finished, growing, or left by a killed run.
+fn open(path: &Path) -> Result<File, ::hdf5::Error> {
+    match File::open(path) {
+        Ok(file) => Ok(file),
+        // A run that was killed leaves the mark of an open writer; reading as SWMR accepts it.
+        Err(plain) => File::open_as(path, OpenMode::ReadSWMR).map_err(|_| plain),
+    }
+}
+
+/// The attribute `format` of an HDF5 file.
+pub(crate) fn format_of(path: &Path) -> Option<Vec<u8>> {
+    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+    let mut start = [0; 8];
+    fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).ok()?;
+    if start != SIGNATURE {
+        return None;
+    }
+    let format = open(path).ok()?.attr("format").ok()?.read_scalar::<VarLenUnicode>().ok()?;
+    Some(format.as_bytes().to_owned())
+}
+
+/// Whether a file is a recording of this program, or empty.
+pub(super) fn is_recording(path: &Path) -> bool {
+    let data = fs::symlink_metadata(path);
+    data.is_ok_and(|data| data.is_file() && data.len() == 0)
+        || format_of(path).is_some_and(|f| f == b"nereus")
+}
+
+/// Pulses of a recording that a reader finds, after a failure.
+pub(super) fn readable(path: &Path) -> u64 {
+    Recorded::open(path).map_or(0, |recorded| recorded.pulses as u64)
 }
 
 /// Pulses per chunk of the samples.
@@ -101,6 +139,8 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
     let bytes = chunk.iter().product::<usize>() * column.element.bytes() * across;
     Ok(file
         .new_dataset::<T>()
+        // Every chunk bears its checksum: a damaged sample is an error of reading.
+        .fletcher32()
         .chunk(chunk)
         .chunk_cache(across * 4 + 1, bytes.max(1 << 16), 1.0)
         .shape(extents)
@@ -108,26 +148,30 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
 }
 
 impl Recording {
-    /// Makes the file (which must not exist); readers may open it from now on. `after` is the last pulse of the
+    /// Makes the file under the name of this process; readers may open it from now on. `after` is the last pulse of the
     /// segment before it.
     ///
-    /// The file gets its name only when it is complete up to its pulses: a kill meanwhile leaves no file that nothing
+    /// It may get its own name then, complete up to its pulses: a kill meanwhile leaves no file of that name that nothing
     /// can open.
-    pub(crate) fn create(path: &Path, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let partial = path.with_file_name(format!(".{name}.making"));
-        let _ = fs::remove_file(&partial);
-        let made = Self::make(&partial, path, header, after);
-        if made.is_err() {
-            let _ = fs::remove_file(&partial);
-        }
-        made
-    }
-
-    fn make(partial: &Path, path: &Path, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
+    pub(crate) fn create(mut draft: Draft, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
         let file = File::with_options()
             .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
-            .create_excl(partial)?;
+            .create_excl(draft.path())?;
+        draft.made(Holding::File).map_err(|fault| Fault::Text(fault.to_string()))?;
+        match Self::fill(file, header, after) {
+            Ok((file, datasets, changes)) => {
+                draft.lock();
+                let pending = Vec::with_capacity(4096);
+                Ok(Self { datasets, changes, file, draft, columns: columns(header), rows: 0, pending })
+            }
+            Err(fault) => {
+                draft.abandon();
+                Err(fault)
+            }
+        }
+    }
+
+    fn fill(file: File, header: &Header, after: Option<u64>) -> Result<Made, Fault> {
         let list = columns(header);
         let mut datasets = Vec::with_capacity(list.len());
         for column in &list {
@@ -149,28 +193,25 @@ impl Recording {
         file.flush()?;
         // Also gives up the library's lock on the file, which a forked child would keep.
         file.start_swmr()?;
-        if fs::symlink_metadata(path).is_ok() {
-            return Err(Fault::Text("there is a file of that name already".to_owned()));
-        }
-        fs::rename(partial, path).map_err(|error| Fault::Text(error.to_string()))?;
-        // Shared, as readers lock it: it only keeps another run from overwriting the file. A system without locks
-        // goes without.
-        let mark = fs::File::open(path).ok().filter(|file| file.try_lock_shared().is_ok());
-        let pending = Vec::with_capacity(4096);
-        Ok(Self {
-            datasets,
-            changes,
-            file,
-            path: path.to_owned(),
-            columns: list,
-            rows: 0,
-            pending,
-            _mark: mark,
-        })
+        Ok((file, datasets, changes))
     }
 
+    /// Where it is now.
     pub(crate) fn path(&self) -> &Path {
-        &self.path
+        self.draft.path()
+    }
+
+    /// Gives it its own name; with force, an older recording keeps that until this one is complete.
+    pub(super) fn place_early(&mut self, force: bool) -> Result<(), FileFault> {
+        self.draft.place_early(force)
+    }
+
+    /// Closes and removes it.
+    pub(crate) fn abandon(self) {
+        let Self { datasets, changes, file, draft, .. } = self;
+        drop((datasets, changes));
+        drop(file);
+        draft.abandon();
     }
 
     /// Pulses taken, flushed or not.
@@ -215,13 +256,15 @@ impl Recording {
         Ok(())
     }
 
-    /// Flushes and closes; the file is then an ordinary one.
-    pub(crate) fn close(mut self) -> Result<PathBuf, Fault> {
-        self.flush()?;
-        let Self { datasets, changes, file, path, .. } = self;
+    /// Flushes and closes; the file is then an ordinary one, which is still to be put in its place.
+    pub(crate) fn close(mut self) -> Result<Draft, (Fault, Draft)> {
+        let flushed = self.flush();
+        let Self { datasets, changes, file, draft, .. } = self;
         drop((datasets, changes));
-        file.close()?;
-        Ok(path)
+        match flushed.and_then(|()| Ok(file.close()?)) {
+            Ok(()) => Ok(draft),
+            Err(fault) => Err((fault, draft)),
+        }
     }
 }
 
@@ -292,11 +335,7 @@ fn is_there(file: &File, column: &Column) -> bool {
 
 impl Recorded {
     pub(crate) fn open(path: &Path) -> Result<Self, Fault> {
-        // A run that was killed leaves the mark of an open writer; reading as SWMR accepts it.
-        let file = match File::open(path) {
-            Ok(file) => file,
-            Err(plain) => File::open_as(path, OpenMode::ReadSWMR).map_err(|_| plain)?,
-        };
+        let file = open(path)?;
         let header = header::read(&file)?;
         header.check().map_err(|e| Fault::Text(e.to_string()))?;
         let columns = columns(&header);
@@ -337,6 +376,17 @@ impl Recorded {
     pub(crate) fn flags(&self, row: usize) -> Result<u32, Fault> {
         let value = self.file.dataset("pulse/flags")?.read_slice_1d::<u32, _>(row..row + 1)?;
         value.first().copied().ok_or_else(|| Fault::Text(format!("no row {row}")))
+    }
+
+    /// Rows of a column.
+    pub(crate) fn length(&self, column: &Column) -> Result<u64, Fault> {
+        Ok(self.file.dataset(&column.path)?.shape().first().map_or(0, |rows| *rows as u64))
+    }
+
+    /// Whether chunks bear checksums; those of earlier versions do not.
+    pub(crate) fn has_checksums(&self) -> bool {
+        let filters = self.file.dataset("iq").map(|iq| iq.filters());
+        filters.is_ok_and(|filters| filters.contains(&Filter::Fletcher32))
     }
 
     /// Rows `from..to` of all columns, in their order.

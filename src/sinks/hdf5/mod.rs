@@ -23,14 +23,14 @@
 //! datasets may then be longer than `/pulse/index`: their further rows are not complete.
 
 use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::files::{self, Draft, Holding};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Rows, columns};
-use super::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 
 mod changes;
 pub(crate) mod file;
@@ -61,7 +61,13 @@ pub struct Hdf5Sink {
     flushed: Instant,
     row_bytes: usize,
     unflushed_bytes: usize,
+    /// Names of the files as they will be.
     files: Vec<PathBuf>,
+    force: bool,
+    surplus: Vec<PathBuf>,
+    /// Files that are complete and closed, and their pulses.
+    drafts: Vec<Draft>,
+    closed_pulses: u64,
 }
 
 /// Name of a segment.
@@ -69,6 +75,11 @@ fn segment_path(path: &Path, segment: u64) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map_or_else(|| "h5".into(), |e| e.to_string_lossy());
     path.with_file_name(format!("{stem}_{segment:04}.{extension}"))
+}
+
+/// What an older recording is: a file.
+pub(super) fn recognise(path: &Path) -> Option<Holding> {
+    file::is_recording(path).then_some(Holding::File)
 }
 
 /// Files of an earlier run that this output would replace.
@@ -95,22 +106,6 @@ fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
     found
 }
 
-/// Whether a file may be one of ours: HDF5 by its first bytes, or empty, as a run that was killed at once leaves it.
-fn is_hdf5(path: &Path) -> bool {
-    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-    // A pipe or a device is not even opened.
-    if !fs::metadata(path).is_ok_and(|data| data.is_file()) {
-        return false;
-    }
-    let Ok(mut file) = fs::File::open(path) else { return false };
-    let mut start = Vec::with_capacity(8);
-    match file.by_ref().take(8).read_to_end(&mut start) {
-        Ok(0) => true,
-        Ok(_) => start == SIGNATURE,
-        Err(_) => false,
-    }
-}
-
 /// Whether a recording may be made here.
 pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Result<(), SinkError> {
     if let Some(segment_s) = segment_s
@@ -119,19 +114,9 @@ pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Res
         return Err(SinkError::Segment { segment_s });
     }
     for path in existing(path, segment_s) {
-        if !force {
-            return Err(SinkError::Exists { path });
-        }
-        if !is_hdf5(&path) {
-            return Err(SinkError::NotARecording { path });
-        }
-        if fs::File::open(&path)
-            .is_ok_and(|file| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)))
-        {
-            return Err(SinkError::InUse { path });
-        }
+        files::preflight(&path, force, &recognise)?;
     }
-    super::parent_exists(path)
+    Ok(files::folder_exists(path)?)
 }
 
 impl Hdf5Sink {
@@ -144,9 +129,8 @@ impl Hdf5Sink {
     ) -> Result<Self, SinkError> {
         header.check()?;
         preflight(path, segment_s, force)?;
-        for old in existing(path, segment_s) {
-            fs::remove_file(&old).map_err(SinkError::io(&old, "removing the old recording"))?;
-        }
+        // Segments that an earlier run has and this one may not reach.
+        let surplus = if segment_s.is_some() { existing(path, segment_s) } else { Vec::new() };
         let columns = columns(header);
         let chunk_pulses = file::chunk_pulses(header);
         let row_bytes = columns.iter().map(Column::row_bytes).sum();
@@ -170,6 +154,10 @@ impl Hdf5Sink {
             row_bytes,
             unflushed_bytes: 0,
             files: Vec::new(),
+            force,
+            surplus,
+            drafts: Vec::new(),
+            closed_pulses: 0,
         };
         // Without segments the file is there from the start; with them the first pulse says which.
         if segment_s.is_none() {
@@ -179,19 +167,17 @@ impl Hdf5Sink {
     }
 
     fn open(&mut self, path: PathBuf) -> Result<(), SinkError> {
-        match Recording::create(&path, &self.header, self.last) {
-            Ok(recording) => {
-                self.recording = Some(recording);
-                self.files.push(path);
-                self.flushed = Instant::now();
-                Ok(())
-            }
-            Err(fault) => {
-                let error = Fault::at(&path, "making the recording")(fault);
-                let _ = fs::remove_file(&path);
-                Err(error)
-            }
+        let mut recording = Recording::create(Draft::named(&path), &self.header, self.last)
+            .map_err(Fault::at(&path, "making the recording"))?;
+        if let Err(fault) = recording.place_early(self.force) {
+            recording.abandon();
+            return Err(fault.into());
         }
+        self.recording = Some(recording);
+        self.surplus.retain(|old| *old != path);
+        self.files.push(path);
+        self.flushed = Instant::now();
+        Ok(())
     }
 
     /// The recording that a pulse belongs to: opens the next segment where one begins.
@@ -200,7 +186,7 @@ impl Hdf5Sink {
         // Half a nanosecond: an emission meant to be at the cut is in the new segment.
         let segment = ((pulse.time.since(self.header.start) + 0.5e-9) / segment_s).floor().max(0.0) as u64;
         if self.recording.is_none() || segment != self.segment {
-            self.close()?;
+            self.close_file()?;
             self.segment = segment;
             self.open(segment_path(&self.path, segment))?;
         }
@@ -219,11 +205,18 @@ impl Hdf5Sink {
         Ok(())
     }
 
-    fn close(&mut self) -> Result<(), SinkError> {
+    fn close_file(&mut self) -> Result<(), SinkError> {
         self.write_block()?;
         if let Some(recording) = self.recording.take() {
-            let path = recording.path().to_owned();
-            recording.close().map_err(Fault::at(&path, "closing the recording"))?;
+            let (path, pulses) = (recording.path().to_owned(), recording.rows() as u64);
+            match recording.close() {
+                Ok(draft) => self.drafts.push(draft),
+                Err((fault, _)) => {
+                    self.closed_pulses += file::readable(&path);
+                    return Err(Fault::at(&path, "closing the recording")(fault));
+                }
+            }
+            self.closed_pulses += pulses;
         }
         Ok(())
     }
@@ -276,15 +269,39 @@ impl Sink for Hdf5Sink {
         Ok(())
     }
 
-    fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
-        self.close()?;
-        Ok(SinkReport {
+    fn close(&mut self) -> Result<Closed, SinkError> {
+        self.close_file()?;
+        let report = SinkReport {
             name: "hdf5".to_owned(),
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
             files: std::mem::take(&mut self.files),
             wire: None,
             port: None,
+        };
+        Ok(Closed {
+            report,
+            drafts: std::mem::take(&mut self.drafts),
+            force: self.force,
+            surplus: std::mem::take(&mut self.surplus),
+            recognise: Some(recognise),
         })
+    }
+
+    fn readable(&mut self) -> Option<u64> {
+        let growing = self.recording.take().map(|recording| {
+            let path = recording.path().to_owned();
+            // Closes what can be closed.
+            drop(recording);
+            file::readable(&path)
+        });
+        Some(self.closed_pulses + growing.unwrap_or(0))
+    }
+
+    fn abandon(&mut self) {
+        if let Some(recording) = self.recording.take() {
+            recording.abandon();
+        }
+        self.drafts.drain(..).for_each(Draft::abandon);
     }
 }

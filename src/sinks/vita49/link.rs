@@ -131,12 +131,12 @@ impl Link {
     }
 
     /// The counters, with the answer to the last datagram if it is there.
-    pub(super) fn finish(mut self) -> WireReport {
+    pub(super) fn finish(&mut self) -> WireReport {
         if matches!(self.socket.take_error(), Ok(Some(error)) if error.kind() == ErrorKind::ConnectionRefused)
         {
             self.report.refused += 1;
         }
-        self.report
+        self.report.clone()
     }
 }
 

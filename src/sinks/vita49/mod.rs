@@ -59,7 +59,7 @@ mod stamp;
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
-use super::sink::{Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, Header, Sink, SinkError, SinkReport};
 use datagram::{Datagram, PROLOGUE, TRAILER, Type};
 use link::Link;
 use packets::{CHANNEL_STREAM, Globe, Part};
@@ -291,14 +291,14 @@ impl Sink for Vita49Sink {
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<SinkReport, SinkError> {
+    fn close(&mut self) -> Result<Closed, SinkError> {
         let wire = Some(self.link.finish());
-        Ok(SinkReport {
+        Ok(Closed::of(SinkReport {
             name: "vita49".to_owned(),
             pulses: self.pulses,
             bytes: self.bytes,
             wire,
             ..SinkReport::default()
-        })
+        }))
     }
 }

@@ -1,0 +1,45 @@
+//! `nereus verify`: whether a recording is whole.
+
+use std::io::{self, Write};
+
+use super::args::VerifyArgs;
+use super::counted;
+use super::error::CliError;
+use crate::imaging::recording::verify::{Verdict, verify as look};
+
+/// Reads all of it, and reports.
+pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    let verdict = look(&args.recording).map_err(CliError::Verify)?;
+    if args.json {
+        let text = serde_json::to_string(&verdict).map_err(|error| CliError::Output(error.into()))?;
+        writeln!(out, "{text}").map_err(CliError::Output)?;
+    } else {
+        report(&verdict, out).map_err(CliError::Output)?;
+    }
+    if verdict.whole {
+        Ok(())
+    } else {
+        Err(CliError::NotWhole { path: verdict.path, faults: verdict.faults })
+    }
+}
+
+/// The verdict for people.
+fn report(verdict: &Verdict, out: &mut dyn Write) -> io::Result<()> {
+    let word = if verdict.whole { "whole" } else { "not whole" };
+    write!(out, "{}: {word}; {}", verdict.path.display(), counted(verdict.pulses, "pulse"))?;
+    if let (Some(first), Some(last)) = (verdict.first, verdict.last) {
+        write!(out, " ({first} to {last}), {} dropped in real time", verdict.dropped)?;
+    }
+    writeln!(out, "; {} bytes read", verdict.bytes)?;
+    for finding in &verdict.findings {
+        writeln!(out, "  {}: {}", finding.place, finding.what)?;
+    }
+    let more = verdict.faults.saturating_sub(verdict.findings.len() as u64);
+    if more > 0 {
+        writeln!(out, "  and {} more", counted(more, "fault"))?;
+    }
+    for note in &verdict.notes {
+        writeln!(out, "  note: {note}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,242 @@
+//! What happens to files when things go wrong: full disks, calls that fail, runs that meet, and `nereus verify`.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::program::{Ended, nereus, package};
+
+fn scenario() -> String {
+    package().join("configs/monostatic.toml").display().to_string()
+}
+
+fn json(text: &str) -> Value {
+    text.lines().last().and_then(|line| serde_json::from_str(line).ok()).unwrap_or(Value::Null)
+}
+
+fn listing(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The recordings that this build makes.
+fn recordings() -> Vec<&'static str> {
+    if cfg!(feature = "hdf5") { vec!["rec.h5", "rec"] } else { vec!["rec"] }
+}
+
+fn run_of<'a>(config: &'a str, pulses: &'a str, out: &'a str) -> Vec<&'a str> {
+    let mut words = vec!["run", config, "--pace", "fast", "--pulses", pulses, "--out", out, "--json"];
+    if !out.ends_with(".h5") {
+        words.extend(["--set", "sink.0.kind=plain"]);
+    }
+    words
+}
+
+/// `nereus` under a limit of the size of files, with the signal for that as the system sets it.
+fn limited(folder: &Path, kib: u64, words: &[&str]) -> Ended {
+    let output = Command::new("sh")
+        .args(["-c", &format!("ulimit -f {}; exec \"$0\" \"$@\"", kib * 2)])
+        .arg(env!("CARGO_BIN_EXE_nereus"))
+        .args(words)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    Ended {
+        // A signal is no exit.
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+fn verdict(folder: &Path, name: &str) -> Value {
+    json(&nereus(folder, &["verify", name, "--json"]).stdout)
+}
+
+#[cfg(unix)]
+#[test]
+fn counts_are_those_that_can_be_read_on_a_full_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = scenario();
+    for name in recordings() {
+        // 2000 pulses of 16 KiB are asked for.
+        let ended = limited(folder.path(), 24 * 1024, &run_of(&config, "0..2000", name));
+        assert_eq!(ended.code, 1, "{}", ended.stderr);
+        assert!(ended.stderr.contains("File too large"), "{}", ended.stderr);
+        let (report, found) = (json(&ended.stdout), verdict(folder.path(), name));
+        println!("{name}: {} written, {} readable: {}", report["sinks"][0]["written"], found["pulses"], found);
+        assert_eq!(report["sinks"][0]["written"], found["pulses"]);
+        assert!(found["pulses"].as_u64().unwrap() >= 500, "{found}");
+        assert!(report["error"].as_str().unwrap().contains(name), "{report}");
+        // What is there can be read to the last pulse.
+        let places: Vec<&str> =
+            found["findings"].as_array().unwrap().iter().map(|f| f["where"].as_str().unwrap()).collect();
+        assert!(places.iter().all(|place| !place.contains("rows")), "{found}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn navigation_on_a_full_disk_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    // The cart with its port alone.
+    let text = fs::read_to_string(package().join("configs/cart.toml")).unwrap();
+    let (before, port) = (text.split("[[sink]]").next().unwrap(), text.rsplit("[[sink]]").next().unwrap());
+    let tracks = format!("{}/", package().join("configs/tracks").display());
+    let text = format!("{before}[[sink]]{port}").replace("tracks/", &tracks);
+    fs::write(folder.path().join("cart.toml"), text).unwrap();
+    let run = ["run", "cart.toml", "--pace", "fast", "--json", "--set", "sink.0.rate_hz=100"];
+    let ended = limited(folder.path(), 8, &run);
+    assert_eq!(ended.code, 1, "{}\n{}", ended.stdout, ended.stderr);
+    assert!(ended.stderr.contains("cart.nmea: writing: File too large"), "{}", ended.stderr);
+    // It ends with a whole sentence.
+    let text = fs::read_to_string(folder.path().join("cart.nmea")).unwrap();
+    assert!(text.len() > 7000 && text.ends_with("\r\n"), "{}", text.len());
+}
+
+/// Runs that start together on one name: one makes the recording, the others say that it is there.
+#[test]
+fn runs_that_meet_leave_one_whole_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = scenario();
+    for name in recordings() {
+        let words = run_of(&config, "0..50", name);
+        let runs: Vec<_> = (0..6)
+            .map(|_| {
+                Command::new(env!("CARGO_BIN_EXE_nereus"))
+                    .args(&words)
+                    .current_dir(folder.path())
+                    .stdout(Stdio::null())
+                    .stderr(Stdio::null())
+                    .spawn()
+                    .unwrap()
+            })
+            .collect();
+        let codes: Vec<i32> = runs.into_iter().map(|mut run| run.wait().unwrap().code().unwrap()).collect();
+        assert_eq!(codes.iter().filter(|code| **code == 0).count(), 1, "{codes:?}");
+        assert!(codes.iter().all(|code| *code == 0 || *code == 2), "{codes:?}");
+        let ended = nereus(folder.path(), &["verify", name]);
+        assert_eq!(ended.code, 0, "{}{}", ended.stdout, ended.stderr);
+        assert!(ended.stdout.contains("whole; 50 pulses (0 to 49)"), "{}", ended.stdout);
+    }
+    assert_eq!(listing(folder.path()).len(), recordings().len());
+}
+
+#[test]
+fn an_old_recording_survives_a_run_that_cannot_begin_or_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = scenario();
+    let name = recordings()[0];
+    assert_eq!(nereus(folder.path(), &run_of(&config, "0..50", name)).code, 0);
+    // Another sink that cannot be opened.
+    let port = "\n[[sink]]\nkind = \"nav\"\ndevice = \"tcp://127.0.0.1:1\"\nplatform = \"aircraft\"\n";
+    let text = format!("{}{port}", fs::read_to_string(&config).unwrap());
+    let two = folder.path().join("two.toml").display().to_string();
+    fs::write(&two, text.replacen("[scene]", "[scene]\norigin_lat_deg = 50.0\norigin_lon_deg = 0.0\norigin_h_m = 0.0", 1)).unwrap();
+    let mut words = run_of(&two, "0..20", name);
+    words.push("--force");
+    let ended = nereus(folder.path(), &words);
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert_eq!(verdict(folder.path(), name)["pulses"], 50, "{}", ended.stderr);
+    assert_eq!(listing(folder.path()).len(), 2, "{:?}", listing(folder.path()));
+    // A disk that is full half-way.
+    let mut words = run_of(&config, "0..2000", name);
+    words.push("--force");
+    let ended = limited(folder.path(), 4 * 1024, &words);
+    assert_eq!(ended.code, 1, "{}", ended.stderr);
+    assert_eq!(verdict(folder.path(), name)["pulses"], 50);
+    // Complete at last.
+    let mut words = run_of(&config, "0..30", name);
+    words.push("--force");
+    assert_eq!(nereus(folder.path(), &words).code, 0);
+    assert_eq!(verdict(folder.path(), name)["pulses"], 30);
+}
+
+#[test]
+fn verify_says_by_its_exit_what_it_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = scenario();
+    assert_eq!(nereus(folder.path(), &run_of(&config, "10..40", "rec")).code, 0);
+    let ended = nereus(folder.path(), &["verify", "rec"]);
+    assert_eq!(ended.code, 0, "{}{}", ended.stdout, ended.stderr);
+    assert!(ended.stdout.contains("rec: whole; 30 pulses (10 to 39), 0 dropped in real time"), "{}", ended.stdout);
+    let iq = folder.path().join("rec/iq.bin");
+    let bytes = fs::read(&iq).unwrap();
+    fs::write(&iq, &bytes[..bytes.len() - 100]).unwrap();
+    let ended = nereus(folder.path(), &["verify", "rec", "--json"]);
+    assert_eq!((ended.code, &json(&ended.stdout)["whole"]), (1, &Value::Bool(false)), "{}", ended.stdout);
+    assert!(ended.stderr.contains("rec: not whole: 2 faults"), "{}", ended.stderr);
+    assert_eq!(nereus(folder.path(), &["verify", "nowhere"]).code, 2);
+}
+
+/// Every call that makes a recording fails once, at each place in turn: what is there then can be read to its last whole
+/// pulse, and the exit code and the counts say so. All of them with NEREUS_ALL_IO_FAULTS=1, else every few.
+#[cfg(target_os = "linux")]
+#[test]
+fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
+    let tools = tempfile::tempdir().unwrap();
+    let library = tools.path().join("fault.so");
+    let made = Command::new("cc")
+        .args(["-O1", "-shared", "-fPIC", "-o"])
+        .arg(&library)
+        .arg(package().join("tests/data/io/fault.c"))
+        .arg("-ldl")
+        .status();
+    if !made.is_ok_and(|status| status.success()) {
+        println!("skipped: no C compiler (cc)");
+        return;
+    }
+    let all = std::env::var_os("NEREUS_ALL_IO_FAULTS").is_some();
+    let config = scenario();
+    let mut wrong = Vec::new();
+    for (name, stays) in recordings().into_iter().flat_map(|name| [(name, false), (name, true)]) {
+        let (mut runs, mut failed, mut at) = (0, 0, 1);
+        loop {
+            let folder = tempfile::tempdir().unwrap();
+            let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
+            command
+                .args(run_of(&config, if all { "0..1200" } else { "0..200" }, name))
+                .current_dir(folder.path())
+                .env("LD_PRELOAD", &library)
+                .env("NEREUS_FAULT_PATH", "rec")
+                .env("NEREUS_FAULT_AT", at.to_string());
+            if stays {
+                command.env("NEREUS_FAULT_STAYS", "1");
+            }
+            let output = command.output().unwrap();
+            let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+            let Some(fault) = stderr.lines().find(|line| line.starts_with("io-fault")) else { break };
+            runs += 1;
+            let report = json(&String::from_utf8_lossy(&output.stdout));
+            let found = verdict(folder.path(), name);
+            let there = folder.path().join(name).exists();
+            let unreadable = found["findings"]
+                .as_array()
+                .is_some_and(|list| list.iter().any(|f| f["where"].as_str().unwrap().contains("rows")));
+            let good = match output.status.code() {
+                Some(0) => found["whole"] == true && found["pulses"] == report["sinks"][0]["written"],
+                Some(1 | 2) => {
+                    failed += 1;
+                    let counted = report["sinks"][0]["written"].as_u64().unwrap_or(0);
+                    if there { found["pulses"] == counted && !unreadable } else { counted == 0 }
+                }
+                _ => false,
+            };
+            if !good {
+                wrong.push(format!(
+                    "{name}, {fault}, stays {stays}: exit {:?}, there {there}, counted {}, found {found}\n{stderr}",
+                    output.status.code(),
+                    report["sinks"][0]["written"]
+                ));
+            }
+            at += if all || at < 4 { 1 } else { 1 + at / 5 };
+        }
+        println!("{name}, stays {stays}: {runs} runs, {failed} failed and said so; {} calls", at - 1);
+        assert!(runs > 5, "{name}: the library was not loaded");
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
