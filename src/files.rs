@@ -325,7 +325,17 @@ impl Draft {
         self.finish_here(force, recognise).map(|()| self.target)
     }
 
+    /// Gives up the lock: it is closed, and others may have it.
+    pub fn unlock(&mut self) {
+        self.mark = None;
+    }
+
     fn finish_here(&mut self, force: bool, recognise: Recognise) -> Result<(), FileFault> {
+        let is_ours = |made: &(Identity, Holding)| Identity::of(&self.at).is_ok_and(|found| found == made.0);
+        if self.is_in_place() && !self.made.as_ref().is_some_and(is_ours) {
+            // Somebody has moved it on, as one does with segments of a long run.
+            return Ok(());
+        }
         sync(&self.at)?;
         let mut tries = 0;
         loop {

@@ -17,8 +17,10 @@ fn json(text: &str) -> Value {
 }
 
 fn listing(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
     names.sort();
     names
 }
@@ -68,7 +70,10 @@ fn counts_are_those_that_can_be_read_on_a_full_disk() {
         assert_eq!(ended.code, 1, "{}", ended.stderr);
         assert!(ended.stderr.contains("File too large"), "{}", ended.stderr);
         let (report, found) = (json(&ended.stdout), verdict(folder.path(), name));
-        println!("{name}: {} written, {} readable: {}", report["sinks"][0]["written"], found["pulses"], found);
+        println!(
+            "{name}: {} written, {} readable: {}",
+            report["sinks"][0]["written"], found["pulses"], found
+        );
         assert_eq!(report["sinks"][0]["written"], found["pulses"]);
         assert!(found["pulses"].as_u64().unwrap() >= 500, "{found}");
         assert!(report["error"].as_str().unwrap().contains(name), "{report}");
@@ -136,7 +141,11 @@ fn an_old_recording_survives_a_run_that_cannot_begin_or_fails() {
     let port = "\n[[sink]]\nkind = \"nav\"\ndevice = \"tcp://127.0.0.1:1\"\nplatform = \"aircraft\"\n";
     let text = format!("{}{port}", fs::read_to_string(&config).unwrap());
     let two = folder.path().join("two.toml").display().to_string();
-    fs::write(&two, text.replacen("[scene]", "[scene]\norigin_lat_deg = 50.0\norigin_lon_deg = 0.0\norigin_h_m = 0.0", 1)).unwrap();
+    fs::write(
+        &two,
+        text.replacen("[scene]", "[scene]\norigin_lat_deg = 50.0\norigin_lon_deg = 0.0\norigin_h_m = 0.0", 1),
+    )
+    .unwrap();
     let mut words = run_of(&two, "0..20", name);
     words.push("--force");
     let ended = nereus(folder.path(), &words);
@@ -163,7 +172,11 @@ fn verify_says_by_its_exit_what_it_found() {
     assert_eq!(nereus(folder.path(), &run_of(&config, "10..40", "rec")).code, 0);
     let ended = nereus(folder.path(), &["verify", "rec"]);
     assert_eq!(ended.code, 0, "{}{}", ended.stdout, ended.stderr);
-    assert!(ended.stdout.contains("rec: whole; 30 pulses (10 to 39), 0 dropped in real time"), "{}", ended.stdout);
+    assert!(
+        ended.stdout.contains("rec: whole; 30 pulses (10 to 39), 0 dropped in real time"),
+        "{}",
+        ended.stdout
+    );
     let iq = folder.path().join("rec/iq.bin");
     let bytes = fs::read(&iq).unwrap();
     fs::write(&iq, &bytes[..bytes.len() - 100]).unwrap();

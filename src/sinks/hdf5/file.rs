@@ -156,7 +156,17 @@ impl Recording {
     pub(crate) fn create(mut draft: Draft, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
         let file = File::with_options()
             .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
-            .create_excl(draft.path())?;
+            .create_excl(draft.path());
+        let file = match file {
+            Ok(file) => file,
+            Err(error) => {
+                // What the library has left of it.
+                if draft.made(Holding::File).is_ok() {
+                    draft.abandon();
+                }
+                return Err(error.into());
+            }
+        };
         draft.made(Holding::File).map_err(|fault| Fault::Text(fault.to_string()))?;
         match Self::fill(file, header, after) {
             Ok((file, datasets, changes)) => {

@@ -210,7 +210,10 @@ impl Hdf5Sink {
         if let Some(recording) = self.recording.take() {
             let (path, pulses) = (recording.path().to_owned(), recording.rows() as u64);
             match recording.close() {
-                Ok(draft) => self.drafts.push(draft),
+                Ok(mut draft) => {
+                    draft.unlock();
+                    self.drafts.push(draft);
+                }
                 Err((fault, _)) => {
                     self.closed_pulses += file::readable(&path);
                     return Err(Fault::at(&path, "closing the recording")(fault));
