@@ -9,8 +9,8 @@
 //! nowhere reach [`HARMONIC_FLOOR`] of `c_0` are left out: a `1 + Delta cos 2 phi` sea keeps one. The factor `K^4`
 //! takes the steepness out of the spectrum.
 //!
-//! [`SpectrumTable::worst_relative_error`] is measured against the spectrum itself, off the nodes, when the
-//! table is made; whoever chooses the path compares it with the error budget and keeps the exact spectrum where it
+//! [`SpectrumTable::worst_relative_error`] is measured against the spectrum itself when the table is made: between nodes, at azimuths
+//! that turn from node to node so that no narrow beam or cusp hides between them, and on some circles at [`DENSE_AZIMUTHS`]; whoever chooses the path compares it with the error budget and keeps the exact spectrum where it
 //! does not fit. (A relative error `e` of `Psi` is `e/2` of an amplitude.) Outside its range the table asks the
 //! spectrum itself; [`SpectrumTable::for_bragg`] chooses the range so that this is rare.
 //!
@@ -33,6 +33,13 @@ pub const HARMONIC_FLOOR: f64 = 1e-9;
 pub(super) const AZIMUTHS: usize = 32;
 /// Coefficients on a circle: the mean, and cosine and sine of each harmonic.
 pub(super) const COEFFICIENTS: usize = 1 + 2 * (AZIMUTHS / 2 - 1);
+/// Azimuths over half a turn at which some circles are probed: 0.35 degrees apart, where the narrowest spreading of a sea (`s = 1000`) is 5
+/// degrees wide.
+pub const DENSE_AZIMUTHS: usize = 512;
+/// Every so many circles one is probed at all of these.
+const DENSE_EVERY: usize = 64;
+/// Share of the largest density on a circle below which errors count relative to that share: amplitudes of -60 dB.
+const LEAST_SHARE: f64 = 1e-6;
 /// Nodes per factor e in wave number.
 const NODES_PER_E: f64 = 100.0;
 /// Most nodes of a table: bounds its memory whatever range is asked.
@@ -88,8 +95,8 @@ impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
         self.harmonics
     }
 
-    /// Largest `|table/psi - 1|` over points midway between nodes and azimuths (where `psi` is above the least
-    /// normal number).
+    /// Largest `|table - psi|/psi` over points between nodes (where `psi` is below 1e-6 of the largest on its circle: relative to that
+    /// share).
     pub fn worst_relative_error(&self) -> f64 {
         self.worst_relative_error
     }
@@ -130,16 +137,38 @@ impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
         let mut worst: f64 = 0.0;
         for cell in 0..cells {
             let k = (self.log_from + (cell as f64 + 0.5) / self.nodes_per_unit).exp();
-            for j in 0..AZIMUTHS {
-                let (sin, cos) = (PI * (j as f64 + 0.5) / AZIMUTHS as f64).sin_cos();
-                let exact = (self.exact)(k * cos, k * sin);
-                if exact > f64::MIN_POSITIVE {
-                    worst = worst.max((self.psi(k * cos, k * sin) / exact - 1.0).abs());
-                }
-            }
+            let of_azimuth = |azimuth: f64| {
+                let (sin, cos) = azimuth.sin_cos();
+                let exact = (self.exact)(k * cos, k * sin).max(0.0);
+                [exact, exact, self.psi(k * cos, k * sin)]
+            };
+            let values: Vec<[f64; 3]> = probe_azimuths(cell).into_iter().map(of_azimuth).collect();
+            worst = worst.max(relative_error(&values, f64::MIN_POSITIVE));
         }
         worst
     }
+}
+
+/// Azimuths over half a turn at which the circle of a number is probed.
+pub(super) fn probe_azimuths(circle: usize) -> Vec<f64> {
+    /// Fraction of the golden section: multiples of it leave no gap.
+    const TURN: f64 = 0.618_033_988_749_894_9;
+    let count = if circle.is_multiple_of(DENSE_EVERY) { DENSE_AZIMUTHS } else { AZIMUTHS };
+    let turned = (circle as f64 * TURN).fract();
+    (0..count).map(|j| PI * (j as f64 + turned) / count as f64).collect()
+}
+
+/// Largest relative error on a circle of `[whole, exact, found]`: relative to the whole density, nowhere to less than [`LEAST_SHARE`] of
+/// the largest; 0 where there is nothing above `least`.
+pub(super) fn relative_error(values: &[[f64; 3]], least: f64) -> f64 {
+    let largest =
+        values.iter().fold(0.0f64, |most, [whole, exact, found]| most.max(*whole).max(*exact).max(*found));
+    if largest <= least {
+        return 0.0;
+    }
+    let errors =
+        values.iter().map(|[whole, exact, found]| (found - exact).abs() / whole.max(LEAST_SHARE * largest));
+    errors.fold(0.0, f64::max)
 }
 
 /// Highest harmonic that somewhere exceeds a share of the mean, in rows of [`COEFFICIENTS`].

@@ -56,12 +56,12 @@ use super::kind::Kind;
 use super::kind::clean::Clean;
 use super::kind::slick::Slick;
 use super::kind::turbulent_wake::{RatioError, TurbulentWake};
-use super::lanes::table::BraggTable;
+use super::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
 use super::lanes::{LaneKind, LaneWater};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
 use super::spectrum_table::SpectrumTable;
-use super::two_scale::{Medium, Moments, Settings, TwoScale};
+use super::two_scale::{Medium, Moments, Settings, TwoScale, high_pass};
 use crate::scene::sea::{Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
@@ -180,6 +180,7 @@ pub struct WaterScattering {
     cut_radpm: Option<f64>,
     moments: Moments,
     spectrum_error: f64,
+    spectrum: Arc<dyn Spectrum>,
 }
 
 /// Longest wave of which a strip knows the damping, rad/m.
@@ -310,12 +311,36 @@ impl WaterScattering {
             cut_radpm,
             moments,
             spectrum_error,
+            spectrum,
+        })
+    }
+
+    /// The spectrum that scatters from clean water, as facets side by side ask it: a table where one holds it.
+    fn bragg_table(&self) -> BraggTable {
+        let table = self.kinds[0].bragg_table();
+        if self.spectrum.is_smooth() && table.worst_relative_error() <= MOST_RELATIVE_ERROR {
+            return table;
+        }
+        table.with_spectrum(self.bragg_density())
+    }
+
+    /// The spectrum that scatters from clean water, high pass included, at a wave vector on the axes of the wind, m^4.
+    pub(super) fn bragg_density(&self) -> Density {
+        let (spectrum, cut_radpm) = (Arc::clone(&self.spectrum), self.cut_radpm);
+        let [cos, sin] = self.downwind;
+        Arc::new(move |along, across| {
+            let pass = cut_radpm.map_or(1.0, |cut| high_pass(along.hypot(across), cut));
+            if pass == 0.0 {
+                return 0.0;
+            }
+            let k = WaveVector::new(cos * along - sin * across, sin * along + cos * across);
+            pass * spectrum.symmetric_m4(k)
         })
     }
 
     /// The same water for facets side by side.
     pub fn lanes(&self) -> LaneWater {
-        let table = self.kinds[0].bragg_table();
+        let table = self.bragg_table();
         let contrast = self.permittivity - 1.0;
         LaneWater {
             wavenumber_radpm: self.wavenumber_radpm as f32,

@@ -3,12 +3,20 @@
 //! On the circle of radius `K` the symmetrised spectrum is `K^-4 [c_0 + sum_n (c_n cos 2 n psi + s_n sin 2 n psi)]`. The
 //! coefficients, with the high pass of the two-scale cut in them, stand in [`ROWS`] rows at `K = K_end (i/ROWS)^2`, `K_end = 2.02 k`: steps
 //! `2 K/i`, relative to `K` the finer the shorter the wave. Between rows they are linear: the error is `(1/8) (2/i)^2 K^2 c''/c`,
-//! 1e-6 to 1e-5 about the cut (`i` near 1600), where the high pass bends, and less beyond; [`BraggTable::worst_relative_error`] is measured.
+//! 1e-6 to 1e-5 about the cut (`i` near 1600), where the high pass bends, and less beyond; [`BraggTable::worst_relative_error`] is measured,
+//! between rows and at azimuths that no row was made from.
+//!
+//! **What no table holds**: a beam of waves narrower than the azimuths of a circle, a null, a cusp, a spectrum from a file. Where the
+//! measured error exceeds [`MOST_RELATIVE_ERROR`] the caller gives the table the spectrum itself ([`BraggTable::with_spectrum`]), and
+//! every facet asks that, in f64: slower by its cost, and right.
 
-use std::f64::consts::PI;
+use std::fmt;
+use std::sync::Arc;
 
 use crate::geometry::lanes::{LANES, Row};
-use crate::scattering::spectrum_table::{AZIMUTHS, COEFFICIENTS, harmonics_above, harmonics_at};
+use crate::scattering::spectrum_table::{
+    COEFFICIENTS, harmonics_above, harmonics_at, probe_azimuths, relative_error,
+};
 
 /// Rows of a table.
 pub const ROWS: usize = 4096;
@@ -17,8 +25,14 @@ const HARMONIC_FLOOR: f64 = 1e-7;
 /// Longest Bragg vector over twice the radar's wave number, with some grace for rounding.
 const GRACE: f64 = 1.01;
 
+/// Largest relative error of the density that facets may have from a table: half of it in amplitude, -100 dB.
+pub const MOST_RELATIVE_ERROR: f64 = 2e-5;
+
+/// Density at a wave vector on the local axes, m^4.
+pub type Density = Arc<dyn Fn(f64, f64) -> f64 + Send + Sync>;
+
 /// Coefficients by wave number.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct BraggTable {
     /// `ROWS / sqrt(K_end)`.
     rows_per_root: f32,
@@ -26,6 +40,19 @@ pub struct BraggTable {
     width: usize,
     rows: Vec<f32>,
     worst_relative_error: f64,
+    /// The spectrum itself, high pass included, where rows do not hold it.
+    spectrum: Option<Density>,
+}
+
+impl fmt::Debug for BraggTable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { end_radpm, width, worst_relative_error, spectrum, .. } = self;
+        let tabulated = spectrum.is_none();
+        write!(
+            f,
+            "BraggTable {{ to {end_radpm} rad/m, {width} wide, error {worst_relative_error:e}, tabulated {tabulated} }}"
+        )
+    }
 }
 
 /// Factor of a kind on the spectrum, by wave number.
@@ -57,9 +84,20 @@ impl BraggTable {
         let rows =
             all.chunks_exact(COEFFICIENTS).flat_map(|row| row[..width].iter().map(|c| *c as f32)).collect();
         let rows_per_root = (ROWS as f64 / end_radpm.sqrt()) as f32;
-        let mut table = Self { rows_per_root, end_radpm, width, rows, worst_relative_error: 0.0 };
+        let mut table =
+            Self { rows_per_root, end_radpm, width, rows, worst_relative_error: 0.0, spectrum: None };
         table.worst_relative_error = table.measure(&psi, &pass);
         table
+    }
+
+    /// The table with a spectrum, high pass included, that is asked instead of the rows.
+    pub fn with_spectrum(self, spectrum: Density) -> Self {
+        Self { spectrum: Some(spectrum), worst_relative_error: f64::from(f32::EPSILON), ..self }
+    }
+
+    /// Whether the rows are asked, and not the spectrum itself.
+    pub fn is_tabulated(&self) -> bool {
+        self.spectrum.is_none()
     }
 
     /// A factor on the spectrum in the rows of this table.
@@ -76,7 +114,8 @@ impl BraggTable {
         low + (place - row as f64) * (high - low)
     }
 
-    /// Largest error between rows and azimuths, relative to the largest value on the circle.
+    /// Largest error between rows and azimuths, relative to the density without the high pass at the same wave vector (or to 1e-6 of
+    /// the largest on its circle, where that is more).
     pub fn worst_relative_error(&self) -> f64 {
         self.worst_relative_error
     }
@@ -92,6 +131,9 @@ impl BraggTable {
         out: &mut Row,
     ) {
         let lanes = lanes.min(LANES);
+        if let Some(spectrum) = &self.spectrum {
+            return self.ask(spectrum, lanes, damping, bragg, cover, out);
+        }
         let mut place = [0.0; LANES];
         let mut inverse = [0.0; LANES];
         for i in 0..lanes {
@@ -123,30 +165,53 @@ impl BraggTable {
         }
     }
 
+    /// Densities from the spectrum itself.
+    fn ask(
+        &self,
+        spectrum: &Density,
+        lanes: usize,
+        damping: Option<&Damping>,
+        bragg: &[Row; 2],
+        cover: &Row,
+        out: &mut Row,
+    ) {
+        for i in 0..lanes {
+            let (x, y) = (f64::from(bragg[0][i]), f64::from(bragg[1][i]));
+            let damped = damping.map_or(1.0, |damping| {
+                1.0 + f64::from(cover[i]) * (self.damping_at(damping, x.hypot(y)) - 1.0)
+            });
+            out[i] = (spectrum(x, y).max(0.0) * damped) as f32;
+        }
+    }
+
     fn measure(&self, psi: impl Fn(f64, f64) -> f64, pass: impl Fn(f64) -> f64) -> f64 {
         let mut worst = 0.0f64;
-        let mut bragg = [[0.0; LANES]; 2];
-        let (cover, mut out) = ([0.0; LANES], [0.0; LANES]);
         // Below a tenth of the first row of any use the spectrum of sea has no Bragg waves for a radar.
-        let from = ROWS / 32;
-        for row in (from..ROWS).step_by(LANES / AZIMUTHS) {
-            let mut exact = [0.0; LANES];
-            for i in 0..LANES {
-                let k = row_radpm(self.end_radpm, (row + i / AZIMUTHS) as f64 + 0.5);
-                let (sin, cos) = (PI * ((i % AZIMUTHS) as f64 + 0.5) / AZIMUTHS as f64).sin_cos();
-                (bragg[0][i], bragg[1][i]) = ((k * cos) as f32, (k * sin) as f32);
-                let (x, y) = (f64::from(bragg[0][i]), f64::from(bragg[1][i]));
-                exact[i] = psi(x, y).max(0.0) * pass(x.hypot(y));
+        for row in ROWS / 32..ROWS {
+            let k = row_radpm(self.end_radpm, row as f64 + 0.5);
+            let passed = pass(k);
+            if passed <= 0.0 {
+                continue;
             }
-            self.densities(LANES, None, &bragg, &cover, &mut out);
-            for (exact, found) in exact.chunks_exact(AZIMUTHS).zip(out.chunks_exact(AZIMUTHS)) {
-                let largest = exact.iter().copied().fold(0.0f64, f64::max);
-                if largest > f64::from(f32::MIN_POSITIVE) {
-                    for (exact, found) in exact.iter().zip(found) {
-                        worst = worst.max((f64::from(*found) - exact).abs() / largest);
-                    }
+            let of_circle = |azimuths: &[f64]| {
+                let mut bragg = [[0.0; LANES]; 2];
+                for (i, azimuth) in azimuths.iter().enumerate() {
+                    let (sin, cos) = azimuth.sin_cos();
+                    (bragg[0][i], bragg[1][i]) = ((k * cos) as f32, (k * sin) as f32);
                 }
-            }
+                let mut out = [0.0; LANES];
+                self.densities(azimuths.len(), None, &bragg, &[0.0; LANES], &mut out);
+                let values = (0..azimuths.len()).map(|i| {
+                    let (x, y) = (f64::from(bragg[0][i]), f64::from(bragg[1][i]));
+                    let whole = psi(x, y).max(0.0);
+                    // The high pass at the rounded vector itself: it is steep.
+                    [whole, whole * pass(x.hypot(y)), f64::from(out[i])]
+                });
+                values.collect::<Vec<_>>()
+            };
+            let azimuths = probe_azimuths(row);
+            let values: Vec<[f64; 3]> = azimuths.chunks(LANES).flat_map(of_circle).collect();
+            worst = worst.max(relative_error(&values, f64::from(f32::MIN_POSITIVE)));
         }
         worst
     }

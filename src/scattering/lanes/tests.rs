@@ -6,9 +6,13 @@ use crate::geometry::bistatic::Basis;
 use crate::scattering::facets::Facets;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::sea::{FacetScattering, PatchPlace, Realisation, SlickRegion, SlickShape, Splitting};
-use crate::scene::water::{Development, Dispersion, SpectrumKind, WindGiven, WindProfile, WindStrength};
+use crate::scene::water::{
+    Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
+};
 use crate::scene::{Patch, Sea, Water};
 use crate::sea::realise::realise;
+use crate::sea::spectrum::of_water;
+use crate::sea::wind::Wind;
 
 fn sea(scattering: FacetScattering) -> Sea {
     let wind = WindGiven {
@@ -148,6 +152,80 @@ fn as_in_f64() {
             let db = error(set, carrier_hz, kind, angles);
             println!("{name}, {choice}: {db:.1} dB");
             assert!(db < -80.0, "{name}, {choice}: {db:.1} dB");
+        }
+    }
+}
+
+fn water_of(
+    spectrum: SpectrumKind,
+    swell: Vec<Swell>,
+    scattering: FacetScattering,
+    carrier_hz: f64,
+) -> WaterScattering {
+    let plain = sea(scattering);
+    let sea = Sea { water: Water { spectrum, swell, ..plain.water.clone() }, slicks: Vec::new(), ..plain };
+    let wind = Wind::resolve(&sea.water.wind).unwrap();
+    let spectrum = of_water(&sea.water, &wind).unwrap();
+    let sight = Sight { carrier_hz, seed: 1, spectrum: SpectrumPath::Exact };
+    WaterScattering::new(&sea, &wind, spectrum.into(), &[], sight).unwrap()
+}
+
+/// Every law of a spectrum, where a table is worst: exactly up, down and across the wind, and anywhere between.
+#[test]
+fn densities_are_those_of_the_spectrum() {
+    let jonswap = |fetch_m, spreading| SpectrumKind::Jonswap { fetch_m, spreading };
+    let swell = |spread_rad, shape| {
+        vec![Swell { significant_height_m: 2.0, peak_period_s: 5.0, direction_rad: 0.3, spread_rad, shape }]
+    };
+    let peaked = SwellShape::Jonswap { peak_enhancement: 3.3 };
+    let pm = |spreading| SpectrumKind::PiersonMoskowitz { spreading };
+    let elfouhaily = || SpectrumKind::Elfouhaily { development: Development::default() };
+    let mix = SpectrumKind::ElfouhailyFungLee { development: Development::default() };
+    for (name, kind, swell, tabulated) in [
+        ("Elfouhaily", elfouhaily(), vec![], true),
+        ("the paper's", mix, vec![], true),
+        ("Fung and Lee", SpectrumKind::FungLee, vec![], true),
+        ("PM", pm(Spreading::Mitsuyasu), vec![], true),
+        ("JONSWAP, 20 km", jonswap(20e3, Spreading::Mitsuyasu), vec![], true),
+        ("JONSWAP, 100 m", jonswap(100.0, Spreading::LikeElfouhaily), vec![], true),
+        ("cusp", jonswap(1e5, Spreading::Constant(0.05)), vec![], false),
+        ("null", jonswap(1e5, Spreading::Constant(10.0)), vec![], false),
+        ("beam", pm(Spreading::Constant(1000.0)), vec![], false),
+        ("narrow swell", elfouhaily(), swell(0.06, peaked), false),
+        ("far swell", elfouhaily(), swell(0.06, SwellShape::Gaussian { relative_width: 0.03 }), true),
+    ] {
+        for (band, carrier_hz) in [("L", 1.3e9), ("X", 10e9), ("Ka", 35e9)] {
+            let water = water_of(kind.clone(), swell.clone(), FacetScattering::default(), carrier_hz);
+            let (lanes, density) = (water.lanes(), water.bragg_density());
+            let (mut seed, mut worst, mut count) = (3, 0.0f64, 0);
+            for batch in 0..400 {
+                let (mut bragg, mut out) = ([[0.0; LANES]; 2], [0.0; LANES]);
+                for i in 0..LANES {
+                    // To either side of the wind by 1e-4 to 1 rad, or anywhere.
+                    let near = 10f64.powf(-2.0 + 2.0 * number(&mut seed)) * number(&mut seed).signum();
+                    let azimuth = std::f64::consts::FRAC_PI_2 * f64::from(i as u32 % 4)
+                        + if batch % 4 == 0 { 2.0 * number(&mut seed) } else { near };
+                    let cut = water.cut_radpm().unwrap();
+                    let share = 0.5 + 0.5 * number(&mut seed);
+                    let k = cut + share * (2.0 * f64::from(lanes.wavenumber_radpm) - cut);
+                    (bragg[0][i], bragg[1][i]) = ((k * azimuth.cos()) as f32, (k * azimuth.sin()) as f32);
+                }
+                lanes.table.densities(LANES, None, &bragg, &[0.0; LANES], &mut out);
+                for i in 0..LANES {
+                    let exact = density(f64::from(bragg[0][i]), f64::from(bragg[1][i]));
+                    if exact > 1e-20 {
+                        worst = worst.max((f64::from(out[i]) / exact - 1.0).abs());
+                        count += 1;
+                    }
+                }
+            }
+            println!("{name}, {band}: {worst:.1e} of {count}, table {}", lanes.table.is_tabulated());
+            // Twice what a table may have: it was probed elsewhere.
+            assert!(
+                worst < 2.0 * table::MOST_RELATIVE_ERROR && count > 1000,
+                "{name}, {band}: {worst:e} {count}"
+            );
+            assert_eq!(lanes.table.is_tabulated(), tabulated, "{name}, {band}");
         }
     }
 }

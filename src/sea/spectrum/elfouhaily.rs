@@ -62,11 +62,21 @@ pub fn phase_speed_mps(k_rad_m: f64) -> f64 {
 /// Elfouhaily's crosswind parameter Delta at K, for a friction velocity and a peak phase speed.
 pub fn delta(k_rad_m: f64, ustar_mps: f64, peak_speed_mps: f64) -> f64 {
     let c = phase_speed_mps(k_rad_m);
-    let power = |ratio: f64| ratio * ratio * ratio.sqrt();
     (0.25 * std::f64::consts::LN_2
         + 4.0 * power(c / peak_speed_mps)
         + 0.13 * (ustar_mps / SLOWEST_MPS) * power(SLOWEST_MPS / c))
     .tanh()
+}
+
+/// `ratio^2.5`.
+fn power(ratio: f64) -> f64 {
+    ratio * ratio * ratio.sqrt()
+}
+
+/// What the hyperbolic tangent of [`delta`] is of without the term of the long waves.
+pub(super) fn short_wave_spread(k_rad_m: f64, ustar_mps: f64) -> f64 {
+    let c = phase_speed_mps(k_rad_m);
+    0.25 * std::f64::consts::LN_2 + 0.13 * (ustar_mps / SLOWEST_MPS) * power(SLOWEST_MPS / c)
 }
 
 /// Inverse wave age of a fetch, m, at a wind, m/s.

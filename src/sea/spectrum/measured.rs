@@ -450,6 +450,10 @@ impl Spectrum for Measured {
         sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, across as usize)
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn needs_cell_means(&self, dk_rad_m: f64) -> bool {
         dk_rad_m > self.finest_step()
     }

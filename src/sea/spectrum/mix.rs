@@ -130,6 +130,10 @@ impl Spectrum for Combined {
         self.sum(|part| part.cell_mean_m4(k, dk_rad_m))
     }
 
+    fn is_smooth(&self) -> bool {
+        self.parts.iter().all(|part| part.is_smooth())
+    }
+
     fn needs_cell_means(&self, dk_rad_m: f64) -> bool {
         self.parts.iter().any(|part| part.needs_cell_means(dk_rad_m))
     }

@@ -145,6 +145,12 @@ pub trait Spectrum: Debug + Send + Sync {
         sampling::half_power_band_rad_m(|k| self.omnidirectional_m3(k), self.peak_rad_m())
     }
 
+    /// Whether it follows a law over wave numbers and directions, as against values from a file, with a kink at each: these are not worth
+    /// tabulating.
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     /// Mean of [`Spectrum::wave_m4`] over the cell of sides `dk` centred on K, m^4.
     fn cell_mean_m4(&self, k: WaveVector, dk_rad_m: [f64; 2]) -> f64 {
         sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, sampling::divisions(k, dk_rad_m))

@@ -8,6 +8,10 @@
 //!   `smax = 11.5 (2 pi fp U10/g)^-2.5`, or constant, or matched to Elfouhaily's crosswind ratio:
 //!   symmetrised, crosswind over upwind is `2^(1-s)`, hence `s = 1 + log2[(1+Delta)/(1-Delta)]`.
 //!
+//! Mitsuyasu's buoy measured no waves far from the peak. Carried there his `s` tends to 0: a sea from everywhere but for a cusp to zero
+//! exactly upwind. So it has a floor, the `s` that Elfouhaily's crosswind ratio gives short waves (his `Delta` without the term
+//! of the long ones), `s >= 3/2 + (0.26/ln 2) (u*/cm) (cm/c)^2.5`; at and about the peak Mitsuyasu's own is larger.
+//!
 //! Limits: s in 0 to 1000.
 //!
 //! ```
@@ -93,8 +97,14 @@ impl Heading {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Exponent {
     Constant(f64),
-    Mitsuyasu { largest: f64, peak_rad_m: f64 },
+    Mitsuyasu { largest: f64, peak_rad_m: f64, ustar_mps: f64 },
     LikeElfouhaily { ustar_mps: f64, peak_speed_mps: f64 },
+}
+
+/// Exponent of waves that only the wind of the moment raises: `s = 1 + log2[(1+Delta)/(1-Delta)]` with
+/// `Delta = tanh[ln 2/4 + 0.13 (u*/cm) (cm/c)^2.5]`, and `(1 + tanh x)/(1 - tanh x) = e^2x`.
+fn of_short_waves(k_rad_m: f64, ustar_mps: f64) -> f64 {
+    1.0 + 2.0 * std::f64::consts::LOG2_E * super::elfouhaily::short_wave_spread(k_rad_m, ustar_mps)
 }
 
 impl Exponent {
@@ -113,7 +123,7 @@ impl Exponent {
             Spreading::Mitsuyasu => {
                 let omega_peak = (GRAVITY_MPS2 * peak_rad_m).sqrt();
                 let largest = 11.5 * (omega_peak * u10_mps / GRAVITY_MPS2).powf(-2.5);
-                Ok(Self::Mitsuyasu { largest: largest.clamp(0.0, MAX_EXPONENT), peak_rad_m })
+                Ok(Self::Mitsuyasu { largest: largest.clamp(0.0, MAX_EXPONENT), peak_rad_m, ustar_mps })
             }
             Spreading::LikeElfouhaily => {
                 let peak_speed_mps = super::elfouhaily::phase_speed_mps(peak_rad_m);
@@ -126,10 +136,11 @@ impl Exponent {
     pub(super) fn at(self, k_rad_m: f64) -> f64 {
         match self {
             Self::Constant(s) => s,
-            Self::Mitsuyasu { largest, peak_rad_m } => {
+            Self::Mitsuyasu { largest, peak_rad_m, ustar_mps } => {
                 // (f/fp)^2 = K/Kp in deep water.
                 let ratio = k_rad_m / peak_rad_m;
-                largest * if ratio < 1.0 { ratio.powf(2.5) } else { ratio.powf(-1.25) }
+                let measured = largest * if ratio < 1.0 { ratio.powf(2.5) } else { ratio.powf(-1.25) };
+                measured.max(of_short_waves(k_rad_m, ustar_mps)).min(MAX_EXPONENT)
             }
             Self::LikeElfouhaily { ustar_mps, peak_speed_mps } => {
                 let delta = super::elfouhaily::delta(k_rad_m, ustar_mps, peak_speed_mps);
