@@ -44,7 +44,7 @@ fn sea(facets: usize) -> Sea {
         realisation: Realisation::Drawn { averaging: Averaging::Automatic },
         patch: Patch::new([facets as f64, facets as f64], 1.0, [0.0, 0.0]).expect("a patch"),
         place: PatchPlace::Fixed,
-        scattering: FacetScattering::default(),
+        scattering: FacetScattering { tilt_average: false, ..FacetScattering::default() },
         shadow: Some(Shadowing::default()),
         slicks: Vec::new(),
     }

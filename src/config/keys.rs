@@ -494,12 +494,13 @@ tables! {
         WIND_PROFILE "wind_profile", Choice(&["cardone", "wu"]), Word("cardone"), "Profile that carries the wind to other heights: Cardone 1969, or logarithmic with the drag of Wu 1982.";
         WIND_TOWARDS_DEG "wind_towards_deg", number("deg", -360.0, 360.0), Means("wind_from_deg is given"), "Direction in which the wind blows, counter-clockwise from East.";
         WIND_FROM_DEG "wind_from_deg", number("deg", -360.0, 360.0), Means("wind_towards_deg is given"), "Direction from which the wind blows, clockwise from North, as in a weather report.";
-        SPECTRUM "spectrum", Choice(&["elfouhaily", "elfouhaily-fung-lee", "fung-lee", "pierson-moskowitz", "jonswap", "measured"]), Word("elfouhaily"), "Spectrum of the wind sea. elfouhaily-fung-lee: Elfouhaily's with the directions of Fung and Lee, as in the MaRS paper. measured: the whole sea from a file.";
+        SPECTRUM "spectrum", Choice(&["elfouhaily", "elfouhaily-fung-lee", "fung-lee", "pierson-moskowitz", "jonswap", "measured"]), Word("elfouhaily"), "Spectrum of the wind sea. elfouhaily-fung-lee: Elfouhaily's with the directions of Fung and Lee, as in the MaRS paper. measured: from a file, with the wind's waves beyond its last wave number.";
         INVERSE_WAVE_AGE "inverse_wave_age", number("", 0.84, 5.0), default(0.84), "elfouhaily, elfouhaily-fung-lee: 0.84 fully developed to 5 very young. At most one of inverse_wave_age and fetch_m.";
         FETCH_M "fetch_m", number("m", 100.0, 1e7), Means("inverse_wave_age decides; required with jonswap"), "elfouhaily, elfouhaily-fung-lee, jonswap: distance over which the wind has blown.";
         SPREADING "spreading", Choice(&["mitsuyasu", "elfouhaily", "constant"]), Word("mitsuyasu"), "pierson-moskowitz, jonswap: exponent s of the spreading cos^2s(phi/2) about the wind: Mitsuyasu's, that of Elfouhaily's upwind to crosswind ratio, or one for all waves.";
         SPREADING_EXPONENT "spreading_exponent", number("", 0.0, 1000.0), Required, "spreading = \"constant\": the exponent s.";
         SPECTRUM_PATH "spectrum_path", File, Required, "measured: CSV with the columns kx_rad_m,ky_rad_m,psi_m4 on a regular grid, K in the direction of travel.";
+        SPECTRUM_TAIL "spectrum_tail", Choice(&["elfouhaily", "none"]), Word("elfouhaily"), "measured: the waves beyond the last wave number of the file: Elfouhaily's of this wind, joined to it, or none (a file without Bragg waves is then a sea without Bragg echo).";
         CAPILLARY "capillary", Kind::Flag, Flag(false), "Whether surface tension speeds up short waves.";
         DEPTH_M "depth_m", number("m", 0.1, 1e5), Means("deep water"), "Depth of the water, for the speed of the waves.";
         TEMPERATURE_C "temperature_c", number("C", -2.0, 34.0), default(20.0), "Temperature of the water; klein-swift holds from 0 to 30.";
@@ -514,7 +515,8 @@ tables! {
         SPLITTING "splitting", Choice(&["consistent", "mars2007"]), Word("consistent"), "How waves are shared between specular points and Bragg scattering: each once, or all slopes and the whole spectrum on top of the tilts of the map, as in the MaRS paper.";
         PHASES "phases", Choice(&["polcoherent", "single"]), Word("polcoherent"), "Random phase of a facet: one for each mechanism, with the phases between polarisations kept, or a single one on the magnitudes.";
         CUT_RADPM "cut_radpm", above("rad/m", 0.0, 1e6), Means("that of the splitting"), "Wave number between the two mechanisms.";
-        TILT_AVERAGE "tilt_average", Kind::Flag, Flag(false), "consistent: whether the Bragg part averages over tilts within a facet.";
+        TILT_AVERAGE "tilt_average", Kind::Flag, Means("true; false for mars2007"), "consistent: whether the Bragg part averages over tilts within a facet, so that what the sea returns does not depend on the size of facets. Nine Bragg waves a facet instead of one.";
+        LIGHT_WIND "light_wind", Choice(&["threshold", "published"]), Word("threshold"), "Bragg waves in light wind: none below the wind that sustains them against viscosity and never fewer in more wind, or those of the spectrum as published, of which a weak wind has more than a fresh one.";
         GRAM_CHARLIER "gram_charlier", Kind::Flag, Flag(false), "Whether slope densities have the skewness and peakedness of Cox and Munk.";
         DECORRELATION_MS "decorrelation_ms", above("ms", 0.0, 1e9), Means("never"), "Time in which a facet forgets its random phase.";
         DISPLACEMENT "displacement", Kind::Flag, Flag(true), "Whether facets follow the horizontal orbital motion of the waves; false: they move up and down only.";

@@ -41,7 +41,8 @@
 //! let realised = realise(&sea, 1)?;
 //! let sight = Sight { carrier_hz: 10e9, seed: 1, spectrum: SpectrumPath::Exact };
 //! let water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight)?;
-//! assert_eq!((water.kinds(), water.mechanisms()), (1, 2));
+//! // The specular part, and the Bragg part of nine tilts.
+//! assert_eq!((water.kinds(), water.mechanisms()), (1, 10));
 //! assert_eq!(water.kind_at([10.0, 20.0], &[]), (0, 0.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -62,11 +63,11 @@ use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
 use super::spectrum_table::SpectrumTable;
 use super::two_scale::{Medium, Moments, Settings, TwoScale, high_pass};
-use crate::scene::sea::{Permittivity, SlickRegion};
+use crate::scene::sea::{LightWinds, Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
 use crate::sea::fleet::Strip;
-use crate::sea::spectrum::{Spectrum, SpectrumError, WaveVector, of_kind};
+use crate::sea::spectrum::{LightWind, Spectrum, SpectrumError, WaveVector, of_kind};
 use crate::sea::wake::ShortWaves;
 use crate::sea::wake::course::Pose;
 use crate::sea::wind::{Wind, WindError};
@@ -190,6 +191,7 @@ const LONGEST_STIRRED_RADPM: f64 = 0.5;
 /// do; the ratio is then that of Elfouhaily's.
 fn stirred(
     water: &Water,
+    light_wind: LightWinds,
     wind: &Wind,
     wind_ratio: f64,
     shortest_radpm: f64,
@@ -200,7 +202,13 @@ fn stirred(
         SpectrumKind::Measured { .. } => SpectrumKind::Elfouhaily { development: Development::default() },
         kind => kind.clone(),
     };
-    let (inside, outside) = (of_kind(&kind, &weaker)?, of_kind(&kind, wind)?);
+    let of_wind = |wind: &Wind| -> Result<Box<dyn Spectrum>, SpectrumError> {
+        match light_wind {
+            LightWinds::Threshold => Ok(Box::new(LightWind::new(&kind, wind)?)),
+            LightWinds::AsPublished => of_kind(&kind, wind),
+        }
+    };
+    let (inside, outside) = (of_wind(&weaker)?, of_wind(wind)?);
     let range = [LONGEST_STIRRED_RADPM, shortest_radpm.max(2.0 * LONGEST_STIRRED_RADPM)];
     let ratio = |k: f64| {
         let clean = outside.omnidirectional_m3(k);
@@ -291,7 +299,13 @@ impl WaterScattering {
             regions.push((slick.clone(), bounds));
         }
         for strip in strips {
-            let kind = stirred(&sea.water, wind, strip.wind_ratio, 2.0 * medium.wavenumber_radpm())?;
+            let kind = stirred(
+                &sea.water,
+                settings.light_wind,
+                wind,
+                strip.wind_ratio,
+                2.0 * medium.wavenumber_radpm(),
+            )?;
             kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
         }
         let speckle =
@@ -318,7 +332,11 @@ impl WaterScattering {
     /// The spectrum that scatters from clean water, as facets side by side ask it: a table where one holds it.
     fn bragg_table(&self) -> BraggTable {
         let table = self.kinds[0].bragg_table();
-        if self.spectrum.is_smooth() && table.worst_relative_error() <= MOST_RELATIVE_ERROR {
+        // Half an octave below the cut the high pass is closed.
+        let lowest_radpm = self.cut_radpm.map_or(0.0, |cut| cut * std::f64::consts::FRAC_1_SQRT_2);
+        if self.spectrum.smooth_from_rad_m() <= lowest_radpm
+            && table.worst_relative_error() <= MOST_RELATIVE_ERROR
+        {
             return table;
         }
         table.with_spectrum(self.bragg_density())

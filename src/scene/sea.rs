@@ -79,6 +79,8 @@ pub struct FacetScattering {
     pub cut_radpm: Option<f64>,
     /// Whether the Bragg part averages over sub-facet tilts.
     pub tilt_average: bool,
+    /// Bragg waves in light wind.
+    pub light_wind: LightWinds,
     /// Whether slope densities have the Gram-Charlier terms.
     pub gram_charlier: bool,
     /// How random phases enter.
@@ -95,7 +97,8 @@ impl Default for FacetScattering {
             permittivity: Permittivity::default(),
             splitting: Splitting::default(),
             cut_radpm: None,
-            tilt_average: false,
+            tilt_average: true,
+            light_wind: LightWinds::default(),
             gram_charlier: false,
             phases: Phases::default(),
             decorrelation_s: None,
@@ -122,6 +125,16 @@ pub enum Splitting {
     Consistent,
     /// As the paper: all slopes and the whole spectrum, on top of the tilts of the height map.
     Mars2007,
+}
+
+/// Which Bragg waves a light wind has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightWinds {
+    /// None below the wind that sustains them, and never fewer in more wind (`sea::spectrum::light_wind`).
+    #[default]
+    Threshold,
+    /// Those of the spectrum as published.
+    AsPublished,
 }
 
 /// How random phases enter a facet's matrix.

@@ -90,6 +90,8 @@ pub enum SpectrumKind {
     Measured {
         /// The file.
         path: PathBuf,
+        /// Whether the wind's waves follow beyond its last wave number.
+        tail: bool,
     },
 }
 

@@ -10,6 +10,7 @@ mod planned;
 mod radar_equation;
 mod same_bits;
 mod scenes;
+mod spectra;
 mod synth_error;
 mod synth_laws;
 mod synth_scenes;

@@ -4,8 +4,8 @@ use super::{Described, described, neat};
 use crate::pipeline::outlook::{AZIMUTH_M, Outlook};
 use crate::scene::Scene;
 use crate::scene::sea::{
-    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing, SlickShape,
-    Splitting,
+    Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing,
+    SlickShape, Splitting,
 };
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
@@ -50,6 +50,19 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
             "decorrelation",
             "no sea.scattering.decorrelation_ms: phases of facets are frozen",
         ));
+    }
+    if matches!(sea.water.spectrum, SpectrumKind::Measured { tail: false, .. }) {
+        let how = "sea.spectrum_tail = \"none\": no waves beyond the file, so that nothing scatters by Bragg where it ends before the radar's \
+                   Bragg waves";
+        without.push(described("short waves", how));
+    }
+    if scattering.light_wind == LightWinds::AsPublished {
+        let how = "sea.scattering.light_wind = \"published\": below some 5 m/s a weaker wind may return more";
+        without.push(described("threshold wind of Bragg waves", how));
+    }
+    if !scattering.tilt_average && scattering.splitting == Splitting::Consistent {
+        let how = "sea.scattering.tilt_average = false: what the sea returns depends on the size of facets";
+        without.push(described("tilts within a facet", how));
     }
     if !scattering.displacement {
         let how = "sea.scattering.displacement = false: facets move up and down only";
@@ -150,7 +163,13 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
         SpectrumKind::Jonswap { fetch_m, spreading } => {
             format!("JONSWAP, fetch {} km, {}", neat(fetch_m / 1e3), spread(spreading))
         }
-        SpectrumKind::Measured { path } => format!("measured, {}", path.display()),
+        SpectrumKind::Measured { path, tail: true } => {
+            format!(
+                "measured, {}, with Elfouhaily's waves of the wind beyond its last wave number",
+                path.display()
+            )
+        }
+        SpectrumKind::Measured { path, tail: false } => format!("measured, {}", path.display()),
     };
     let drawn = match &sea.realisation {
         Realisation::Drawn { averaging } => {

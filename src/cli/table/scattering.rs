@@ -19,6 +19,7 @@ use crate::scattering::kind::slick::Slick;
 use crate::scattering::slope_pdf::SlopePdf;
 use crate::scattering::tilt::Path;
 use crate::scattering::two_scale::{self, Medium, TwoScale};
+use crate::scene::sea::LightWinds;
 use crate::sea::spectrum::WaveVector;
 
 /// Facets that may be asked for, m.
@@ -78,6 +79,9 @@ pub struct TableSigma0Args {
     /// Do not average the Bragg part over unresolved tilts
     #[arg(long)]
     untilted: bool,
+    /// Bragg waves in light wind
+    #[arg(long, value_enum, default_value_t = LightWind::Threshold)]
+    light_wind: LightWind,
     /// Give the slope density its Gram-Charlier terms
     #[arg(long)]
     gram_charlier: bool,
@@ -112,6 +116,15 @@ pub enum Splitting {
     Consistent,
     /// As the paper: all slopes and the whole spectrum
     Mars2007,
+}
+
+/// Bragg waves in light wind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightWind {
+    /// None below the wind that sustains them, never fewer in more wind
+    Threshold,
+    /// Those of the spectrum as published
+    Published,
 }
 
 /// The angles of a table, degrees.
@@ -179,7 +192,11 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
         scatterings,
         angles.azimuth.len(),
     ])?;
-    let spectra = args.spectrum.spectra(&winds)?;
+    let light_wind = match args.light_wind {
+        LightWind::Threshold => LightWinds::Threshold,
+        LightWind::Published => LightWinds::AsPublished,
+    };
+    let spectra = args.spectrum.that_scatter(&winds, light_wind)?;
     let settings = two_scale::Settings {
         splitting: match args.splitting {
             Splitting::Consistent => two_scale::Splitting::Consistent,

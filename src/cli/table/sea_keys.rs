@@ -12,8 +12,9 @@ use super::csv::combinations;
 use super::error::TableError;
 use super::sweep::{Sweep, Usual};
 use crate::scattering::permittivity::{Model, SeaWater};
+use crate::scene::sea::LightWinds;
 use crate::scene::water::{Development, SpectrumKind, Spreading, WindProfile};
-use crate::sea::spectrum::{Spectrum, of_kind};
+use crate::sea::spectrum::{LightWind, Spectrum, of_kind};
 use crate::sea::wind::{CALM_BELOW_MPS, Wind};
 
 /// Most seas of a table: each integrates a spectrum, which takes milliseconds.
@@ -237,6 +238,28 @@ impl FromStr for SpreadingKey {
 }
 
 impl SpectrumKeys {
+    /// What scatters in each wind: the tail of a measured spectrum with it, and Bragg waves in light wind as runs have them, if so asked.
+    pub(super) fn that_scatter(
+        &self,
+        winds: &[Wind],
+        light_wind: LightWinds,
+    ) -> Result<Vec<Rc<dyn Spectrum>>, TableError> {
+        bound_seas(&[winds.len()])?;
+        let kind = match self.described()? {
+            SpectrumKind::Measured { path, .. } => SpectrumKind::Measured { path, tail: true },
+            kind => kind,
+        };
+        let of_wind = |wind: &Wind| -> Result<Rc<dyn Spectrum>, TableError> {
+            Ok(match (&kind, light_wind) {
+                (SpectrumKind::Measured { .. }, _) | (_, LightWinds::AsPublished) => {
+                    of_kind(&kind, wind)?.into()
+                }
+                (kind, LightWinds::Threshold) => Rc::new(LightWind::new(kind, wind)?),
+            })
+        };
+        winds.iter().map(of_wind).collect()
+    }
+
     /// The spectrum of each wind (a measured one is read once).
     pub(super) fn spectra(&self, winds: &[Wind]) -> Result<Vec<Rc<dyn Spectrum>>, TableError> {
         bound_seas(&[winds.len()])?;
@@ -291,7 +314,8 @@ impl SpectrumKeys {
             Kind::PiersonMoskowitz => SpectrumKind::PiersonMoskowitz { spreading },
             Kind::Jonswap => SpectrumKind::Jonswap { fetch_m: self.fetch_m.unwrap_or(FETCH_M), spreading },
             Kind::Measured => {
-                SpectrumKind::Measured { path: self.spectrum_path.clone().ok_or(TableError::NoFile)? }
+                let path = self.spectrum_path.clone().ok_or(TableError::NoFile)?;
+                SpectrumKind::Measured { path, tail: false }
             }
         })
     }

@@ -5,7 +5,8 @@ use crate::config::error::Problem;
 use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
-    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Shadowing, Splitting,
+    Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Shadowing,
+    Splitting,
 };
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
@@ -92,7 +93,9 @@ fn wind(section: &Section<'_>) -> Option<WindGiven> {
 }
 
 fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
-    use keys::sea::{FETCH_M, INVERSE_WAVE_AGE, SPECTRUM, SPECTRUM_PATH, SPREADING, SPREADING_EXPONENT};
+    use keys::sea::{
+        FETCH_M, INVERSE_WAVE_AGE, SPECTRUM, SPECTRUM_PATH, SPECTRUM_TAIL, SPREADING, SPREADING_EXPONENT,
+    };
     let growth = [&INVERSE_WAVE_AGE, &FETCH_M];
     let spread = [&SPREADING, &SPREADING_EXPONENT];
     let Some(kind) = section.choice(&SPECTRUM) else {
@@ -107,12 +110,13 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
         if section.has(&SPECTRUM_PATH) {
             section.file(&SPECTRUM_PATH);
         }
+        section.choice(&SPECTRUM_TAIL);
         return None;
     };
     let when = format!("spectrum = \"{kind}\"");
     let idle = |keys: &[&'static Key]| section.idle(keys, &when);
     if kind != "measured" {
-        idle(&[&SPECTRUM_PATH]);
+        idle(&[&SPECTRUM_PATH, &SPECTRUM_TAIL]);
     }
     match kind {
         "elfouhaily" | "elfouhaily-fung-lee" => {
@@ -144,7 +148,9 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
         _ => {
             idle(&growth);
             idle(&spread);
-            section.file(&SPECTRUM_PATH).map(|path| SpectrumKind::Measured { path })
+            let tail = section.choice(&SPECTRUM_TAIL);
+            let path = section.file(&SPECTRUM_PATH)?;
+            Some(SpectrumKind::Measured { path, tail: tail? == "elfouhaily" })
         }
     }
 }
@@ -222,7 +228,7 @@ fn realisation(section: &Section<'_>) -> Option<Realisation> {
 
 fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Option<FacetScattering> {
     use keys::scattering::{
-        CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, GRAM_CHARLIER, PHASES, SPLITTING, TILT_AVERAGE,
+        CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, GRAM_CHARLIER, LIGHT_WIND, PHASES, SPLITTING, TILT_AVERAGE,
     };
     let splitting = section.choice(&SPLITTING);
     let phases = section.choice(&PHASES);
@@ -230,8 +236,10 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
     let decorrelation_ms = section.number(&DECORRELATION_MS);
     let sound = |key, value: Option<f64>| !section.has(key) || value.is_some();
     let sound = sound(&CUT_RADPM, cut_radpm) && sound(&DECORRELATION_MS, decorrelation_ms);
-    let [tilt_average, gram_charlier, displacement] =
-        [&TILT_AVERAGE, &GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
+    let light_wind = section.choice(&LIGHT_WIND);
+    let [gram_charlier, displacement] = [&GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
+    // The paper's slope density already holds the tilts.
+    let tilt_average = section.flag_or(&TILT_AVERAGE, splitting != Some("mars2007"));
     if splitting == Some("mars2007") && tilt_average == Some(true) {
         section.idle(&[&TILT_AVERAGE], "splitting = \"mars2007\"");
     }
@@ -244,6 +252,7 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
         splitting: if splitting? == "mars2007" { Splitting::Mars2007 } else { Splitting::Consistent },
         cut_radpm,
         tilt_average: tilt_average?,
+        light_wind: if light_wind? == "published" { LightWinds::AsPublished } else { LightWinds::Threshold },
         gram_charlier: gram_charlier?,
         phases: if phases? == "single" { Phases::Single } else { Phases::PolCoherent },
         decorrelation_s: decorrelation_ms.map(|ms| ms / 1e3),

@@ -4,8 +4,8 @@ use super::*;
 use crate::scattering::permittivity::Model;
 use crate::scene::radar::{Sweep, Waveform};
 use crate::scene::sea::{
-    Averaging, FacetScattering, PatchPlace, Permittivity, Phases, Realisation, Shadowing, SlickShape,
-    Splitting,
+    Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Shadowing,
+    SlickShape, Splitting,
 };
 use crate::scene::ship::HullGiven;
 use crate::scene::water::{
@@ -163,7 +163,7 @@ fn every_setting_arrives() {
         "{ wind_ustar_mps = 0.36, wind_profile = 'wu', wind_from_deg = 240, spectrum = 'elfouhaily-fung-lee', \
          inverse_wave_age = 1.5, capillary = true, depth_m = 20, temperature_c = 4, salinity_psu = 10, \
          permittivity = 'klein-swift', averaging = 'cells', \
-         scattering = { splitting = 'mars2007', phases = 'single', cut_radpm = 70, gram_charlier = true, \
+         scattering = { splitting = 'mars2007', phases = 'single', cut_radpm = 70, gram_charlier = true, light_wind = 'published', \
          decorrelation_ms = 8, displacement = false }, shadow = { edge = 'sharp', rays_per_facet = 3, update_ms = 5 } }",
     );
     assert_eq!(sea.water.wind.strength, WindStrength::FrictionVelocity { ustar_mps: 0.36 });
@@ -180,6 +180,7 @@ fn every_setting_arrives() {
         splitting: Splitting::Mars2007,
         cut_radpm: Some(70.0),
         tilt_average: false,
+        light_wind: LightWinds::AsPublished,
         gram_charlier: true,
         phases: Phases::Single,
         decorrelation_s: Some(0.008),
@@ -190,7 +191,8 @@ fn every_setting_arrives() {
 
     assert_eq!(sea_of(&[("sea.shadow.enabled", "false"), ("sea.shadow.update_ms", "7")]).shadow, None);
     assert_eq!(sea_of(&[("sea.shadow.width_rad", "0.02")]).shadow.unwrap().width_rad, Some(0.02));
-    assert!(sea_of(&[("sea.scattering.tilt_average", "true")]).scattering.tilt_average);
+    assert!(!sea_of(&[("sea.scattering.tilt_average", "false")]).scattering.tilt_average);
+    assert!(!sea_of(&[("sea.scattering.splitting", "mars2007")]).scattering.tilt_average);
     let spectrum = |list: &[(&str, &str)]| sea_of(list).water.spectrum;
     assert_eq!(
         spectrum(&[("sea.fetch_m", "50000")]),
@@ -213,7 +215,7 @@ fn every_setting_arrives() {
     let path = in_configs().with_file_name("README.md");
     assert_eq!(
         spectrum(&[("sea.spectrum", "measured"), ("sea.spectrum_path", "README.md")]),
-        SpectrumKind::Measured { path: path.clone() }
+        SpectrumKind::Measured { path: path.clone(), tail: true }
     );
     assert_eq!(sea_of(&[("sea.state_path", "README.md")]).realisation, Realisation::Saved { path });
     let swell = sea_of(&[("swell.0.shape", "jonswap"), ("swell.0.peak_enhancement", "7")]).water.swell[0];

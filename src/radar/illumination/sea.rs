@@ -20,11 +20,12 @@ use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
 use crate::scattering::lanes::LaneWater;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
-use crate::scene::sea::{PatchPlace, Sea};
+use crate::scene::sea::{LightWinds, PatchPlace, Sea};
 use crate::scene::{Patch, Scene};
 use crate::sea::fleet::{self, Fleet};
-use crate::sea::realise::{Realised, realise};
+use crate::sea::realise::{RealiseError, Realised, realise};
 use crate::sea::sheet::Sheet;
+use crate::sea::spectrum::light_wind::that_scatters;
 use crate::sea::surface::{Fields, Selection, Surface};
 use crate::sea::wake::course::Pose;
 use crate::sea::wake::{Wake, WakeError};
@@ -219,6 +220,12 @@ impl SeaPlan {
         let Fleet { wakes, strips } = fleet;
         let shortest_radpm = 2.0 * TAU * carrier_hz / SPEED_OF_LIGHT_MPS;
         let short_waves = fleet::short_waves(&scene.ships, sea.patch.facet_m, shortest_radpm)?;
+        let spectrum = match sea.scattering.light_wind {
+            LightWinds::Threshold => {
+                that_scatters(&sea.water, &wind).map_err(RealiseError::from)?.unwrap_or(spectrum)
+            }
+            LightWinds::AsPublished => spectrum,
+        };
         let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?
             .with_short_waves(short_waves);
         let mut plan = Self {

@@ -3,8 +3,7 @@
 //! Header `kx_rad_m,ky_rad_m,psi_m4`, then one row for every node of a rectangular grid of even steps, in
 //! any order: K in the direction of travel, scene axes, rad/m; `Psi >= 0`, m^4, wave convention (for an
 //! image spectrum give half the density at K and at -K). Blank lines and lines that begin with `#` are
-//! skipped. Between nodes Psi is bilinear, outside the grid zero. It is the whole sea: no wind sea is
-//! added. All faults of a file are reported at once, with their lines.
+//! skipped. Between nodes Psi is bilinear, outside the grid zero: [`tail`](super::tail) has what the wind adds beyond the file. All faults of a file are reported at once, with their lines.
 //!
 //! Limits: 2 x 2 to 4 194 304 nodes; 512 MiB.
 //!
@@ -189,6 +188,11 @@ struct Axis {
 }
 
 impl Axis {
+    /// Its end farther from zero, rad/m.
+    fn furthest(self) -> f64 {
+        self.first.abs().max((self.first + (self.count - 1) as f64 * self.step).abs())
+    }
+
     /// Node below a value, and how far to the next, 0 to 1.
     fn locate(self, value: f64) -> Option<(usize, f64)> {
         let position = (value - self.first) / self.step;
@@ -290,6 +294,36 @@ impl Measured {
             }
         }
         best[0]
+    }
+
+    /// Last wave number with energy that the grid has all around, rad/m.
+    pub(super) fn last_rad_m(&self) -> f64 {
+        let [x, y] = self.axes;
+        let all_around = x.furthest().min(y.furthest());
+        let of_node = |node: usize| {
+            let [kx, ky] =
+                [(x, node / y.count), (y, node % y.count)].map(|(axis, n)| axis.first + n as f64 * axis.step);
+            kx.hypot(ky)
+        };
+        let lit = self.psi_m4.iter().enumerate().filter(|(_, psi)| **psi > 0.0);
+        lit.map(|(node, _)| of_node(node)).fold(0.0, f64::max).min(all_around)
+    }
+
+    /// `K` times the integral of a density over the circle, two points per step of the grid, m^3.
+    pub(super) fn circle_m3(&self, k_rad_m: f64, density_m4: impl Fn(WaveVector) -> f64) -> f64 {
+        if !in_range(k_rad_m) {
+            return 0.0;
+        }
+        let around = std::f64::consts::TAU * k_rad_m / self.finest_step();
+        let points = (2.0 * around).clamp(64.0, 4096.0) as usize;
+        let step = std::f64::consts::TAU / points as f64;
+        let at = |i: usize| density_m4(WaveVector::polar(k_rad_m, (i as f64 + 0.5) * step));
+        k_rad_m * (0..points).map(at).sum::<f64>() * step
+    }
+
+    /// Parts of the side of a cell over which a mean is taken.
+    pub(super) fn cell_divisions(&self, dk_rad_m: [f64; 2]) -> usize {
+        (dk_rad_m[0].max(dk_rad_m[1]) / self.finest_step()).ceil().clamp(1.0, 32.0) as usize
     }
 
     fn finest_step(&self) -> f64 {
@@ -395,16 +429,7 @@ fn axis(rows: &[Row], component: usize, last_line: usize, faults: &mut Faults) -
 
 impl Spectrum for Measured {
     fn omnidirectional_m3(&self, k_rad_m: f64) -> f64 {
-        if !in_range(k_rad_m) {
-            return 0.0;
-        }
-        // K times the integral over the circle, two points per step of the grid.
-        let around = std::f64::consts::TAU * k_rad_m / self.finest_step();
-        let points = (2.0 * around).clamp(64.0, 4096.0) as usize;
-        let step = std::f64::consts::TAU / points as f64;
-        let sum: f64 =
-            (0..points).map(|i| self.wave_m4(WaveVector::polar(k_rad_m, (i as f64 + 0.5) * step))).sum();
-        k_rad_m * sum * step
+        self.circle_m3(k_rad_m, |k| self.wave_m4(k))
     }
 
     fn spreading_per_rad(&self, k: WaveVector) -> f64 {
@@ -446,12 +471,12 @@ impl Spectrum for Measured {
     }
 
     fn cell_mean_m4(&self, k: WaveVector, dk_rad_m: [f64; 2]) -> f64 {
-        let across = (dk_rad_m[0].max(dk_rad_m[1]) / self.finest_step()).ceil().clamp(1.0, 32.0);
-        sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, across as usize)
+        sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, self.cell_divisions(dk_rad_m))
     }
 
-    fn is_smooth(&self) -> bool {
-        false
+    fn smooth_from_rad_m(&self) -> f64 {
+        let [x, y] = self.axes.map(Axis::furthest);
+        x.hypot(y)
     }
 
     fn needs_cell_means(&self, dk_rad_m: f64) -> bool {

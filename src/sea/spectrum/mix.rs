@@ -130,8 +130,8 @@ impl Spectrum for Combined {
         self.sum(|part| part.cell_mean_m4(k, dk_rad_m))
     }
 
-    fn is_smooth(&self) -> bool {
-        self.parts.iter().all(|part| part.is_smooth())
+    fn smooth_from_rad_m(&self) -> f64 {
+        self.parts.iter().map(|part| part.smooth_from_rad_m()).fold(0.0, f64::max)
     }
 
     fn needs_cell_means(&self, dk_rad_m: f64) -> bool {

@@ -37,6 +37,7 @@
 pub mod elfouhaily;
 pub mod fung_lee;
 pub mod jonswap;
+pub mod light_wind;
 pub mod measured;
 pub mod mix;
 pub mod moments;
@@ -44,6 +45,7 @@ pub mod pierson_moskowitz;
 pub mod sampling;
 pub mod spreading;
 pub mod swell;
+pub mod tail;
 
 use std::fmt::Debug;
 use std::ops::Neg;
@@ -55,10 +57,12 @@ use crate::sea::wind::Wind;
 pub use elfouhaily::Elfouhaily;
 pub use fung_lee::FungLee;
 pub use jonswap::Jonswap;
+pub use light_wind::LightWind;
 pub use measured::Measured;
 pub use mix::{Combined, Mix};
 pub use pierson_moskowitz::PiersonMoskowitz;
 pub use swell::SwellTrain;
+pub use tail::Tailed;
 
 /// Largest wave number at which a spectrum is evaluated, rad/m.
 pub const MAX_WAVE_NUMBER_RAD_M: f64 = 1e8;
@@ -145,10 +149,10 @@ pub trait Spectrum: Debug + Send + Sync {
         sampling::half_power_band_rad_m(|k| self.omnidirectional_m3(k), self.peak_rad_m())
     }
 
-    /// Whether it follows a law over wave numbers and directions, as against values from a file, with a kink at each: these are not worth
-    /// tabulating.
-    fn is_smooth(&self) -> bool {
-        true
+    /// Wave number from which on it follows a law over wave numbers and directions, rad/m: values from a file have a kink at each, and
+    /// are not worth tabulating.
+    fn smooth_from_rad_m(&self) -> f64 {
+        0.0
     }
 
     /// Mean of [`Spectrum::wave_m4`] over the cell of sides `dk` centred on K, m^4.
@@ -241,7 +245,8 @@ pub fn of_kind(kind: &SpectrumKind, wind: &Wind) -> Result<Box<dyn Spectrum>, Sp
         SpectrumKind::ElfouhailyFungLee { development } => Box::new(Mix::new(wind, *development)?),
         SpectrumKind::PiersonMoskowitz { spreading } => Box::new(PiersonMoskowitz::new(wind, *spreading)?),
         SpectrumKind::Jonswap { fetch_m, spreading } => Box::new(Jonswap::new(wind, *fetch_m, *spreading)?),
-        SpectrumKind::Measured { path } => Box::new(Measured::load(path)?),
+        SpectrumKind::Measured { path, tail: false } => Box::new(Measured::load(path)?),
+        SpectrumKind::Measured { path, tail: true } => Box::new(Tailed::new(Measured::load(path)?, wind)?),
     })
 }
 
