@@ -330,6 +330,9 @@ wind_ustar_mps = 0.36
 wind_towards_deg = 30.0
 spectrum = "elfouhaily-fung-lee"
 averaging = "points"
+[sea.scattering]
+tilt_average = false
+light_wind = "published"
 [sea.shadow]
 enabled = false
 [radar]
@@ -455,7 +458,7 @@ class Whole(Judge):
             scene, sea = scene_of(
                 (
                     "[sea.shadow]",
-                    f'[sea.scattering]\nsplitting = "{splitting}"\nphases = "{phases}"\n[sea.shadow]',
+                    f'splitting = "{splitting}"\nphases = "{phases}"\n[sea.shadow]',
                 )
             )
             facets = sea.facets(0.1)
@@ -538,9 +541,9 @@ class Whole(Judge):
         for change in (
             ("0.36", "0.36"),
             ("30.0", "31.0"),
-            ('averaging = "points"', 'averaging = "points"\n[sea.scattering]\ndisplacement = false'),
-            ('averaging = "points"', 'averaging = "points"\n[sea.scattering]\nsplitting = "mars2007"'),
-            ('averaging = "points"', 'averaging = "points"\n[sea.scattering]\nphases = "single"'),
+            ('light_wind = "published"', 'light_wind = "published"\ndisplacement = false'),
+            ('light_wind = "published"', 'light_wind = "published"\nsplitting = "mars2007"'),
+            ('light_wind = "published"', 'light_wind = "published"\nphases = "single"'),
             ('"elfouhaily-fung-lee"', '"elfouhaily"'),
             ('"elfouhaily-fung-lee"', '"fung-lee"'),
             ("duration_s", 'earth = "curved"\npatch_centre_m = [3.0, -8.0]\nduration_s'),
@@ -560,7 +563,9 @@ class Whole(Judge):
             ('averaging = "points"', ""),
             ('averaging = "points"', 'averaging = "cells"'),
             ('averaging = "points"', 'averaging = "points"\nfoam = 1'),
-            ("[sea.shadow]", "[sea.scattering]\ntilt_average = true\n[sea.shadow]"),
+            ("tilt_average = false", "tilt_average = true"),
+            ("tilt_average = false", ""),
+            ('light_wind = "published"', ""),
             ("[sea.shadow]", "[[slick]]\nname = 'oil'\n[sea.shadow]"),
             ("wind_towards_deg = 30.0", ""),
             ("[16.0, 12.0]", "[16.5, 12.0]"),

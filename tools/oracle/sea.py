@@ -77,7 +77,7 @@ class Facets:
 SEA_KEYS = {
     "sea": "wind_ustar_mps wind_mps wind_height_m wind_profile wind_towards_deg wind_from_deg spectrum "
     "inverse_wave_age fetch_m capillary depth_m temperature_c salinity_psu permittivity averaging scattering shadow",
-    "sea.scattering": "splitting phases cut_radpm tilt_average gram_charlier decorrelation_ms displacement",
+    "sea.scattering": "splitting phases cut_radpm tilt_average light_wind gram_charlier decorrelation_ms displacement",
     "sea.shadow": "enabled edge width_rad rays_per_facet update_ms",
 }
 SPECTRA = ("elfouhaily", "elfouhaily-fung-lee", "fung-lee")
@@ -165,10 +165,13 @@ class Sea:
 
     def _returns(self, table):
         known(table, "sea.scattering")
-        for key in ("tilt_average", "decorrelation_ms"):
-            if table.get(key, False):
-                raise Unfit(f"{key} cannot be judged")
+        if table.get("decorrelation_ms", False):
+            raise Unfit("decorrelation_ms cannot be judged")
         self.splitting = choice(table, "splitting", "consistent", ("consistent", "mars2007"))
+        if table.get("tilt_average", self.splitting == "consistent"):
+            raise Unfit("an average over tilts cannot be judged: set tilt_average = false")
+        if table.get("light_wind", "threshold") != "published":
+            raise Unfit('Bragg waves in light wind cannot be judged: set light_wind = "published"')
         self.phases = choice(table, "phases", "polcoherent", ("polcoherent", "single"))
         self.displacement = table.get("displacement", True)
         self.wavenumber = 2 * math.pi * self.scene.f0 / C
