@@ -3,7 +3,7 @@
 //! Elfouhaily's long waves were fitted to `K < 10 kp`. In light wind their branch reaches the Bragg waves of a radar, which then *grow* as
 //! the wind falls: at 300 rad/m from 3 to 1 m/s by 6 dB. What scatters is therefore `F Psi`:
 //!
-//! * **Growth**: at every K, along and across the wind, let `U_m` be the wind beyond which `Psi` only grows. In less wind short waves are
+//! * **Growth**: at every K, along and across the wind, let `U_m` be the wind, of those up to 12 m/s, beyond which `Psi` only grows. In less wind short waves are
 //!   in equilibrium with it, `Psi(U) = Psi(U_m) u*/u*_m` (Phillips 1985, 1988), or as published where that is less. From 5 to 15 rad/m the
 //!   law comes in gradually (raised cosine of `ln K`): longer waves stay as published. (Elfouhaily, and with Fung and Lee's spreading.)
 //! * **Threshold**: the wind feeds a wave at the rate `0.04 (u*/c)^2 omega` (Plant 1982), viscosity drains it at `4 nu K^2`; below
@@ -37,7 +37,7 @@ use super::spreading::Heading;
 use super::{Combined, Spectrum, SpectrumError, SwellTrain, WaveVector, of_kind};
 use crate::scene::water::{SpectrumKind, Water, WindProfile};
 use crate::sea::dispersion::CAPILLARY_PEAK_RAD_M;
-use crate::sea::wind::{CALM_BELOW_MPS, EXTRAPOLATED_ABOVE_MPS, Wind};
+use crate::sea::wind::{CALM_BELOW_MPS, Wind};
 
 /// Viscosity of water at 18 degrees Celsius, m^2/s.
 const VISCOSITY_M2PS: f64 = 1.05e-6;
@@ -47,6 +47,9 @@ const GROWTH: f64 = 0.04;
 const GUSTS: f64 = 0.25;
 /// Where the law of growth begins and where it holds whole, rad/m.
 const GROWN_RADPM: [f64; 2] = [5.0, 15.0];
+/// Strongest wind that is compared, m/s at 10 m. (In a gale the crosswind part of Elfouhaily's short waves falls with more wind, as his
+/// spreading narrows: that is no matter of light wind.)
+const FRESH_MPS: f64 = 12.0;
 /// Winds that are compared.
 const WINDS: usize = 96;
 /// Wave numbers of the table: from, to, rad/m, and how many.
@@ -151,9 +154,7 @@ impl LightWind {
 
 /// Seas of the same kind in other winds, with the logarithm of their friction velocity.
 fn winds(kind: &SpectrumKind, wind: &Wind) -> Vec<(f64, Box<dyn Spectrum>)> {
-    let speed = |i: usize| {
-        CALM_BELOW_MPS * (EXTRAPOLATED_ABOVE_MPS / CALM_BELOW_MPS).powf(i as f64 / (WINDS - 1) as f64)
-    };
+    let speed = |i: usize| CALM_BELOW_MPS * (FRESH_MPS / CALM_BELOW_MPS).powf(i as f64 / (WINDS - 1) as f64);
     let of_speed = |u10_mps: f64| {
         let other = Wind::from_speed(u10_mps, 10.0, WindProfile::Cardone, wind.direction_rad).ok()?;
         // A fetch may be too short for a stronger wind: those are not compared.
