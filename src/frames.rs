@@ -305,6 +305,17 @@ impl Earth {
             Self::Curved { radius_factor } => [x_m, y_m].map(|d| d / (radius_factor * EARTH_RADIUS_M)),
         }
     }
+
+    /// Unit vector straight up at a place: away from the centre of the modelled Earth, +z over a flat one.
+    pub fn up(self, place: Point<Enu>) -> Vector<Enu> {
+        let up = match self {
+            Self::Flat => DVec3::Z,
+            Self::Curved { radius_factor } => {
+                (place.raw() + DVec3::Z * (radius_factor * EARTH_RADIUS_M)).normalize_or(DVec3::Z)
+            }
+        };
+        Vector::from_raw(up)
+    }
 }
 
 /// The scene's ENU frame: where its origin lies on Earth (if anywhere) and how the sea curves.

@@ -20,8 +20,8 @@ except ImportError:
 from oracle import scattering as sc
 from oracle import spectra
 from oracle.echo import Echoes, all_at_once, light_time, one_by_one, pulse, rate
-from oracle.frames import UP, Unfit
-from oracle.scene import Scene, Track
+from oracle.frames import UP, Unfit, dot, unit
+from oracle.scene import Antenna, Scene, Track
 from oracle.sea import Sea, Surface
 from oracle.streams import block, uniform
 
@@ -368,6 +368,46 @@ def scene_of(*changes):
     track = Track(t, p, np.tile([222.0, 0.0, 0.0], (4, 1)), q)
     scene = Scene(config, {"aircraft": {"true": track, "reported": track}}, CHANNELS)
     return scene, Sea(config, scene, 7)
+
+
+class Bases(Judge):
+    """Vectors of H and V across a ray: what any basis is, and what makes these two."""
+
+    def antenna(self, kind, radius=math.inf):
+        antenna = Antenna.__new__(Antenna)
+        antenna.pattern, antenna.scene, antenna.leak = {"kind": kind}, SimpleNamespace(radius=radius), 0.0
+        return antenna
+
+    def test_bases_are_unit_orthogonal_and_those_of_the_boresight(self):
+        rng = np.random.default_rng(3)
+        k = unit(rng.normal(size=(200, 3)))
+        axes, centre = np.eye(3)[None], np.zeros((1, 3))
+        for kind in ("isotropic", "rectangle"):
+            h, v = self.antenna(kind).basis(k, axes, centre)
+            for a, b, want in ((h, h, 1), (v, v, 1), (h, v, 0), (h, k, 0), (v, k, 0)):
+                self.near(1 + dot(a, b), np.full(200, 1.0 + want), 1e-12)
+            self.near(2 + np.cross(k, h), 2 + v, 1e-12)
+            h, v = self.antenna(kind).basis(np.array([[1.0, 0.0, 0.0]]), axes, centre)
+            self.near(h, [[0.0, 1.0, 0.0]], 1e-15, 1.0)
+            self.near(v, [[0.0, 0.0, 1.0]], 1e-15, 1.0)
+
+    def test_ludwig_s_third_definition_follows_great_circles(self):
+        # Carried along the great circle from the boresight, a vector keeps its angle to that circle.
+        rng = np.random.default_rng(4)
+        k = unit(rng.normal(size=(200, 3)))
+        h, _ = self.antenna("rectangle").basis(k, np.eye(3)[None], np.zeros((1, 3)))
+        x = np.array([1.0, 0.0, 0.0])
+        normal = unit(np.cross(x, k))
+        self.near(2 + dot(h, normal), 2 + normal[:, 1], 1e-12)
+        self.near(2 + dot(h, np.cross(normal, k)), 2 + np.cross(normal, x)[:, 1], 1e-12)
+
+    def test_isotropic_antennas_are_level_where_they_are(self):
+        rng = np.random.default_rng(5)
+        k, centre = unit(rng.normal(size=(200, 3))), np.array([[4e5, -2e5, 5e5]])
+        h, v = self.antenna("isotropic", 6.371e6).basis(k, np.eye(3)[None], centre)
+        up = unit(centre + np.array([0.0, 0.0, 6.371e6]))
+        self.near(1 + dot(h, up), np.ones(200), 1e-12)
+        self.assertGreater(np.min(dot(v, up)), 0.0)
 
 
 class GoldenEchoes(Judge):

@@ -20,6 +20,7 @@ use crate::frames::Earth;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, PlatformNav, TrackSource, VerticalDatum};
 use crate::pipeline::build::{self, BuildErrors};
 use crate::pipeline::forecast::Forecast;
+use crate::pipeline::outlook::polarisation::polarisation;
 use crate::pipeline::outlook::{EDGE_BUDGET_DB, Outlook, SeaWarning, edge_db, outlook};
 use crate::plan::cost::Prices;
 use crate::pulse::SampleFormat;
@@ -95,6 +96,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     }
     let told = report.warnings.len();
     report.warnings.extend(report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
+    report.warnings.extend(polarisation(&run)?.iter().map(ToString::to_string));
     if let Some(planned) = stream.factory().plan() {
         let speed = stream.threads() as f64 / Prices::TABLE.seconds(&planned.work);
         let factor = speed / run.scene.radar.emissions.mean_prf_hz();

@@ -453,7 +453,7 @@ tables! {
         CLOCK "clock", Section(&clock::TABLE), Means("a clock that is right"), "What is wrong with its clock.";
     }
     antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
-        KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly lit.";
+        KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly lit. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
         GAIN_DBI "gain_dbi", number("dBi", -200.0, 200.0), default(0.0), "isotropic: gain in every direction.";
         WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
         HEIGHT_M "height_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full height.";

@@ -18,6 +18,7 @@
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
 
+pub mod polarisation;
 mod ships;
 
 use serde::Serialize;

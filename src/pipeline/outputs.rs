@@ -8,6 +8,7 @@ use crate::config::Run;
 use crate::nav::changes::Changes;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
+use crate::scene::radar::{AntennaMount, PolarisationBasis};
 use crate::sinks::sink::{AdcRow, ChannelRow, Closed, Header, Origin, PairRow, Sink, SinkError, SinkReport};
 use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
@@ -24,6 +25,7 @@ pub(super) fn header(
     let radar = &scene.radar;
     let transmitter = |i: usize| radar.transmitters[i].name.clone();
     let receiver = |i: usize| radar.receivers[i].name.clone();
+    let basis = |mount: &AntennaMount| PolarisationBasis::of(&mount.pattern).name().to_owned();
     Header {
         software: format!("nereus {}", env!("CARGO_PKG_VERSION")),
         carrier_hz: radar.carrier_hz,
@@ -39,6 +41,8 @@ pub(super) fn header(
                 transmitter: transmitter(channel.transmitter),
                 receiver: receiver(channel.receiver),
                 polarisations: [channel.rx.letter(), channel.tx.letter()].iter().collect(),
+                transmit_basis: basis(&radar.transmitters[channel.transmitter].antenna),
+                receive_basis: basis(&radar.receivers[channel.receiver].antenna),
             })
             .chain(run.calibration.iter().map(|known| ChannelRow {
                 name: known.name.clone(),
@@ -48,6 +52,8 @@ pub(super) fn header(
                 },
                 receiver: receiver(known.receiver),
                 polarisations: known.signal.kind().to_owned(),
+                // The signal does not pass an antenna.
+                ..ChannelRow::default()
             }))
             .collect(),
         pairs: radar

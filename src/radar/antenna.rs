@@ -1,4 +1,4 @@
-//! Field gain and polarisation of an antenna.
+//! Field gain of an antenna.
 //!
 //! **Field gain** `g` (complex, `|g|^2` = power gain) of a uniformly lit aperture in direction cosines
 //! `u = d.y_a`, `v = d.z_a`, with full dimensions `a` along y and `b` along z:
@@ -10,14 +10,7 @@
 //!
 //! The sign of the sidelobes is kept. No obliquity factor. Apertures are dark behind (`d.x_a <= 0`).
 //!
-//! **Polarisation.** The port's electric axis `e_a` is `y_a` (H), `z_a` (V), `(y_a - j z_a)/sqrt 2` (R) or
-//! `(y_a + j z_a)/sqrt 2` (L). Along the propagation direction `k` the field is
-//! `e = e_a - (e_a.k) k`, scaled to unit length, with components `(v.e, h.e)`. A receiver is described by
-//! the field that it would radiate back along `-k_s`, in the basis of `k_s`, **without** conjugate: what
-//! it hears is `e_r^T S e_t`. A port that leaks has `e_a + eps e_x` for `e_a`, with `e_x` the other port of
-//! the pair and `eps = 10^(-isolation/20)`, real; the sum is scaled to unit length afterwards, since the
-//! port's power is the power that leaves, leak included (20 dB of isolation cost the wanted
-//! polarisation 0.043 dB). Along the electric axis itself nothing is radiated.
+//! Polarisation stands in [`crate::radar::polarisation`].
 //!
 //! ```
 //! use nereus::radar::antenna::Antenna;
@@ -28,15 +21,13 @@
 //! assert!((20.0 * g.norm().log10() - 34.47).abs() < 0.005);
 //! ```
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
 use crate::frames::{self, Vector};
-use crate::geometry::bistatic::Basis;
 use crate::radar::pattern::{GridPattern, PatternError};
-use crate::scene::radar::{Pattern, Polarisation};
+use crate::scene::radar::Pattern;
 use crate::units::Decibels;
 
 /// An antenna ready to be evaluated.
@@ -127,44 +118,6 @@ fn jinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { 2.0 * libm::j1(x) / x }
 }
 
-/// Axes of an antenna frame in ENU (columns x, y, z), as the polarisation routines want them.
-pub type Axes = DMat3;
-
-/// The field of a port: shares of the antenna's axes y and z, before what lies along the ray is taken out and the rest made unit.
-pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [Complex64; 2] {
-    let leak = cross_pol_isolation_db.map_or(0.0, |db| Decibels(-db).amplitude_ratio());
-    let circular =
-        |y: f64, z: f64| [Complex64::new(y * FRAC_1_SQRT_2, 0.0), Complex64::new(0.0, z * FRAC_1_SQRT_2)];
-    match port {
-        Polarisation::H => [1.0.into(), leak.into()],
-        Polarisation::V => [leak.into(), 1.0.into()],
-        Polarisation::R => circular(1.0 + leak, leak - 1.0),
-        Polarisation::L => circular(1.0 + leak, 1.0 - leak),
-    }
-}
-
-/// Components `(v, h)` along the propagation direction `k` of the field of a port, unit length; zero
-/// along the port's electric axis. For a receiver, `k` is the direction of the wave that arrives: the
-/// field it would radiate along `-k` lies in the same plane.
-pub fn field(
-    axes: &Axes,
-    port: Polarisation,
-    cross_pol_isolation_db: Option<f64>,
-    k: DVec3,
-    basis: &Basis,
-) -> [Complex64; 2] {
-    let [y, z] = port_shares(port, cross_pol_isolation_db);
-    // e_a + eps e_x as a real and an imaginary vector.
-    let (re, im) = (axes.y_axis * y.re + axes.z_axis * z.re, axes.y_axis * y.im + axes.z_axis * z.im);
-    let (re, im) = (re - k * re.dot(k), im - k * im.dot(k));
-    let norm = (re.length_squared() + im.length_squared()).sqrt();
-    // Rounding leaves a few 1e-16 along the axis, which is no field.
-    if norm < 1e-12 {
-        return [Complex64::ZERO; 2];
-    }
-    [basis.v, basis.h].map(|p| Complex64::new(p.dot(re), p.dot(im)) / norm)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -183,27 +136,5 @@ mod tests {
         // First sidelobe of a uniform aperture: -13.26 dB.
         assert!((20.0 * (at(0.010_727) / at(0.0)).abs().log10() + 13.26).abs() < 0.005);
         assert_eq!(antenna.field_gain(Vector::new(-1.0, 0.0, 0.0)), Complex64::ZERO);
-    }
-
-    #[test]
-    fn a_leaking_port_keeps_its_power() {
-        let k = DVec3::X;
-        let basis = Basis::of(k);
-        for port in [Polarisation::H, Polarisation::V, Polarisation::R, Polarisation::L] {
-            let clean = field(&Axes::IDENTITY, port, None, k, &basis);
-            let leaky = field(&Axes::IDENTITY, port, Some(20.0), k, &basis);
-            let power = |e: [Complex64; 2]| e[0].norm_sqr() + e[1].norm_sqr();
-            let wanted = (clean[0].conj() * leaky[0] + clean[1].conj() * leaky[1]).norm();
-            assert!((power(clean) - 1.0).abs() < 1e-15 && (power(leaky) - 1.0).abs() < 1e-15);
-            // 1 / sqrt(1 + 0.01) of the amplitude is left in the wanted polarisation.
-            assert!((wanted - 1.01f64.sqrt().recip()).abs() < 1e-15, "{port:?}: {wanted}");
-        }
-    }
-
-    #[test]
-    fn nothing_along_the_electric_axis() {
-        let basis = Basis::of(DVec3::Y);
-        let e = field(&Axes::IDENTITY, Polarisation::H, None, DVec3::Y, &basis);
-        assert_eq!(e, [Complex64::ZERO; 2]);
     }
 }

@@ -11,11 +11,11 @@ use crate::frames::{self, Enu, Rotation};
 use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
-use crate::radar::antenna::Axes;
 use crate::radar::fault::TrackUse;
+use crate::radar::polarisation::{Axes, PortBasis};
 use crate::scattering::target::Scatterer;
 use crate::scene::Target;
-use crate::scene::radar::{AntennaMount, Pair, Pointing, Radar};
+use crate::scene::radar::{AntennaMount, Pair, Pointing, PolarisationBasis, Radar};
 use crate::time::TimeTag;
 
 /// What an emission depends on.
@@ -47,6 +47,10 @@ pub(super) struct Emission {
     axes: Vec<Axes>,
     /// Change of the axes over `axes_span_s`; zero for transmitters.
     axes_change: Vec<Axes>,
+    /// Polarisation bases at the emission, transmitters first.
+    bases: Vec<PortBasis>,
+    /// Change of their axes over `axes_span_s`; zero for transmitters.
+    bases_change: Vec<Axes>,
     /// `[target, then direct path][pair]`
     pub paths: Vec<Path>,
 }
@@ -61,22 +65,37 @@ impl Emission {
         self.centres.clear();
         self.axes.clear();
         self.axes_change.clear();
+        self.bases.clear();
+        self.bases_change.clear();
+        let earth = of.surroundings.frame.earth();
         for Mounted { mount, receives } in antennas(of.radar) {
             let state_now = &self.states[mount.platform];
-            self.centres.push(PhaseCentre::of(state_now, mount.lever_arm));
+            let centre = PhaseCentre::of(state_now, mount.lever_arm);
             let now = axes(of, mount, state_now, t)?;
-            let change = if receives && of.axes_span_s > 0.0 {
+            let up = earth.up(centre.position).raw();
+            let (change, later_up) = if receives && of.axes_span_s > 0.0 {
                 let then = t.plus(of.axes_span_s);
                 let later = of.surroundings.tracks[mount.platform]
                     .truth
                     .state(then)
                     .map_err(failed(mount.platform, TrackUse::Truth))?;
-                axes(of, mount, &later, then)? - now
+                let later_up = earth.up(PhaseCentre::of(&later, mount.lever_arm).position).raw();
+                (axes(of, mount, &later, then)? - now, later_up)
             } else {
-                DMat3::ZERO
+                (DMat3::ZERO, up)
             };
+            let (basis, basis_change) = match PolarisationBasis::of(&mount.pattern) {
+                PolarisationBasis::Ludwig3 => (PortBasis::ludwig3(now), change),
+                PolarisationBasis::LocalHorizontal => {
+                    let basis = PortBasis::local_horizontal(up);
+                    (basis, PortBasis::local_horizontal(later_up).axes - basis.axes)
+                }
+            };
+            self.centres.push(centre);
             self.axes.push(now);
             self.axes_change.push(change);
+            self.bases.push(basis);
+            self.bases_change.push(basis_change);
         }
         self.paths.clear();
         let transmitters = of.radar.transmitters.len();
@@ -111,6 +130,20 @@ impl Emission {
         } else {
             self.axes[antenna]
         }
+    }
+
+    /// Polarisation basis of an antenna (transmitters first) at the emission.
+    pub fn basis(&self, antenna: usize) -> PortBasis {
+        self.bases[antenna]
+    }
+
+    /// Polarisation basis of an antenna (transmitters first) `delay_s` after the emission.
+    pub fn basis_after(&self, antenna: usize, delay_s: f64, axes_span_s: f64) -> PortBasis {
+        let mut basis = self.bases[antenna];
+        if axes_span_s > 0.0 {
+            basis.axes += self.bases_change[antenna] * (delay_s / axes_span_s);
+        }
+        basis
     }
 
     /// Shortest and longest delay of all paths, s; `None` without paths.

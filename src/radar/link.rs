@@ -10,7 +10,7 @@
 //!
 //! with `P` the peak power per polarisation (W), `L` the system losses (ratio), `A` the one-way
 //! atmospheric attenuation (dB/m), `g` field gains, `e` polarisation components
-//! ([`crate::radar::antenna::field`]). On the direct path transmitter and receiver share the direction `k`
+//! ([`crate::radar::polarisation::field`]). On the direct path transmitter and receiver share the direction `k`
 //! and its basis, so the product is that of the two field vectors, `S = 1`. The carrier phase is not in
 //! `a`.
 //!

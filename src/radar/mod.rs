@@ -9,6 +9,7 @@ pub mod filter;
 pub mod illumination;
 pub mod link;
 pub mod pattern;
+pub mod polarisation;
 pub mod phasor;
 pub mod receiver;
 pub mod waveform;

@@ -170,6 +170,8 @@ pub struct ChannelDescription {
     pub adc: (f64, u32),
     /// Name, transmitter, receiver, polarisations.
     pub names: [String; 4],
+    /// Polarisation bases of the transmitter and the receiver; empty from a sender that does not know them.
+    pub bases: [String; 2],
 }
 
 /// What a platform said at a pulse, and what else is known of the pulse.
@@ -246,7 +248,12 @@ impl Extension {
                 let adc = (words.f64()?, words.u32()?);
                 words.u32()?;
                 let names = [text(&mut words)?, text(&mut words)?, text(&mut words)?, text(&mut words)?];
-                Self::Channel(ChannelDescription { number, samples, adc, names })
+                let bases = if words.is_empty() {
+                    Default::default()
+                } else {
+                    [text(&mut words)?, text(&mut words)?]
+                };
+                Self::Channel(ChannelDescription { number, samples, adc, names, bases })
             }
             3 => Self::Platform([words.u32()?, words.u32()?], text(&mut words)?),
             4 => Self::Run(Box::new(run(&mut words)?)),

@@ -98,6 +98,10 @@ impl<'a> Words<'a> {
         self.part = part;
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.rest.is_empty()
+    }
+
     pub(super) fn bytes(&mut self, count: usize) -> Result<&'a [u8], Malformed> {
         let (taken, rest) = self.rest.split_at_checked(count).ok_or(Malformed::Short(self.part))?;
         self.rest = rest;

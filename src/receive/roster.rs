@@ -70,7 +70,8 @@ impl Roster {
             Extension::Channel(channel) => match entry(&mut self.channels, channel.number, CHANNELS) {
                 Some(Some((known, of))) => {
                     // The step is NaN without a converter.
-                    *known == stream && of.names == channel.names && of.samples == channel.samples
+                    let same = of.names == channel.names && of.bases == channel.bases;
+                    *known == stream && same && of.samples == channel.samples
                 }
                 Some(entry) => {
                     *entry = Some((stream, channel));
@@ -154,7 +155,8 @@ impl Roster {
                 .iter()
                 .map(|(_, channel)| {
                     let [name, transmitter, receiver, polarisations] = channel.names.clone();
-                    ChannelRow { name, transmitter, receiver, polarisations }
+                    let [transmit_basis, receive_basis] = channel.bases.clone();
+                    ChannelRow { name, transmitter, receiver, polarisations, transmit_basis, receive_basis }
                 })
                 .collect(),
             pairs: Vec::new(),

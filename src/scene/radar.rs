@@ -116,13 +116,13 @@ pub enum Sweep {
 /// Polarisation of an antenna port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Polarisation {
-    /// Electric axis along the antenna's horizontal aperture axis +y.
+    /// Along the first vector of the antenna's basis: horizontal, or +y of the aperture ([`PolarisationBasis`]).
     H,
-    /// Electric axis along the antenna's vertical aperture axis +z.
+    /// Along the second: upward, or +z of the aperture.
     V,
-    /// Right-hand circular, `(y - j z)/sqrt 2`.
+    /// Right-hand circular, `(H - j V)/sqrt 2`.
     R,
-    /// Left-hand circular, `(y + j z)/sqrt 2`.
+    /// Left-hand circular, `(H + j V)/sqrt 2`.
     L,
 }
 
@@ -274,6 +274,33 @@ pub enum Pattern {
         /// Gain outside the grid, dBi.
         floor_dbi: f64,
     },
+}
+
+/// How the ports H and V of an antenna lie across a ray; `docs/polarisation.md` draws both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PolarisationBasis {
+    /// H is horizontal at the phase centre, V completes it: an isotropic antenna, whatever its pointing.
+    LocalHorizontal,
+    /// Ludwig's third definition about the boresight: apertures and measured patterns.
+    Ludwig3,
+}
+
+impl PolarisationBasis {
+    /// That of an antenna with a pattern.
+    pub fn of(pattern: &Pattern) -> Self {
+        match pattern {
+            Pattern::Isotropic { .. } => Self::LocalHorizontal,
+            Pattern::Rectangle { .. } | Pattern::Ellipse { .. } | Pattern::File { .. } => Self::Ludwig3,
+        }
+    }
+
+    /// The name in recordings and on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LocalHorizontal => "local-horizontal",
+            Self::Ludwig3 => "ludwig-3",
+        }
+    }
 }
 
 /// Where an antenna points.

@@ -116,7 +116,7 @@ pub struct SinkReport {
 }
 
 /// A row of the channel table.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ChannelRow {
     /// Name, such as `HV`.
     pub name: String,
@@ -126,6 +126,11 @@ pub struct ChannelRow {
     pub receiver: String,
     /// Receive letter, then transmit letter; of a calibration channel `tone` or `loopback`.
     pub polarisations: String,
+    /// Polarisation basis of the transmitter ([`crate::scene::radar::PolarisationBasis::name`]); empty where it is not
+    /// known, as in older recordings, and of calibration channels.
+    pub transmit_basis: String,
+    /// That of the receiver.
+    pub receive_basis: String,
 }
 
 impl ChannelRow {
@@ -405,7 +410,11 @@ impl Header {
             .chain(&self.targets)
             .chain(&self.ships)
             .chain(&self.clocks);
-        for text in texts.chain(self.channels.iter().flat_map(|c| [&c.name, &c.polarisations])) {
+        for text in texts.chain(
+            self.channels
+                .iter()
+                .flat_map(|c| [&c.name, &c.polarisations, &c.transmit_basis, &c.receive_basis]),
+        ) {
             if text.contains('\0') {
                 return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
             }

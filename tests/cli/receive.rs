@@ -95,6 +95,13 @@ fn same(sent: &Path, got: &Path) {
         let read = |file: &hdf5::File| file.dataset(name).unwrap().read_raw::<i64>().unwrap();
         assert!(read(&a) == read(&b), "{name}");
     }
+    for name in ["channels", "transmit_basis", "receive_basis"] {
+        let read = |file: &hdf5::File| {
+            let texts = file.attr(name).unwrap().read_raw::<hdf5::types::VarLenUnicode>().unwrap();
+            texts.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        assert!(read(&a) == read(&b) && read(&a).iter().all(|text| !text.is_empty()), "{name}");
+    }
     let iq = |file: &hdf5::File| file.dataset("iq").unwrap().read_raw::<num_complex::Complex32>().unwrap();
     let (a_iq, b_iq) = (iq(&a), iq(&b));
     assert_eq!(a_iq.len(), 222 * 4 * 384);

@@ -11,6 +11,7 @@ mod hull_particulars;
 mod hull_tables;
 mod light_wind;
 mod measured_tail;
+mod polarisation;
 mod quadrature;
 mod radar_extremes;
 mod radar_golden;

@@ -32,6 +32,23 @@ fn skew_scene() -> Scene {
     scene
 }
 
+/// The same, isotropic antennas, and small apertures that look 82 and 68 degrees beside the target.
+fn skew_scenes() -> [Scene; 3] {
+    let (mut isotropic, mut wide) = (skew_scene(), skew_scene());
+    for radar in [&mut isotropic.radar, &mut wide.radar] {
+        let mounts = [&mut radar.transmitters[0].antenna, &mut radar.receivers[0].antenna];
+        for (mount, place) in mounts.into_iter().zip([[-3500.0, 6500.0, 0.0], [-1700.0, -2500.0, 500.0]]) {
+            mount.pattern = Pattern::Isotropic { gain_dbi: 3.0 };
+            let Pointing::At { aim: Aim::Point { position, .. }, .. } = &mut mount.pointing else { panic!() };
+            *position = point(place);
+        }
+    }
+    for mount in [&mut wide.radar.transmitters[0].antenna, &mut wide.radar.receivers[0].antenna] {
+        mount.pattern = Pattern::Rectangle { width_m: 0.02, height_m: 0.015 };
+    }
+    [skew_scene(), isotropic, wide]
+}
+
 fn amplitudes(scene: &Scene, tracks: &[PlatformTracks]) -> Vec<Complex64> {
     let (contacts, _) = pulse(scene, tracks, 0);
     assert_eq!(contacts.len(), 1);
@@ -115,12 +132,17 @@ fn a_sphere_is_the_same_in_h_and_v() {
 /// same amplitudes.
 #[test]
 fn reciprocity() {
-    let forward = skew_scene();
+    for forward in skew_scenes() {
+        reciprocal(&forward);
+    }
+}
+
+fn reciprocal(forward: &Scene) {
     let tracks = [
-        straight(&forward, [-3500.0, 400.0, 2500.0], [0.0; 3]),
-        straight(&forward, [900.0, -2000.0, 1500.0], [0.0; 3]),
+        straight(forward, [-3500.0, 400.0, 2500.0], [0.0; 3]),
+        straight(forward, [900.0, -2000.0, 1500.0], [0.0; 3]),
     ];
-    let there = amplitudes(&forward, &tracks);
+    let there = amplitudes(forward, &tracks);
     let mut backward = forward.clone();
     backward.radar.transmitters[0].antenna = forward.radar.receivers[0].antenna.clone();
     backward.radar.receivers[0].antenna = forward.radar.transmitters[0].antenna.clone();
@@ -135,11 +157,16 @@ fn reciprocity() {
 /// The whole scene turned about the vertical, and moved: nothing changes.
 #[test]
 fn turning_the_scene_changes_nothing() {
+    for original in skew_scenes() {
+        turned(&original);
+    }
+}
+
+fn turned(original: &Scene) {
     let places = [[-3500.0, 400.0, 2500.0], [900.0, -2000.0, 1500.0]];
     let speeds = [[50.0, 20.0, 1.0], [-30.0, 80.0, -2.0]];
-    let original = skew_scene();
-    let tracks: Vec<_> = (0..2).map(|i| straight(&original, places[i], speeds[i])).collect();
-    let (reference, reference_record) = pulse(&original, &tracks, 100);
+    let tracks: Vec<_> = (0..2).map(|i| straight(original, places[i], speeds[i])).collect();
+    let (reference, reference_record) = pulse(original, &tracks, 100);
     for (angle, shift) in [(0.7, [0.0; 3]), (-2.9, [300.0, -120.0, 0.0]), (PI / 2.0, [0.0, 0.0, 40.0])] {
         let turn = DQuat::from_rotation_z(angle);
         let vector = |v: Vector<_>| Vector::from_raw(turn * v.raw());
@@ -177,6 +204,8 @@ fn roll_turns_the_polarisation() {
     for mount in [&mut scene.radar.transmitters[0].antenna, &mut scene.radar.receivers[0].antenna] {
         mount.platform = 0;
         mount.pointing = Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 };
+        // An isotropic antenna stays level.
+        rectangle(mount);
     }
     scene.targets = vec![target([0.0, 5000.0, 1000.0], [0.0; 3])];
     // A vertical wire: S_vv only.

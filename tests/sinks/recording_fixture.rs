@@ -16,6 +16,8 @@ pub fn header(format: SampleFormat) -> Header {
         transmitter: "mast".to_owned(),
         receiver: "pod".to_owned(),
         polarisations: name.to_owned(),
+        transmit_basis: "local-horizontal".to_owned(),
+        receive_basis: "ludwig-3".to_owned(),
     };
     Header {
         software: "nereus test".to_owned(),

@@ -64,6 +64,8 @@ f = rec.file
 t = f["channel"]
 assert t.dtype.names == ("name", "transmitter", "receiver", "polarisations"), t.dtype
 assert [c.decode() for c in t["name"]] == ["HH", "HV"] and t[1]["receiver"] == b"pod"
+assert list(f.attrs["transmit_basis"]) == ["local-horizontal"] * 2, list(f.attrs["transmit_basis"])
+assert list(f.attrs["receive_basis"]) == ["ludwig-3"] * 2
 assert [c.decode() for c in f["truth/targets"][:]] == ["buoy", "ship", "rock"]
 assert [c.decode() for c in f["truth/ships"][:]] == ["tug", "tow"]
 assert f["truth/pairs"]["transmitter"][0] == b"mast"

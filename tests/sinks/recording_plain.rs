@@ -24,6 +24,10 @@ fn a_folder_holds_every_column() {
         assert_eq!(index, want);
         let iq = fs::metadata(path.join("iq.bin")).unwrap().len();
         assert_eq!(iq, 100 * 100 * if format == SampleFormat::Cf32 { 8 } else { 4 });
+        let meta: serde_json::Value =
+            serde_json::from_slice(&fs::read(path.join("meta.json")).unwrap()).unwrap();
+        assert_eq!(meta["channel"][0]["transmit_basis"], "local-horizontal");
+        assert_eq!(meta["channel"][1]["receive_basis"], "ludwig-3");
         python(
             false,
             &format!(

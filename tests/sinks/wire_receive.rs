@@ -105,6 +105,43 @@ fn the_wire_runs_over_ipv6() {
     assert_eq!((report.pulses, report.malformed), (5, 0));
 }
 
+/// Which polarisation bases the antennas have is sent as an addition to the description of a channel: a sender that is
+/// older leaves it out, a receiver that is older reads what stands before.
+#[test]
+fn polarisation_bases_arrive() {
+    let header = wide(SampleFormat::Cf32);
+    let (all, _) = datagrams(&header, 1500, 0, 1);
+    let known = |datagrams: &[Vec<u8>]| {
+        let mut receiver = Receiver::new();
+        for datagram in datagrams {
+            receiver.take(datagram, Instant::now(), &mut |pulse: Box<Pulse>| Some(pulse));
+        }
+        receiver.header().unwrap().channels.clone()
+    };
+    assert_eq!(known(&all), header.channels);
+    assert_eq!(
+        (known(&all)[0].transmit_basis.as_str(), known(&all)[1].receive_basis.as_str()),
+        ("local-horizontal", "ludwig-3")
+    );
+    // Without the two texts: their lengths, and 16 and 8 bytes.
+    let older: Vec<Vec<u8>> = all
+        .iter()
+        .map(|datagram| {
+            let mut datagram = datagram.clone();
+            if kind(&datagram) == 5 && word(&datagram, 4) >> 28 == 1 {
+                datagram.truncate(datagram.len() - 32);
+                let words = (datagram.len() / 4) as u16;
+                datagram[2..4].copy_from_slice(&words.to_be_bytes());
+            }
+            datagram
+        })
+        .collect();
+    assert!(older.iter().zip(&all).any(|(a, b)| a.len() < b.len()));
+    let channels = known(&older);
+    assert_eq!(channels[1].polarisations, "HV");
+    assert!(channels.iter().all(|row| row.transmit_basis.is_empty() && row.receive_basis.is_empty()));
+}
+
 #[test]
 fn a_lost_datagram_is_seen() {
     let header = wide(SampleFormat::Cf32);

@@ -77,9 +77,9 @@ def scattered(scene, pair, t, polarisations, where, matrices):
     s = matrices(ki, ks)
     amplitudes = []
     for receive, transmit in polarisations:
-        e = tx.field(transmit, ki, t_axes)
+        e = tx.field(transmit, ki, t_axes, tx.centre(now))
         et = np.stack([dot(vi, e), dot(hi, e)], -1)
-        e = rx.field(receive, -ks, r_axes)
+        e = rx.field(receive, -ks, r_axes, rx.centre(t + tau))
         er = np.stack([dot(vs, e), dot(hs, e)], -1)
         amplitudes.append(scale * np.einsum("np,npq,nq->n", er, s, et))
     return carried(scene, tau, r, amplitudes)
@@ -106,7 +106,8 @@ def direct(scene, pair, t, polarisations):
     t_axes, r_axes = tx.axes(now), rx.axes(t + tau)
     g = tx.gain(k, t_axes, wavelength) * rx.gain(-k, r_axes, wavelength)
     a = math.sqrt(power) * wavelength / (4 * math.pi) * g / distance * per_metre**distance
-    fields = [(rx.field(p[0], -k, r_axes), tx.field(p[1], k, t_axes)) for p in polarisations]
+    at, to = tx.centre(now), rx.centre(t + tau)
+    fields = [(rx.field(p[0], -k, r_axes, to), tx.field(p[1], k, t_axes, at)) for p in polarisations]
     return carried(scene, tau, rate(lambda s: direct_time(tx, rx, s), t), [a * dot(*f) for f in fields])
 
 

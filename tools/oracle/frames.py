@@ -32,6 +32,11 @@ def turn(matrices, vectors):
     return np.matmul(matrices, vectors[..., None])[..., 0]
 
 
+def local_up(place, radius):
+    """Away from the centre of an earth of this radius, which may be infinite."""
+    return unit(UP + place / radius)
+
+
 def rx(a):
     return np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
 

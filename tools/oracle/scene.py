@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .frames import C, EARTH_RADIUS_M, UP, Unfit, dot, ecef, enu, matrix, rx, ry, rz, turn, unit
+from .frames import C, EARTH_RADIUS_M, UP, Unfit, dot, ecef, enu, local_up, matrix, rx, ry, rz, turn, unit
 
 
 class Track:
@@ -217,13 +217,29 @@ class Antenna:
             g = g * jinc(math.pi / wavelength * np.hypot(a * u, b * v))
         return np.where(x > 0, g, 0.0)
 
-    def field(self, polarisation, k, axes):
+    def basis(self, k, axes, centre):
+        """Vectors of H and V across unit vectors k from the antenna, whose phase centre is at `centre`."""
+        if self.pattern["kind"] == "isotropic":
+            up = local_up(centre, self.scene.radius)
+            # H lies level, to the left as seen along k; V points upward.
+            h = unit(np.cross(up, k))
+            return h, np.cross(k, h)
+        # Ludwig's third definition, with theta from the boresight and phi from y about it.
+        x, u, v = turn(axes.swapaxes(1, 2), k).T
+        theta, phi = np.arctan2(np.hypot(u, v), x), np.arctan2(v, u)
+        ct, st, cp, sp = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
+        of_theta = np.stack([-st, ct * cp, ct * sp], -1)
+        of_phi = np.stack([np.zeros_like(phi), -sp, cp], -1)
+        h = cp[:, None] * of_theta - sp[:, None] * of_phi
+        v = sp[:, None] * of_theta + cp[:, None] * of_phi
+        return turn(axes, h), turn(axes, v)
+
+    def field(self, polarisation, k, axes, centre):
         """Unit field radiated along unit vectors k from a port: complex ENU vectors."""
-        y, z = axes[:, :, 1], axes[:, :, 2]
+        h, v = self.basis(k, axes, centre)
         s = math.sqrt(0.5)
-        port = {"H": y + 0j, "V": z + 0j, "R": s * (y - 1j * z), "L": s * (y + 1j * z)}
+        port = {"H": h + 0j, "V": v + 0j, "R": s * (h - 1j * v), "L": s * (h + 1j * v)}
         e = port[polarisation] + self.leak * port[{"H": "V", "V": "H", "R": "L", "L": "R"}[polarisation]]
-        e = e - dot(e, k)[:, None] * k
         return e / np.sqrt(dot(e, e.conj()).real)[:, None]
 
 

@@ -118,6 +118,9 @@ fn header(meta: &Value) -> Option<Header> {
                 transmitter: text(&row["transmitter"])?,
                 receiver: text(&row["receiver"])?,
                 polarisations: text(&row["polarisations"])?,
+                // Absent in older recordings.
+                transmit_basis: text(&row["transmit_basis"]).unwrap_or_default(),
+                receive_basis: text(&row["receive_basis"]).unwrap_or_default(),
             })
         })
         .collect::<Option<_>>()?;

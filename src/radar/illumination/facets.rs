@@ -8,7 +8,7 @@
 //! `a = K / (R_t R_r)  g_t g_r  v_t v_r  (e_r^T S e_t)`
 //!
 //! with the radar equation's constant and legs ([`crate::radar::link`]), field gains and polarisations
-//! ([`crate::radar::antenna`]), the visibility weights of both ends, and the matrix `S` of
+//! ([`crate::radar::antenna`], [`crate::radar::polarisation`]), the visibility weights of both ends, and the matrix `S` of
 //! [`crate::scattering::water`].
 //!
 //! Facets are visited in chunks, within a chunk ordered by kind of surface. A facet is passed over where its
@@ -23,8 +23,9 @@ use crate::frames::{Point, Vector};
 use crate::geometry::bistatic::Basis;
 use crate::geometry::light_time::{LightTime, bistatic_over};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::radar::antenna::{Antenna, Axes, field};
+use crate::radar::antenna::Antenna;
 use crate::radar::emission::Emission;
+use crate::radar::polarisation::{PortBasis, field};
 use crate::scattering::facets::Facets;
 use crate::scattering::water::WaterScattering;
 use crate::scene::Patch;
@@ -45,8 +46,8 @@ pub(super) struct PairColumns {
     scattered: [Vec<f64>; 3],
     /// Everything of the amplitude but the scattering and the polarisations.
     scale: Vec<Complex64>,
-    /// Axes of the receive antenna at reception.
-    rx_axes: Vec<Axes>,
+    /// Polarisation basis of the receive antenna at reception.
+    rx_bases: Vec<PortBasis>,
 }
 
 /// Facets side by side.
@@ -106,19 +107,19 @@ pub(super) fn motion(fields: &Fields<f64>, index: usize, [x, y]: [f64; 2], drop_
 
 impl PairColumns {
     fn clear(&mut self) {
-        let Self { delay_s, delay_rate, incident, scattered, scale, rx_axes } = self;
+        let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
         delay_s.clear();
         delay_rate.clear();
         incident.iter_mut().chain(scattered).for_each(Vec::clear);
         scale.clear();
-        rx_axes.clear();
+        rx_bases.clear();
     }
 
     fn reserve(&mut self) {
-        let Self { delay_s, delay_rate, incident, scattered, scale, rx_axes } = self;
+        let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
         [delay_s, delay_rate].into_iter().chain(incident).chain(scattered).for_each(|c| c.reserve(CHUNK));
         scale.reserve(CHUNK);
-        rx_axes.reserve(CHUNK);
+        rx_bases.reserve(CHUNK);
     }
 }
 
@@ -185,7 +186,8 @@ impl Chunk {
                 column.push(d);
             }
             columns.scale.push(scale);
-            columns.rx_axes.push(rx_axes);
+            let span_s = lighting.axes_span_s;
+            columns.rx_bases.push(lighting.emission.basis_after(rx, path.delay_s, span_s));
         }
         if !kept {
             for columns in &mut self.pairs {
@@ -195,7 +197,7 @@ impl Chunk {
                     c.pop();
                 });
                 columns.scale.pop();
-                columns.rx_axes.pop();
+                columns.rx_bases.pop();
             }
         }
         kept
@@ -244,7 +246,7 @@ impl Chunk {
                 continue;
             }
             let (tx, rx) = (plan.pair.transmitter, plan.pair.receiver);
-            let tx_axes = lighting.emission.axes(tx);
+            let tx_basis = lighting.emission.basis(tx);
             let tx_leak = lighting.radar.transmitters[tx].antenna.cross_pol_isolation_db;
             let rx_leak = lighting.radar.receivers[rx].antenna.cross_pol_isolation_db;
             for i in 0..count {
@@ -255,9 +257,9 @@ impl Chunk {
                 let direction = |d: &[Vec<f64>; 3]| DVec3::new(d[0][i], d[1][i], d[2][i]);
                 let (incident, scattered) = (direction(&columns.incident), direction(&columns.scattered));
                 let (basis_in, basis_out) = (Basis::of(incident), Basis::of(scattered));
-                let mut e_t = Ports::new(|port| field(&tx_axes, port, tx_leak, incident, &basis_in));
+                let mut e_t = Ports::new(|port| field(&tx_basis, port, tx_leak, incident, &basis_in));
                 let mut e_r =
-                    Ports::new(|port| field(&columns.rx_axes[i], port, rx_leak, scattered, &basis_out));
+                    Ports::new(|port| field(&columns.rx_bases[i], port, rx_leak, -scattered, &basis_out));
                 for &(channel, tx_port, rx_port) in &plan.channels {
                     if lighting.tx_pol.is_some_and(|port| port != tx_port) {
                         continue;

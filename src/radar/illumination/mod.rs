@@ -115,11 +115,12 @@ use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
-use crate::radar::antenna::{Antenna, field};
+use crate::radar::antenna::Antenna;
 use crate::radar::clock::RunningClocks;
 use crate::radar::emission::{Circumstances, Emission, TrackFailure};
 use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
+use crate::radar::polarisation::field;
 use crate::scattering::contact::Contacts;
 use crate::scene::radar::{Aim, Pair, Polarisation};
 use crate::scene::{Radar, Scene, Target};
@@ -579,12 +580,14 @@ impl Illumination {
         let (basis_in, basis_out) = (Basis::of(path.incident), Basis::of(path.scattered));
         let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
         let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
+        let tx_basis = emission.basis(tx);
+        let rx_basis = emission.basis_after(rx, path.delay_s, self.axes_span_s);
         for &(channel, tx_port, rx_port) in &plan.channels {
             if tx_pol.is_some_and(|port| port != tx_port) {
                 continue;
             }
-            let e_t = field(&tx_axes, tx_port, tx_leak, path.incident, &basis_in);
-            let e_r = field(&rx_axes, rx_port, rx_leak, path.scattered, &basis_out);
+            let e_t = field(&tx_basis, tx_port, tx_leak, path.incident, &basis_in);
+            let e_r = field(&rx_basis, rx_port, rx_leak, -path.scattered, &basis_out);
             let heard = match target {
                 None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
                 Some(Target { scattering: s, .. }) => {

@@ -65,6 +65,8 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
     attribute(file, "pulse_s", &header.pulse_s)?;
     attribute(file, "prf_hz", &header.prf_hz)?;
     list(file, "channels", &texts(header.channels.iter().map(|c| &c.name))?)?;
+    list(file, "transmit_basis", &texts(header.channels.iter().map(|c| &c.transmit_basis))?)?;
+    list(file, "receive_basis", &texts(header.channels.iter().map(|c| &c.receive_basis))?)?;
     if let Some(origin) = header.origin {
         attribute(file, "origin_lat_deg", &origin.lat_deg)?;
         attribute(file, "origin_lon_deg", &origin.lon_deg)?;
@@ -205,6 +207,8 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         None => None,
         Some(step) => Some(AdcRow { step, bits: value(&iq, "adc_bits")? }),
     };
+    // Absent in older recordings.
+    let (transmit_basis, receive_basis) = (strings(file, "transmit_basis")?, strings(file, "receive_basis")?);
     let (platforms, transmitters, receivers) =
         (strings(file, "platforms")?, strings(file, "transmitters")?, strings(file, "receivers")?);
     Ok(Header {
@@ -227,11 +231,14 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         },
         channels: table
             .iter()
-            .map(|r| ChannelRow {
+            .enumerate()
+            .map(|(channel, r)| ChannelRow {
                 name: r.name.as_str().to_owned(),
                 transmitter: r.transmitter.as_str().to_owned(),
                 receiver: r.receiver.as_str().to_owned(),
                 polarisations: r.polarisations.as_str().to_owned(),
+                transmit_basis: transmit_basis.get(channel).cloned().unwrap_or_default(),
+                receive_basis: receive_basis.get(channel).cloned().unwrap_or_default(),
             })
             .collect(),
         pairs,

@@ -34,7 +34,8 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let layout = Layout { channels: 1, samples: 384, format: SampleFormat::Cf32, platforms: 1,
 //!     antennas: 0, targets: 0, pairs: 0, ships: 0, clocks: 0 };
-//! let channel = ChannelRow { name: "HH".into(), transmitter: "tx".into(), receiver: "rx".into(), polarisations: "HH".into() };
+//! let channel = ChannelRow { name: "HH".into(), transmitter: "tx".into(), receiver: "rx".into(), polarisations: "HH".into(),
+//!     transmit_basis: "ludwig-3".into(), receive_basis: "ludwig-3".into() };
 //! let header = Header { software: "example".into(), carrier_hz: 10e9, sample_rate_hz: 100e6, bandwidth_hz: 60e6,
 //!     pulse_s: 1e-6, prf_hz: 222.0, channels: vec![channel], pairs: vec![], origin: None, seed: 1, config: String::new(),
 //!     replica: vec![], platforms: vec!["aircraft".into()], transmitters: vec![], receivers: vec![], targets: vec![],

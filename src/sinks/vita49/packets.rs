@@ -6,7 +6,7 @@ use super::datagram::{Datagram, EXTENSION_PROLOGUE, OUI, Type, text_bytes};
 use super::stamp::Stamp;
 use crate::frames::{Body, Earth, Ecef, Enu, Geodetic, Point, Rotation, SceneFrame, Vector};
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
-use crate::sinks::sink::{Header, Origin, SinkError};
+use crate::sinks::sink::{ChannelRow, Header, Origin, SinkError};
 
 /// Stream of channel 0; the others follow.
 pub(super) const CHANNEL_STREAM: u32 = 0x1000_0000;
@@ -143,11 +143,17 @@ pub(super) fn channel_description<'a>(
         .u32(header.adc.map_or(0, |adc| adc.bits))
         .u32(0);
     if let Some(row) = header.channels.get(channel) {
-        for text in [&row.name, &row.transmitter, &row.receiver, &row.polarisations] {
+        for text in channel_texts(row) {
             datagram.text(text);
         }
     }
     datagram.end()
+}
+
+/// Texts of a channel's description. The bases are an addition: receivers that do not know them read what stands before.
+fn channel_texts(row: &ChannelRow) -> [&String; 6] {
+    let ChannelRow { name, transmitter, receiver, polarisations, transmit_basis, receive_basis } = row;
+    [name, transmitter, receiver, polarisations, transmit_basis, receive_basis]
 }
 
 /// The description of a platform.
@@ -191,10 +197,7 @@ pub(super) fn run_description<'a>(
 /// Whether every description fits a datagram.
 pub(super) fn check(header: &Header, room: usize) -> Result<(), SinkError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
-    let channels = header
-        .channels
-        .iter()
-        .map(|row| 32 + texts(&[&row.name, &row.transmitter, &row.receiver, &row.polarisations]));
+    let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
     let longest = channels.chain(platforms).chain([104 + texts(&[&header.software])]).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {

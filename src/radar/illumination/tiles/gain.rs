@@ -10,7 +10,8 @@ use super::tile::Node;
 use crate::cpu::{Task, Variant};
 use crate::frames::Vector;
 use crate::geometry::lanes::{GROUP, LANES, Row, group, group_mut, lanes_for};
-use crate::radar::antenna::{Antenna, Axes};
+use crate::radar::antenna::Antenna;
+use crate::radar::polarisation::Axes;
 use crate::units::SINE_OF_HALF_TURNS;
 
 /// An antenna at an instant.

@@ -5,21 +5,20 @@ use num_complex::Complex32;
 use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
-use super::look::{Combine, Lengths, OntoAxes, Port, Scale, Sight, Solve, View};
+use super::look::{Combine, LaneBasis, OntoPorts, Port, Scale, Sight, Solve, View};
 use super::runs::Gather;
 use super::tile::{Look, Pair, compact};
 use super::{TileWork, Timing};
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
-use crate::radar::antenna::Axes;
 use crate::radar::emission::Emission;
 use crate::radar::illumination::Illumination;
 use crate::radar::illumination::sea::SeaPlan;
+use crate::radar::polarisation::Axes;
 use crate::scattering::facets::Phases;
 use crate::scattering::lanes::{Batch, Beside};
 use crate::scene::Patch;
-use crate::scene::radar::Polarisation;
 
 impl TileWork {
     /// Instants of the tile at hand.
@@ -246,11 +245,21 @@ impl Illumination {
         }
     }
 
+    /// Polarisation basis of an antenna of a pair at an emission, and how it changes.
+    fn basis_of(&self, emission: &Emission, antenna: usize) -> LaneBasis {
+        let now = emission.basis(antenna);
+        let span_s = self.axes_span_s;
+        if span_s > 0.0 {
+            let later = emission.basis_after(antenna, span_s, span_s);
+            LaneBasis::new(&now, (later.axes - now.axes) * (1.0 / span_s))
+        } else {
+            LaneBasis::new(&now, Axes::ZERO)
+        }
+    }
+
     /// Scattering at a look.
     fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
-        let TileWork {
-            variant, timings, batch, view, lengths, places_m, bounds_m, kinds, slopes, tile, ..
-        } = work;
+        let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let instant = &timing.looks[place];
         let count = tile.count;
@@ -263,14 +272,13 @@ impl Illumination {
         let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
         let (tx_axes, _) = self.axes_of(&instant.emission, tx);
         let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
-        let axes = [tx_axes, rx_axes];
+        let bases = [tx, rx].map(|antenna| self.basis_of(&instant.emission, antenna));
         batch.count = count;
         variant.run(Sight {
             slopes,
             nodes: paths,
             weights: &instant.weights,
-            axes,
-            rx_change,
+            bases: &bases,
             single,
             view,
             batch,
@@ -289,7 +297,7 @@ impl Illumination {
         self.respond(sea, *variant, kinds, beside, batch);
         out.cosine = batch.cosine;
         if single {
-            variant.run(OntoAxes { axes, rx_change, view, batch });
+            variant.run(OntoPorts { bases: &bases, view, batch });
         }
         let mut scale = [0.0; LANES];
         let (link, footprint_m2) = (plan.link.in_air(), footprint_m2 as f32);
@@ -298,20 +306,10 @@ impl Illumination {
             self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
             self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
         ];
-        let mut known = [[false; Polarisation::COUNT]; 2];
         for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
             let of = [*tx_port, *rx_port];
             let ports = [0, 1].map(|end| Port::new(of[end], isolations_db[end]));
-            for end in 0..2 {
-                // Channels share their ports.
-                if !std::mem::replace(&mut known[end][of[end] as usize], true) {
-                    let axes = if end == 0 { &batch.transmit } else { &batch.receive };
-                    let (scale, out) = ((end == 0).then_some(&scale), &mut lengths[end][of[end] as usize]);
-                    variant.run(Lengths { count, port: &ports[end], axes, scale, out });
-                }
-            }
-            let scales = [&lengths[0][of[0] as usize], &lengths[1][of[1] as usize]];
-            variant.run(Combine { ports: ports.each_ref(), scales, batch, out: amplitude });
+            variant.run(Combine { ports: ports.each_ref(), scale: &scale, batch, out: amplitude });
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !is_real(&self.antennas[antenna]) {

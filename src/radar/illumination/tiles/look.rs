@@ -7,13 +7,21 @@ use num_complex::{Complex32, Complex64};
 
 use super::tile::Node;
 use crate::cpu::Task;
-use crate::geometry::lanes::{End, GROUP, LANES, Paths, Row, group, group_mut, groups, lane, lanes_for};
-use crate::radar::antenna::{Axes, port_shares};
+use crate::geometry::lanes::{End, GROUP, LANES, Paths, Row, group, group_mut, lanes_for};
 use crate::radar::link::LaneLink;
+use crate::radar::polarisation::{Axes, PortBasis, port_shares};
 use crate::scattering::lanes::{Batch, Vectors};
-use crate::scene::radar::Polarisation;
+use crate::scene::radar::{Polarisation, PolarisationBasis};
 
-/// Ports of the channels of a pair: shares of the antenna's axes.
+/// The transmitter is met at the emission.
+const NO_DELAY: Row = [0.0; LANES];
+/// Square of `x_a + d` below which a direction is straight back.
+const BACKWARD: f32 = 1e-12;
+/// Square of the sine to the vertical below which a direction is straight up or down: H is North there.
+const OVERHEAD: f32 = 1e-12;
+const NORTH: [f32; 3] = [0.0, 1.0, 0.0];
+
+/// Ports of the channels of a pair: shares of H and V.
 pub(super) struct Port {
     pub shares: [Complex64; 2],
 }
@@ -22,18 +30,67 @@ impl Port {
     pub fn new(port: Polarisation, isolation_db: Option<f64>) -> Self {
         Self { shares: port_shares(port, isolation_db) }
     }
-
-    /// Weights of the squares of the axes normal to the ray, and of their product, in the square of the field's length.
-    fn lengths(&self) -> [f32; 3] {
-        let [y, z] = self.shares;
-        [y.norm_sqr() as f32, z.norm_sqr() as f32, 2.0 * (y.re * z.re + y.im * z.im) as f32]
-    }
 }
 
-/// Inverse root of the square of a field's length; nothing where there is no field.
-#[inline(always)]
-fn inverse_root(square: f32) -> f32 {
-    if square > 1e-10 { 1.0 / square.sqrt() } else { 0.0 }
+/// A polarisation basis in f32.
+pub(super) struct LaneBasis {
+    kind: PolarisationBasis,
+    /// Its axes as rows of three.
+    axes: [[f32; 3]; 3],
+    change_per_s: [[f32; 3]; 3],
+}
+
+impl LaneBasis {
+    pub fn new(basis: &PortBasis, change_per_s: Axes) -> Self {
+        let rows =
+            |axes: Axes| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.to_array().map(|c| c as f32));
+        Self { kind: basis.kind, axes: rows(basis.axes), change_per_s: rows(change_per_s) }
+    }
+
+    /// An axis `delay_s` after the emission.
+    #[inline(always)]
+    fn axis(&self, axis: usize, delay_s: f32) -> [f32; 3] {
+        [0, 1, 2].map(|c| self.axes[axis][c] + self.change_per_s[axis][c] * delay_s)
+    }
+
+    /// Unit vectors of H and V across unit directions, `sign` times `k`: those of [`PortBasis::vectors`].
+    #[inline(always)]
+    fn vectors(&self, n: usize, sign: f32, k: &Vectors, delay_s: &Row, out: &mut [Vectors; 2]) {
+        let n = n.min(LANES);
+        match self.kind {
+            PolarisationBasis::Ludwig3 => {
+                for i in 0..n {
+                    let [x, y, z] = [0, 1, 2].map(|axis| self.axis(axis, delay_s[i]));
+                    let s = [0, 1, 2].map(|c| x[c] + sign * k[c][i]);
+                    let ahead = dot(s, s) > BACKWARD;
+                    let s = [0, 1, 2].map(|c| if ahead { s[c] } else { z[c] });
+                    let scale = 2.0 / dot(s, s);
+                    let (h, v) = (scale * dot(y, s), scale * dot(z, s));
+                    for c in 0..3 {
+                        out[0][c][i] = y[c] - h * s[c];
+                        out[1][c][i] = z[c] - v * s[c];
+                    }
+                }
+            }
+            PolarisationBasis::LocalHorizontal => {
+                for i in 0..n {
+                    let up = self.axis(2, delay_s[i]);
+                    let d = [0, 1, 2].map(|c| sign * k[c][i]);
+                    let level = cross(up, d);
+                    let square = dot(level, level);
+                    let overhead = square < OVERHEAD;
+                    let scale = if overhead { 1.0 } else { 1.0 / square.max(OVERHEAD).sqrt() };
+                    let h =
+                        [0, 1, 2].map(|c| scale * if overhead { NORTH[c] - d[c] * d[1] } else { level[c] });
+                    let v = cross(d, h);
+                    for c in 0..3 {
+                        out[0][c][i] = h[c];
+                        out[1][c][i] = v[c];
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Light time.
@@ -73,8 +130,8 @@ pub(super) struct Sight<'a> {
     pub slopes: &'a [[Row; 2]],
     pub nodes: &'a [Node],
     pub weights: &'a [f32],
-    pub axes: [Axes; 2],
-    pub rx_change: Axes,
+    /// Transmit, receive.
+    pub bases: &'a [LaneBasis; 2],
     pub single: bool,
     pub view: &'a mut View,
     pub batch: &'a mut Batch,
@@ -85,19 +142,6 @@ fn add(n: usize, to: &mut Row, from: &Row, weight: f32) {
     for i in 0..n.min(LANES) {
         to[i] += weight * from[i];
     }
-}
-
-/// Axes y and z of an antenna as rows of three.
-#[inline(always)]
-fn across(axes: Axes) -> [[f32; 3]; 2] {
-    [axes.y_axis, axes.z_axis].map(|axis| axis.to_array().map(|c| c as f32))
-}
-
-/// What of a vector is normal to a unit direction.
-#[inline(always)]
-fn normal_to(a: [f32; 3], k: [f32; 3]) -> [f32; 3] {
-    let along = a[0] * k[0] + a[1] * k[1] + a[2] * k[2];
-    [0, 1, 2].map(|c| a[c] - k[c] * along)
 }
 
 /// Vertical and horizontal unit vectors of a direction.
@@ -115,7 +159,7 @@ impl Task for Sight<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { slopes, nodes, weights, axes, rx_change, single, view, batch } = self;
+        let Self { slopes, nodes, weights, bases, single, view, batch } = self;
         let n = lanes_for(batch.count);
         let View { incident, scattered, leg_m, delay_s } = view;
         incident.iter_mut().chain(&mut *scattered).chain(&mut *leg_m).for_each(|row| row[..n].fill(0.0));
@@ -141,17 +185,20 @@ impl Task for Sight<'_> {
             batch.incident[axis][..n].copy_from_slice(&incident[axis][..n]);
             batch.scattered[axis][..n].copy_from_slice(&scattered[axis][..n]);
         }
-        let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
+        if !single {
+            let Batch { incident, scattered, transmit, receive, .. } = &mut *batch;
+            bases[0].vectors(n, 1.0, incident, &NO_DELAY, transmit);
+            bases[1].vectors(n, -1.0, scattered, delay_s, receive);
+            return;
+        }
         for i in 0..n {
             let ki = batch.incident.each_ref().map(|column| column[i]);
             let ks = batch.scattered.each_ref().map(|column| column[i]);
             let (v_h_in, v_h_out) = (vertical_horizontal(ki), vertical_horizontal(ks));
             for axis in 0..2 {
-                let a = normal_to(tx[axis], ki);
-                let b = normal_to([0, 1, 2].map(|c| rx[axis][c] + change[axis][c] * delay_s[i]), ks);
                 for c in 0..3 {
-                    batch.transmit[axis][c][i] = if single { v_h_in[axis][c] } else { a[c] };
-                    batch.receive[axis][c][i] = if single { v_h_out[axis][c] } else { b[c] };
+                    batch.transmit[axis][c][i] = v_h_in[axis][c];
+                    batch.receive[axis][c][i] = v_h_out[axis][c];
                 }
             }
         }
@@ -163,33 +210,36 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A matrix on the vertical and horizontal vectors of both rays becomes one on the axes of the antennas, which become the fields.
-pub(super) struct OntoAxes<'a> {
-    pub axes: [Axes; 2],
-    pub rx_change: Axes,
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// A matrix on the vertical and horizontal vectors of both rays becomes one on the polarisation bases of the antennas.
+pub(super) struct OntoPorts<'a> {
+    /// Transmit, receive.
+    pub bases: &'a [LaneBasis; 2],
     pub view: &'a View,
     pub batch: &'a mut Batch,
 }
 
-impl Task for OntoAxes<'_> {
+impl Task for OntoPorts<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { axes, rx_change, view, batch } = self;
-        let (tx, rx, change) = (across(axes[0]), across(axes[1]), across(rx_change));
-        for i in 0..lanes_for(batch.count) {
+        let Self { bases, view, batch } = self;
+        let n = lanes_for(batch.count);
+        let mut fields = [[[[0.0f32; LANES]; 3]; 2]; 2];
+        bases[0].vectors(n, 1.0, &view.incident, &NO_DELAY, &mut fields[0]);
+        bases[1].vectors(n, -1.0, &view.scattered, &view.delay_s, &mut fields[1]);
+        for i in 0..n {
             let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (ki, ks) = (at(&view.incident), at(&view.scattered));
             let (v_h_in, v_h_out) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
-            let t = tx.map(|axis| normal_to(axis, ki));
-            let r = [0, 1].map(|axis| {
-                normal_to([0, 1, 2].map(|c| rx[axis][c] + change[axis][c] * view.delay_s[i]), ks)
-            });
+            let [t, r] = fields.each_ref().map(|of| of.each_ref().map(at));
             let part = [0, 1]
                 .map(|r| [0, 1].map(|t| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i])));
-            for axis in 0..2 {
-                let b = r[axis];
+            for (axis, b) in r.into_iter().enumerate() {
                 for (of, a) in t.into_iter().enumerate() {
                     let entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1]))
                         * dot(b, v_h_out[0])
@@ -197,10 +247,6 @@ impl Task for OntoAxes<'_> {
                             * dot(b, v_h_out[1]);
                     batch.matrix[axis][of][0][i] = entry.re;
                     batch.matrix[axis][of][1][i] = entry.im;
-                }
-                for c in 0..3 {
-                    batch.transmit[axis][c][i] = t[axis][c];
-                    batch.receive[axis][c][i] = r[axis][c];
                 }
             }
         }
@@ -235,44 +281,12 @@ impl Task for Scale<'_> {
     }
 }
 
-/// Inverse lengths of the field of a port across the rays, times a scale.
-pub(super) struct Lengths<'a> {
-    pub count: usize,
-    pub port: &'a Port,
-    /// Axes of the antenna normal to the rays.
-    pub axes: &'a [Vectors; 2],
-    pub scale: Option<&'a Row>,
-    pub out: &'a mut Row,
-}
-
-impl Task for Lengths<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { count, port, axes, scale, out } = self;
-        let [yy, zz, yz] = port.lengths();
-        for g in 0..lanes_for(count) / GROUP {
-            let [y, z] = [groups(&axes[0], g), groups(&axes[1], g)];
-            let mut inverse = [1.0; GROUP];
-            if let Some(scale) = scale {
-                inverse = group(scale, g);
-            }
-            for i in 0..GROUP {
-                let (y, z) = (lane(&y, i), lane(&z, i));
-                inverse[i] *= inverse_root(yy * dot(y, y) + zz * dot(z, z) + yz * dot(y, z));
-            }
-            *group_mut(out, g) = inverse;
-        }
-    }
-}
-
 /// From the matrix to the amplitude of one channel.
 pub(super) struct Combine<'a> {
     /// Transmit, receive.
     pub ports: [&'a Port; 2],
-    /// What the [`Lengths`] of both make of it.
-    pub scales: [&'a Row; 2],
+    /// What all channels share.
+    pub scale: &'a Row,
     pub batch: &'a Batch,
     pub out: &'a mut [Row; 2],
 }
@@ -282,12 +296,12 @@ impl Task for Combine<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports, scales, batch, out } = self;
+        let Self { ports, scale, batch, out } = self;
         let [c_t, c_r] = ports.map(|port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32)));
         // Weights of the entries, receive then transmit.
         let weights = [0, 1].map(|r| [0, 1].map(|t| c_r[r] * c_t[t]));
         for g in 0..lanes_for(batch.count) / GROUP {
-            let [of_transmitter, of_receiver] = scales.map(|row| group(row, g));
+            let scale = group(scale, g);
             let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
             for row in 0..2 {
                 for column in 0..2 {
@@ -300,14 +314,80 @@ impl Task for Combine<'_> {
                 }
             }
             for i in 0..GROUP {
-                let all = of_transmitter[i] * of_receiver[i];
-                let (a, b) = (re[i] * all, im[i] * all);
+                let (a, b) = (re[i] * scale[i], im[i] * scale[i]);
                 // A product of lengths of rows is never asked to be large: what overflowed is silent.
                 re[i] = if a.is_finite() { a } else { 0.0 };
                 im[i] = if b.is_finite() { b } else { 0.0 };
             }
             *group_mut(&mut out[0], g) = re;
             *group_mut(&mut out[1], g) = im;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+
+    /// The bases of f32 against those of f64, on directions all around that are not near a singular one.
+    #[test]
+    fn lanes_have_the_bases_of_the_reference() {
+        let turned = Axes::from_quat(DQuat::from_xyzw(0.1, -0.3, 0.7, 0.5).normalize());
+        let up = DVec3::new(0.02, -0.01, 1.0).normalize();
+        let bases = [PortBasis::ludwig3(turned), PortBasis::local_horizontal(up)];
+        for (n, basis) in bases.iter().enumerate() {
+            let lanes = LaneBasis::new(basis, Axes::ZERO);
+            let pole = if n == 0 { -turned.x_axis } else { up };
+            for sign in [1.0f32, -1.0] {
+                let mut worst = 0.0f64;
+                for turn in 0..180 {
+                    let mut k: Vectors = [[0.0; LANES]; 3];
+                    let at = |i: usize| {
+                        let angle = 0.1 + 0.02 * f64::from(turn) + i as f64;
+                        let z = (2.0 * i as f64 + 1.0) / LANES as f64 - 1.0;
+                        let level = (1.0 - z * z).sqrt();
+                        DVec3::new(level * angle.cos(), level * angle.sin(), z)
+                    };
+                    for i in 0..LANES {
+                        let d = at(i) * f64::from(sign);
+                        for (row, c) in k.iter_mut().zip(d.to_array()) {
+                            row[i] = c as f32;
+                        }
+                    }
+                    let mut out = [[[0.0f32; LANES]; 3]; 2];
+                    lanes.vectors(LANES, sign, &k, &NO_DELAY, &mut out);
+                    for i in 0..LANES {
+                        let d = at(i);
+                        let off = d.cross(pole).length();
+                        for (vector, exact) in out.iter().zip(basis.vectors(d)) {
+                            let found = DVec3::from_array([0, 1, 2].map(|c| f64::from(vector[c][i])));
+                            worst = worst.max((found - exact).length() * off.max(1e-3));
+                        }
+                    }
+                }
+                // A dozen roundings of 2^-24, more beside a singular direction by the sine of the angle to it.
+                assert!(worst < 12.0 * 2f64.powi(-24), "{n} {sign}: {worst:e}");
+            }
+        }
+    }
+
+    /// Straight up, down and back there are vectors all the same, across the direction.
+    #[test]
+    fn lanes_survive_singular_directions() {
+        let bases = [PortBasis::ludwig3(Axes::IDENTITY), PortBasis::local_horizontal(DVec3::X)];
+        for basis in &bases {
+            for x in [1.0, -1.0] {
+                let k: Vectors = [[x; LANES], [0.0; LANES], [0.0; LANES]];
+                let mut out = [[[0.0f32; LANES]; 3]; 2];
+                LaneBasis::new(basis, Axes::ZERO).vectors(LANES, 1.0, &k, &NO_DELAY, &mut out);
+                let [h, v] = out.map(|of| of.map(|row| row[LANES - 1]));
+                assert!((dot(h, h) - 1.0).abs() < 1e-6 && (dot(v, v) - 1.0).abs() < 1e-6, "{h:?} {v:?}");
+                assert!(h[0] == 0.0 && v[0] == 0.0 && dot(h, v) == 0.0, "{h:?} {v:?}");
+                let d = [x, 0.0, 0.0];
+                assert!(dot(cross(d, h), v) > 0.999, "right-handed: {h:?} {v:?}");
+            }
         }
     }
 }

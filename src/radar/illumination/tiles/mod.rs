@@ -51,7 +51,6 @@ use crate::radar::emission::Emission;
 use crate::radar::fault::{RadarError, SeaFault};
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
-use crate::scene::radar::Polarisation;
 use crate::sea::sheet::Sheet;
 use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Selection};
@@ -121,8 +120,6 @@ pub struct TileWork {
     phasors: Phasors,
     batch: Box<Batch>,
     view: Box<View>,
-    /// `[end][port]`: inverse lengths of the fields of the ports, that of the transmitter with what all channels share.
-    lengths: Box<[[Row; Polarisation::COUNT]; 2]>,
     places_m: [[f64; LANES]; 2],
     /// Least and largest of them.
     bounds_m: [[f64; 2]; 2],
@@ -343,7 +340,6 @@ impl SeaPlan {
             faint_below: Vec::with_capacity(channels.len()),
             runs: Vec::with_capacity(LANES),
             view: View::boxed(),
-            lengths: Box::new([[[0.0; LANES]; Polarisation::COUNT]; 2]),
             shades: Vec::new(),
             spare: Vec::new(),
             maker,
