@@ -14,6 +14,7 @@ mod live_navigation;
 mod oracle;
 mod mocomp;
 mod nav;
+mod polarisation_check;
 mod program;
 mod python_tools;
 mod readme;

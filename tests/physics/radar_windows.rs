@@ -9,6 +9,7 @@ use nereus::pulse::flags;
 use nereus::radar::antenna::Antenna;
 use nereus::radar::fault::{RadarError, RadarFault};
 use nereus::radar::illumination::{GUARD_SAMPLES, Illumination};
+use nereus::scattering::contact::Contacts;
 use nereus::scene::Scene;
 use nereus::scene::radar::*;
 use nereus::time::PulseTimes;
@@ -183,7 +184,10 @@ fn the_receive_antenna_is_that_of_the_reception() {
     let (contacts, record) = pulse(&scene, &tracks, index);
     scene.radar.receivers[0].antenna.pattern = Pattern::Isotropic { gain_dbi: 0.0 };
     let (plain, _) = pulse(&scene, &tracks, index);
-    let ours = (contacts.amplitude[0][0] / plain.amplitude[0][0]).re;
+    // Both ports of the receiver together: their bases differ between the patterns.
+    let power = |c: &Contacts| c.amplitude[0][0].norm_sqr() + c.amplitude[2][0].norm_sqr();
+    let sign = (contacts.amplitude[0][0] / plain.amplitude[0][0]).re.signum();
+    let ours = sign * (power(&contacts) / power(&plain)).sqrt();
     scene.radar.receivers[0].antenna.pattern = Pattern::Rectangle { width_m: 4.0, height_m: 1.0 };
     let emission = scene.radar.emissions.emission(scene.start, index);
     let around = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
