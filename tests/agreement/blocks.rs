@@ -108,6 +108,30 @@ fn grazing_facets_are_looked_at_more_often_than_the_sea() {
     assert!(often < -66.0 && seldom > often + 10.0);
 }
 
+/// Isotropic antennas that look ahead, with the sea abeam and with the sea beneath, where their ports turn quickest.
+#[test]
+fn isotropic_antennas_keep_the_error() {
+    let isotropic = [
+        ("transmitter.0.antenna", r#"{ kind = "isotropic" }"#),
+        ("receiver.0.antenna", r#"{ kind = "isotropic" }"#),
+        ("transmitter.0.pointing", r#"{ kind = "fixed" }"#),
+        ("receiver.0.pointing", r#"{ kind = "fixed" }"#),
+    ];
+    let beneath = [
+        ("platform.0.track.position_m", "[-140, -3, 300]"),
+        ("platform.0.track.velocity_mps", "[120, 0, 0]"),
+        ("radar.window.start_us", "1.0"),
+    ];
+    for (name, more) in [("abeam", &[][..]), ("beneath", &beneath)] {
+        let settings = with(&[&isotropic[..], more].concat());
+        let run = scenario("mars-1.toml", &settings);
+        let range = 236..285;
+        let error_db = worst_db(&samples(&run, range.clone()), &samples(&reference(run.clone()), range));
+        println!("mars-1, 64 x 64, isotropic antennas, the sea {name}: worst {error_db:.1} dB");
+        assert!(error_db < -60.0, "{name}: {error_db}");
+    }
+}
+
 /// What only side lobes light is looked at less often, and loses no more than its share of the echo allows.
 #[test]
 fn faint_tiles_leave_what_their_gain_allows() {

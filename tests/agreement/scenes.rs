@@ -109,18 +109,20 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / n)
 }
 
-/// `e_r^T S e_t` of a unit sphere for level antennas whose boresight is North: the electric axis (East
-/// for H, up for V) projected on each wave front, in the bases h = z x k, v = h x k.
+/// `e_r^T S e_t` of a unit sphere for isotropic antennas: H level, across the direction from the antenna, V upward; in the
+/// bases h = z x k, v = h x k of the wave fronts.
 pub fn polarisation_factor(tx: &[f64; 3], bounce: &[f64; 3], rx: &[f64; 3], channel: usize) -> f64 {
-    let axis = if channel == 0 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
-    let components = |k: [f64; 3]| {
-        let along = dot(axis, k);
-        let e = unit(std::array::from_fn(|i| axis[i] - along * k[i]));
-        let h = unit(cross([0.0, 0.0, 1.0], k));
+    let up = [0.0, 0.0, 1.0];
+    let components = |k: [f64; 3], from_antenna: [f64; 3]| {
+        let level = unit(cross(up, from_antenna));
+        let e = if channel == 0 { level } else { cross(from_antenna, level) };
+        let h = unit(cross(up, k));
         let v = cross(h, k);
         [dot(v, e), dot(h, e)]
     };
-    let t = components(unit(std::array::from_fn(|i| bounce[i] - tx[i])));
-    let r = components(unit(std::array::from_fn(|i| rx[i] - bounce[i])));
+    let incident = unit(std::array::from_fn(|i| bounce[i] - tx[i]));
+    let scattered = unit(std::array::from_fn(|i| rx[i] - bounce[i]));
+    let t = components(incident, incident);
+    let r = components(scattered, scattered.map(|c| -c));
     r[0] * t[0] - r[1] * t[1]
 }
