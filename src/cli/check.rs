@@ -408,6 +408,7 @@ fn file_text(source: &FileSource) -> String {
         VerticalDatum::Barometric { offset_m } => format!("barometric, offset {offset_m} m"),
     };
     let attitude = match source.attitude {
+        AttitudeSource::Automatic => "as recorded, or derived from the motion where the fixes have none",
         AttitudeSource::Recorded => "as recorded",
         AttitudeSource::CoordinatedTurn => "of a coordinated turn (derived)",
         AttitudeSource::Level => "level along the track (derived)",

@@ -14,6 +14,7 @@ use super::error::CliError;
 use super::progress;
 use super::{counted, say, warn};
 use crate::config::{self, Run};
+use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::live::{FlightReport, LiveNav};
 use crate::pipeline::outlook::outlook;
@@ -72,6 +73,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
             ));
         }
     }
+    if let Some(needed_s) = stream.needed_latency_s() {
+        latency(&run, needed_s, stream.latency_s());
+    }
     let log = stream.log();
     let open = door
         .zip(stream.control())
@@ -102,9 +106,23 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         say(format_args!("from pulse {pulse}: {text} on {platform}"));
     }
     if let Some(live) = live {
-        tell_navigation(&live, &outcome);
+        tell_navigation(&run, &live, &outcome);
     }
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
+}
+
+/// How the latency of a run suits its live navigation.
+fn latency(run: &Run, needed_s: f64, latency_s: f64) {
+    let needed_ms = (needed_s * 1e3).ceil();
+    if run.stream.latency_given && latency_s < needed_s {
+        warn([format!(
+            "navigation arrives too late for stream.latency_ms = {}: pulses will be extrapolated; stream.latency_ms at least \
+             {needed_ms} interpolates all of them",
+            latency_s * 1e3
+        )]);
+    } else if !run.stream.latency_given {
+        say(format_args!("latency {:.0} ms, from the rate of the fixes", latency_s * 1e3));
+    }
 }
 
 /// The summary for people.
@@ -186,16 +204,37 @@ fn span(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.3} ms", seconds * 1e3) } else { format!("{seconds:.3} s") }
 }
 
+/// Whether the scenario itself asks for an attitude derived from the motion of a platform.
+fn asked_to_derive(run: &Run, platform: &str) -> bool {
+    let nav = run.scene.platforms.iter().zip(&run.nav).find(|(name, _)| *name == platform);
+    nav.is_some_and(|(_, nav)| {
+        matches!(&nav.truth, TrackSource::Live(source) if source.attitude != AttitudeSource::Automatic)
+    })
+}
+
 /// What came of live navigation, for people.
-fn tell_navigation(live: &LiveNav, outcome: &RunOutcome) {
+fn tell_navigation(run: &Run, live: &LiveNav, outcome: &RunOutcome) {
     let health = &outcome.summary.health;
     for flight in live.report() {
-        let FlightReport { platform, source, counts, ahead, unusable } = flight;
+        let FlightReport { platform, source, counts, ahead, unusable, implausible, jumps, .. } = flight;
         say(format_args!("platform '{platform}' by {source}: {counts}"));
         if ahead + unusable > 0 {
             say(format_args!(
                 "warning: {ahead} fixes were ahead of the schedule and {unusable} could not be used"
             ));
+        }
+        if implausible > 0 {
+            let after = match jumps {
+                0 => String::new(),
+                _ => format!("; {} they went on to agree and were believed", counted(jumps, "time")),
+            };
+            say(format_args!(
+                "warning: {} refused: the platform cannot have flown there (track.vehicle, max_speed_mps, max_acceleration_mps2){after}",
+                counted(implausible, "fix").replace("fixs", "fixes")
+            ));
+        }
+        if flight.attitude_derived == Some(true) && !asked_to_derive(run, &platform) {
+            say(format_args!("platform '{platform}': no attitude among the fixes: derived from the motion (coordinated turn)"));
         }
     }
     if let Some(latency) = &health.navigation_to_release_ms {

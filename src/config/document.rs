@@ -7,6 +7,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{At, Fault, Problem};
 
+/// In the place of the number of an entry: a new one, behind those that are there.
+const APPEND: &str = "+";
 /// Longest piece of a scenario that a fault quotes, characters.
 const LONGEST: usize = 60;
 
@@ -178,7 +180,7 @@ fn mark(node: &mut Node) {
 
 fn put_one(root: &mut Node, key: &str, value: Value) -> Result<(), String> {
     if key.split('.').any(str::is_empty) {
-        return Err("a key is names joined by dots, such as radar.prf_hz or target.0.rcs_m2".to_owned());
+        return Err("a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+".to_owned());
     }
     let mut here = root;
     let mut parts = key.split('.').peekable();
@@ -190,8 +192,10 @@ fn put_one(root: &mut Node, key: &str, value: Value) -> Result<(), String> {
         here = match &mut here.value {
             Value::Table(entries) => {
                 let found = entries.iter().position(|entry| entry.name == part);
+                let appends = parts.peek() == Some(&APPEND);
                 let index = found.unwrap_or_else(|| {
-                    let node = Node { value: Value::Table(Vec::new()), at: At::Override };
+                    let value = if appends { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
+                    let node = Node { value, at: At::Override };
                     entries.push(Entry { name: part.to_owned(), at: At::Override, node });
                     entries.len() - 1
                 });
@@ -202,7 +206,11 @@ fn put_one(root: &mut Node, key: &str, value: Value) -> Result<(), String> {
                 &mut entry.node
             }
             Value::Array(items) => {
+                if part == APPEND {
+                    items.push(Node { value: Value::Table(Vec::new()), at: At::Override });
+                }
                 let len = items.len();
+                let part = if part == APPEND { (len - 1).to_string() } else { part.to_owned() };
                 let index = part.parse::<usize>().ok().filter(|index| *index < len);
                 match index {
                     Some(index) => &mut items[index],
@@ -332,6 +340,29 @@ mod tests {
             assert!(faults.is_empty(), "{}: {faults:?}", inline(&node));
             assert_eq!(tree.table().unwrap()[0].node.value, Value::Number(value));
         }
+    }
+
+    #[test]
+    fn a_plus_appends_an_entry() {
+        let (mut root, _) = read("[[sink]]\nkind = \"null\"\n");
+        let list = [("sink.+", "{ kind = \"plain\", path = \"x\" }"), ("sink.+.kind", "null"), ("target.+.rcs_m2", "1")];
+        let list: Vec<_> = list.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+        assert!(put(&mut root, &list).is_empty());
+        insta::assert_snapshot!(write(&root), @r#"
+
+        [[sink]]
+        kind = "null"
+
+        [[sink]]
+        kind = "plain"
+        path = "x"
+
+        [[sink]]
+        kind = "null"
+
+        [[target]]
+        rcs_m2 = 1
+        "#);
     }
 
     #[test]

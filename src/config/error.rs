@@ -236,6 +236,23 @@ pub enum Problem {
         /// Fewest samples.
         least: u64,
     },
+    /// Pulses that overlap.
+    #[error(
+        "{pri_us} us between pulses are shorter than the pulse of {pulse_us} us: two pulses would leave at once; \
+         allowed: at least {pulse_us} us"
+    )]
+    ShortInterval {
+        /// The shortest interval, us.
+        pri_us: f64,
+        /// Pulse length, us.
+        pulse_us: f64,
+    },
+    /// A target in the water.
+    #[error("lies {depth_m:.3} m below the sea; allowed: a height of 0 m or more above mean sea level")]
+    BelowSea {
+        /// Depth, m.
+        depth_m: f64,
+    },
     /// A channel whose polarisation is never radiated.
     #[error(
         "channel \"{channel}\" needs transmit polarisation {letter}, which tx_sequence never sends; allowed: a sequence with {letter}"
@@ -440,14 +457,49 @@ pub enum Warning {
     },
     /// Knobs of the fast echo beside the reference.
     #[error(
-        "without effect on the reference echo{}: {keys}; fidelity.echo = \"fast\" heeds them",
-        if *written { "" } else { ", which a scenario without [sea] has" }
+        "without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them"
     )]
     IdleKnobs {
         /// The keys.
         keys: String,
-        /// Whether the scenario itself asks for the reference.
-        written: bool,
+    },
+    /// Receive windows that overlap.
+    #[error(
+        "windows of {window_us} us are longer than the shortest pulse interval of {pri_us} us: they overlap, and a receiver \
+         would have to take the same instants twice"
+    )]
+    OverlappingWindows {
+        /// Length of the window, us.
+        window_us: f64,
+        /// The shortest interval, us.
+        pri_us: f64,
+    },
+    /// An aperture that is none.
+    #[error(
+        "the aperture of \"{antenna}\", {width_m} m x {height_m} m, is smaller than half a wavelength ({half_m:.4} m): the gain \
+         of a uniform aperture, 4 pi A / lambda^2, does not hold; an isotropic antenna or a measured pattern does"
+    )]
+    SmallAperture {
+        /// The transmitter or receiver.
+        antenna: String,
+        /// Width, m.
+        width_m: f64,
+        /// Height, m.
+        height_m: f64,
+        /// Half a wavelength, m.
+        half_m: f64,
+    },
+    /// A target that moves into the water.
+    #[error(
+        "target \"{target}\" moves on a straight line below the sea: {depth_m:.3} m deep {time_s:.3} s after pulse 0"
+    )]
+    Submerges {
+        /// The target.
+        target: String,
+        /// Its greatest depth, m.
+        depth_m: f64,
+        /// When, s after pulse 0.
+        time_s: f64,
     },
     /// The ring cannot hold the latency.
     #[error(

@@ -263,7 +263,7 @@ tables! {
     radar "[radar]" "The instrument." {
         CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Required, "Carrier frequency.";
         SAMPLE_RATE_HZ "sample_rate_hz", number("Hz", 1e3, 1e11), Required, "Complex sample rate; not below the bandwidth.";
-        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Pulse repetition frequency. Exactly one of prf_hz and pri_us.";
+        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Pulse repetition frequency. Exactly one of prf_hz and pri_us. A pulse ends before the next one begins.";
         PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: MOST_PRI, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Pulse repetition intervals, repeated in turn.";
         WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What is radiated.";
         WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
@@ -271,7 +271,7 @@ tables! {
         TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
         CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every transmitter and receiver, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
         CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
-        LOSSES_DB "losses_db", number("dB", -100.0, 300.0), default(0.0), "System losses, positive = loss.";
+        LOSSES_DB "losses_db", number("dB", 0.0, 300.0), default(0.0), "System losses; a gain belongs to the antennas.";
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
         NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure at 290 K.";
         ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
@@ -420,11 +420,15 @@ tables! {
         GPS_WEEK "gps_week", count(0, 8191), Required, "sbet: GPS week of the first record; the file has seconds of the week only. 2000 began on 2018-05-06.";
         MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings, live: longest gap between fixes that is interpolated.";
         SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "Recordings: how fixes become a smooth track.";
-        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Word("recorded"), "Recordings, live: where the attitude comes from. ADS-B records none.";
+        ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Means("recorded where the fixes have it, otherwise coordinated_turn; `check` and `run` report which"), "Recordings, live: where the attitude comes from. coordinated_turn: derived from the motion, nose along the velocity, roll of a coordinated turn. level: the same with level wings. ADS-B and GGA carry none.";
         SOURCE "source", Kind::Origin, Required, "live: where its messages come from, NMEA 0183 and NovAtel INSPVAX: a serial port, somebody to connect to, an address to which a sender connects or sends datagrams, a file that is replayed in time.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits a second.";
         MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is told from it. Sentences come an epoch late: for a receiver of one epoch a second take 2.5.";
         PATIENCE_S "patience_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
+        VEHICLE "vehicle", Choice(&["ship", "ground", "aircraft", "spacecraft"]), Word("aircraft"), "live: what carries the receiver. It sets the bounds of the plausibility gate: 40 m/s and 10 m/s^2 for a ship, 100 and 30 on the ground, 1000 and 100 in the air, 12000 and 100 in orbit.";
+        MAX_SPEED_MPS "max_speed_mps", above("m/s", 0.0, FAST_MPS), Means("that of the vehicle"), "live: a fix that would need a higher speed is counted and refused.";
+        MAX_ACCELERATION_MPS2 "max_acceleration_mps2", above("m/s^2", 0.0, 1e5), Means("that of the vehicle"), "live: a fix that would need a higher acceleration is counted and refused.";
+        RESET_FIXES "reset_fixes", count(2, 1000), Count(5), "live: so many refused fixes in a row that agree with each other are believed after all.";
         REHEARSAL "rehearsal", Section(&TABLE), Means("what needs the flight beforehand is left out"), "live: a track of another kind that stands for the flight in `check` and in `plan`.";
     }
     smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {
@@ -618,7 +622,7 @@ tables! {
         CHANGE "change", Kind::Line, Required, "What changes, in the words of a control line: \"step position.up 5 m\", \"bias attitude.heading 0.3 deg\", \"ramp position.east 0.5 m/s\", \"dropout 2.5 s\", \"latency 250 ms\", \"clear\".";
     }
     fidelity "[fidelity]" "Speed against accuracy." {
-        ECHO "echo", Choice(&["reference", "fast"]), Means("fast with a sea, reference without"), "reference: every pulse from its own contacts, in f64. fast: blocks of pulses, contacts at nodes, all between interpolated, in f32.";
+        ECHO "echo", Choice(&["reference", "fast"]), Word("fast"), "reference: every pulse from its own contacts, in f64. fast: blocks of pulses, contacts at nodes, all between interpolated, in f32.";
         ERROR_DB "error_db", number("dB", -120.0, -20.0), default(-60.0), "fast: error allowed against the reference, worst pulse and channel. The keys below are chosen to keep it, but for those that are given.";
         NODE_PULSES "node_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact contacts.";
         SCATTER_PULSES "scatter_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
@@ -630,7 +634,7 @@ tables! {
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
         POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When generation cannot keep up: end with an error, stretch time, or drop pulses.";
-        LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), default(500.0), "Release minus emission time: how far ahead pulses are made.";
+        LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500"), "Release minus emission time: how far ahead pulses are made.";
         PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs ahead of all ordinary ones (SCHED_FIFO), where the system allows that; `nereus run` tells.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
         LOCK_MEMORY "lock_memory", Kind::Flag, Absent::Flag(false), "Whether the stream asks the system that its memory is never moved out (mlockall).";

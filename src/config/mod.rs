@@ -109,7 +109,7 @@ pub struct Run {
 }
 
 /// Reads a scenario file. Overrides are (`key`, `value`): dotted path of the key, entries of arrays by
-/// number from 0 (`target.0.rcs_m2`), and the value as TOML, or as plain text where it is not TOML.
+/// number from 0 (`target.0.rcs_m2`) or `+` for a new one (`sink.+`), and the value as TOML, or as plain text where it is not TOML.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
     let read_error = |source| ConfigError::Read { path: path.to_owned(), source };
     let file = std::fs::File::open(path).map_err(read_error)?;

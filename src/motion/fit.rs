@@ -58,6 +58,9 @@ pub struct FitReport {
     pub allowed_acceleration_mps2: Option<f64>,
     /// Whether that bound, and not the likelihood, decided.
     pub bound_active: bool,
+    /// Whether the fixes have no attitude and it is derived from the motion, though nobody asked for that.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub attitude_derived: bool,
     /// Horizontal jerk density, m^2/s^5; `None` without smoothing.
     pub horizontal_jerk_density: Option<f64>,
     /// Vertical jerk density, m^2/s^5; `None` without smoothing.
@@ -89,7 +92,11 @@ impl fmt::Display for FitReport {
         } else {
             write!(f, " taken as exact: acceleration up to {:.3} m/s^2", self.max_acceleration_mps2)?;
         }
-        write!(f, "; speed {:.1} to {:.1} m/s", self.speed_mps[0], self.speed_mps[1])
+        write!(f, "; speed {:.1} to {:.1} m/s", self.speed_mps[0], self.speed_mps[1])?;
+        if self.attitude_derived {
+            f.write_str("; no attitude among the fixes: derived from the motion (coordinated turn)")?;
+        }
+        Ok(())
     }
 }
 

@@ -46,7 +46,7 @@
 //! ```
 
 use std::collections::VecDeque;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::time::Instant;
 
 use glam::{DVec3, DVec4};
@@ -112,10 +112,17 @@ pub struct LiveTrack(Arc<Shared>);
 #[derive(Debug)]
 struct Shared {
     frame: SceneFrame,
-    attitude: AttitudeSource,
+    /// Where the attitude comes from, once that is known: the first fix decides an automatic choice.
+    attitude: OnceLock<AttitudeSource>,
     max_gap_s: f64,
     max_extrapolation_s: f64,
     grown: RwLock<Grown>,
+}
+
+impl Shared {
+    fn attitude(&self) -> AttitudeSource {
+        self.attitude.get().copied().unwrap_or(AttitudeSource::Recorded)
+    }
 }
 
 /// What a node rests on.
@@ -254,6 +261,10 @@ impl LiveTrack {
         max_extrapolation_s: f64,
     ) -> Self {
         let grown = RwLock::new(Grown::default());
+        let attitude = match attitude {
+            AttitudeSource::Automatic => OnceLock::new(),
+            chosen => OnceLock::from(chosen),
+        };
         Self(Arc::new(Shared { frame, attitude, max_gap_s, max_extrapolation_s, grown }))
     }
 
@@ -271,7 +282,37 @@ impl LiveTrack {
     /// A fix of which no node can be made; it is left.
     pub fn push(&self, fix: &Fix, arrived: Instant) -> Result<(), Unusable> {
         let p = position(fix, &self.0.frame).filter(|p| p.is_finite()).ok_or(Unusable::NoPosition)?;
+        self.0.attitude.get_or_init(|| match fix.yaw_pitch_roll_rad {
+            Some(_) => AttitudeSource::Recorded,
+            None => AttitudeSource::CoordinatedTurn,
+        });
         self.write().push(&self.0, Entry { fix: *fix, p, arrived, node: None, q: None })
+    }
+
+    /// The fixes that come now are elsewhere than the ones before, and believed: the path goes on without them to their first
+    /// instant, and from there back to them, as after a time without fixes.
+    pub fn jump(&self, at: TimeTag) {
+        self.write().jump(&self.0, at);
+    }
+
+    /// The median time between the fixes at hand, s; `None` before there are two.
+    pub fn interval_s(&self) -> Option<f64> {
+        let grown = self.read();
+        let times = grown.run.iter().map(|entry| entry.fix.time);
+        let mut spans_s: Vec<f64> =
+            times.clone().zip(times.skip(1)).map(|(before, after)| after.since(before)).collect();
+        spans_s.sort_by(f64::total_cmp);
+        spans_s.get(spans_s.len() / 2).copied()
+    }
+
+    /// Fixes after an instant without which it is not interpolated.
+    pub fn support(&self) -> usize {
+        if follows_motion(&self.0) { STENCIL } else { STENCIL / 2 + 1 }
+    }
+
+    /// Whether the attitude is derived from the motion; `None` before the first fix where that decides.
+    pub fn derives_attitude(&self) -> Option<bool> {
+        self.0.attitude.get().map(|_| follows_motion(&self.0))
     }
 
     /// The last fix.
@@ -332,7 +373,7 @@ impl Grown {
                 self.end_run(of);
             }
         }
-        if of.attitude == AttitudeSource::Recorded
+        if of.attitude() == AttitudeSource::Recorded
             && entry.fix.yaw_pitch_roll_rad.is_none()
             && self.last_attitude.is_none()
         {
@@ -394,7 +435,7 @@ impl Grown {
 
     /// The attitude of a node, its sign that of the one before. One that cannot be told is that of the one before, or level to the North.
     fn attitude(&mut self, of: &Shared, node: &Node, fix: &Fix) -> DVec4 {
-        let found = attitude_of(node, fix, &of.frame, of.attitude).map(DVec4::from);
+        let found = attitude_of(node, fix, &of.frame, of.attitude()).map(DVec4::from);
         let before = self.last_attitude;
         let mut q = match found {
             Ok(q) => q,
@@ -479,6 +520,17 @@ impl Grown {
         self.waiting.pop_front();
         while let Some(step) = self.waiting.pop_front() {
             self.hand_on(of, step);
+        }
+    }
+
+    fn jump(&mut self, of: &Shared, at: TimeTag) {
+        // Straight on first: a path that led from one place to the other between two fixes would fly at any speed.
+        self.extend(of, at);
+        if self.path.is_empty() {
+            self.run.clear();
+            (self.base, self.nodes, self.turned) = (0, 0, 0);
+        } else {
+            self.end_run(of);
         }
     }
 
@@ -620,7 +672,7 @@ impl Grown {
             let flags = flags::NAV_EXTRAPOLATED | flags::NAV_STALE;
             return Told { state: still, age_s: 0.0, flags, arrived: None };
         };
-        let constant = match of.attitude {
+        let constant = match of.attitude() {
             AttitudeSource::Constant(attitude) => Some(attitude),
             _ => None,
         };
@@ -684,5 +736,5 @@ fn beside(step: Step, jets: Jets) -> Step {
 }
 
 fn follows_motion(of: &Shared) -> bool {
-    matches!(of.attitude, AttitudeSource::CoordinatedTurn | AttitudeSource::Level)
+    matches!(of.attitude(), AttitudeSource::CoordinatedTurn | AttitudeSource::Level)
 }

@@ -2,11 +2,12 @@
 //!
 //! [`Track`] is the trajectory of a platform; [`fit`] makes one from recorded fixes with [`outliers`] and
 //! [`smoother`], [`hermite`] interpolates, [`attitude`] derives what a recording does not say. [`pointing`]
-//! puts antennas on the body and turns them. [`live`] grows while it is flown. [`turbulence`] shakes a track, [`report`] says of it what its platform says.
+//! puts antennas on the body and turns them. [`live`] grows while it is flown, by fixes that pass a [`gate`]. [`turbulence`] shakes a track, [`report`] says of it what its platform says.
 
 pub mod attitude;
 mod deviation;
 pub mod fit;
+pub mod gate;
 pub mod hermite;
 pub mod live;
 pub mod outliers;

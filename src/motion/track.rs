@@ -349,7 +349,18 @@ impl Track {
         frame: &SceneFrame,
         source: &FileSource,
     ) -> Result<(Self, FitReport), TrackError> {
-        let (nodes, report) = fit::nodes(fixes, frame, source)?;
+        let derived = source.attitude == AttitudeSource::Automatic
+            && fixes.iter().all(|fix| fix.yaw_pitch_roll_rad.is_none());
+        let source = &FileSource {
+            attitude: match source.attitude {
+                AttitudeSource::Automatic if derived => AttitudeSource::CoordinatedTurn,
+                AttitudeSource::Automatic => AttitudeSource::Recorded,
+                chosen => chosen,
+            },
+            ..source.clone()
+        };
+        let (nodes, mut report) = fit::nodes(fixes, frame, source)?;
+        report.attitude_derived = derived;
         let attitude = match source.attitude {
             AttitudeSource::Constant(attitude) => Attitude::Constant(attitude),
             _ => Attitude::Nodes(turns(&nodes, fixes, frame, source)?.into()),
@@ -628,7 +639,7 @@ pub(super) fn attitude_of(
     let [yaw, pitch, roll] = match source {
         AttitudeSource::CoordinatedTurn => derived(attitude::coordinated_turn(v.to_array(), a.to_array()))?,
         AttitudeSource::Level => derived(attitude::level(v.to_array()))?,
-        AttitudeSource::Recorded | AttitudeSource::Constant(_) => {
+        AttitudeSource::Recorded | AttitudeSource::Automatic | AttitudeSource::Constant(_) => {
             fix.yaw_pitch_roll_rad.ok_or(NoAttitude::Missing)?
         }
     };

@@ -36,7 +36,7 @@ use crate::time::TimeTag;
 pub use errors::ErrorModel;
 pub use faults::{Fault, FaultKind, Faults, NavError};
 pub use gusts::Gusts;
-pub use live::LiveSource;
+pub use live::{LiveSource, MotionBounds};
 pub use replay::{LoadReport, Recording, load};
 
 /// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
@@ -156,6 +156,8 @@ pub enum Smoothing {
 /// Where the attitude of a recorded track comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AttitudeSource {
+    /// As recorded where the fixes have an attitude, otherwise derived as [`Self::CoordinatedTurn`].
+    Automatic,
     /// Columns or sentences of the file.
     Recorded,
     /// Derived from the motion: nose along the velocity, roll of a coordinated turn.

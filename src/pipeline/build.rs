@@ -321,6 +321,8 @@ struct Flown {
     /// The run with tracks that are known beforehand.
     rehearsed: Run,
     tracks: Vec<PlatformTracks>,
+    /// Latency with which every pulse is interpolated, s.
+    needed_s: f64,
 }
 
 /// How a run ended.
@@ -341,6 +343,11 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     }
     let Some((rehearsed, nav)) = LiveNav::open(run)? else { return rehearse(run, range) };
     let mut stream = rehearse(&rehearsed, range)?;
+    let block_s = stream.factory.block_pulses() as f64 / run.scene.radar.emissions.mean_prf_hz();
+    let needed_s = nav.needed_latency_s(block_s);
+    if !run.stream.latency_given && needed_s > stream.settings.latency_s {
+        stream.wait_for(needed_s);
+    }
     let mut tracks = tracks(&rehearsed.nav, &rehearsed.scene)?.0;
     for (platform, (tracks, source)) in tracks.iter_mut().zip(&run.nav).enumerate() {
         if let Some(track) = nav.track(platform) {
@@ -348,7 +355,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
         }
     }
     let tracks = changing::tracks(tracks, &rehearsed.scene, stream.changes.as_ref())?;
-    stream.live = Some(Flown { nav, rehearsed, tracks });
+    stream.live = Some(Flown { nav, rehearsed, tracks, needed_s });
     Ok(stream)
 }
 
@@ -463,6 +470,24 @@ impl PulseStream {
     /// The run as it is rehearsed, where live navigation flies it.
     pub fn rehearsed(&self) -> Option<&Run> {
         self.live.as_ref().map(|flown| &flown.rehearsed)
+    }
+
+    /// Releases pulses so long after their emission, and gives the ring room for them.
+    fn wait_for(&mut self, latency_s: f64) {
+        let wanted = (latency_s * self.schedule.times.mean_prf_hz()).ceil() as usize + 1;
+        let fit = RING_BYTES / self.factory.layout.slot_bytes().max(1);
+        self.settings.latency_s = latency_s;
+        self.settings.ring_slots = self.settings.ring_slots.max(wanted.min(fit));
+    }
+
+    /// Release of a pulse minus its emission, s.
+    pub fn latency_s(&self) -> f64 {
+        self.settings.latency_s
+    }
+
+    /// The latency with which every pulse has interpolated navigation, s; `None` without live navigation.
+    pub fn needed_latency_s(&self) -> Option<f64> {
+        self.live.as_ref().map(|flown| flown.needed_s)
     }
 
     /// Live navigation of the run.

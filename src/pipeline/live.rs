@@ -12,6 +12,9 @@
 //!   `deadline - lead`, with `lead` twice the longest time a block has taken of late (at most half of the latency): then
 //!   tracks are extrapolated, and the pulses say so. So with a latency of support + block + lead, and what the receiver itself is late, every pulse has
 //!   the bits that a file would give.
+//! * A fix that the platform cannot have flown to is refused and counted ([`MotionGate`]); when such fixes go on to agree, they are believed, and the
+//!   motion goes to them as after a time without navigation.
+//! * Where the scenario asks for no latency, it is what the interval between the first fixes makes necessary ([`LiveNav::needed_latency_s`]).
 //! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left, and counted.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -24,6 +27,7 @@ use thiserror::Error;
 use super::build::{BuildError, BuildErrors};
 use crate::config::Run;
 use crate::motion::Track;
+use crate::motion::gate::{MotionGate, Verdict};
 use crate::motion::live::LiveTrack;
 use crate::nav::live::{Feed, FeedCounts, FeedError};
 use crate::nav::live::{Heard, LiveSource, Origin};
@@ -39,6 +43,8 @@ const LOOK: Duration = Duration::from_millis(20);
 const FORGOTTEN: Duration = Duration::from_secs(5);
 /// What a block is always given, beside the time it takes.
 const LEAST_LEAD: Duration = Duration::from_millis(2);
+/// What a receiver and its line may take, and what making a block may, s.
+const MARGIN_S: f64 = 0.3;
 /// From the last fix to the first pulse of a run that begins with its navigation, s: what making it ready may take.
 const READY_S: f64 = 3.0;
 
@@ -106,6 +112,14 @@ pub struct FlightReport {
     pub ahead: u64,
     /// Fixes left because no track can be made of them.
     pub unusable: u64,
+    /// Fixes refused because the platform cannot have flown to them.
+    pub implausible: u64,
+    /// How often such fixes were believed after all, because they went on to agree.
+    pub jumps: u64,
+    /// The median time between fixes, s.
+    pub interval_s: Option<f64>,
+    /// Whether the attitude is derived from the motion.
+    pub attitude_derived: Option<bool>,
 }
 
 /// One platform that flies by live navigation.
@@ -125,6 +139,8 @@ struct Gate {
     begun: OnceLock<(Instant, TimeTag)>,
     ahead: AtomicU64,
     unusable: AtomicU64,
+    implausible: AtomicU64,
+    jumps: AtomicU64,
 }
 
 /// Counts news, wakes those who wait for them.
@@ -170,13 +186,30 @@ impl LiveNav {
             // A file may be read ahead, a receiver cannot.
             let bounded = !matches!(source.origin, Origin::File(_));
             let (to, through, ring) = (track.clone(), Arc::clone(&gate), Arc::clone(&bell));
+            let mut plausible = MotionGate::new(run.scene.frame, source.bounds);
             let deliver = move |heard: Heard| {
                 if bounded && through.is_ahead(heard.fix.time) {
                     through.ahead.fetch_add(1, Ordering::Relaxed);
                     return;
                 }
-                if to.push(&heard.fix, heard.arrived).is_err() {
-                    through.unusable.fetch_add(1, Ordering::Relaxed);
+                let fixes = match plausible.judge(&heard.fix, heard) {
+                    Verdict::Believed(heard) => vec![heard],
+                    Verdict::Refused => {
+                        through.implausible.fetch_add(1, Ordering::Relaxed);
+                        return;
+                    }
+                    Verdict::Jumped(fixes) => {
+                        through.jumps.fetch_add(1, Ordering::Relaxed);
+                        if let Some(first) = fixes.first() {
+                            to.jump(first.fix.time);
+                        }
+                        fixes
+                    }
+                };
+                for heard in fixes {
+                    if to.push(&heard.fix, heard.arrived).is_err() {
+                        through.unusable.fetch_add(1, Ordering::Relaxed);
+                    }
                 }
                 ring.ring();
             };
@@ -248,6 +281,16 @@ impl LiveNav {
             };
         }
         if faults.is_empty() { Ok(run) } else { Err(BuildErrors(faults)) }
+    }
+
+    /// The latency with which every pulse is interpolated, s: the fixes that the interpolant needs after an instant, one more for
+    /// sentences, whose epoch ends with the next one, a block of pulses, and [`MARGIN_S`] for the receiver and for making it.
+    pub(super) fn needed_latency_s(&self, block_s: f64) -> f64 {
+        let of = |flight: &Flight| {
+            let fixes = flight.track.support() + 1;
+            flight.track.interval_s().map_or(0.0, |interval_s| fixes as f64 * interval_s)
+        };
+        self.flights.iter().map(of).fold(0.0, f64::max) + block_s + MARGIN_S
     }
 
     /// The track of a platform, if it flies by live navigation.
@@ -333,6 +376,10 @@ impl LiveNav {
             counts: flight.feed.counts(),
             ahead: flight.gate.ahead.load(Ordering::Relaxed),
             unusable: flight.gate.unusable.load(Ordering::Relaxed),
+            implausible: flight.gate.implausible.load(Ordering::Relaxed),
+            jumps: flight.gate.jumps.load(Ordering::Relaxed),
+            interval_s: flight.track.interval_s(),
+            attitude_derived: flight.track.derives_attitude(),
         };
         self.flights.iter().map(of).collect()
     }

@@ -40,6 +40,9 @@ pub enum StreamError {
     },
 }
 
+/// Release minus emission time where nothing is asked, s.
+pub const DEFAULT_LATENCY_S: f64 = 0.5;
+
 /// How pulses are released.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -49,6 +52,8 @@ pub struct Settings {
     pub policy: Policy,
     /// Release of a pulse minus its emission time, s: how far ahead pulses are made.
     pub latency_s: f64,
+    /// Whether the scenario asks for that latency; otherwise live navigation may need a longer one.
+    pub latency_given: bool,
     /// Slots of the ring between generation and release.
     pub ring_slots: usize,
     /// Pulses that are made at once before the first of them is there: a block for every thread.
@@ -69,7 +74,8 @@ impl Default for Settings {
         Self {
             pace: Pace::Realtime,
             policy: Policy::Stop,
-            latency_s: 0.5,
+            latency_s: DEFAULT_LATENCY_S,
+            latency_given: true,
             ring_slots: 128,
             batch_pulses: 1,
             threads: 0,

@@ -12,6 +12,7 @@ mod event;
 mod nav_out;
 mod patch;
 mod place;
+mod plausible;
 mod platform;
 mod radar;
 mod sea;
@@ -181,6 +182,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let start = time.start.filter(|_| time.start_written);
     let ships = ship::ships(&root, &ground, start);
     let targets = target::targets(&root, &ground);
+    plausible::targets(&root, &ground, targets.as_deref(), time.duration_s);
     let stream = stream::stream(
         &root,
         radar.as_ref(),
@@ -188,7 +190,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         targets.as_ref().map_or(0, Vec::len),
         live,
     );
-    let fidelity = stream::fidelity(&root, root.has(&keys::root::SEA));
+    let fidelity = stream::fidelity(&root);
     let sinks =
         stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
     let events = event::events(&root, &platforms, radar.as_ref(), time.duration_s);

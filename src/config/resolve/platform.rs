@@ -6,7 +6,8 @@ use crate::config::keys;
 use crate::config::section::Section;
 use crate::frames::{Body, Enu, Rotation, Vector};
 use crate::nav::{
-    AttitudeSource, FileFormat, FileSource, LiveSource, PlatformNav, Smoothing, TrackSource, VerticalDatum,
+    AttitudeSource, FileFormat, FileSource, LiveSource, MotionBounds, PlatformNav, Smoothing, TrackSource,
+    VerticalDatum,
 };
 
 /// One `[[platform]]`; its name has been read.
@@ -138,6 +139,7 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     let attitude = attitude_source(section);
     let (max_gap_s, max_extrapolation_s) = (section.number(&MAX_GAP_S), section.number(&MAX_EXTRAPOLATION_S));
     let patience_s = section.number(&PATIENCE_S);
+    let bounds = bounds(section);
     let has_rehearsal = section.has(&REHEARSAL);
     let rehearsal = section.section(&REHEARSAL).and_then(|section| track(section, ground, Part::Rehearsal));
     Some(LiveSource {
@@ -148,11 +150,36 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
         max_gap_s: max_gap_s?,
         max_extrapolation_s: max_extrapolation_s?,
         patience_s: patience_s?,
+        bounds: bounds?,
         rehearsal: if has_rehearsal { Some(Box::new(rehearsal?)) } else { None },
     })
 }
 
+/// How the platform can move.
+fn bounds(section: &Section<'_>) -> Option<MotionBounds> {
+    use keys::track::{MAX_ACCELERATION_MPS2, MAX_SPEED_MPS, RESET_FIXES, VEHICLE};
+    let usual = match section.choice(&VEHICLE) {
+        Some("ship") => Some(MotionBounds::SHIP),
+        Some("ground") => Some(MotionBounds::GROUND),
+        Some("spacecraft") => Some(MotionBounds::SPACECRAFT),
+        word => word.map(|_| MotionBounds::AIRCRAFT),
+    };
+    let (speed, acceleration) = (section.number(&MAX_SPEED_MPS), section.number(&MAX_ACCELERATION_MPS2));
+    let reset_fixes = section.count(&RESET_FIXES).and_then(|fixes| usize::try_from(fixes).ok());
+    let usual = usual?;
+    let given = |key, value: Option<f64>, usual| if section.has(key) { value } else { Some(usual) };
+    Some(MotionBounds {
+        max_speed_mps: given(&MAX_SPEED_MPS, speed, usual.max_speed_mps)?,
+        max_acceleration_mps2: given(&MAX_ACCELERATION_MPS2, acceleration, usual.max_acceleration_mps2)?,
+        reset_fixes: reset_fixes?,
+    })
+}
+
 fn attitude_source(section: &Section<'_>) -> Option<AttitudeSource> {
+    if !section.has(&keys::track::ATTITUDE) {
+        section.choice(&keys::track::ATTITUDE);
+        return Some(AttitudeSource::Automatic);
+    }
     Some(match section.choice(&keys::track::ATTITUDE)? {
         "recorded" => AttitudeSource::Recorded,
         "coordinated_turn" => AttitudeSource::CoordinatedTurn,

@@ -4,7 +4,7 @@ use super::antenna::{self, AimKeys, MountKeys};
 use super::calibration::{self, Limits};
 use super::clock::Given;
 use super::place::SurfaceKeys;
-use super::{Ground, Names};
+use super::{Ground, Names, plausible};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::{Section, polarisation, polarisation_pair};
@@ -76,11 +76,17 @@ pub(super) fn radar(
         let known = calibration.as_ref().map_or(0, Vec::len);
         check_size(&section, channels.len() + known, window.samples, has_adc);
     }
+    plausible::intervals(&section, emissions.as_ref(), pulse_s, limits.window_s);
     if let Some(channels) = &channels {
         warn_unused(&section, channels, &antennas);
     }
     section.finish();
 
+    if let Some(carrier_hz) = carrier_hz {
+        let of_transmitters = transmitters.iter().flatten().map(|tx| (&tx.name, &tx.antenna));
+        let of_receivers = receivers.iter().flatten().map(|rx| (&rx.name, &rx.antenna));
+        plausible::apertures(root, carrier_hz, of_transmitters.chain(of_receivers));
+    }
     Some(Radar {
         carrier_hz: carrier_hz?,
         sample_rate_hz: sample_rate_hz?,

@@ -53,7 +53,9 @@ pub(super) fn stream(
             section.fault(&POLICY, Problem::Live { found: "\"slip\"", place, allowed: "\"stop\", \"drop\"" });
         }
     }
-    let latency_ms = section.number(&LATENCY_MS);
+    let latency_given = section.has(&LATENCY_MS);
+    let asked_ms = section.number(&LATENCY_MS);
+    let latency_ms = if latency_given { asked_ms } else { Some(transport::DEFAULT_LATENCY_S * 1e3) };
     let threads = section.count(&THREADS);
     let ahead = section.choice(&PACER_PRIORITY).map(|word| word == "realtime");
     let pacer_core = match section.has(&PACER_CORE) {
@@ -76,6 +78,7 @@ pub(super) fn stream(
         pace: pace?,
         policy: policy?,
         latency_s,
+        latency_given,
         ring_slots: slots,
         // A block is what its echo makes of it.
         batch_pulses: 1,
@@ -86,8 +89,8 @@ pub(super) fn stream(
     })
 }
 
-/// `[fidelity]`; `with_sea` decides the default.
-pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
+/// `[fidelity]`.
+pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     use keys::fidelity::{
         DOPPLER, ECHO, ERROR_DB, FAINT_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES,
     };
@@ -109,15 +112,15 @@ pub(super) fn fidelity(root: &Section<'_>, with_sea: bool) -> Option<Fidelity> {
         doppler,
         ..Asked::default()
     };
-    let fast = echo.map_or(with_sea && !section.has(&ECHO), |word| word == "fast");
+    // A wrong word has been reported; as the default it makes no further fault.
+    let fast = echo.is_none_or(|word| word == "fast");
     // Knobs of the fast echo may stand beside "reference", so that one key switches a scenario; they do nothing there.
     let knobs = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
     let knobs: Vec<String> = knobs.map(|key| format!("fidelity.{}", key.name)).collect();
-    let written = section.has(&ECHO);
     section.finish();
     if !fast {
         if !knobs.is_empty() {
-            root.reader().warn(Warning::IdleKnobs { keys: knobs.join(", "), written });
+            root.reader().warn(Warning::IdleKnobs { keys: knobs.join(", ") });
         }
         return Some(Fidelity::Reference);
     }

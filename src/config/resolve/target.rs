@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::place::{self, SurfaceKeys};
-use super::{Ground, Names};
+use super::{Ground, Names, plausible};
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key, MOST_TARGETS};
 use crate::config::section::Section;
@@ -71,6 +71,9 @@ fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option
         height_m: if section.has(&k::POSITION_M) { None } else { Some(&k::HEIGHT_M) },
     };
     let position = place::above_sea(&section, &surface, ground);
+    if let Some(position) = position {
+        plausible::target(&section, [&k::POSITION_M, &k::HEIGHT_M], position, ground);
+    }
     let velocity = velocity(&section, &k::VELOCITY_MPS);
     let scattering = scattering(&section);
     section.finish();
@@ -127,6 +130,9 @@ fn grid(
         height_m: if section.has(&k::POSITION_M) { None } else { Some(&k::HEIGHT_M) },
     };
     let centre = place::above_sea(&section, &surface, ground);
+    if let Some(centre) = centre {
+        plausible::target(&section, [&k::POSITION_M, &k::HEIGHT_M], centre, ground);
+    }
     let count = match section.vector::<2>(&k::COUNT) {
         Some(count) if count.iter().any(|n| n.fract() != 0.0) => {
             let problem = Problem::Type {

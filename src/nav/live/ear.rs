@@ -35,7 +35,7 @@ pub struct Ear {
 impl Ear {
     /// An ear that has heard nothing. A fix waits for what it lacks for `max_gap_s` of its own time at most.
     pub fn new(datum: VerticalDatum, undulation_m: f64, attitude: AttitudeSource, max_gap_s: f64) -> Self {
-        let headings = matches!(attitude, AttitudeSource::Recorded);
+        let headings = matches!(attitude, AttitudeSource::Recorded | AttitudeSource::Automatic);
         Self {
             decoder: Decoder::new(),
             assembler: Assembler::new(),

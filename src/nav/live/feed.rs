@@ -17,7 +17,7 @@
 //!
 //! ```
 //! use std::sync::mpsc;
-//! use nereus::nav::live::{Feed, LiveSource, Origin};
+//! use nereus::nav::live::{Feed, LiveSource, MotionBounds, Origin};
 //! use nereus::nav::{AttitudeSource, VerticalDatum};
 //! use nereus::time::TimeTag;
 //!
@@ -29,6 +29,7 @@
 //!     max_gap_s: 5.0,
 //!     max_extrapolation_s: 1.0,
 //!     patience_s: 30.0,
+//!     bounds: MotionBounds::AIRCRAFT,
 //!     rehearsal: None,
 //! };
 //! let (to, from) = mpsc::channel();

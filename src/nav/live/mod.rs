@@ -37,8 +37,32 @@ pub struct LiveSource {
     pub max_extrapolation_s: f64,
     /// How long the begin of a run waits for navigation, s.
     pub patience_s: f64,
+    /// How a platform can move: fixes that ask for more are refused.
+    pub bounds: MotionBounds,
     /// A track that stands for the flight where one must be known beforehand.
     pub rehearsal: Option<Box<TrackSource>>,
+}
+
+/// How fast a platform can be, and when fixes that say otherwise are believed all the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionBounds {
+    /// Highest speed, m/s.
+    pub max_speed_mps: f64,
+    /// Highest acceleration, m/s^2.
+    pub max_acceleration_mps2: f64,
+    /// Refused fixes in a row that agree with each other after which they are believed.
+    pub reset_fixes: usize,
+}
+
+impl MotionBounds {
+    /// A ship, 40 m/s and 10 m/s^2 (an antenna at a mast head).
+    pub const SHIP: Self = Self { max_speed_mps: 40.0, max_acceleration_mps2: 10.0, reset_fixes: 5 };
+    /// A vehicle on the ground, 100 m/s and 30 m/s^2.
+    pub const GROUND: Self = Self { max_speed_mps: 100.0, max_acceleration_mps2: 30.0, reset_fixes: 5 };
+    /// An aircraft, 1000 m/s and 100 m/s^2.
+    pub const AIRCRAFT: Self = Self { max_speed_mps: 1000.0, max_acceleration_mps2: 100.0, reset_fixes: 5 };
+    /// A spacecraft, 12 km/s and 100 m/s^2.
+    pub const SPACECRAFT: Self = Self { max_speed_mps: 12_000.0, max_acceleration_mps2: 100.0, reset_fixes: 5 };
 }
 
 /// Where live navigation comes from.
