@@ -1,9 +1,10 @@
 //! One pulse under way, from synthesis to sink.
 //!
 //! A [`Pulse`] is a slot: allocated once, with the sizes of a [`Layout`], and then only overwritten. What making pulses costs
-//! is counted in [`costs`]; what was changed while a run went on
+//! is counted in [`costs`], what a converter is fed with in [`converter`]; what was changed while a run went on
 //! is in [`log`].
 
+pub mod converter;
 pub mod costs;
 pub mod log;
 

@@ -1,6 +1,7 @@
 //! `nereus check`: validate, explain, predict.
 
 mod known;
+mod limits;
 pub(super) mod plan;
 mod sea;
 pub(super) mod ships;
@@ -22,11 +23,15 @@ use crate::pipeline::build::{self, BuildErrors};
 use crate::pipeline::forecast::Forecast;
 use crate::pipeline::outlook::polarisation::polarisation;
 use crate::pipeline::outlook::{EDGE_BUDGET_DB, Outlook, SeaWarning, edge_db, outlook};
+use crate::pipeline::plausible;
 use crate::plan::cost::Prices;
 use crate::pulse::SampleFormat;
+use crate::radar::filter::ReceiveFilter;
+use crate::radar::receiver::thermal_noise_w;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
 use crate::sinks::{self, Kind};
 use crate::transport::{Pace, Policy};
+use crate::units::Decibels;
 
 /// What a scenario is and takes.
 #[derive(Debug, Serialize)]
@@ -81,6 +86,14 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     // An output that exists stands in the way of a run, not of a look at the scenario.
     report.warnings.extend(sinks::preflight(&run.sinks).iter().map(ToString::to_string));
     warn(&report.warnings);
+    let nominal = without_trajectory(&run);
+    if !nominal.is_empty() {
+        // What needs a trajectory is not said, rather than said of a wrong one.
+        let before = report.warnings.len();
+        report.warnings.extend(nominal);
+        warn(&report.warnings[before..]);
+        return print(args, &report, out);
+    }
     let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
     let stream = build::rehearse(&unrecorded, 0..run.scene.pulses)?;
     for note in stream.notes() {
@@ -106,11 +119,10 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         }
         report.plan = Some(planned);
     }
-    let forecast = stream.forecast().map_err(BuildErrors::from)?;
-    if forecast.targets_in_window == 0 && report.targets > 0 {
-        let missed = "no target lies in the receive window at the start, middle or end of the run";
-        report.warnings.push(missed.to_owned());
-    }
+    report.warnings.extend(plausible::targets(&run)?.iter().map(ToString::to_string));
+    let forecast = stream.forecast(&run.scene.radar).map_err(BuildErrors::from)?;
+    let levels = forecast.converter.iter().flat_map(|converter| converter.warnings());
+    report.warnings.extend(levels.map(|warning| warning.to_string()));
     if forecast.real_time_factor < 1.0 && run.stream.pace == Pace::Realtime {
         let slow = format!(
             "{} times real time on this machine: a run in real time falls behind; --pace fast, or stream.pace = \"fast\"",
@@ -120,7 +132,23 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     }
     warn(&report.warnings[told..]);
     report.forecast = Some(forecast);
-    let text = if args.json { json(&report)? } else { text(&report) };
+    print(args, &report, out)
+}
+
+/// Live platforms of which nothing is known beforehand.
+fn without_trajectory(run: &Run) -> Vec<String> {
+    let live = |(name, nav): (&String, &PlatformNav)| match &nav.truth {
+        TrackSource::Live(source) if source.rehearsal.is_none() => Some(format!(
+            "platform '{name}' is live, and where it will be is not known: sea, window, plan and speed are not predicted; \
+             a nominal trajectory (track.rehearsal) lets check predict them"
+        )),
+        _ => None,
+    };
+    run.scene.platforms.iter().zip(&run.nav).filter_map(live).collect()
+}
+
+fn print(args: &CheckArgs, report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
+    let text = if args.json { json(report)? } else { text(report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
 
@@ -164,7 +192,7 @@ fn digits(value: f64) -> String {
 }
 
 fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
-    vec![
+    let mut rows = vec![
         described(
             "speed",
             format!(
@@ -192,7 +220,15 @@ fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
                 forecast.recording_bytes as f64 / 1e6
             ),
         ),
-    ]
+    ];
+    if let Some(converter) = &forecast.converter {
+        let level = |of: &plausible::ChannelReport| {
+            format!("{} {} LSB rms, {} peak", of.channel, digits(of.rms_lsb), digits(of.peak_lsb))
+        };
+        let levels: Vec<String> = converter.channels.iter().map(level).collect();
+        rows.push(described("converter", levels.join("; ")));
+    }
+    rows
 }
 
 /// Everything that the scenario says by itself, without opening the files it names.
@@ -457,7 +493,19 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         without.push(described("direct path", "radar.direct_path = false"));
     }
     match radar.noise_figure_db {
-        Some(figure_db) => with.push(described("thermal noise", format!("noise figure {figure_db} dB"))),
+        Some(figure_db) => {
+            let bandwidth_hz = ReceiveFilter::new(radar.sample_rate_hz).noise_bandwidth_hz();
+            let noise_w = thermal_noise_w(bandwidth_hz, Decibels(figure_db));
+            with.push(described(
+                "thermal noise",
+                format!(
+                    "noise figure {figure_db} dB: k T0 F B = {:.1} dBW a sample, in the noise bandwidth of the receive filter, \
+                     {} MHz (0.875 of the sample rate)",
+                    Decibels::from_power_ratio(noise_w).0,
+                    neat(bandwidth_hz / 1e6)
+                ),
+            ));
+        }
         None => without.push(described("thermal noise", "no radar.noise_figure_db")),
     }
     match radar.adc {
@@ -467,5 +515,6 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
     known::models(run, &mut with, &mut without);
     sea::models(&run.scene, &mut with, &mut without);
     ships::models(&run.scene, &mut with, &mut without);
+    limits::models(run, &mut without);
     (with, without)
 }

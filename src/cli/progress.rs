@@ -60,13 +60,44 @@ fn bar(receiver: &Receiver<Status>, total: u64, what: &str) {
     bar.finish_and_clear();
 }
 
+/// How long the rest takes if it goes on like this.
+fn left(status: &Status, elapsed: Duration) -> String {
+    if status.passed == 0 || status.passed >= status.total {
+        return String::new();
+    }
+    let seconds = elapsed.as_secs_f64() * (status.total - status.passed) as f64 / status.passed as f64;
+    match seconds {
+        s if s < 100.0 => format!(", about {s:.0} s left"),
+        s if s < 6000.0 => format!(", about {:.0} min left", s / 60.0),
+        s => format!(", about {:.1} h left", s / 3600.0),
+    }
+}
+
 fn lines(receiver: &Receiver<Status>, what: &str) {
-    let mut last = Instant::now();
+    let begun = Instant::now();
+    let mut last = begun;
     for status in receiver {
         if last.elapsed() >= LINE_EVERY {
             last = Instant::now();
             let trouble = trouble(&status).map(|trouble| format!(", {trouble}")).unwrap_or_default();
-            say(format_args!("{} of {} {what}{trouble}", status.passed, status.total));
+            let left = left(&status, begun.elapsed());
+            say(format_args!("{} of {} {what}{left}{trouble}", status.passed, status.total));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_follows_from_what_is_done() {
+        let of = |passed, total, seconds| {
+            left(&Status { passed, total, late: 0, dropped: 0 }, Duration::from_secs(seconds))
+        };
+        assert_eq!(of(5, 20, 10), ", about 30 s left");
+        assert_eq!(of(1, 31, 20), ", about 10 min left");
+        assert_eq!(of(1, 1001, 36), ", about 10.0 h left");
+        assert_eq!((of(0, 20, 10), of(20, 20, 10)), (String::new(), String::new()));
     }
 }

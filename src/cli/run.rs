@@ -18,6 +18,7 @@ use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::live::{FlightReport, LiveNav};
 use crate::pipeline::outlook::outlook;
+use crate::pipeline::plausible::{self, ConverterReport, PhysicsWarning};
 use crate::pulse::log::Entry;
 use crate::sinks::sink::SinkReport;
 use crate::sinks::{self, Kind};
@@ -32,10 +33,15 @@ struct Report<'a> {
     /// What came of live navigation.
     #[serde(skip_serializing_if = "Option::is_none")]
     navigation: Option<Vec<FlightReport>>,
+    /// What the converter was fed with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    converter: &'a Option<ConverterReport>,
     /// What each recording holds.
     out: &'a [&'a SinkReport],
     /// What was changed of reports, up to the last pulse.
     changes: &'a [Entry],
+    /// What is legal about the scenario, and can hardly be meant.
+    warnings: Vec<String>,
     /// Why the run failed, if it did.
     error: Option<String>,
 }
@@ -49,6 +55,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let stream = build::stream(&run, pulses)?;
     let rehearsed = stream.rehearsed().unwrap_or(&run);
     warn(outlook(rehearsed)?.iter().flat_map(|sea| &sea.warnings));
+    let mut physics: Vec<PhysicsWarning> = plausible::targets(rehearsed)?.into_iter().collect();
+    warn(&physics);
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
@@ -76,7 +84,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     if let Some(needed_s) = stream.needed_latency_s() {
         latency(&run, needed_s, stream.latency_s());
     }
-    let log = stream.log();
+    let (log, levels) = (stream.log(), stream.levels());
     let open = door
         .zip(stream.control())
         .map(|(door, control)| door.open(Subject { control, stop: Arc::clone(&stop) }));
@@ -93,15 +101,31 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         (Some(log), Some(last)) if passed > 0 => log.between(None, last),
         _ => Vec::new(),
     };
+    let converter = levels.get().and_then(|levels| ConverterReport::of(&run.scene.radar, levels));
+    let of_converter = converter.as_ref().map_or_else(Vec::new, ConverterReport::warnings);
+    physics.extend_from_slice(&of_converter);
     if args.json {
         let error = outcome.result.as_ref().err().map(ToString::to_string);
         let navigation = live.as_ref().map(|live| live.report());
-        let report =
-            Report { summary: &outcome.summary, navigation, out: &recordings, changes: &changes, error };
+        let warnings = run.warnings.iter().map(ToString::to_string);
+        let warnings = warnings.chain(physics.iter().map(ToString::to_string)).collect();
+        let report = Report {
+            summary: &outcome.summary,
+            navigation,
+            converter: &converter,
+            out: &recordings,
+            changes: &changes,
+            warnings,
+            error,
+        };
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
         writeln!(out, "{text}").map_err(CliError::Output)?;
     }
     tell(&run, &outcome, &recordings);
+    if let Some(converter) = &converter {
+        tell_converter(converter);
+    }
+    warn(&of_converter);
     for Entry { pulse, platform, text, .. } in &changes {
         say(format_args!("from pulse {pulse}: {text} on {platform}"));
     }
@@ -199,6 +223,24 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     }
 }
 
+/// What the converter was fed with, for people.
+fn tell_converter(of: &ConverterReport) {
+    let levels: Vec<String> = of
+        .channels
+        .iter()
+        .map(|channel| {
+            format!("{} {:.2} LSB rms, {:.1} peak", channel.channel, channel.rms_lsb, channel.peak_lsb)
+        })
+        .collect();
+    say(format_args!(
+        "converter of {} bits: {}; {} of {} samples saturated",
+        of.bits,
+        levels.join("; "),
+        of.saturated,
+        of.samples
+    ));
+}
+
 /// A span of time, in milliseconds up to a second.
 fn span(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.3} ms", seconds * 1e3) } else { format!("{seconds:.3} s") }
@@ -234,7 +276,9 @@ fn tell_navigation(run: &Run, live: &LiveNav, outcome: &RunOutcome) {
             ));
         }
         if flight.attitude_derived == Some(true) && !asked_to_derive(run, &platform) {
-            say(format_args!("platform '{platform}': no attitude among the fixes: derived from the motion (coordinated turn)"));
+            say(format_args!(
+                "platform '{platform}': no attitude among the fixes: derived from the motion (coordinated turn)"
+            ));
         }
     }
     if let Some(latency) = &health.navigation_to_release_ms {

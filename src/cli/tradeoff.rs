@@ -71,12 +71,20 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let plan = stream.factory().plan().copied();
     drop(stream);
     let judge = reference(&run, sampled, threads)?;
+    let begun;
     let swept = {
         say("settings ...");
         let (status, watcher) = progress::watch_of(0, "settings");
-        let swept = sweep(&judge, &run, args.grid, with_fast, |done, all| {
+        let mut written = 0;
+        let swept = sweep(&judge, &run, args.grid, with_fast, |done, all, sweep| {
             let _ = status.try_send(Status { passed: done as u64, total: all as u64, late: 0, dropped: 0 });
+            if let Some(files) = files.as_ref().filter(|_| sweep.points.len() > written) {
+                // What cannot be written now is told at the end, when the whole table is.
+                let _ = files.write_table(csv(sweep, None), written == 0);
+                written = sweep.points.len();
+            }
         });
+        begun = written > 0;
         drop(status);
         watcher.finish();
         swept?
@@ -101,13 +109,9 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     } else {
         text(&report)
     };
-    if let Some(Files { table, picture, .. }) = &files {
-        let (table, picture) = (table.clone(), picture.clone());
-        let csv = csv(&swept, best);
-        table.write(|partial| {
-            fs::write(partial, csv).map_err(OutputError::io(partial, "writing")).map_err(SeaError::from)
-        })?;
-        save_canvas(picture, &draw(&run, &swept, error_db)?)?;
+    if let Some(files) = &files {
+        files.write_table(csv(&swept, best), !begun)?;
+        save_canvas(files.picture.clone(), &draw(&run, &swept, error_db)?)?;
     }
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
@@ -116,6 +120,19 @@ struct Files {
     table: Output,
     picture: Output,
     paths: [PathBuf; 2],
+}
+
+impl Files {
+    /// Writes the table: anew, or in the place of the one that this program has written before.
+    fn write_table(&self, csv: String, first: bool) -> Result<(), SeaError> {
+        let table = match first {
+            true => self.table.clone(),
+            false => Output::plan(&self.paths[0], FileKind::Settings, true)?,
+        };
+        table.write(|partial| {
+            fs::write(partial, csv).map_err(OutputError::io(partial, "writing")).map_err(SeaError::from)
+        })
+    }
 }
 
 /// The files of `--out`, whose folder is made where it is not there.
@@ -202,15 +219,18 @@ fn text(report: &Report) -> String {
         Some(point) => {
             let _ = writeln!(
                 text,
-                "for {} dB, the fastest: {} ({})",
+                "for {} dB, the fastest that keeps it, as predicted and as measured: {} ({})",
                 report.error_db,
                 name(&point.change),
                 settings_text(&point.settings)
             );
         }
         None => {
-            let _ =
-                writeln!(text, "none of these keeps {} dB: fidelity.echo = \"reference\"", report.error_db);
+            let _ = writeln!(
+                text,
+                "none of these keeps {} dB, as predicted and as measured: fidelity.echo = \"reference\"",
+                report.error_db
+            );
         }
     }
     let predicted = report.predicted_rel_rms_db.map_or(String::new(), |db| format!("; {db:.1} dB predicted"));

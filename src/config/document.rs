@@ -180,7 +180,9 @@ fn mark(node: &mut Node) {
 
 fn put_one(root: &mut Node, key: &str, value: Value) -> Result<(), String> {
     if key.split('.').any(str::is_empty) {
-        return Err("a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+".to_owned());
+        return Err(
+            "a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+".to_owned()
+        );
     }
     let mut here = root;
     let mut parts = key.split('.').peekable();
@@ -345,7 +347,11 @@ mod tests {
     #[test]
     fn a_plus_appends_an_entry() {
         let (mut root, _) = read("[[sink]]\nkind = \"null\"\n");
-        let list = [("sink.+", "{ kind = \"plain\", path = \"x\" }"), ("sink.+.kind", "null"), ("target.+.rcs_m2", "1")];
+        let list = [
+            ("sink.+", "{ kind = \"plain\", path = \"x\" }"),
+            ("sink.+.kind", "null"),
+            ("target.+.rcs_m2", "1"),
+        ];
         let list: Vec<_> = list.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
         assert!(put(&mut root, &list).is_empty());
         insta::assert_snapshot!(write(&root), @r#"

@@ -456,9 +456,7 @@ pub enum Warning {
         name: String,
     },
     /// Knobs of the fast echo beside the reference.
-    #[error(
-        "without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them"
-    )]
+    #[error("without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them")]
     IdleKnobs {
         /// The keys.
         keys: String,

@@ -91,9 +91,9 @@ impl<T> MotionGate<T> {
             self.rival = None;
             return Verdict::Believed(of);
         }
-        let agrees = self.rival.is_some_and(|rival| {
-            fix.time.since(rival.time) > 0.0 && rival.leads_to(&known, &self.bounds)
-        });
+        let agrees = self
+            .rival
+            .is_some_and(|rival| fix.time.since(rival.time) > 0.0 && rival.leads_to(&known, &self.bounds));
         if !agrees {
             self.rivals.clear();
         }
@@ -166,13 +166,15 @@ mod tests {
     #[test]
     fn a_manoeuvre_with_noise_passes() {
         // An aircraft at 200 m/s that turns with 6 g, its fixes off by up to 10 m, some of them missing.
-        let mut gate: MotionGate<i32> = MotionGate::new(SceneFrame::plain(Earth::Flat), MotionBounds::AIRCRAFT);
+        let mut gate: MotionGate<i32> =
+            MotionGate::new(SceneFrame::plain(Earth::Flat), MotionBounds::AIRCRAFT);
         for k in (0..400).filter(|k| k % 17 != 3) {
             let time_s = 0.05 * f64::from(k);
             let (turn, radius_m) = (0.3 * time_s, 200.0 / 0.3);
             let noise_m = 10.0 * (7.3 * f64::from(k)).sin();
             let mut fix = fix(time_s, radius_m * turn.sin() + noise_m);
-            fix.place = Place::Local(Point::new(radius_m * turn.sin() + noise_m, radius_m * turn.cos(), 300.0));
+            fix.place =
+                Place::Local(Point::new(radius_m * turn.sin() + noise_m, radius_m * turn.cos(), 300.0));
             assert_eq!(gate.judge(&fix, k), Verdict::Believed(k), "{time_s} s");
         }
     }
@@ -190,7 +192,10 @@ mod tests {
             assert_eq!(gate.judge(&fix(f64::from(k), east_m), f64::from(k)), Verdict::Refused);
         }
         for k in 16..20 {
-            assert_eq!(gate.judge(&fix(f64::from(k), 9e6 + 50.0 * f64::from(k)), f64::from(k)), Verdict::Refused);
+            assert_eq!(
+                gate.judge(&fix(f64::from(k), 9e6 + 50.0 * f64::from(k)), f64::from(k)),
+                Verdict::Refused
+            );
         }
         let verdict = gate.judge(&fix(20.0, 9e6 + 1000.0), 20.0);
         assert_eq!(verdict, Verdict::Jumped(vec![16.0, 17.0, 18.0, 19.0, 20.0]));

@@ -9,8 +9,9 @@
 
 use std::fs;
 use std::ops::Range;
-use std::sync::Arc;
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Instant;
 
@@ -31,6 +32,7 @@ use crate::nav::TrackSource;
 use crate::nav::changes::{ChangeFault, Changes};
 use crate::plan::PlanError;
 use crate::plan::settle::{Plan, settle};
+use crate::pulse::converter::Level;
 use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse};
@@ -59,6 +61,7 @@ use super::control::{Control, Desk, control};
 use super::live::{LiveFault, LiveNav};
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{header, open_all, placed, same_kind};
+use super::plausible;
 use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 use super::tracks::flown;
@@ -129,6 +132,35 @@ pub enum BuildError {
         platform: String,
         /// What is wrong.
         source: LiveFault,
+    },
+    /// An antenna in the water.
+    #[error(
+        "antenna \"{antenna}\" of platform '{platform}' is {depth_m:.2} m below mean sea level at pulse {pulse}; allowed: on or \
+         above it (look at the track, its datum, scene.origin_h_m and lever_arm_m)"
+    )]
+    BelowSea {
+        /// The transmitter or receiver.
+        antenna: String,
+        /// Its platform.
+        platform: String,
+        /// Depth, m.
+        depth_m: f64,
+        /// Where it is deepest.
+        pulse: u64,
+    },
+    /// A pulse from a file that lasts too long.
+    #[error(
+        "the pulse of {}, {pulse_us} us, is longer than the shortest pulse interval, {pri_us} us: two pulses would leave at once; \
+         allowed: a lower radar.prf_hz, or a shorter pulse",
+        path.display()
+    )]
+    LongPulse {
+        /// The file.
+        path: PathBuf,
+        /// Its length, us.
+        pulse_us: f64,
+        /// The shortest interval, us.
+        pri_us: f64,
     },
     /// A pulse of the trial.
     #[error(transparent)]
@@ -313,6 +345,7 @@ pub struct PulseStream {
     live: Option<Flown>,
     changes: Option<Arc<Changes>>,
     control: Option<(Control, Desk)>,
+    levels: Arc<OnceLock<Vec<Level>>>,
 }
 
 /// What flies by live navigation.
@@ -391,6 +424,7 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
     }
     let changes = changing::list(run);
     let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
+        faults.extend(plausible::faults(run, &tracks));
         let tracks = changing::tracks(tracks, scene, changes.as_ref())?;
         let factory = factory_by(scene, tracks, &run.fidelity, &run.clocks)?
             .with_calibration(&run.calibration, &scene.radar)?;
@@ -450,6 +484,7 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
         pool,
         notes,
         sea_bytes: needed,
+        levels: Arc::default(),
         live: None,
         control: changes
             .as_ref()
@@ -513,6 +548,11 @@ impl PulseStream {
     /// Asks for changes of reports while the run goes on; `None` unless the run allows that ([`Run::control`]).
     pub fn control(&self) -> Option<Control> {
         self.control.as_ref().map(|(control, _)| control.clone())
+    }
+
+    /// What the converter of each channel is fed with: set when the run has ended, empty without a converter.
+    pub fn levels(&self) -> Arc<OnceLock<Vec<Level>>> {
+        Arc::clone(&self.levels)
     }
 
     /// What is changed of reports; `None` where nothing can be.
@@ -581,7 +621,7 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        let Self { mut factory, settings, schedule, header, sinks, pool, live, control, .. } = self;
+        let Self { mut factory, settings, schedule, header, sinks, pool, live, control, levels, .. } = self;
         let desk = control.map(|(_, desk)| desk);
         let range = schedule.first..schedule.end();
         let first = schedule.times.emission(header.start, range.start);
@@ -630,8 +670,19 @@ impl PulseStream {
         });
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
+        let _ = levels.set(sum_of(workspaces.iter().map(Workspace::levels)));
         Ok((placed(outcome), costs))
     }
+}
+
+/// Levels of several workers together.
+pub(super) fn sum_of<'a>(workers: impl Iterator<Item = &'a [Level]>) -> Vec<Level> {
+    let mut sum = Vec::new();
+    for levels in workers {
+        sum.resize(levels.len(), Level::default());
+        sum.iter_mut().zip(levels).for_each(|(to, from): (&mut Level, _)| to.add(from));
+    }
+    sum
 }
 
 /// Lowers the priority of a worker, so that the pacer runs as soon as its deadline wakes it. Where the system

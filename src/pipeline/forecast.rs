@@ -8,8 +8,10 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::build::PulseStream;
+use super::build::{PulseStream, sum_of};
+use super::plausible::ConverterReport;
 use super::stages::PulseError;
+use crate::scene::Radar;
 
 /// How long the trial lasts.
 pub const TRIAL: Duration = Duration::from_millis(300);
@@ -35,6 +37,8 @@ pub struct Forecast {
     pub bytes_per_s: f64,
     /// Most targets whose whole echo lies in the window, over the first, middle and last pulse, in any pair.
     pub targets_in_window: usize,
+    /// What the converter was fed with in the trial; none of a radar without one.
+    pub converter: Option<ConverterReport>,
     /// Pulses made in the trial.
     pub trial_pulses: u64,
     /// Pulses per second, measured.
@@ -45,12 +49,12 @@ pub struct Forecast {
 
 impl PulseStream {
     /// Makes pulses for a moment and tells what the run will take.
-    pub fn forecast(&self) -> Result<Forecast, PulseError> {
-        self.forecast_over(TRIAL)
+    pub fn forecast(&self, radar: &Radar) -> Result<Forecast, PulseError> {
+        self.forecast_over(radar, TRIAL)
     }
 
     /// The same over a longer or shorter trial; every worker makes a block at least.
-    pub fn forecast_over(&self, trial: Duration) -> Result<Forecast, PulseError> {
+    pub fn forecast_over(&self, radar: &Radar, trial: Duration) -> Result<Forecast, PulseError> {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();
@@ -113,6 +117,7 @@ impl PulseStream {
             recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
             bytes_per_s: prf_hz * pulse_bytes as f64,
             targets_in_window,
+            converter: ConverterReport::of(radar, &sum_of(hands.iter().map(|(_, work)| work.levels()))),
             trial_pulses: made,
             pulses_per_s,
             real_time_factor: pulses_per_s / prf_hz,

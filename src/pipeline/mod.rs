@@ -17,6 +17,7 @@ pub mod memory;
 mod navigation;
 pub mod outlook;
 mod outputs;
+pub mod plausible;
 pub mod prices;
 mod single;
 pub mod speed;

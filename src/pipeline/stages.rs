@@ -19,6 +19,7 @@ use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::SynthError;
 use crate::plan::settle::Plan;
+use crate::pulse::converter::Level;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
 use crate::radar::calibration::{CalibrationFault, GeneratorScratch, Generators};
@@ -102,9 +103,15 @@ impl Workspace {
         &self.illumination.costs
     }
 
+    /// What the converter of each channel was fed with; empty without one.
+    pub fn levels(&self) -> &[Level] {
+        self.receiver.levels()
+    }
+
     /// Keeps the memory it has taken, but neither the block at hand nor what that has cost.
     pub(super) fn start_anew(&mut self) {
         self.illumination.costs = Costs::default();
+        self.receiver.reset_levels();
         self.block.iter_mut().for_each(BlockWork::forget);
     }
 }

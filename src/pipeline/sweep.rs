@@ -123,7 +123,7 @@ pub fn point(
         return Ok(None);
     }
     let accuracy = judge.accuracy(&judge.make(stream.factory())?);
-    let forecast = stream.forecast_over(TRIAL)?;
+    let forecast = stream.forecast_over(&run.scene.radar, TRIAL)?;
     Ok(Some(Point {
         change: name(change),
         settings,
@@ -162,9 +162,11 @@ pub fn mark_front(points: &mut [Point]) {
     }
 }
 
-/// The fastest setting whose error is at most what is wanted; `None` where none is.
+/// The fastest setting whose error is at most what is wanted, as predicted for the whole run and as measured at some of its pulses;
+/// `None` where none is.
 pub fn taken(points: &[Point], error_db: f64) -> Option<&Point> {
-    let kept = points.iter().filter(|point| point.rel_rms_db <= error_db);
+    let promised = |point: &&Point| point.predicted_rel_rms_db.is_none_or(|predicted| predicted <= error_db);
+    let kept = points.iter().filter(|point| point.rel_rms_db <= error_db).filter(promised);
     kept.max_by(|a, b| a.real_time_factor.total_cmp(&b.real_time_factor))
 }
 
@@ -207,7 +209,7 @@ pub struct Sweep {
 }
 
 /// Sweeps settings and models. `load` makes a run of the scenario with some keys set; `progress` is told how many of how many are
-/// done. Settings and models that come to what is written already are left out.
+/// done, and what is found so far (which of it is on the front is known at the end). Settings and models that come to what is written already are left out.
 ///
 /// # Errors
 /// Where the scenario as written cannot be built.
@@ -216,7 +218,7 @@ pub fn sweep(
     written_run: &Run,
     grid: bool,
     load: impl Fn(&Overrides) -> Result<Run, ConfigError>,
-    progress: impl Fn(usize, usize),
+    mut progress: impl FnMut(usize, usize, &Sweep),
 ) -> Result<Sweep, BuildErrors> {
     let (trials, models) = (trials(grid), models());
     let all = trials.len() + models.len();
@@ -226,7 +228,7 @@ pub fn sweep(
         build::rehearse(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.settled)
     };
     for (done, change) in trials.iter().enumerate() {
-        progress(done, all);
+        progress(done, all, &sweep);
         let open = change.iter().all(|(key, _)| key == ERROR_KEY);
         let run = if change.is_empty() { Ok(written_run.clone()) } else { load(change) };
         let measured = match run {
@@ -247,7 +249,7 @@ pub fn sweep(
     mark_front(&mut sweep.points);
     let base = written(judge, written_run)?;
     for (done, change) in models.iter().enumerate() {
-        progress(trials.len() + done, all);
+        progress(trials.len() + done, all, &sweep);
         // A scene without sea refuses them: it has no such choice.
         let Ok(run) = load(change) else { continue };
         if run.scene.sea == written_run.scene.sea {
@@ -260,7 +262,7 @@ pub fn sweep(
             }
         }
     }
-    progress(all, all);
+    progress(all, all, &sweep);
     Ok(sweep)
 }
 
@@ -292,6 +294,10 @@ mod tests {
         assert_eq!(taken(&points, -60.0).unwrap().real_time_factor, 2.0);
         assert_eq!(taken(&points, -61.0).unwrap().real_time_factor, 1.0);
         assert!(taken(&points, -90.0).is_none());
+        // Measured at a few pulses, and not promised for the others.
+        points[1].predicted_rel_rms_db = Some(-59.0);
+        points[2].predicted_rel_rms_db = Some(-61.0);
+        assert_eq!(taken(&points, -60.0).unwrap().real_time_factor, 1.5);
     }
 
     #[test]

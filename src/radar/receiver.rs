@@ -32,6 +32,7 @@ use rustfft::{Fft, FftPlanner};
 use super::clock::ChannelClock;
 use super::filter::{ReceiveFilter, bin_frequency_hz};
 use super::waveform::Waveform;
+use crate::pulse::converter::Level;
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::rng::{Room, stream};
 use crate::scene::Radar;
@@ -63,6 +64,20 @@ pub struct Receiver {
 #[derive(Clone, Debug)]
 pub struct ReceiverScratch {
     transform: Vec<Complex64>,
+    /// By channel; empty without a converter.
+    levels: Vec<Level>,
+}
+
+impl ReceiverScratch {
+    /// What the converter of each channel was fed with since the last reset; empty without one.
+    pub fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+
+    /// Forgets that.
+    pub fn reset_levels(&mut self) {
+        self.levels.fill(Level::default());
+    }
 }
 
 impl Receiver {
@@ -155,7 +170,11 @@ impl Receiver {
 
     /// Scratch memory for one thread.
     pub fn scratch(&self) -> ReceiverScratch {
-        ReceiverScratch { transform: vec![Complex64::ZERO; self.transform.get_inplace_scratch_len()] }
+        let levels = if self.adc.is_some() { self.channels } else { 0 };
+        ReceiverScratch {
+            transform: vec![Complex64::ZERO; self.transform.get_inplace_scratch_len()],
+            levels: vec![Level::default(); levels],
+        }
     }
 
     /// Complex sample rate, Hz.
@@ -221,12 +240,19 @@ impl Receiver {
                     }
                 }
                 (Samples::Ci16(out), Some(adc)) => {
+                    let (steps, mut level) = (scale / adc.step(), Level::default());
                     for (to, from) in out[window].iter_mut().zip(bins.iter()) {
+                        let mut beyond = 0;
                         *to = [from.re, from.im].map(|x| {
                             let (code, clipped) = convert(adc, x * scale);
-                            saturated += usize::from(clipped);
+                            beyond += usize::from(clipped);
                             code
                         });
+                        saturated += beyond;
+                        level.take([from.re * steps, from.im * steps], beyond > 0);
+                    }
+                    if let Some(of) = scratch.levels.get_mut(channel) {
+                        of.add(&level);
                     }
                 }
                 // The samples were replaced above.

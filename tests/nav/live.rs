@@ -34,7 +34,8 @@ fn source(origin: Origin) -> LiveSource {
         max_gap_s: 10.0,
         max_extrapolation_s: 1.0,
         patience_s: 30.0,
-        bounds: nereus::nav::live::MotionBounds::AIRCRAFT, rehearsal: None,
+        bounds: nereus::nav::live::MotionBounds::AIRCRAFT,
+        rehearsal: None,
     }
 }
 

@@ -134,12 +134,12 @@ pub struct FocusArgs {
     /// Means of power over so many pixels along both sides, in pictures and statistics
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub looks: usize,
-    /// Percent of the pixels that are not brighter than the last colour
-    #[arg(long, value_name = "P", default_value_t = 98.0)]
-    pub percentile: f64,
-    /// Picture in decibels over such a span below the brightest pixel (instead of amplitudes)
-    #[arg(long, value_name = "DB", conflicts_with = "percentile")]
-    pub dynamic_db: Option<f64>,
+    /// Picture of amplitudes instead of decibels, up to the amplitude that such a percentage of the pixels do not exceed
+    #[arg(long, value_name = "P", conflicts_with = "dynamic_db")]
+    pub percentile: Option<f64>,
+    /// Span of the decibels below the brightest pixel
+    #[arg(long, value_name = "DB", default_value_t = 50.0)]
+    pub dynamic_db: f64,
     /// All channels in one picture, side by side
     #[arg(long)]
     pub panels: bool,
@@ -389,11 +389,11 @@ fn check(args: &FocusArgs) -> Result<(), FocusError> {
     if !(1..=2).contains(&args.size_m.len()) {
         return bad("size-m", format!("{:?}", args.size_m), "one or two numbers above 0");
     }
-    if !(args.percentile > 0.0 && args.percentile <= 100.0) {
-        return bad("percentile", args.percentile.to_string(), "a number above 0, up to 100");
+    if let Some(percentile) = args.percentile.filter(|percent| !(*percent > 0.0 && *percent <= 100.0)) {
+        return bad("percentile", percentile.to_string(), "a number above 0, up to 100");
     }
-    if let Some(span) = args.dynamic_db.filter(|span| !(*span > 0.0 && *span <= 300.0)) {
-        return bad("dynamic-db", span.to_string(), "a number above 0, up to 300");
+    if !(args.dynamic_db > 0.0 && args.dynamic_db <= 300.0) {
+        return bad("dynamic-db", args.dynamic_db.to_string(), "a number above 0, up to 300");
     }
     if !(1..=4096).contains(&args.looks) {
         return bad("looks", args.looks.to_string(), "a whole number from 1 to 4096");
@@ -643,14 +643,14 @@ fn picture(
 ) -> Result<Canvas, CliError> {
     let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
     let (power, cells) = multilook(&power, ground.pixels, args.looks);
-    let (values, quantity, limits) = match args.dynamic_db {
-        Some(span) => {
-            let values: Vec<f64> = power.iter().map(|p| 10.0 * p.log10()).collect();
-            (values, "dBW", Limits::Below { percent: 100.0, span })
-        }
+    let (values, quantity, limits) = match args.percentile {
         None => {
+            let values: Vec<f64> = power.iter().map(|p| 10.0 * p.log10()).collect();
+            (values, "dBW", Limits::Below { percent: 100.0, span: args.dynamic_db })
+        }
+        Some(percent) => {
             let values: Vec<f64> = power.iter().map(|p| p.sqrt()).collect();
-            let top = percentile(&values, args.percentile).unwrap_or(0.0);
+            let top = percentile(&values, percent).unwrap_or(0.0);
             (values, "amplitude, sqrt(W)", Limits::Fixed([0.0, top.max(f64::MIN_POSITIVE * 1e20)]))
         }
     };
@@ -673,7 +673,7 @@ fn picture(
         y: Axis { label: "North, m", from: lower, to: upper },
         quantity,
         limits,
-        reduction: if args.dynamic_db.is_some() { Reduction::MeanPower } else { Reduction::Mean },
+        reduction: if args.percentile.is_none() { Reduction::MeanPower } else { Reduction::Mean },
         scale_bar: Some("m"),
         size_px: if args.panels { 512 } else { 768 },
         ..Picture::new(&values, cells).map_err(SeaError::from)?

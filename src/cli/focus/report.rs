@@ -42,7 +42,7 @@ struct Channel {
     /// None where the image has no power.
     mean_dbw: Option<f64>,
     peak_dbw: Option<f64>,
-    /// Amplitude at the upper end of the colours, sqrt(W).
+    /// Amplitude that `--percentile` percent of the pixels do not exceed, 98 unless given, sqrt(W).
     percentile_amplitude: Option<f64>,
     /// `<I^2>/<I>^2` of the power: 2 for speckle.
     contrast: f64,
@@ -111,7 +111,7 @@ fn channel(
         cell_m: focused.support.map(|s| s.cuts().map(|(_, cell)| cell)),
         mean_dbw: db(mean(1)),
         peak_dbw: db(power.iter().copied().fold(0.0, f64::max)),
-        percentile_amplitude: percentile(&power, args.percentile).map(f64::sqrt),
+        percentile_amplitude: percentile(&power, args.percentile.unwrap_or(98.0)).map(f64::sqrt),
         contrast,
         speckle: speckle::of(args, recording, ground, focused)?,
         targets: focused

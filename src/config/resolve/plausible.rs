@@ -32,7 +32,10 @@ pub(super) fn intervals(
     let longer = |span_s: &f64| *span_s > pri_s * (1.0 + 1e-9);
     if let Some(pulse_s) = pulse_s.filter(longer) {
         let key = if radar.has(&PRI_US) { &PRI_US } else { &PRF_HZ };
-        radar.fault(key, Problem::ShortInterval { pri_us: microseconds(pri_s), pulse_us: microseconds(pulse_s) });
+        radar.fault(
+            key,
+            Problem::ShortInterval { pri_us: microseconds(pri_s), pulse_us: microseconds(pulse_s) },
+        );
     } else if let Some(window_s) = window_s.filter(longer) {
         let (window_us, pri_us) = (microseconds(window_s), microseconds(pri_s));
         radar.reader().warn(Warning::OverlappingWindows { window_us, pri_us });
@@ -52,7 +55,8 @@ pub(super) fn apertures<'a>(
 ) {
     let half_m = 0.5 * SPEED_OF_LIGHT_MPS / carrier_hz;
     for (antenna, mount) in antennas {
-        let (Pattern::Rectangle { width_m, height_m } | Pattern::Ellipse { width_m, height_m }) = mount.pattern
+        let (Pattern::Rectangle { width_m, height_m } | Pattern::Ellipse { width_m, height_m }) =
+            mount.pattern
         else {
             continue;
         };

@@ -62,7 +62,8 @@ impl MotionBounds {
     /// An aircraft, 1000 m/s and 100 m/s^2.
     pub const AIRCRAFT: Self = Self { max_speed_mps: 1000.0, max_acceleration_mps2: 100.0, reset_fixes: 5 };
     /// A spacecraft, 12 km/s and 100 m/s^2.
-    pub const SPACECRAFT: Self = Self { max_speed_mps: 12_000.0, max_acceleration_mps2: 100.0, reset_fixes: 5 };
+    pub const SPACECRAFT: Self =
+        Self { max_speed_mps: 12_000.0, max_acceleration_mps2: 100.0, reset_fixes: 5 };
 }
 
 /// Where live navigation comes from.

@@ -1,0 +1,351 @@
+//! Whether a run can be meant as it is, as far as that takes trajectories or samples.
+//!
+//! * A fault: an antenna below mean sea level, a pulse from a file that is longer than the pulse interval.
+//! * A warning: targets whose echo never lies in the receive window, a converter that clips or that its signal never fills by one
+//!   code.
+//!
+//! Geometry is taken at [`INSTANTS`] pulses spread over the run, without the motion during the echo. What needs no trajectory
+//! is looked at when the scenario is read (`config::resolve`).
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::build::{BuildError, BuildErrors, tracks};
+use crate::config::Run;
+use crate::frames::{Enu, Point};
+use crate::motion::PlatformTracks;
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::nav::TrackSource;
+use crate::pulse::converter::Level;
+use crate::radar::waveform;
+use crate::scene::Scene;
+use crate::scene::radar::{Aim, AntennaMount, Gate, Radar, Waveform};
+use crate::time::TimeTag;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Pulses of a run at which geometry is taken.
+pub const INSTANTS: u64 = 33;
+/// Targets that a warning names.
+const MOST_NAMED: usize = 8;
+/// Depth that is rounding, m.
+const ROUNDING_M: f64 = 1e-6;
+/// Share of saturated samples above which a converter clips.
+const CLIPPED_SHARE: f64 = 1e-4;
+
+/// A target that no window hears, at the pulse at which it comes nearest to one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Unheard {
+    /// The target.
+    pub target: String,
+    /// Begin and end of its echo after the emission, us.
+    pub echo_us: [f64; 2],
+    /// Begin and end of the window, us.
+    pub window_us: [f64; 2],
+}
+
+/// Something legal about a run that can hardly be meant.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PhysicsWarning {
+    /// Targets beside the window.
+    #[error("{}", unheard_text(unheard, *targets))]
+    OutsideWindow {
+        /// They.
+        unheard: Vec<Unheard>,
+        /// All targets of the scene.
+        targets: usize,
+    },
+    /// A full scale that is too low.
+    #[error(
+        "channel {channel}: {saturated} of {samples} samples exceed the full scale of radar.adc, by up to {by_db:.1} dB: a \
+         full_scale_dbw of {full_scale_dbw:.1} would hold all of them"
+    )]
+    Clipping {
+        /// The channel.
+        channel: String,
+        /// Samples beyond full scale.
+        saturated: u64,
+        /// All samples.
+        samples: u64,
+        /// By how much, dB.
+        by_db: f64,
+        /// What would hold them, dBW.
+        full_scale_dbw: f64,
+    },
+    /// A full scale that is too high.
+    #[error(
+        "the strongest sample is {peak_lsb:.2} of a code: the full scale of radar.adc is above the signal by more than its \
+         {bits} bits hold; a full_scale_dbw of {full_scale_dbw:.1} would fill them"
+    )]
+    Unfilled {
+        /// The strongest sample of all channels, codes.
+        peak_lsb: f64,
+        /// Bits of the converter.
+        bits: u32,
+        /// What would fill them, dBW.
+        full_scale_dbw: f64,
+    },
+}
+
+fn unheard_text(unheard: &[Unheard], targets: usize) -> String {
+    let many = if unheard.len() == targets {
+        "no target lies in the receive window".to_owned()
+    } else {
+        format!("{} of {targets} targets never lie in the receive window", unheard.len())
+    };
+    let mut named: Vec<String> = unheard
+        .iter()
+        .take(MOST_NAMED)
+        .map(|Unheard { target, echo_us: [from, to], window_us: [opens, closes] }| {
+            format!("{target} (echo {from:.2} to {to:.2} us after the emission, window {opens:.2} to {closes:.2} us)")
+        })
+        .collect();
+    if unheard.len() > MOST_NAMED {
+        named.push(format!("{} more", unheard.len() - MOST_NAMED));
+    }
+    format!("{many}: {}", named.join(", "))
+}
+
+/// Pulses spread over a run, its ends among them.
+fn instants(scene: &Scene) -> Vec<u64> {
+    let last = scene.pulses.saturating_sub(1);
+    let count = INSTANTS.min(scene.pulses);
+    // In 128 bits: pulses of long runs times the instants.
+    let at = |step: u64| (u128::from(last) * u128::from(step) / u128::from((count - 1).max(1))) as u64;
+    (0..count).map(at).collect()
+}
+
+fn emission(scene: &Scene, pulse: u64) -> TimeTag {
+    scene.start.plus(scene.radar.emissions.interval_s(0, pulse))
+}
+
+fn antennas(radar: &Radar) -> impl Iterator<Item = (&String, &AntennaMount)> {
+    let transmitters = radar.transmitters.iter().map(|tx| (&tx.name, &tx.antenna));
+    transmitters.chain(radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna)))
+}
+
+fn phase_centre(tracks: &[PlatformTracks], mount: &AntennaMount, time: TimeTag) -> Option<Point<Enu>> {
+    let state = tracks[mount.platform].truth.state(time).ok()?;
+    Some(PhaseCentre::of(&state, mount.lever_arm).position)
+}
+
+/// What cannot be, once the tracks are known. A live platform is left out: its trajectory is only nominal.
+pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
+    let scene = &run.scene;
+    let mut faults = Vec::new();
+    for (antenna, mount) in antennas(&scene.radar) {
+        if matches!(run.nav[mount.platform].truth, TrackSource::Live(_)) {
+            continue;
+        }
+        let depth = |pulse: u64| {
+            // A track that ends early is told by who needs it.
+            let [x_m, y_m, z_m] = phase_centre(tracks, mount, emission(scene, pulse))?.to_array();
+            Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), pulse))
+        };
+        let deepest = instants(scene).into_iter().filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((depth_m, pulse)) = deepest.filter(|(depth_m, _)| *depth_m > ROUNDING_M) {
+            let platform = scene.platforms[mount.platform].clone();
+            faults.push(BuildError::BelowSea { antenna: antenna.clone(), platform, depth_m, pulse });
+        }
+    }
+    if let (Waveform::Samples { path, .. }, Ok(waveform)) =
+        (&scene.radar.waveform, waveform::from_description(&scene.radar.waveform))
+    {
+        let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.emissions.shortest_pri_s());
+        if pulse_s > pri_s * (1.0 + 1e-9) {
+            faults.push(BuildError::LongPulse {
+                path: path.clone(),
+                pulse_us: pulse_s * 1e6,
+                pri_us: pri_s * 1e6,
+            });
+        }
+    }
+    faults
+}
+
+/// Targets whose whole echo lies in no window, at none of the pulses looked at and in no pair of antennas.
+///
+/// # Errors
+/// Tracks that cannot be loaded.
+pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
+    let scene = &run.scene;
+    if scene.targets.is_empty() {
+        return Ok(None);
+    }
+    let (tracks, _) = tracks(&run.nav, scene)?;
+    let pulse_s = waveform::from_description(&scene.radar.waveform)?.duration_s();
+    let radar = &scene.radar;
+    let window_s = radar.window.samples as f64 / radar.sample_rate_hz;
+    let interval_s = 1.0 / radar.emissions.mean_prf_hz();
+    let pairs = radar.pairs();
+    // Distance from the window, echo and window of the nearest approach.
+    let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
+    for pulse in instants(scene) {
+        let time = emission(scene, pulse);
+        let end = |mount: &AntennaMount| phase_centre(&tracks, mount, time);
+        let ends: Vec<[Point<Enu>; 2]> = pairs
+            .iter()
+            .filter_map(|pair| {
+                let transmitter = end(&radar.transmitters[pair.transmitter].antenna)?;
+                Some([transmitter, end(&radar.receivers[pair.receiver].antenna)?])
+            })
+            .collect();
+        let Some(first) = ends.first() else { continue };
+        let Some(opens_s) = opens_s(run, &tracks, first, time) else { continue };
+        let since_s = time.since(scene.start);
+        for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
+            let place = target.position + target.velocity * since_s;
+            for ends in &ends {
+                let path_m: f64 = ends.iter().map(|end| (*end - place).norm()).sum();
+                let delay_s = path_m / SPEED_OF_LIGHT_MPS;
+                // The window may hear the echo of another emission: the one nearest to its middle.
+                let middle_s = opens_s + 0.5 * (window_s - pulse_s);
+                let delay_s = delay_s + ((middle_s - delay_s) / interval_s).round() * interval_s;
+                let off_s = (opens_s - delay_s).max(delay_s + pulse_s - opens_s - window_s).max(0.0);
+                if nearest.is_none_or(|(known_s, ..)| off_s < known_s) {
+                    *nearest = Some((off_s, delay_s, opens_s));
+                }
+            }
+        }
+    }
+    let us = |from_s: f64, to_s: f64| [from_s * 1e6, to_s * 1e6];
+    let unheard: Vec<Unheard> = scene
+        .targets
+        .iter()
+        .zip(nearest)
+        .filter_map(|(target, nearest)| {
+            // A window that just holds the pulse is no fault of a rounding.
+            let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 1e-12)?;
+            Some(Unheard {
+                target: target.name.clone(),
+                echo_us: us(delay_s, delay_s + pulse_s),
+                window_us: us(opens_s, opens_s + window_s),
+            })
+        })
+        .collect();
+    let targets = scene.targets.len();
+    Ok((!unheard.is_empty()).then_some(PhysicsWarning::OutsideWindow { unheard, targets }))
+}
+
+/// When the window opens after an emission.
+fn opens_s(run: &Run, tracks: &[PlatformTracks], ends: &[Point<Enu>; 2], time: TimeTag) -> Option<f64> {
+    match &run.scene.radar.window.gate {
+        Gate::Fixed { start_s } => Some(*start_s),
+        Gate::Follow { aim, lead_s, aim_from } => {
+            let aim: &Aim = aim;
+            let around = Surroundings { tracks, frame: &run.scene.frame, start: run.scene.start };
+            let (point, _) = around.aim_point(aim, *aim_from, time).ok()?;
+            let path_m: f64 = ends.iter().map(|end| (*end - point).norm()).sum();
+            Some(path_m / SPEED_OF_LIGHT_MPS - lead_s)
+        }
+    }
+}
+
+/// What the converter was fed with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConverterReport {
+    /// Bits.
+    pub bits: u32,
+    /// Full scale of I and of Q, dBW.
+    pub full_scale_dbw: f64,
+    /// Complex samples.
+    pub samples: u64,
+    /// Those whose I or Q lay beyond full scale.
+    pub saturated: u64,
+    /// By channel.
+    pub channels: Vec<ChannelReport>,
+}
+
+/// What the converter of a channel was fed with. One LSB is one code of I or of Q.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChannelReport {
+    /// The channel.
+    pub channel: String,
+    /// Complex samples.
+    pub samples: u64,
+    /// Those whose I or Q lay beyond full scale.
+    pub saturated: u64,
+    /// Root mean square of I and of Q before the converter, LSB.
+    pub rms_lsb: f64,
+    /// The largest |I| or |Q| before the converter, LSB.
+    pub peak_lsb: f64,
+}
+
+impl ConverterReport {
+    /// The report of a radar's converter; `None` of one that has none, or without a sample.
+    pub fn of(radar: &Radar, levels: &[Level]) -> Option<Self> {
+        let adc = radar.adc?;
+        let channels: Vec<ChannelReport> = radar
+            .channels
+            .iter()
+            .zip(levels)
+            .filter(|(_, level)| level.samples > 0)
+            .map(|(channel, level)| ChannelReport {
+                channel: channel.name.clone(),
+                samples: level.samples,
+                saturated: level.saturated,
+                rms_lsb: level.rms(),
+                peak_lsb: level.peak,
+            })
+            .collect();
+        (!channels.is_empty()).then(|| Self {
+            bits: adc.bits,
+            full_scale_dbw: 20.0 * adc.full_scale.log10(),
+            samples: channels.iter().map(|channel| channel.samples).sum(),
+            saturated: channels.iter().map(|channel| channel.saturated).sum(),
+            channels,
+        })
+    }
+
+    /// Where its full scale does not fit the signal.
+    pub fn warnings(&self) -> Vec<PhysicsWarning> {
+        let full_lsb = 2f64.powi(self.bits as i32 - 1);
+        let holds_dbw = |peak_lsb: f64| self.full_scale_dbw + 20.0 * (peak_lsb / full_lsb).log10();
+        let mut warnings: Vec<PhysicsWarning> = self
+            .channels
+            .iter()
+            .filter(|channel| channel.saturated as f64 > CLIPPED_SHARE * channel.samples as f64)
+            .map(|of| PhysicsWarning::Clipping {
+                channel: of.channel.clone(),
+                saturated: of.saturated,
+                samples: of.samples,
+                by_db: 20.0 * (of.peak_lsb / full_lsb).log10(),
+                full_scale_dbw: holds_dbw(of.peak_lsb),
+            })
+            .collect();
+        let peak_lsb = self.channels.iter().map(|channel| channel.peak_lsb).fold(0.0, f64::max);
+        // One bit codes signs, whatever the scale.
+        if peak_lsb > 0.0 && peak_lsb < 1.0 && self.bits > 1 {
+            let (bits, full_scale_dbw) = (self.bits, holds_dbw(peak_lsb));
+            warnings.push(PhysicsWarning::Unfilled { peak_lsb, bits, full_scale_dbw });
+        }
+        warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_scales_that_do_not_fit() {
+        let of = |peak_lsb: f64, saturated: u64| ConverterReport {
+            bits: 8,
+            full_scale_dbw: -100.0,
+            samples: 1000,
+            saturated,
+            channels: vec![ChannelReport {
+                channel: "VV".to_owned(),
+                samples: 1000,
+                saturated,
+                rms_lsb: 0.3 * peak_lsb,
+                peak_lsb,
+            }],
+        };
+        let told = |report: ConverterReport| {
+            report.warnings().iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+        };
+        assert_eq!(told(of(100.0, 0)), "");
+        insta::assert_snapshot!(told(of(1280.0, 50)), @"channel VV: 50 of 1000 samples exceed the full scale of radar.adc, by up to 20.0 dB: a full_scale_dbw of -80.0 would hold all of them");
+        insta::assert_snapshot!(told(of(0.128, 0)), @"the strongest sample is 0.13 of a code: the full scale of radar.adc is above the signal by more than its 8 bits hold; a full_scale_dbw of -160.0 would fill them");
+    }
+}
