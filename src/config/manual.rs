@@ -16,7 +16,8 @@ pub fn page() -> String {
          A scenario is a TOML file. Keys bear their units; angles are in degrees; unknown keys are refused. This page is\n\
          written by `nereus new keys` from the list that the reader itself follows.\n\n\
          Files to be read are looked for beside the scenario file; files to be made are relative to the working directory.\n\
-         Any key can be set on the command line: `--set radar.prf_hz=500`, `--set target.0.rcs_m2=10`.\n\n\
+         Any key can be set on the command line: `--set radar.prf_hz=500`, `--set target.0.rcs_m2=10`.\n\
+         In the place of a number `+` appends an entry: `--set 'sink.+={ kind = \"plain\", path = \"pulses\" }'`.\n\n\
          `position_m` of a platform is East, North, up in the scene frame (the plane that touches the sea at the origin);\n\
          `position_m` of a target or an aim point is East, North, height above the sea. On a flat earth they are the same.\n",
     );

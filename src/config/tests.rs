@@ -385,11 +385,37 @@ fn knobs_without_effect_are_named() {
         warned(&[("fidelity.echo", "reference")]),
         [format!("without effect on the reference echo: {keys}")]
     );
-    // Without a sea the reference is what is taken.
-    let taken = format!("without effect on the reference echo, which a scenario without [sea] has: {keys}");
-    assert_eq!(warned(&[]), [taken]);
+    // The fast echo is what every scenario takes, with a sea or without one.
+    assert_eq!(warned(&[]), [""; 0]);
     assert_eq!(warned(&[("fidelity.echo", "fast")]), [""; 0]);
     assert_eq!(of_scene(&coastal_with(&[("fidelity.echo", "reference")]).unwrap()), [&Warning::NoSink; 0]);
+}
+
+#[test]
+fn what_cannot_be_is_a_fault() {
+    insta::assert_snapshot!(faults_of(&[("radar.losses_db", "-3")]), @"radar.losses_db: -3 is out of range; allowed: a number from 0 to 300 dB");
+    insta::assert_snapshot!(faults_of(&[("radar.prf_hz", "3.1e6")]), @"radar.prf_hz: 0.322581 us between pulses are shorter than the pulse of 0.333 us: two pulses would leave at once; allowed: at least 0.333 us");
+    insta::assert_snapshot!(faults_of(&[("target.0.position_m", "[3000, 0, -0.5]")]), @"target.0.position_m: lies 0.500 m below the sea; allowed: a height of 0 m or more above mean sea level");
+    // A pulse right behind the other is one continuous wave.
+    assert!(
+        coastal_with(&[
+            ("radar.waveform.pulse_s", "1e-6"),
+            ("radar.prf_hz", "1e6"),
+            ("radar.window.samples", "100")
+        ])
+        .is_ok()
+    );
+}
+
+#[test]
+fn what_can_hardly_be_meant_is_a_warning() {
+    let warned = |list: &[(&str, &str)]| {
+        of_scene(&coastal_with(list).unwrap()).iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    insta::assert_snapshot!(warned(&[("radar.prf_hz", "1e6")]), @"windows of 5.12 us are longer than the shortest pulse interval of 1 us: they overlap, and a receiver would have to take the same instants twice");
+    let small = "{ kind = 'rectangle', width_m = 0.5, height_m = 0.01 }";
+    insta::assert_snapshot!(warned(&[("transmitter.0.antenna", small)]), @"");
+    insta::assert_snapshot!(warned(&[("target.0.velocity_mps", "[0, 0, -1]")]), @"");
 }
 
 #[test]
@@ -456,8 +482,8 @@ transmitter.0.name: ".." is not allowed; allowed: a name of 1 to 64 letters, dig
 receiver.0.name: "a/b" is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
 "#);
     insta::assert_snapshot!(faults_of(&[("", "1"), ("a..b", "2"), ("scene.seed.x", "1"), ("scene.seed", "-1")]), @r#"
-leads to nothing: a key is names joined by dots, such as radar.prf_hz or target.0.rcs_m2
-a..b: leads to nothing: a key is names joined by dots, such as radar.prf_hz or target.0.rcs_m2
+leads to nothing: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
+a..b: leads to nothing: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
 scene.seed.x: leads to nothing: scene.seed is not a table
 scene.seed: -1 is out of range; allowed: a whole number from 0 to 2^64 - 1
 "#);

@@ -65,7 +65,7 @@ fn scenario(folder: &Path, track: &str) -> String {
          [[transmitter]]\nname = \"tx\"\nplatform = \"coast\"\npower_w = 1.0\nantenna = {{ kind = \"isotropic\" }}\n\
          [[receiver]]\nname = \"rx\"\nplatform = \"aircraft\"\nantenna = {{ kind = \"isotropic\" }}\n\
          [[target]]\nname = \"buoy\"\nposition_m = [300.0, 900.0, 2.0]\nrcs_dbsm = 20.0\n\
-         [stream]\nlatency_ms = 700.0\n"
+         [stream]\nlatency_ms = 700.0\n[fidelity]\necho = \"reference\"\n"
     );
     let path = folder.join(format!("run-{}.toml", fs::read_dir(folder).unwrap().count()));
     fs::write(&path, text).unwrap();

@@ -12,6 +12,7 @@ mod inspection;
 mod live_navigation;
 #[cfg(feature = "hdf5")]
 mod oracle;
+mod plausible;
 mod mocomp;
 mod nav;
 mod polarisation_check;

@@ -52,7 +52,8 @@ fn origins_as_meant() {
 fn defaults_and_keys() {
     let plain = live("{ kind = 'live', source = 'udp://127.0.0.1:5002' }");
     assert_eq!((plain.datum, plain.undulation_m), (VerticalDatum::MeanSeaLevel, 288.2));
-    assert_eq!(plain.attitude, AttitudeSource::Recorded);
+    assert_eq!(plain.attitude, AttitudeSource::Automatic);
+    assert_eq!(plain.bounds, crate::nav::MotionBounds::AIRCRAFT);
     assert_eq!((plain.max_gap_s, plain.max_extrapolation_s, plain.patience_s), (5.0, 1.0, 30.0));
     assert_eq!(plain.rehearsal, None);
     let full = live(
@@ -63,6 +64,12 @@ fn defaults_and_keys() {
     assert_eq!(full.origin, Origin::Serial { path: "/dev/ttyS0".into(), baud: 4800 });
     assert_eq!(full.datum, VerticalDatum::Barometric { offset_m: 12.0 });
     assert_eq!(full.attitude, AttitudeSource::Level);
+    let ship = live(
+        "{ kind = 'live', source = '/dev/ttyS0', vehicle = 'ship', max_speed_mps = 20, reset_fixes = 9 }",
+    );
+    let bounds =
+        crate::nav::MotionBounds { max_speed_mps: 20.0, reset_fixes: 9, ..crate::nav::MotionBounds::SHIP };
+    assert_eq!(ship.bounds, bounds);
     assert_eq!((full.max_gap_s, full.max_extrapolation_s, full.patience_s), (2.0, 0.5, 0.0));
     let Some(TrackSource::File(file)) = full.rehearsal.as_deref() else { panic!("{:?}", full.rehearsal) };
     assert_eq!(file.format, FileFormat::Inspvax);

@@ -1,0 +1,205 @@
+//! What can hardly be meant is said, and what is left to the program is chosen so that it works.
+
+use std::fs;
+use std::path::Path;
+
+use nereus::frames::Geodetic;
+use nereus::nav::Sigma;
+use nereus::nav::encode::{Format, Sentence};
+use nereus::nav::solution::Solution;
+use nereus::time::TimeTag;
+use serde_json::Value;
+
+use crate::program::{nereus, package};
+
+fn config(name: &str) -> String {
+    package().join(format!("configs/{name}.toml")).display().to_string()
+}
+
+fn last_json(stdout: &str) -> Value {
+    serde_json::from_str(stdout.lines().last().unwrap()).unwrap()
+}
+
+#[test]
+fn targets_beside_the_window_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = ["--set", "target.+={ name = 'far', position_m = [90e3, 0, 5], rcs_m2 = 1.0 }"];
+    for command in [&["check"][..], &["run", "--json", "--pace", "fast", "--duration-s", "0.1"]] {
+        let name = config("coastal");
+        let words = [&command[..1], &[name.as_str()], &command[1..], &far].concat();
+        let ended = nereus(folder.path(), &words);
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        assert!(ended.stderr.contains("never lie in the receive window: far (echo "), "{}", ended.stderr);
+        if command[0] == "run" {
+            let warnings = last_json(&ended.stdout)["warnings"].to_string();
+            assert!(warnings.contains("far (echo "), "{warnings}");
+        }
+    }
+}
+
+#[test]
+fn an_antenna_below_the_sea_is_a_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["check", "run"] {
+        let ended = nereus(
+            folder.path(),
+            &[command, &config("coastal"), "--set", "transmitter.0.lever_arm_m=[0, 0, 4000]"],
+        );
+        assert_eq!(ended.code, 2, "{}", ended.stderr);
+        assert!(ended.stderr.contains("below mean sea level at pulse "), "{}", ended.stderr);
+    }
+}
+
+#[test]
+fn levels_of_the_converter_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |full_scale_dbw: &str| {
+        let scale = format!("radar.adc.full_scale_dbw={full_scale_dbw}");
+        let words =
+            ["run", &config("monostatic"), "--json", "--pace", "fast", "--pulses", "0..64", "--set", &scale];
+        let ended = nereus(folder.path(), &[&words[..], &["--set", "sink.0={ kind = 'null' }"]].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        (last_json(&ended.stdout), ended.stderr)
+    };
+    let usual = run("-100").0;
+    let of = &usual["converter"];
+    let peak = of["channels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| c["peak_lsb"].as_f64().unwrap())
+        .fold(0.0, f64::max);
+    assert!(of["samples"].as_u64().unwrap() > 0 && peak > 0.0, "{of}");
+    // A step is 6.02 dB of full scale a bit: levels in LSB scale with it.
+    let bits = of["bits"].as_f64().unwrap();
+    let peak_dbw = -100.0 + 20.0 * (peak / 2f64.powf(bits - 1.0)).log10();
+    let (clipped, said) = run(&format!("{}", peak_dbw - 40.0));
+    assert!(clipped["converter"]["saturated"].as_u64().unwrap() > 0, "{clipped}");
+    assert!(said.contains("exceed the full scale of radar.adc, by up to 40.0 dB"), "{said}");
+    let (lost, said) = run(&format!("{}", peak_dbw + 6.0206 * (bits - 1.0) + 6.0));
+    assert_eq!(lost["converter"]["saturated"], 0);
+    assert!(said.contains("the strongest sample is 0.50 of a code"), "{said}");
+    let rms = |report: &Value| report["converter"]["channels"][0]["rms_lsb"].as_f64().unwrap();
+    let by_db = 20.0 * (rms(&usual) / rms(&lost)).log10();
+    assert!((by_db - (peak_dbw + 6.0206 * (bits - 1.0) + 106.0)).abs() < 0.01, "{by_db}");
+}
+
+#[test]
+fn a_live_platform_is_checked_without_a_nominal_trajectory() {
+    let folder = tempfile::tempdir().unwrap();
+    let live = "platform.1.track={ kind = 'live', source = 'udp://127.0.0.1:5001' }";
+    let ended = nereus(folder.path(), &["check", &config("live-nav"), "--json", "--set", live]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("platform 'cart' is live, and where it will be is not known"),
+        "{}",
+        ended.stderr
+    );
+    let report = last_json(&ended.stdout);
+    assert!(report["plan"].is_null() && report["forecast"].is_null(), "{report}");
+}
+
+/// A flight of GGA and RMC, north at 60 m/s, so many epochs a second; one fix may lie elsewhere.
+fn log(path: &Path, rate_hz: f64, seconds: f64, wrong: impl Fn(u32) -> f64) {
+    let begin = TimeTag::from_iso8601("2021-06-01T12:00:00Z").unwrap();
+    let format = Format::Nmea([Sentence::Gga, Sentence::Rmc].to_vec());
+    let mut out = Vec::new();
+    for epoch in 0..(seconds * rate_hz) as u32 {
+        let t = f64::from(epoch) / rate_hz;
+        let solution = Solution {
+            time: begin.plus(t),
+            place: Geodetic::from_deg(51.0 + (60.0 * t + wrong(epoch)) / 111_250.0, 1.5, 345.0),
+            undulation_m: 45.0,
+            velocity_mps: Some([0.0, 60.0, 0.0]),
+            yaw_pitch_roll_rad: None,
+            sigma: Sigma::default(),
+        };
+        format.write(&solution, &mut out).unwrap();
+    }
+    fs::write(path, out).unwrap();
+}
+
+/// A scene whose receiver flies on a track; the run begins 12 s after the first epoch.
+fn scenario(folder: &Path, track: &str, more: &str) -> String {
+    let text = format!(
+        "[scene]\norigin_lat_deg = 51.0\norigin_lon_deg = 1.5\norigin_h_m = 45.0\n\
+         start_utc = \"2021-06-01T12:00:12Z\"\nduration_s = 1.0\n\
+         [radar]\ncarrier_hz = 10e9\nsample_rate_hz = 100e6\nprf_hz = 100\nchannels = [\"VV\"]\n\
+         [radar.waveform]\nkind = \"lfm\"\nbandwidth_hz = 60e6\npulse_s = 1e-6\n\
+         [radar.window]\nsamples = 512\nstart_us = 4.0\n\
+         [[platform]]\nname = \"coast\"\ntrack = {{ kind = \"fixed\", position_m = [1500.0, 0.0, 15.0] }}\n\
+         [[platform]]\nname = \"aircraft\"\ntrack = {track}\n\
+         [[transmitter]]\nname = \"tx\"\nplatform = \"coast\"\npower_w = 1.0\nantenna = {{ kind = \"isotropic\" }}\n\
+         [[receiver]]\nname = \"rx\"\nplatform = \"aircraft\"\nantenna = {{ kind = \"isotropic\" }}\n\
+         [[target]]\nname = \"buoy\"\nposition_m = [300.0, 900.0, 2.0]\nrcs_dbsm = 20.0\n{more}"
+    );
+    let path = folder.join("scene.toml");
+    fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+/// Positions at 1 Hz, nothing else: the run interpolates every pulse, and derives the attitude.
+#[test]
+fn slow_sentences_are_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    log(&folder.path().join("slow.nmea"), 1.0, 40.0, |_| 0.0);
+    let config = scenario(folder.path(), "{ kind = \"live\", source = \"file:slow.nmea\" }", "");
+    let ended = nereus(folder.path(), &["run", &config, "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report = last_json(&ended.stdout);
+    assert_eq!(
+        (&report["pulses"], &report["extrapolated"]),
+        (&Value::from(100), &Value::from(0)),
+        "{}",
+        ended.stderr
+    );
+    assert!(
+        ended.stderr.contains("latency ") && ended.stderr.contains("from the rate of the fixes"),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("derived from the motion"), "{}", ended.stderr);
+    // Asked for less, the run says how much there should be.
+    let ended = nereus(folder.path(), &["run", &config, "--set", "stream.latency_ms=200"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let said = "navigation arrives too late for stream.latency_ms = 200: pulses will be extrapolated; stream.latency_ms at least ";
+    assert!(ended.stderr.contains(said), "{}", ended.stderr);
+}
+
+/// The same positions from a recording.
+#[test]
+fn a_recording_of_positions_derives_its_attitude() {
+    let folder = tempfile::tempdir().unwrap();
+    log(&folder.path().join("slow.nmea"), 1.0, 40.0, |_| 0.0);
+    let track = "{ kind = \"nmea\", path = \"slow.nmea\", datum = \"msl\" }";
+    let ended = nereus(folder.path(), &["check", &scenario(folder.path(), track, "")]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(
+        ended.stdout.contains("no attitude among the fixes: derived from the motion"),
+        "{}",
+        ended.stdout
+    );
+}
+
+/// One fix with a right checksum, 100 km away: counted, and not flown to.
+#[test]
+fn a_fix_far_away_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = |epoch: u32| if epoch == 125 { 1e5 } else { 0.0 };
+    log(&folder.path().join("far.nmea"), 10.0, 40.0, far);
+    let config = scenario(folder.path(), "{ kind = \"live\", source = \"file:far.nmea\" }", "");
+    let ended = nereus(folder.path(), &["run", &config, "--json", "--out", "far.plain"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report = last_json(&ended.stdout);
+    let flight = &report["navigation"][0];
+    assert_eq!((&flight["implausible"], &flight["jumps"]), (&Value::from(1), &Value::from(0)), "{flight}");
+    assert!(ended.stderr.contains("1 fix refused: the platform cannot have flown there"), "{}", ended.stderr);
+    let bytes = fs::read(folder.path().join("far.plain/nav/aircraft/true/position_m.bin")).unwrap();
+    let north: Vec<f64> =
+        bytes.chunks_exact(24).map(|row| f64::from_le_bytes(row[8..16].try_into().unwrap())).collect();
+    assert_eq!(north.len(), 100);
+    for (pulse, north_m) in north.iter().enumerate() {
+        let expected_m = 60.0 * (12.0 + pulse as f64 / 100.0);
+        assert!((north_m - expected_m).abs() < 5.0, "pulse {pulse}: {north_m} m, {expected_m} m");
+    }
+}
