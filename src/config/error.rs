@@ -475,7 +475,7 @@ pub enum Warning {
     /// An aperture that is none.
     #[error(
         "the aperture of \"{antenna}\", {width_m} m x {height_m} m, is smaller than half a wavelength ({half_m:.4} m): the gain \
-         of a uniform aperture, 4 pi A / lambda^2, does not hold; an isotropic antenna or a measured pattern does"
+         of a uniform aperture, 4 pi A / lambda^2, does not hold; use an isotropic antenna or a measured pattern"
     )]
     SmallAperture {
         /// The transmitter or receiver.
