@@ -60,12 +60,13 @@ fn bar(receiver: &Receiver<Status>, total: u64, what: &str) {
     bar.finish_and_clear();
 }
 
-/// How long the rest takes if it goes on like this.
-fn left(status: &Status, elapsed: Duration) -> String {
-    if status.passed == 0 || status.passed >= status.total {
+/// How long the rest takes if it goes on as since the first status.
+fn left(status: &Status, first: u64, elapsed: Duration) -> String {
+    if status.passed <= first || status.passed >= status.total {
         return String::new();
     }
-    let seconds = elapsed.as_secs_f64() * (status.total - status.passed) as f64 / status.passed as f64;
+    let rest = (status.total - status.passed) as f64;
+    let seconds = elapsed.as_secs_f64() * rest / (status.passed - first) as f64;
     match seconds {
         s if s < 100.0 => format!(", about {s:.0} s left"),
         s if s < 6000.0 => format!(", about {:.0} min left", s / 60.0),
@@ -74,13 +75,15 @@ fn left(status: &Status, elapsed: Duration) -> String {
 }
 
 fn lines(receiver: &Receiver<Status>, what: &str) {
-    let begun = Instant::now();
-    let mut last = begun;
+    let mut last = Instant::now();
+    let mut begun = None;
     for status in receiver {
+        // A stream passes nothing until its latency is over: what is left is told from its first progress on.
+        let (since, first) = *begun.get_or_insert((Instant::now(), status.passed));
         if last.elapsed() >= LINE_EVERY {
             last = Instant::now();
             let trouble = trouble(&status).map(|trouble| format!(", {trouble}")).unwrap_or_default();
-            let left = left(&status, begun.elapsed());
+            let left = left(&status, first, since.elapsed());
             say(format_args!("{} of {} {what}{left}{trouble}", status.passed, status.total));
         }
     }
@@ -93,7 +96,7 @@ mod tests {
     #[test]
     fn what_is_left_follows_from_what_is_done() {
         let of = |passed, total, seconds| {
-            left(&Status { passed, total, late: 0, dropped: 0 }, Duration::from_secs(seconds))
+            left(&Status { passed, total, late: 0, dropped: 0 }, 0, Duration::from_secs(seconds))
         };
         assert_eq!(of(5, 20, 10), ", about 30 s left");
         assert_eq!(of(1, 31, 20), ", about 10 min left");

@@ -141,7 +141,7 @@ fn latency(run: &Run, needed_s: f64, latency_s: f64) {
     if run.stream.latency_given && latency_s < needed_s {
         warn([format!(
             "navigation arrives too late for stream.latency_ms = {}: pulses will be extrapolated; stream.latency_ms at least \
-             {needed_ms} interpolates all of them",
+             {needed_ms} interpolates all of them (fidelity.node_pulses = 1 makes every pulse by itself, and saves a block)",
             latency_s * 1e3
         )]);
     } else if !run.stream.latency_given {

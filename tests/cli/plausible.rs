@@ -160,7 +160,10 @@ fn slow_sentences_are_waited_for() {
     );
     assert!(ended.stderr.contains("derived from the motion"), "{}", ended.stderr);
     // Asked for less, the run says how much there should be.
-    let ended = nereus(folder.path(), &["run", &config, "--set", "stream.latency_ms=200"]);
+    let ended = nereus(
+        folder.path(),
+        &["run", &config, "--set", "stream.latency_ms=200", "--set", "stream.policy=drop"],
+    );
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let said = "navigation arrives too late for stream.latency_ms = 200: pulses will be extrapolated; stream.latency_ms at least ";
     assert!(ended.stderr.contains(said), "{}", ended.stderr);
