@@ -51,6 +51,8 @@ fn scenario(tx: &str, rx: &str, more: &str) -> config::Run {
         name = "buoy"
         position_m = [5, 3000, 20]
         rcs_m2 = 100.0
+        [fidelity]
+        echo = "reference"
         "#
     );
     config::parse(&text, Path::new("clocks.toml"), &[]).unwrap()
