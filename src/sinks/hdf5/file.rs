@@ -22,6 +22,7 @@ use crate::sinks::sink::{Header, SinkError};
 
 use super::changes::ChangeTable;
 use super::header;
+use super::superblock;
 
 /// Fewest pulses in a chunk of any dataset.
 pub const CHUNK_PULSES: usize = 16;
@@ -105,6 +106,8 @@ pub(super) fn is_recording(path: &Path) -> bool {
 
 /// Pulses of a recording that a reader finds, after a failure.
 pub(super) fn readable(path: &Path) -> u64 {
+    // Where that fails too, what cannot be opened is counted as lost.
+    let _ = superblock::enter_end(path);
     Recorded::open(path).map_or(0, |recorded| recorded.pulses as u64)
 }
 

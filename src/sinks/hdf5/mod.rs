@@ -35,6 +35,7 @@ use super::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 mod changes;
 pub(crate) mod file;
 pub(crate) mod header;
+mod superblock;
 
 use file::{Fault, Recording};
 
