@@ -157,7 +157,8 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
         return Err(error);
     }
     let pulses = recording.rows() as u64;
-    let draft = recording.close().map_err(|(fault, draft)| {
+    let draft = recording.close().map_err(|failed| {
+        let (fault, draft) = *failed;
         draft.abandon();
         Fault::at(out, "closing the result")(fault)
     })?;

@@ -94,7 +94,7 @@ fn recognise(path: &Path) -> Option<Holding> {
     }
     let columns = meta["columns"].as_object()?;
     let own = own_files(columns.keys().map(String::as_str));
-    found.iter().all(|file| own.contains(file)).then(|| Holding::Folder(own))
+    found.iter().all(|file| own.contains(file)).then_some(Holding::Folder(own))
 }
 
 /// Every file below a folder; `None` if something there is neither file nor folder.

@@ -270,13 +270,13 @@ impl Recording {
     }
 
     /// Flushes and closes; the file is then an ordinary one, which is still to be put in its place.
-    pub(crate) fn close(mut self) -> Result<Draft, (Fault, Draft)> {
+    pub(crate) fn close(mut self) -> Result<Draft, Box<(Fault, Draft)>> {
         let flushed = self.flush();
         let Self { datasets, changes, file, draft, .. } = self;
         drop((datasets, changes));
         match flushed.and_then(|()| Ok(file.close()?)) {
             Ok(()) => Ok(draft),
-            Err(fault) => Err((fault, draft)),
+            Err(fault) => Err(Box::new((fault, draft))),
         }
     }
 }

@@ -215,7 +215,8 @@ impl Hdf5Sink {
                     draft.unlock();
                     self.drafts.push(draft);
                 }
-                Err((fault, _)) => {
+                Err(failed) => {
+                    let (fault, _) = *failed;
                     self.closed_pulses += file::readable(&path);
                     return Err(Fault::at(&path, "closing the recording")(fault));
                 }
