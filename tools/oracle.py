@@ -14,7 +14,7 @@ For every emission whose echo meets the window, transmitter, receiver and target
     amplitude     a = sqrt(P lambda^2/((4 pi)^3 L)) g_t g_r/(R_t R_r) (e_r . S e_t),  bases (v, h)
     direct path   a = sqrt(P lambda^2/((4 pi)^2 L)) g_t g_r/R (e_r . e_t)
     samples       s(t) = a exp(-j 2 pi f0 tau) q(t - t_m - tau)
-                  q(t) = int_0^Tc p(u) exp(-j 2 pi f0 r u) h(t - u) du,  r = d tau/dt
+                  q(t) = int_0^Tc p(u) exp(-j 2 pi f0 r u) h(t - x) dx,  x = (1 + r) u,  r = d tau/dt
 
 h is the impulse response of the receive filter in closed form (1 up to 0.4 fs, raised cosine to 0 at
 0.5 fs), so q is made in the time domain by Gauss-Legendre quadrature: no spectrum, no FFT, no period.

@@ -13,7 +13,7 @@ use super::sounding::points::Law;
 use super::sounding::{LONGEST, Left, Powers, Sounded, Sounder, Sweeps, Swept};
 use super::{PlanError, Prediction};
 use crate::echo::Asked;
-use crate::echo::synth::doppler::{Doppler, error_power};
+use crate::echo::synth::doppler::{Doppler, Envelope, error_power, rigid_error_power};
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::radar::illumination::Illumination;
 use crate::radar::illumination::tiles::{Faint, GAIN_POINTS, LOOKS_PER_NODE, NODES};
@@ -151,6 +151,9 @@ impl Judge<'_> {
     }
 }
 
+/// Share of the budget up to which envelopes are left rigid: 0.04 dB.
+const OF_RIGID: f64 = 0.01;
+
 /// A rung of the gains below which tiles are faint.
 #[derive(Clone, Copy)]
 struct Rung {
@@ -205,6 +208,11 @@ pub fn settle(
             break;
         }
     }
+    let of_rigid = echoes.rigid_error(&sounder, fft_len);
+    if !exact && of_rigid <= OF_RIGID * budget {
+        settings.envelope = Envelope::Rigid;
+    }
+    let of_envelope = if settings.envelope == Envelope::Rigid { of_rigid } else { 0.0 };
     let hold_pulses = illumination.hold_pulses();
     let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
     rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
@@ -213,16 +221,17 @@ pub fn settle(
     let lengths = rungs.iter().filter(|_| !exact).map(|pulses| block_length(*pulses, hold_pulses));
     let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
     let longest = blocks.iter().copied().max().unwrap_or(1);
-    let mut of_doppler = echoes.doppler_error(&mut sounder, doppler, fft_len, &blocks)?;
+    let of = |doppler: Doppler| (doppler, settings.envelope);
+    let mut of_doppler = echoes.doppler_error(&mut sounder, of(doppler), fft_len, &blocks)?;
     let may_have_moment = asked.doppler.is_none() && doppler != Doppler::Taylor;
     if may_have_moment && of_doppler.of_blocks(longest) > 0.3 * budget {
-        let other = echoes.doppler_error(&mut sounder, Doppler::Taylor, fft_len, &blocks)?;
+        let other = echoes.doppler_error(&mut sounder, of(Doppler::Taylor), fft_len, &blocks)?;
         if other.of_blocks(longest) < 0.5 * of_doppler.of_blocks(longest) {
             settings.doppler = Doppler::Taylor;
             of_doppler = other;
         }
     }
-    let echo_of = |block: u64| PredictedError { doppler: of_doppler.of_blocks(block), ..error };
+    let echo_of = |block: u64| PredictedError { doppler: of_doppler.of_blocks(block) + of_envelope, ..error };
     let of_single = echo_of(1);
     let kept = sounder.kept(least_power);
     let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
@@ -442,17 +451,29 @@ impl Echoes<'_> {
         Ok((PredictedError { gridding: peak * worst.gridding, rounding, doppler: 0.0 }, fft_len))
     }
 
+    /// What rigid envelopes leave where everything has the largest rate of a delay.
+    fn rigid_error(&self, sounder: &Sounder<'_>, fft_len: usize) -> f64 {
+        let radar = &self.scene.radar;
+        let of = |rate: f64| {
+            let waveform = self.waveform.as_ref();
+            rigid_error_power(waveform, radar.carrier_hz, radar.sample_rate_hz, fft_len, rate)
+        };
+        let fastest = sounder.fastest();
+        sounder.peak([1.0, 1.0]).max(1.0) * of(fastest).max(of(-fastest))
+    }
+
     /// Doppler, the worst pair, in blocks of so many pulses each.
     fn doppler_error(
         &self,
         sounder: &mut Sounder<'_>,
-        doppler: Doppler,
+        doppler: (Doppler, Envelope),
         fft_len: usize,
         blocks: &[u64],
     ) -> Result<DopplerError, PlanError> {
         let radar = &self.scene.radar;
+        let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
         let off_mean = |mean_hz: f64, off_hz: f64| {
-            error_power(doppler, self.waveform.as_ref(), radar.sample_rate_hz, fft_len, mean_hz, off_hz)
+            error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
         };
         let dopplers = sounder.dopplers();
         let of_pair = |(mean_hz, groups): &(f64, Vec<f64>)| {

@@ -88,7 +88,7 @@ fn compress(fs_hz: f64, samples: &[Complex64], replica: &[Complex64]) -> Peak {
     Peak { lag_s: lag / fs_hz, value: at(lag) }
 }
 
-/// `Q_r(f) = P(f + f0 r) H(f)` in time, ringing and all: what a processor that knows the Doppler correlates with. Entry
+/// `Q_r(f) = (1 + r) P((1 + r) f + f0 r) H(f)` in time, ringing and all: what a processor that knows the Doppler correlates with. Entry
 /// `lead` is the start of the pulse.
 fn matched(waveform: &dyn Waveform, fs_hz: f64, rate: f64, lead: usize) -> Vec<Complex64> {
     let period = (waveform.span_samples(fs_hz) + 4 * lead).next_power_of_two();
@@ -97,7 +97,8 @@ fn matched(waveform: &dyn Waveform, fs_hz: f64, rate: f64, lead: usize) -> Vec<C
         .map(|k| {
             let f_hz = bin_frequency_hz(k, period, fs_hz);
             let delay = Complex64::cis(-TAU * (f_hz * lead as f64 / fs_hz).fract());
-            waveform.spectrum(f_hz + F0_HZ * rate) * filter.response(f_hz) * delay * fs_hz / period as f64
+            let pulse = waveform.spectrum((1.0 + rate) * f_hz + F0_HZ * rate) * (1.0 + rate);
+            pulse * filter.response(f_hz) * delay * fs_hz / period as f64
         })
         .collect();
     FftPlanner::new().plan_fft_inverse(period).process(&mut q);

@@ -124,7 +124,10 @@ def impulse_response(x):
 
 
 def received_pulse(scene, x, rates):
-    """q at any x (in units of 1/fs after the arrival) for each of the rates: [x, rate]."""
+    """q at any x (in units of 1/fs after the arrival) for each of the rates: [x, rate].
+
+    What leaves u after the beginning of the pulse arrives (1 + r) u after the beginning of the echo.
+    """
     f_max = scene.bandwidth / 2 + scene.fs / 2 + np.max(np.abs(scene.f0 * rates))
     panels = max(1, math.ceil(f_max * scene.pulse_s / 4))  # 4 turns to 32 nodes: exact to 1e-15
     node, weight = np.polynomial.legendre.leggauss(32)
@@ -133,11 +136,13 @@ def received_pulse(scene, x, rates):
     u = (edge[:-1, None] + half[:, None] * (1 + node)).ravel()
     w = (half[:, None] * weight).ravel() * scene.fs
     chirp = np.pi * scene.mu * (u - scene.pulse_s / 2) ** 2
-    p = w[:, None] * np.exp(1j * (chirp[:, None] - 2 * np.pi * scene.f0 * np.multiply.outer(u, rates)))
     out = np.empty((len(x), len(rates)), complex)
     rows = max(1, 4_000_000 // len(u))
-    for a in range(0, len(x), rows):
-        out[a : a + rows] = impulse_response(x[a : a + rows, None] - (u * scene.fs)[None, :]) @ p
+    for c, r in enumerate(rates):
+        p = (1 + r) * w * np.exp(1j * (chirp - 2 * np.pi * scene.f0 * r * u))
+        arrival = (1 + r) * u * scene.fs
+        for a in range(0, len(x), rows):
+            out[a : a + rows, c] = impulse_response(x[a : a + rows, None] - arrival[None, :]) @ p
     return out
 
 

@@ -18,11 +18,11 @@
 
 use num_complex::Complex64;
 
-use super::doppler::{self, Doppler};
+use super::doppler::{self, Correction, Doppler};
 use super::grid::Lined;
 use super::scalar::Scalar;
 use super::spread::Courses;
-use super::{Synth, SynthError};
+use super::{Settings, Synth, SynthError};
 use crate::scattering::contact::Contacts;
 
 /// Most pulses of a block.
@@ -332,6 +332,7 @@ impl<T: Scalar> Synth<T> {
     ) {
         let contacts = nodes[0].contacts.len();
         let mean_hz = block.frame.mean_hz[pair];
+        let correction = self.correction();
         let courses = &mut block.courses[pair];
         courses.phase.iter_mut().for_each(|p| p.resize(contacts, T::Turns::default()));
         courses.phase_cubic.resize(contacts, T::default());
@@ -355,8 +356,7 @@ impl<T: Scalar> Synth<T> {
                 let delay_s = node.contacts.delay_s[pair][n];
                 let rate = node.contacts.delay_rate[pair][n];
                 residual[i] = self.carrier_hz * rate - mean_hz;
-                let (extra_turns, extra_s) =
-                    doppler::correction(self.settings.doppler, self.waveform.as_ref(), mean_hz, residual[i]);
+                let (extra_turns, extra_s) = correction.of(mean_hz, residual[i]);
                 turns[i] = extra_turns - self.carrier_hz * delay_s;
                 let after_s = node.contacts.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
                 cells[i] = (after_s + self.lead_s) * self.cells_per_s + 0.5;
@@ -451,17 +451,23 @@ impl<T: Scalar> Synth<T> {
             let mean_hz = frame.mean_hz[layer.pair];
             replica.clear();
             replica.extend(self.bins.iter().map(|bin| {
+                let (f_hz, factor) =
+                    doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
                 let pulse = if layer.moment {
                     let scale = -std::f64::consts::TAU / self.waveform.duration_s();
-                    Complex64::I
-                        * scale
-                        * doppler::moment_spectrum(self.waveform.as_ref(), bin.f_hz + mean_hz)
+                    Complex64::I * scale * doppler::moment_spectrum(self.waveform.as_ref(), f_hz)
                 } else {
-                    self.waveform.spectrum(bin.f_hz + mean_hz)
+                    self.waveform.spectrum(f_hz)
                 };
-                pulse * bin.origin * bin.gain
+                pulse * bin.origin * (factor * bin.gain)
             }));
         }
+    }
+
+    /// What Doppler off the mean adds to phase and place.
+    pub(super) fn correction(&self) -> Correction {
+        let Settings { doppler, envelope, .. } = self.settings;
+        Correction::new(doppler, envelope, self.waveform.as_ref(), self.carrier_hz)
     }
 
     /// Whether Doppler off the mean needs a layer of its own.

@@ -14,7 +14,6 @@ use std::ops::Range;
 
 use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
-use super::doppler;
 use super::grid::{Grids, Lined};
 use super::spread::{Courses, Job};
 use crate::cpu::Task;
@@ -223,11 +222,8 @@ impl Synth<f32> {
         let middle = pulses.start + pulses.len() / 2;
         let length = if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
         let mean_hz = frame.mean_hz[batch.pair];
-        let sweep = self.waveform.sweep_rate_hz_per_s();
-        let shifted = match (self.settings.doppler, sweep) {
-            (doppler::Doppler::Shift, Some(mu)) => 1.0 / mu,
-            _ => 0.0,
-        };
+        let correction = self.correction();
+        let [shifted, moved] = correction.delays();
         let task = Polynomials {
             ends: Ends {
                 delay_s: [first.delay_s, second.delay_s],
@@ -235,8 +231,9 @@ impl Synth<f32> {
             },
             carrier_hz: self.carrier_hz,
             mean_hz,
-            half_pulse_s: 0.5 * self.waveform.duration_s(),
+            middle_s: correction.middle_s,
             shifted,
+            moved,
             before_s: self.lead_s - reference_s,
             cells_per_s: self.cells_per_s,
             interval_s: batch.interval_s,
@@ -343,9 +340,10 @@ struct Polynomials<'a> {
     ends: Ends<'a>,
     carrier_hz: f64,
     mean_hz: f64,
-    half_pulse_s: f64,
-    /// Delay per Hz of Doppler off the mean, s.
+    middle_s: f64,
+    /// Delay per Hz of Doppler off the mean, s: that which replaces Doppler, and all of it.
     shifted: f64,
+    moved: f64,
     /// From the window's start to cell 0, s.
     before_s: f64,
     cells_per_s: f64,
@@ -373,8 +371,8 @@ impl Task for Polynomials<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ends, carrier_hz, mean_hz, shifted, interval_s, length, middle, count, courses, .. } =
-            self;
+        let Self { ends, carrier_hz, mean_hz, shifted, moved, .. } = self;
+        let Self { interval_s, length, middle, count, courses, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
         let span_s = length * interval_s;
@@ -384,10 +382,8 @@ impl Task for Polynomials<'_> {
         let (mut base, mut place) = ([0i32; LANES], [[0.0f32; LANES]; 4]);
         for i in 0..lanes_for(count) {
             let residual = [carrier_hz * r0[i] - mean_hz, carrier_hz * r1[i] - mean_hz];
-            let delays = residual.map(|nu| nu * shifted);
-            let extra = [0, 1].map(|end| {
-                -residual[end] * self.half_pulse_s - delays[end] * (0.5 * residual[end] + mean_hz)
-            });
+            let delays = residual.map(|nu| nu * moved);
+            let extra = residual.map(|nu| -nu * self.middle_s - (nu * shifted) * (0.5 * nu + mean_hz));
             let difference = d1[i] - d0[i];
             let (v0, v1) = if length > 0.0 {
                 (r0[i] * span_s, r1[i] * span_s)

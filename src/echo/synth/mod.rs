@@ -5,7 +5,7 @@
 //! It makes what [`reference`](super::reference) defines,
 //!
 //! ```text
-//! S[k] = H(f_k) sum_n a_n e^{-j 2 pi f0 tau_n} P(f_k + f0 r_n) e^{-j 2 pi f_k d_n} ,  d_n = o_n + tau_n - t_w
+//! S[k] = H(f_k) sum_n a_n e^{-j 2 pi f0 tau_n} (1 + r_n) P((1 + r_n) f_k + f0 r_n) e^{-j 2 pi f_k d_n} ,  d_n = o_n + tau_n - t_w
 //! ```
 //!
 //! as
@@ -13,7 +13,7 @@
 //! ```text
 //! g[j]  = sum_n a_n e^{j 2 pi phi_n} phi(j - y_n)                       (1) spread: w cells for each contact
 //! G[k]  = sum_j g[j] e^{-j 2 pi j k / M}                                (2) one transform of M cells
-//! S[k]  = H(f_k) P(f_k + nu0) e^{-j 2 pi f_k t_0} G[k mod M] / phihat(k)  (3) |k| < N/2
+//! S[k]  = H(f_k) (1 + r0) P((1 + r0) f_k + f0 r0) e^{-j 2 pi f_k t_0} G[k mod M] / phihat(k)  (3) |k| < N/2
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -23,7 +23,7 @@
 //! | `t_0` | time of cell 0 after the first sample | s |
 //! | `phi`, `phihat` | spreading kernel and its transform ([`kernel`]) | - |
 //! | `phi_n` | carrier phase `-f0 tau_n`, and what Doppler off the mean adds | turns |
-//! | `nu0` | mean Doppler of the pair in the block ([`doppler`]) | Hz |
+//! | `r0` | mean rate of delays of the pair in the block ([`doppler`]) | - |
 //!
 //! Phase and place are polynomials over the block, held so that stepping loses nothing ([`block`]). Contacts farther from the window than the
 //! reference's guard go to cells that nobody reads; within a cell of that limit either may happen.
@@ -82,7 +82,7 @@ use rustfft::{Fft, FftPlanner};
 use thiserror::Error;
 
 use self::block::{BlockContacts, Frame};
-use self::doppler::Doppler;
+use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::Job;
 use super::reference::{GUARD_SAMPLES, fast_len};
@@ -115,14 +115,22 @@ pub struct Settings {
     pub oversampling: f64,
     /// Doppler within a pulse.
     pub doppler: Doppler,
+    /// Stretch of the pulse by the motion.
+    pub envelope: Envelope,
     /// Which instructions; `None` takes the fastest that this CPU has.
     pub variant: Option<Variant>,
 }
 
 impl Default for Settings {
-    /// Width 5 on twice as many cells as samples, Doppler by its mean.
+    /// Width 5 on twice as many cells as samples, Doppler by its mean, envelopes stretched.
     fn default() -> Self {
-        Self { width: 5, oversampling: 2.0, doppler: Doppler::Mean, variant: None }
+        Self {
+            width: 5,
+            oversampling: 2.0,
+            doppler: Doppler::Mean,
+            envelope: Envelope::Stretched,
+            variant: None,
+        }
     }
 }
 
@@ -491,8 +499,9 @@ impl<T: Scalar> Synth<T> {
             0.0
         };
         let doppler = doppler::error_power(
-            self.settings.doppler,
+            (self.settings.doppler, self.settings.envelope),
             self.waveform.as_ref(),
+            self.carrier_hz,
             self.sample_rate_hz,
             self.fft_len,
             mean_hz,
@@ -526,7 +535,7 @@ fn rounding_power<T: Scalar>(drift_cells: f64, mean_square_cycles: f64) -> f64 {
 pub struct PredictedError {
     /// Images of the grid.
     pub gridding: f64,
-    /// Doppler off the mean, within a pulse.
+    /// Doppler off the mean and stretch of the envelope, within a pulse.
     pub doppler: f64,
     /// Word length.
     pub rounding: f64,
