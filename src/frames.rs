@@ -325,12 +325,13 @@ pub struct SceneFrame {
     ecef_origin_m: DVec3,
     to_enu: DMat3,
     earth: Earth,
+    horizon: bool,
 }
 
 impl SceneFrame {
     /// A plain local frame that lies nowhere on Earth.
     pub fn plain(earth: Earth) -> Self {
-        Self { origin: None, ecef_origin_m: DVec3::ZERO, to_enu: DMat3::IDENTITY, earth }
+        Self { origin: None, ecef_origin_m: DVec3::ZERO, to_enu: DMat3::IDENTITY, earth, horizon: true }
     }
 
     /// The frame whose origin is the given point of the mean sea surface (its ellipsoidal height is
@@ -346,12 +347,23 @@ impl SceneFrame {
             ecef_origin_m: origin.to_ecef().raw(),
             to_enu: DMat3::from_cols(east, north, up).transpose(),
             earth,
+            horizon: true,
         }
+    }
+
+    /// The same, with or without a horizon that hides what lies beyond it. A flat earth has none.
+    pub fn with_horizon(self, horizon: bool) -> Self {
+        Self { horizon, ..self }
     }
 
     /// The origin, `None` for a plain local frame.
     pub fn origin(&self) -> Option<Geodetic> {
         self.origin
+    }
+
+    /// The earth as it hides what lies beyond its horizon: flat where it hides nothing.
+    pub fn hiding_earth(&self) -> Earth {
+        if self.horizon { self.earth } else { Earth::Flat }
     }
 
     /// The shape of the mean sea surface.

@@ -29,7 +29,8 @@ reception. Between pulses, positions are cubic Hermite on position and velocity,
 Printed is 20 log10(||recorded - computed|| / ||computed||) by pulse and channel. Single precision of the
 samples allows -150 dB; f64 phases of X band at 6 ms of delay allow -135 dB. Exit 0: all below the limit;
 1: not; 2: the recording cannot be judged: noise, converter, file patterns or waveforms; slicks, swell, ships;
-spectra other than Elfouhaily's and Fung and Lee's; averages over cells of the spectrum; shadows that may fall.
+spectra other than Elfouhaily's and Fung and Lee's; averages over cells of the spectrum; shadows that may fall; what
+lies beyond the horizon of a curved earth.
 """
 
 import argparse

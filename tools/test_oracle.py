@@ -19,7 +19,7 @@ except ImportError:
 
 from oracle import scattering as sc
 from oracle import spectra
-from oracle.echo import Echoes, all_at_once, light_time, one_by_one, pulse, rate
+from oracle.echo import Echoes, all_at_once, light_time, one_by_one, pulse, rate, received_pulse
 from oracle.frames import UP, Unfit, dot, unit
 from oracle.scene import Antenna, Scene, Track
 from oracle.sea import Sea, Surface
@@ -456,6 +456,32 @@ class GoldenEchoes(Judge):
             want = rows.re[of] + 1j * rows.im[of]
             # f0 tau is 2.4e5 turns in f64: 4e-11 turns each.
             self.near(out.reshape(-1, n).sum(axis=0), want, 1e-9, np.max(np.abs(want)))
+
+    def test_motion_stretches_the_pulse(self):
+        # A delay of rate r makes of a chirp another one, (1 + r) as long and of a rate mu/(1 + r)^2, with a
+        # Doppler shift of -f0 r/(1 + r): the same as one that hardly moves, on a carrier of 2^50 Doppler shifts.
+        still = 2.0**-50
+        for f0, fs, bandwidth, pulse_s, r in (
+            (35e9, 250e6, 200e6, 20e-6, 2.8e-5),
+            (10e9, 200e6, 164e6, 50e-6, -1.5e-6),
+            (10e9, 100e6, 60e6, 0.333e-6, 5e-5),
+        ):
+            moves = SimpleNamespace(
+                f0=f0, fs=fs, bandwidth=bandwidth, pulse_s=pulse_s, mu=bandwidth / pulse_s
+            )
+            stretch = 1 + r
+            rests = SimpleNamespace(
+                f0=f0 * r / stretch / still,
+                fs=fs,
+                bandwidth=bandwidth / stretch,
+                pulse_s=stretch * pulse_s,
+                mu=moves.mu / stretch**2,
+            )
+            x = np.linspace(-3.7, pulse_s * fs + 3.7, 40)
+            got = received_pulse(moves, x, np.array([r]))
+            want = received_pulse(rests, x, np.array([still]))
+            # Left is its own stretch, 2 pi B Tc 2^-50 = 5e-11; phases of 1e4 turns of the chirp, in f64.
+            self.near(got, want, 1e-9, np.max(np.abs(want)))
 
 
 class Whole(Judge):

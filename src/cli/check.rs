@@ -1,5 +1,6 @@
 //! `nereus check`: validate, explain, predict.
 
+mod horizon;
 mod known;
 mod limits;
 pub(super) mod plan;
@@ -108,6 +109,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         );
     }
     let told = report.warnings.len();
+    report.warnings.extend(horizon::warnings(&stream).map_err(BuildErrors::from)?);
     report.warnings.extend(report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
     report.warnings.extend(polarisation(&run)?.iter().map(ToString::to_string));
     if let Some(planned) = stream.factory().plan() {
@@ -472,7 +474,11 @@ fn place_text(place: &Place) -> String {
 fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
     let radar = &run.scene.radar;
     let (mut with, mut without) = (Vec::new(), Vec::new());
-    with.push(described("propagation", "exact light time of every pulse; Doppler within the pulse"));
+    with.push(described(
+        "propagation",
+        "exact light time of every pulse; Doppler within the pulse, carrier and envelope stretched alike",
+    ));
+    horizon::models(&run.scene, &mut with, &mut without);
     with.push(described(
         "echo",
         match run.fidelity {

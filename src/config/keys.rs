@@ -240,6 +240,7 @@ tables! {
         ORIGIN_H_M "origin_h_m", number("m", -500.0, 10_000.0), Means("see origin_lat_deg"), "Height of mean sea level above the WGS-84 ellipsoid at the origin (the geoid undulation). It converts every height above sea level of the scenario.";
         EARTH "earth", Choice(&["flat", "curved"]), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";
         EARTH_RADIUS_FACTOR "earth_radius_factor", number("", 0.1, 100.0), default(1.0), "Curved earth: effective radius over 6371 km; 4/3 is standard refraction.";
+        HORIZON "horizon", Kind::Flag, Means("true on a curved earth"), "Curved earth: whether it hides the sea, targets and the direct path beyond the horizon of an antenna. Without diffraction.";
         START_UTC "start_utc", TimeOr("live"), Means("2000-01-01T00:00:00Z; required with recorded tracks and live navigation"), "Emission of pulse 0. live: the first whole second that live navigation covers.";
         DURATION_S "duration_s", above("s", 0.0, 1e7), Required, "Pulses leave from start_utc until just before this much later.";
         SEED "seed", count(0, u64::MAX), Count(0), "Seed of every random stream.";

@@ -4,3 +4,4 @@ pub mod lanes;
 pub mod light_time;
 pub mod bistatic;
 pub mod shadow;
+pub mod horizon;

@@ -17,7 +17,8 @@ use num_complex::Complex64;
 
 use super::stages::PulseError;
 use crate::cpu::Variant;
-use crate::echo::synth::block::{BlockContacts, Frame, MAX_PULSES, Node};
+use crate::echo::synth::bands::Bands;
+use crate::echo::synth::block::{BlockContacts, Fill, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::plan::settle::{Settled, block_length, block_pulses};
@@ -72,6 +73,8 @@ pub(super) struct BlockWork {
     lanes: LaneWork,
     samples: Vec<Sample>,
     mean_hz: Vec<f64>,
+    /// For pulses that are taken in bands of Doppler.
+    bands: Option<Bands<f32>>,
     /// Contacts of the block at hand that are spread, over all pairs.
     spread: usize,
 }
@@ -152,6 +155,7 @@ impl BlockEcho {
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
+            bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,
         }
     }
@@ -166,6 +170,16 @@ impl BlockEcho {
         work: &mut BlockWork,
         spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
+        if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
+            let contacts = &mut work.nodes[0];
+            illumination.pulse(index, light, contacts, pulse)?;
+            let start_s = pulse.window_start_s;
+            let found = self.synth.pulse_in_bands(contacts, start_s, band_hz, bands, spectrum)?;
+            check(found)?;
+            light.costs.lap(Stage::Spread);
+            light.costs.accumulated(found.sounding);
+            return Ok(());
+        }
         illumination.record(index, light, pulse)?;
         if work.held.is_none_or(|(first, end)| !(first..end).contains(&index)) {
             work.held = None;
@@ -177,6 +191,11 @@ impl BlockEcho {
         light.costs.lap(Stage::Transform);
         light.costs.accumulated(work.spread);
         Ok(())
+    }
+
+    /// Width of the bands of Doppler where every pulse is made by itself, in such bands.
+    fn band_hz(&self) -> Option<f64> {
+        self.synth.settings().band_hz.filter(|_| self.length == 1)
     }
 
     /// Makes the block that holds a pulse; says which pulses it has.
@@ -205,7 +224,7 @@ impl BlockEcho {
             work.windows_s.push(pulse.window_start_s);
             let node = Node { pulse: 0, contacts };
             self.synth.fill(&[node], &work.windows_s, &mut work.part)?;
-            check(&work.part)?;
+            check(work.part.found())?;
             light.costs.lap(Stage::Fill);
             self.synth.spread(&work.part, &mut work.grids);
             light.costs.lap(Stage::Spread);
@@ -333,7 +352,7 @@ impl BlockEcho {
             *node = Node { pulse, contacts };
         }
         self.synth.fill_part(&given[..count], frame, pulses, part)?;
-        check(part)?;
+        check(part.found())?;
         light.costs.lap(Stage::Fill);
         self.synth.spread_part(part, grids);
         light.costs.lap(Stage::Spread);
@@ -341,8 +360,8 @@ impl BlockEcho {
     }
 }
 
-fn check(block: &BlockContacts<f32>) -> Result<(), PulseError> {
-    match block.found().unplaced {
+fn check(found: Fill) -> Result<(), PulseError> {
+    match found.unplaced {
         0 => Ok(()),
         unplaced => Err(PulseError::Unplaced { unplaced }),
     }

@@ -7,8 +7,7 @@
 //!   ground range the cell is `c / (B |g|)`, with `g` the horizontal gradient of the path over the first pair at the centre
 //!   of the patch: `c / (2 B sin theta)` for one antenna looking down at an incidence of theta. How fine a processor
 //!   makes the cell in azimuth is not known here: [`AZIMUTH_M`] is assumed, as fine as antennas of metres allow.
-//! * The window should hear the patch, and every antenna should see it: on a curved earth a facet is seen from above
-//!   its tangent plane.
+//! * The window should hear the patch, and every antenna should see it: on a curved earth it lies before the [`horizon`].
 //! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the patch.
 //! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear sea.
 //!
@@ -30,6 +29,7 @@ use super::build::{BuildError, BuildErrors, tracks};
 use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::frames::{Earth, Enu, Point, Vector};
+use crate::geometry::horizon;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::TrackError;
@@ -178,7 +178,15 @@ pub enum SeaWarning {
         u10_mps: f64,
     },
     /// Behind the curve of the earth.
-    #[error("{:.0} % of the patch lie beyond the horizon of \"{antenna}\" at pulse {pulse}", 100.0 * share)]
+    #[error(
+        "{:.0} % of the patch lie beyond the horizon of \"{antenna}\" at pulse {pulse}{}: it sees the sea to {:.1} km, the patch \
+         lies {:.1} to {:.1} km away",
+        100.0 * share,
+        if *hidden { " and are dark" } else { ", and are lit all the same (scene.horizon = false)" },
+        horizon_m / 1e3,
+        distance_m[0] / 1e3,
+        distance_m[1] / 1e3
+    )]
     BeyondHorizon {
         /// The transmitter or receiver.
         antenna: String,
@@ -186,6 +194,12 @@ pub enum SeaWarning {
         share: f64,
         /// The pulse.
         pulse: u64,
+        /// How far the antenna sees the mean surface, m.
+        horizon_m: f64,
+        /// Nearest and farthest point of the patch, m.
+        distance_m: [f64; 2],
+        /// Whether it is dark there.
+        hidden: bool,
     },
     /// A ship without waves.
     #[error(
@@ -382,17 +396,23 @@ impl View<'_> {
         let receivers = radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna));
         for (name, mount) in transmitters.chain(receivers) {
             let end = self.phase_centre(mount)?;
-            let hidden = points.iter().filter(|point| {
-                let [x_m, y_m, _] = point.to_array();
-                let [fall_x, fall_y] = earth.drop_slope(x_m, y_m);
-                (end - **point).dot(Vector::new(fall_x, fall_y, 1.0)) <= 0.0
-            });
-            let share = hidden.count() as f64 / points.len() as f64;
+            let horizon_m = horizon::distance_m(earth, [horizon::height_m(earth, end), 0.0]);
+            let away_m = || points.iter().map(|point| horizon::apart_m(end, *point));
+            let share = away_m().filter(|far_m| *far_m > horizon_m).count() as f64 / points.len() as f64;
+            let distance_m = [away_m().fold(f64::INFINITY, f64::min), away_m().fold(0.0, f64::max)];
+            let hidden = self.scene.frame.hiding_earth() != Earth::Flat;
             let known =
                 |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
             if share > 0.0 && !outlook.warnings.iter().any(known) {
                 let (antenna, pulse) = (name.clone(), self.pulse);
-                outlook.warnings.push(SeaWarning::BeyondHorizon { antenna, share, pulse });
+                outlook.warnings.push(SeaWarning::BeyondHorizon {
+                    antenna,
+                    share,
+                    pulse,
+                    horizon_m,
+                    distance_m,
+                    hidden,
+                });
             }
         }
         Ok(())

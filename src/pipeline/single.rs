@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::stages::PulseError;
+use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockContacts, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
 use crate::pulse::Pulse;
@@ -21,6 +22,7 @@ pub(super) struct SingleWork {
     block: BlockContacts<f64>,
     grids: Grids<f64>,
     scratch: SynthScratch<f64>,
+    bands: Option<Bands<f64>>,
 }
 
 impl SingleEcho {
@@ -38,6 +40,7 @@ impl SingleEcho {
             block: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
+            bands: self.synth.settings().band_hz.map(|_| self.synth.bands()),
         }
     }
 
@@ -51,8 +54,18 @@ impl SingleEcho {
         work: &mut SingleWork,
         spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
-        let SingleWork { contacts, block, grids, scratch } = work;
+        let SingleWork { contacts, block, grids, scratch, bands } = work;
         illumination.pulse(index, light, contacts, pulse)?;
+        if let (Some(band_hz), Some(bands)) = (self.synth.settings().band_hz, bands) {
+            let start_s = pulse.window_start_s;
+            let found = self.synth.pulse_in_bands(contacts, start_s, band_hz, bands, spectrum)?;
+            light.costs.lap(Stage::Spread);
+            light.costs.accumulated(found.sounding);
+            return match found.unplaced {
+                0 => Ok(()),
+                unplaced => Err(PulseError::Unplaced { unplaced }),
+            };
+        }
         self.synth.fill(&[Node { pulse: 0, contacts }], &[pulse.window_start_s], block)?;
         if block.found().unplaced > 0 {
             return Err(PulseError::Unplaced { unplaced: block.found().unplaced });

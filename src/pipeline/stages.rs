@@ -26,8 +26,8 @@ use crate::radar::calibration::{CalibrationFault, GeneratorScratch, Generators};
 use crate::radar::clock::{ChannelClock, RunningClocks};
 use crate::radar::fault::RadarError;
 use crate::radar::illumination;
-use crate::radar::illumination::Illumination;
 use crate::radar::illumination::snapshot::Snapshot;
+use crate::radar::illumination::{BeyondHorizon, Illumination};
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scattering::contact::Contacts;
@@ -190,6 +190,11 @@ impl PulseFactory {
         let whole = |delay_s: &&f64| (opens_s..=closes_s - self.waveform.duration_s()).contains(*delay_s);
         let pairs = pulse.target_delay_s.chunks_exact(targets);
         pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
+    }
+
+    /// Targets that the earth hides from an antenna at a pulse.
+    pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
+        self.illumination.beyond_horizon(index)
     }
 
     /// The facets of the sea as a pulse's emission lights them; `None` for a scene without sea.

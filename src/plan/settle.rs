@@ -154,6 +154,9 @@ impl Judge<'_> {
 /// Share of the budget up to which envelopes are left rigid: 0.04 dB.
 const OF_RIGID: f64 = 0.01;
 
+/// Share of the budget that Doppler may leave where pulses are split into bands of it.
+const OF_BANDS: f64 = 0.3;
+
 /// A rung of the gains below which tiles are faint.
 #[derive(Clone, Copy)]
 struct Rung {
@@ -233,6 +236,15 @@ pub fn settle(
     }
     let echo_of = |block: u64| PredictedError { doppler: of_doppler.of_blocks(block) + of_envelope, ..error };
     let of_single = echo_of(1);
+    // Pulses by themselves can be split into bands of Doppler.
+    let most = OF_BANDS * budget;
+    let band = (asked.doppler.is_none() && of_single.doppler > most)
+        .then(|| echoes.band(&sounder, of(settings.doppler), fft_len, most))
+        .flatten();
+    let of_single = match band {
+        Some((_, doppler)) => PredictedError { doppler: doppler + of_envelope, ..error },
+        None => of_single,
+    };
     let kept = sounder.kept(least_power);
     let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
     let one_by_one = |gain_pulses: u64| {
@@ -244,7 +256,7 @@ pub fn settle(
             faint_share: 0.0,
             least_power,
             precision,
-            echo: settings,
+            echo: Settings { band_hz: band.map(|(band_hz, _)| band_hz), ..settings },
         };
         let prediction = Prediction { echo: of_single, ..Prediction::default() };
         Plan { asked: *asked, settled, prediction, work: size.work(&settled, false), size }
@@ -460,6 +472,38 @@ impl Echoes<'_> {
         };
         let fastest = sounder.fastest();
         sounder.peak([1.0, 1.0]).max(1.0) * of(fastest).max(of(-fastest))
+    }
+
+    /// Widest bands of Doppler that leave no more than `most`, Hz, and what they leave; `None` where none do.
+    fn band(
+        &self,
+        sounder: &Sounder<'_>,
+        doppler: (Doppler, Envelope),
+        fft_len: usize,
+        most: f64,
+    ) -> Option<(f64, f64)> {
+        let radar = &self.scene.radar;
+        let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
+        let means: Vec<f64> = sounder.dopplers().into_iter().map(|(mean_hz, _)| mean_hz).collect();
+        let peak = sounder.peak([1.0, 1.0]).max(1.0);
+        // The strongest contact of a band may lie at one end of it, and another at the other.
+        let left = |band_hz: f64| {
+            let of = |mean_hz: f64, off_hz: f64| {
+                error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
+            };
+            let both = means.iter().map(|mean_hz| of(*mean_hz, band_hz).max(of(*mean_hz, -band_hz)));
+            peak * both.fold(0.0, f64::max)
+        };
+        let widest_hz = 2.0 * radar.carrier_hz * sounder.fastest();
+        let (mut low, mut high) = (1e-7 * widest_hz, widest_hz);
+        if !(low > 0.0 && left(low) <= most) {
+            return None;
+        }
+        while high > 1.1 * low {
+            let middle = (low * high).sqrt();
+            *(if left(middle) <= most { &mut low } else { &mut high }) = middle;
+        }
+        Some((low, left(low)))
     }
 
     /// Doppler, the worst pair, in blocks of so many pulses each.

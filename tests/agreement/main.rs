@@ -3,6 +3,7 @@
 
 mod blocks;
 mod changes;
+mod horizon;
 mod known_errors;
 mod matched_filter;
 mod measured;
@@ -11,6 +12,7 @@ mod radar_equation;
 mod same_bits;
 mod scenes;
 mod spectra;
+mod stretched;
 mod synth_error;
 mod synth_laws;
 mod synth_scenes;

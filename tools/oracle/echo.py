@@ -69,6 +69,8 @@ def scattered(scene, pair, t, polarisations, where, matrices):
     now = np.array([t])
     ki, rt = split(bounce - tx.centre(now))
     ks, rr = split(rx.centre(t + tau) - bounce)
+    scene.judge_horizon(tx.centre(now), bounce)
+    scene.judge_horizon(rx.centre(t + tau), bounce)
     t_axes, r_axes = tx.axes(now), rx.axes(t + tau)
     scale = math.sqrt(power * wavelength**2 / (4 * math.pi) ** 3)
     scale = scale * tx.gain(ki, t_axes, wavelength) * rx.gain(-ks, r_axes, wavelength)
@@ -103,6 +105,7 @@ def direct(scene, pair, t, polarisations):
     now = np.array([t])
     tau = direct_time(tx, rx, t)
     k, distance = split(rx.centre(t + tau) - tx.centre(now))
+    scene.judge_horizon(tx.centre(now), rx.centre(t + tau))
     t_axes, r_axes = tx.axes(now), rx.axes(t + tau)
     g = tx.gain(k, t_axes, wavelength) * rx.gain(-k, r_axes, wavelength)
     a = math.sqrt(power) * wavelength / (4 * math.pi) * g / distance * per_metre**distance

@@ -73,6 +73,7 @@ class Scene:
             self.origin = tuple(scene[f"origin_{k}"] for k in ("lat_deg", "lon_deg", "h_m"))
         curved = scene.get("earth", "curved" if self.origin else "flat") == "curved"
         self.radius = scene.get("earth_radius_factor", 1.0) * EARTH_RADIUS_M if curved else math.inf
+        self.hides = curved and scene.get("horizon", True)
         self.radar = config["radar"]
         self.f0 = self.radar["carrier_hz"]
         self.fs = self.radar["sample_rate_hz"]
@@ -100,6 +101,16 @@ class Scene:
         if not self.pri:
             return m / self.radar["prf_hz"]
         return (m // len(self.pri)) * math.fsum(self.pri) + math.fsum(self.pri[: m % len(self.pri)])
+
+    def judge_horizon(self, a, b):
+        """Refuses what the curve of the earth hides: points that see each other over d <= D_a + D_b alone."""
+        if not self.hides:
+            return
+        depth = lambda p: (p[..., 0] ** 2 + p[..., 1] ** 2) / (2 * self.radius)
+        reach = lambda p: np.sqrt(2 * self.radius * np.maximum(p[..., 2] + depth(p), 0.0))
+        apart = np.hypot(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1])
+        if np.any(apart > reach(a) + reach(b)):
+            raise Unfit("some of it lies beyond the horizon: how the earth hides it is not recomputed")
 
     def on_sea(self, x, y, height=0.0):
         return np.stack([x, y, height - (x * x + y * y) / (2 * self.radius)], -1)

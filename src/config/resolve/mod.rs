@@ -254,7 +254,7 @@ fn no_ground() -> Ground {
 }
 
 fn ground(section: &Section<'_>) -> Ground {
-    use keys::scene::{EARTH, EARTH_RADIUS_FACTOR, ORIGIN_H_M, ORIGIN_LAT_DEG, ORIGIN_LON_DEG};
+    use keys::scene::{EARTH, EARTH_RADIUS_FACTOR, HORIZON, ORIGIN_H_M, ORIGIN_LAT_DEG, ORIGIN_LON_DEG};
     let trio = [&ORIGIN_LAT_DEG, &ORIGIN_LON_DEG, &ORIGIN_H_M];
     let written = trio.iter().filter(|key| section.has(key)).count();
     let [lat_deg, lon_deg, h_m] = trio.map(|key| section.number(key));
@@ -273,12 +273,18 @@ fn ground(section: &Section<'_>) -> Ground {
         section.number(&EARTH_RADIUS_FACTOR);
         section.fault(&EARTH_RADIUS_FACTOR, Problem::Idle { when: "the earth is flat".to_owned() });
     }
-    let Some(radius_factor) = factor else { return no_ground() };
+    let horizon = section.flag_or(&HORIZON, true);
+    if !curved && section.has(&HORIZON) {
+        section.fault(&HORIZON, Problem::Idle { when: "the earth is flat".to_owned() });
+    }
+    let (Some(radius_factor), Some(horizon)) = (factor, horizon) else { return no_ground() };
     let earth = if curved { Earth::Curved { radius_factor } } else { Earth::Flat };
     match (written, lat_deg, lon_deg, h_m) {
-        (0, ..) => Ground { frame: SceneFrame::plain(earth), origin_h_m: None, sound: true },
+        (0, ..) => {
+            Ground { frame: SceneFrame::plain(earth).with_horizon(horizon), origin_h_m: None, sound: true }
+        }
         (3, Some(lat_deg), Some(lon_deg), Some(h_m)) => Ground {
-            frame: SceneFrame::at(Geodetic::from_deg(lat_deg, lon_deg, h_m), earth),
+            frame: SceneFrame::at(Geodetic::from_deg(lat_deg, lon_deg, h_m), earth).with_horizon(horizon),
             origin_h_m: Some(h_m),
             sound: true,
         },

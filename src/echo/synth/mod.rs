@@ -66,6 +66,7 @@
 //! ```
 
 pub mod block;
+pub mod bands;
 pub mod doppler;
 pub mod kernel;
 mod grid;
@@ -117,6 +118,8 @@ pub struct Settings {
     pub doppler: Doppler,
     /// Stretch of the pulse by the motion.
     pub envelope: Envelope,
+    /// Width of the bands of Doppler that a pulse by itself is split into, Hz ([`bands`]); `None`: one for all.
+    pub band_hz: Option<f64>,
     /// Which instructions; `None` takes the fastest that this CPU has.
     pub variant: Option<Variant>,
 }
@@ -129,6 +132,7 @@ impl Default for Settings {
             oversampling: 2.0,
             doppler: Doppler::Mean,
             envelope: Envelope::Stretched,
+            band_hz: None,
             variant: None,
         }
     }

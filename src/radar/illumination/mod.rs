@@ -108,8 +108,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::frames::{SceneFrame, Vector};
+use crate::frames::{Earth, Enu, Point, SceneFrame, Vector};
 use crate::geometry::bistatic::Basis;
+use crate::geometry::horizon;
 use crate::geometry::light_time::Path;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
@@ -129,6 +130,7 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 use facets::Lighting;
 use sea::{SeaFailure, SeaPlan, SeaWork};
+pub use survey::BeyondHorizon;
 pub use window::GUARD_SAMPLES;
 use window::Window;
 
@@ -258,7 +260,8 @@ impl Illumination {
             let interval_s = 1.0 / built.radar.emissions.mean_prf_hz();
             built.hold_pulses = sea::hold_pulses(patch_mps, sea.patch.facet_m, interval_s);
             let hold_s = built.hold_pulses.map_or(f64::INFINITY, |pulses| pulses as f64 * interval_s);
-            let run = sea::Run { patches: built.patches(sea)?, patch_mps, hold_s };
+            let (patches, nears_horizon) = (built.patches(sea)?, built.nears_horizon(sea)?);
+            let run = sea::Run { patches, patch_mps, hold_s, nears_horizon };
             built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
         }
         if faults.is_empty() {
@@ -543,6 +546,7 @@ impl Illumination {
                 Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
                 None => plan.link.direct(range(path.delay_s)),
             };
+            let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
             if scale == 0.0 || !plan.hears(tx_pol) {
                 continue;
             }
@@ -553,6 +557,26 @@ impl Illumination {
             }
         }
         outside
+    }
+
+    /// Share of the field of a path that passes the horizons of its antennas.
+    fn passes_horizon(&self, plan: &PairPlan, emission: &Emission, path: &Path, direct: bool) -> f64 {
+        let earth = self.frame.hiding_earth();
+        if earth == Earth::Flat {
+            return 1.0;
+        }
+        let on = |from: Point<Enu>, along: DVec3, leg_s: f64| {
+            Point::from_raw(from.raw() + along * (leg_s * SPEED_OF_LIGHT_MPS))
+        };
+        let seen = |from: Point<Enu>, to: Point<Enu>| {
+            horizon::weight(horizon::clearance_m(earth, from, to), horizon::POINT_EDGE_M)
+        };
+        let tx = emission.centres[plan.pair.transmitter].position;
+        if direct {
+            return seen(tx, on(tx, path.incident, path.delay_s));
+        }
+        let at = on(tx, path.incident, path.tx_leg_s);
+        seen(tx, at) * seen(on(at, path.scattered, path.rx_leg_s), at)
     }
 
     /// Amplitudes of one path in the channels of its pair; `target` is `None` for the direct path.

@@ -20,7 +20,7 @@ use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
 use crate::scattering::lanes::LaneWater;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
-use crate::scene::sea::{LightWinds, PatchPlace, Sea};
+use crate::scene::sea::{LightWinds, PatchPlace, Sea, Shadowing};
 use crate::scene::{Patch, Scene};
 use crate::sea::fleet::{self, Fleet};
 use crate::sea::realise::{RealiseError, Realised, realise};
@@ -72,6 +72,8 @@ pub(super) struct Run {
     pub patch_mps: f64,
     /// How long a patch that follows stays where it is, s.
     pub hold_s: f64,
+    /// Whether the patch comes near the horizon of an antenna.
+    pub nears_horizon: bool,
 }
 
 /// Longest time for which a patch that follows stays, s, and facets that it may jump then.
@@ -92,10 +94,19 @@ pub(super) fn hold_pulses(patch_mps: f64, facet_m: f64, interval_s: f64) -> Opti
 }
 
 impl Run {
+    /// How visibility is found: where waves hide nothing, the earth may.
+    fn shadowing(&self, sea: &Sea) -> Option<Shadowing> {
+        let of_earth =
+            || self.nears_horizon.then_some(Shadowing { width_rad: Some(0.0), ..Shadowing::default() });
+        sea.shadow.or_else(of_earth)
+    }
+
     /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet asked for
     /// until the next: what the patch moves between the two, and while it is held.
     fn margin(&self, sea: &Sea) -> Result<usize, SeaFault> {
-        let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, &sea.shadow) else { return Ok(0) };
+        let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, self.shadowing(sea)) else {
+            return Ok(0);
+        };
         let facet_m = sea.patch.facet_m;
         let rows = (self.patch_mps * (shadow.update_s + self.hold_s) / facet_m).ceil() as usize + 1;
         let most = sea.patch.facets[0].max(sea.patch.facets[1]).max(LEAST_MARGIN);
@@ -211,7 +222,8 @@ impl SeaPlan {
     ) -> Result<Self, SeaFault> {
         let last_s = run.patches.last().map_or(0.0, |&(time_s, _)| time_s);
         let antennas = scene.radar.transmitters.len() + scene.radar.receivers.len();
-        if sea.shadow.is_some() && antennas > MOST_ENDS {
+        let shadowing = run.shadowing(sea);
+        if shadowing.is_some() && antennas > MOST_ENDS {
             return Err(SeaFault::Antennas { antennas, most: MOST_ENDS });
         }
         let Realised { wind, spectrum, surface } = realised;
@@ -240,7 +252,7 @@ impl SeaPlan {
             visibility: None,
             displacement: sea.scattering.displacement,
         };
-        if let Some(shadowing) = &sea.shadow {
+        if let Some(shadowing) = &shadowing {
             let width_rad = match shadowing.width_rad {
                 Some(width_rad) => width_rad,
                 None => {
@@ -249,8 +261,16 @@ impl SeaPlan {
             };
             let settings =
                 shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
-            let visibility =
-                Visibility { settings, update_s: shadowing.update_s, last_s, margin, ends: antennas };
+            let visibility = Visibility {
+                waves: sea.shadow.is_some(),
+                settings,
+                earth: scene.frame.hiding_earth(),
+                horizon_edge_m: width_rad * sea.patch.facet_m,
+                update_s: shadowing.update_s,
+                last_s,
+                margin,
+                ends: antennas,
+            };
             // Whether its maps are legal shows here and not at the first pulse.
             visibility.check::<SeaFault>(&plan.wakes, &plan.patch)?;
             plan.visibility = Some(visibility);

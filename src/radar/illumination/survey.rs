@@ -3,11 +3,32 @@
 use super::sea;
 use super::window::Window;
 use super::{Illumination, SOUNDINGS, beside};
+use crate::frames::Earth;
+use crate::geometry::horizon;
 use crate::radar::emission::Emission;
 use crate::radar::fault::{RadarError, RadarFault, TrackUse, mounts};
+use crate::scattering::target::Scatterer;
 use crate::scene::radar::{Aim, AimFrom, Pointing};
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Patch, Sea};
+
+/// Share of the distance to the horizon within which a patch is far from it, between the instants that are looked at too.
+const NEAR_HORIZON: f64 = 0.9;
+
+/// A target that the earth hides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeyondHorizon {
+    /// Its name.
+    pub target: String,
+    /// The transmitter or receiver.
+    pub antenna: String,
+    /// The pulse.
+    pub pulse: u64,
+    /// How far they are apart, m.
+    pub distance_m: f64,
+    /// How far they would see each other at their heights, m.
+    pub horizon_m: f64,
+}
 
 impl Illumination {
     /// The longest delay at a few dozen instants spread over the run, s.
@@ -36,6 +57,54 @@ impl Illumination {
                 Ok((elapsed_s, patch.map_err(|failure| self.track_error(index, failure))?))
             })
             .collect()
+    }
+
+    /// Whether the patch comes near the horizon of an antenna, at any of a few dozen instants spread over the run.
+    pub(super) fn nears_horizon(&self, sea: &Sea) -> Result<bool, RadarError> {
+        let earth = self.frame.hiding_earth();
+        if earth == Earth::Flat {
+            return Ok(false);
+        }
+        let mut emission = Emission::default();
+        let patches = self.patches(sea)?;
+        for (index, (_, patch)) in self.soundings().zip(patches) {
+            self.evaluate(index, &mut emission)?;
+            let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+            let corners = [patch.centre_m(patch.first), patch.centre_m(last)];
+            if !emission.centres.iter().all(|c| horizon::holds(earth, c.position, corners, NEAR_HORIZON)) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Targets that the earth hides from an antenna at a pulse.
+    pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
+        let earth = self.frame.hiding_earth();
+        let mut hidden = Vec::new();
+        if earth == Earth::Flat || index >= self.pulses {
+            return Ok(hidden);
+        }
+        let mut emission = Emission::default();
+        self.evaluate(index, &mut emission)?;
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        for target in &self.targets {
+            let at = Scatterer::at(target, elapsed_s).position;
+            for ((antenna, _), centre) in mounts(&self.radar).zip(&emission.centres) {
+                let from = centre.position;
+                if horizon::clearance_m(earth, from, at) < 0.0 {
+                    let heights_m = [from, at].map(|point| horizon::height_m(earth, point));
+                    hidden.push(BeyondHorizon {
+                        target: target.name.clone(),
+                        antenna: antenna.to_owned(),
+                        pulse: index,
+                        distance_m: horizon::apart_m(from, at),
+                        horizon_m: horizon::distance_m(earth, heights_m),
+                    });
+                }
+            }
+        }
+        Ok(hidden)
     }
 
     /// A few dozen pulses spread over the run, the first and the last among them.

@@ -4,8 +4,11 @@
 //! emission), so that the weights of a pulse depend on its time alone. Between two updates the weights of each
 //! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
 //! until the next one; facets beyond the margin take the weight of the nearest facet within.
+//!
+//! What lies beyond the horizon of an antenna on a curved earth is hidden besides ([`horizon`]), each facet by its own height.
 
-use crate::frames::{Enu, Point};
+use crate::frames::{Earth, Enu, Point};
+use crate::geometry::horizon;
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::scene::Patch;
 use crate::sea::sheet::Sheet;
@@ -16,7 +19,12 @@ use crate::sea::wake::{Wake, WakeError};
 /// How visibility is found, for a whole run.
 #[derive(Clone, Debug)]
 pub(super) struct Visibility {
+    /// Whether waves hide each other.
+    pub waves: bool,
     pub settings: Settings,
+    /// The earth as it hides what lies beyond its horizon, and the height over which facets go down there, m.
+    pub earth: Earth,
+    pub horizon_edge_m: f64,
     pub update_s: f64,
     /// Time of the last emission, s after pulse 0.
     pub last_s: f64,
@@ -166,6 +174,11 @@ impl Visibility {
         let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
         let places = &mut places[..self.ends];
         update.patch = scenery(time_s, places)?.grown(self.margin);
+        if !self.waves && places.iter().all(|place| self.within_horizon(*place, &update.patch)) {
+            update.lit.fill(true);
+            update.number = Some(wanted);
+            return Ok(update);
+        }
         sheet.evaluate(time_s, &update.patch, fields)?;
         heights_m.iter_mut().zip(&fields.height_m).for_each(|(to, from)| *to = from.widen());
         self.weigh(shadow, heights_m, lower, places, update)?;
@@ -212,12 +225,41 @@ impl Visibility {
                 from[0].copy_from_slice(&before[twin]);
                 continue;
             }
-            update.lit[antenna] = relief.cannot_shadow(&map, places[antenna], self.settings);
-            if !update.lit[antenna] {
-                shadow.weights(&map, places[antenna], &mut update.weights[antenna])?;
+            let place = places[antenna];
+            let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
+            let earth = !self.within_horizon(place, patch);
+            update.lit[antenna] = !waves && !earth;
+            let weights = &mut update.weights[antenna];
+            if waves {
+                shadow.weights(&map, place, weights)?;
+            } else if earth {
+                weights.fill(1.0);
+            }
+            if earth {
+                self.set_behind_earth(place, patch, heights_m, weights);
             }
         }
         Ok(())
+    }
+
+    /// Whether no facet of a patch lies beyond the horizon of a place.
+    fn within_horizon(&self, place: Point<Enu>, patch: &Patch) -> bool {
+        let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+        horizon::holds(self.earth, place, [patch.centre_m(patch.first), patch.centre_m(last)], 1.0)
+    }
+
+    /// Takes from the weights of facets (of these heights in the scene's frame, m) what the earth hides from a place.
+    fn set_behind_earth(&self, place: Point<Enu>, patch: &Patch, heights_m: &[f64], weights: &mut [f64]) {
+        let columns = patch.facets[0];
+        let rows = heights_m.chunks_exact(columns).zip(weights.chunks_exact_mut(columns)).enumerate();
+        for (row, (heights_m, weights)) in rows {
+            for (column, (z_m, weight)) in heights_m.iter().zip(weights).enumerate() {
+                let key = [patch.first[0] + column as i64, patch.first[1] + row as i64];
+                let [x_m, y_m] = patch.centre_m(key);
+                let clearance_m = horizon::clearance_m(self.earth, place, Point::new(x_m, y_m, *z_m));
+                *weight *= horizon::weight(clearance_m, self.horizon_edge_m);
+            }
+        }
     }
 
     /// An update of a patch, to be filled.

@@ -1,0 +1,169 @@
+//! What the curve of the earth hides: a radar on a mast of 35 m, whose horizon is `sqrt(2 k R 35 m)` = 24.4 km away.
+
+use std::path::Path;
+
+use nereus::config::{self, Run};
+use nereus::pipeline::accuracy::Judge;
+use nereus::pipeline::build::{self, factory_by};
+use nereus::scattering::contact::Contacts;
+
+const RADIUS_M: f64 = 4.0 / 3.0 * 6_371_000.0;
+
+fn scene(settings: &[(&str, &str)]) -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scenarios/coast.toml");
+    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    config::load(&path, &settings).unwrap()
+}
+
+/// Contacts of pulse 0, as the reference takes them.
+fn contacts(settings: &[(&str, &str)]) -> Contacts {
+    let run = scene(settings);
+    let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
+    let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
+    let (mut slot, mut work) = (factory.slot(), factory.workspace());
+    factory.contact_list(0, &mut slot, &mut work).unwrap().clone()
+}
+
+fn power(contacts: &Contacts) -> f64 {
+    contacts.amplitude.iter().flatten().map(|a| a.norm_sqr()).sum()
+}
+
+/// Window, patch centre and nothing else at a distance, m.
+fn at_range(range_m: f64) -> [(&'static str, String); 3] {
+    let start_us = 2e6 * range_m / 299_792_458.0 - 0.9;
+    [
+        ("radar.window.start_us", format!("{start_us:.3}")),
+        ("scene.patch_centre_m", format!("[{range_m:.1}, 0.0]")),
+        ("target", "[]".to_owned()),
+    ]
+}
+
+fn borrowed<'a>(
+    settings: &'a [(&'static str, String)],
+    more: &[(&'a str, &'a str)],
+) -> Vec<(&'a str, &'a str)> {
+    settings.iter().map(|(k, v)| (*k, v.as_str())).chain(more.iter().copied()).collect()
+}
+
+#[test]
+fn water_and_buoys_at_60_km_are_dark_and_a_helicopter_is_seen() {
+    let seen = contacts(&[]);
+    assert_eq!(seen.len(), 1);
+    // It is the helicopter, 10 m farther and 100 m up.
+    let up_m = 100.0 - 60_010f64.powi(2) / (2.0 * RADIUS_M);
+    let expected_s = 2.0 * 60_010f64.hypot(up_m - 35.0) / 299_792_458.0;
+    assert!((seen.delay_s[0][0] - expected_s).abs() < 1e-12);
+    let all = contacts(&[("scene.horizon", "false")]);
+    assert!(all.len() > 900, "{}", all.len());
+    // Neither the shadows of waves nor how they are found decide.
+    assert_eq!(contacts(&[("sea.shadow.enabled", "false")]).len(), 1);
+    assert_eq!(contacts(&[("sea.shadow.edge", "\"sharp\"")]).len(), 1);
+    assert!(contacts(&[("sea.shadow.enabled", "false"), ("scene.horizon", "false")]).len() > 900);
+}
+
+#[test]
+fn targets_vanish_at_the_sum_of_the_two_horizons() {
+    // 35 m and 100 m: 24.386 + 41.218 km. Over 1 m of height they go down: 0.42 km at 2 k R (c = 1 m) there.
+    let horizon_m = (2.0 * RADIUS_M * 35.0).sqrt() + (2.0 * RADIUS_M * 100.0).sqrt();
+    let found = |range_m: f64| {
+        let target = format!("[{{ name = \"t\", position_m = [{range_m:.3}, 0, 100], rcs_m2 = 10 }}]");
+        let [window, ..] = at_range(range_m);
+        let lit = |horizon: &str| {
+            let settings = [
+                (window.0, window.1.as_str()),
+                ("target", &target),
+                ("scene.horizon", horizon),
+                ("scene.patch_centre_m", "[1000, 0]"),
+            ];
+            power(&contacts(&settings))
+        };
+        lit("true") / lit("false")
+    };
+    assert_eq!(found(horizon_m - 50.0), 1.0);
+    assert_eq!(found(horizon_m + 500.0), 0.0);
+    // At c = -1/2 m half of the field passes each way.
+    let half_m = (2.0 * RADIUS_M * 35.0).sqrt() + (2.0 * RADIUS_M * 100.5).sqrt();
+    let share = found(half_m);
+    println!("half way down: {share}");
+    assert!((share - 0.0625).abs() < 1e-3, "{share}");
+}
+
+#[test]
+fn direct_path_is_cut_by_the_earth() {
+    let heard = |height_m: f64, horizon: &str| {
+        let up_m = height_m - 60e3 * 60e3 / (2.0 * RADIUS_M);
+        let receiver = format!("{{ kind = \"fixed\", position_m = [60000, 0, {up_m:.6}] }}");
+        let platforms = format!(
+            "[{{ name = \"mast\", track = {{ kind = \"fixed\", position_m = [0, 0, 35] }} }}, {{ name = \"far\", track = {receiver} }}]"
+        );
+        let settings = [
+            ("platform", platforms.as_str()),
+            ("receiver.0.platform", "\"far\""),
+            ("radar.direct_path", "true"),
+            ("radar.window.start_us", "199.5"),
+            ("scene.patch_centre_m", "[1000, 0]"),
+            ("scene.horizon", horizon),
+            ("target", "[]"),
+        ];
+        power(&contacts(&settings))
+    };
+    assert_eq!(heard(10.0, "true"), 0.0);
+    assert!(heard(10.0, "false") > 0.0);
+    assert_eq!(heard(100.0, "true"), heard(100.0, "false"));
+    assert!(heard(100.0, "true") > 0.0);
+}
+
+#[test]
+fn before_the_horizon_no_bit_changes() {
+    let settings = at_range(20e3);
+    let [with, without] =
+        ["true", "false"].map(|on| contacts(&borrowed(&settings, &[("scene.horizon", on)])));
+    assert!(with.len() > 100);
+    assert_eq!(with.amplitude, without.amplitude);
+}
+
+#[test]
+fn crests_are_seen_beyond_the_horizon_and_both_echoes_agree() {
+    // 2.6 km beyond: the mean surface lies 0.4 m below the ray, waves of 1.6 m significant height stand above it in part.
+    let settings = at_range(27e3);
+    let [with, without] =
+        ["true", "false"].map(|on| contacts(&borrowed(&settings, &[("scene.horizon", on)])));
+    let share = power(&with) / power(&without);
+    println!("27 km: {} of {} facets, {share:.3} of the power", with.len(), without.len());
+    assert!(with.len() * 10 > without.len() && with.len() * 10 < without.len() * 9, "{}", with.len());
+    for waves in ["true", "false"] {
+        for error_db in ["-45.0", "-60.0"] {
+            let fast = [
+                ("fidelity.echo", "\"fast\""),
+                ("fidelity.error_db", error_db),
+                ("sea.shadow.enabled", waves),
+            ];
+            agrees(&scene(&borrowed(&settings, &fast)));
+        }
+    }
+}
+
+#[test]
+fn a_target_that_goes_down_is_the_same_in_both_echoes() {
+    // 0.3 m below, outward at 250 m/s (0.7 m/s up from the ray, as the earth falls away) and 3 m/s down: it fades within the run.
+    let range_m = (2.0 * RADIUS_M * 35.0).sqrt() + (2.0 * RADIUS_M * 100.3).sqrt();
+    let target = format!(
+        "[{{ name = \"t\", position_m = [{range_m:.3}, 0, 100], velocity_mps = [250, 0, -3], rcs_m2 = 1000 }}]"
+    );
+    let [window, ..] = at_range(range_m);
+    let settings =
+        [(window.0, window.1.as_str()), ("target", &target), ("scene.patch_centre_m", "[1000, 0]")];
+    let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", "-60.0")];
+    agrees(&scene(&[&settings[..], &fast].concat()));
+}
+
+/// The fast echo keeps what it predicts at every pulse.
+fn agrees(run: &Run) {
+    let stream = build::stream(run, 0..run.scene.pulses).unwrap();
+    let plan = *stream.factory().plan().unwrap();
+    let judge = Judge::new(run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
+    let (measured_db, predicted_db) = (judge.judge(run).unwrap().rel_rms_db, plan.prediction.total_db());
+    println!("asked {} dB, predicted {predicted_db:.1}, measured {measured_db:.1}", plan.asked.error_db);
+    assert!(plan.keeps());
+    assert!(measured_db <= predicted_db, "{measured_db} {predicted_db}");
+}

@@ -1,0 +1,54 @@
+//! Pulses that are stretched by the motion, from scenario to samples: the fast echo keeps what is asked.
+
+use std::path::Path;
+
+use nereus::config::{self, Run};
+use nereus::echo::synth::doppler::Envelope;
+use nereus::pipeline::accuracy::Judge;
+use nereus::pipeline::build;
+use nereus::plan::settle::Plan;
+
+fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let mut run = config::load(&path, &settings).unwrap();
+    run.sinks.clear();
+    run
+}
+
+/// Measures some pulses against the reference; the plan that made them.
+fn keeps(path: &str, error_db: &str, pulses: Vec<u64>) -> Plan {
+    let run = scene(path, &[("fidelity.error_db", error_db)]);
+    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
+    let measured_db = Judge::new(&run, pulses, 2, |_| ()).unwrap().judge(&run).unwrap().rel_rms_db;
+    let predicted_db = plan.prediction.total_db();
+    println!("{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
+    assert!(plan.keeps(), "{path} {error_db}: {predicted_db}");
+    assert!(measured_db <= predicted_db, "{path} {error_db}: {predicted_db} {measured_db}");
+    plan
+}
+
+#[test]
+fn sea_and_ship_in_ka_band_from_orbit() {
+    for error_db in ["-30.0", "-45.0"] {
+        let plan = keeps("tests/data/scenarios/ka-orbit.toml", error_db, vec![0, 5, 17, 35]);
+        assert_eq!(plan.settled.echo.envelope, Envelope::Stretched);
+    }
+}
+
+#[test]
+fn long_pulse_of_a_jet_takes_bands_of_doppler() {
+    for error_db in ["-45.0", "-60.0", "-75.0"] {
+        let plan = keeps("tests/data/scenarios/jet.toml", error_db, (0..22).collect());
+        assert_eq!(plan.settled.echo.envelope, Envelope::Stretched);
+        assert!(plan.settled.echo.band_hz.is_some());
+    }
+}
+
+#[test]
+fn short_pulses_keep_rigid_envelopes() {
+    let settings = [("scene.patch_size_m", "[64, 64]"), ("scene.duration_s", "0.3")];
+    let run = scene("configs/mars-1.toml", &settings);
+    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
+    assert_eq!((plan.settled.echo.envelope, plan.settled.echo.band_hz), (Envelope::Rigid, None));
+}
