@@ -151,8 +151,8 @@ warning: facets of 8 m are longer than a resolution cell of 3.53 m ground range
     // The echo of the pulse before: 28.3 us are 3.3 us after the next emission.
     assert_eq!(said(&["radar.window={samples=64,start_us=3.0}", "radar.prf_hz=40000"]), "");
     insta::assert_snapshot!(said(&["scene.earth=curved", "platform.0.track.position_m=[-30000, 0, 0]", "radar.window.start_us=199.5"]), @r#"
-warning: 48 % of the patch lie beyond the horizon of "tx" at pulse 0
-warning: 48 % of the patch lie beyond the horizon of "rx" at pulse 0
+warning: 48 % of the patch lie beyond the horizon of "tx" at pulse 0 and are dark: it sees the sea to 30.0 km, the patch lies 30.0 to 30.0 km away
+warning: 48 % of the patch lie beyond the horizon of "rx" at pulse 0 and are dark: it sees the sea to 30.0 km, the patch lies 30.0 to 30.0 km away
 "#);
     insta::assert_snapshot!(said(&["slick=[{centre_m=[50,0],half_axes_m=[3,4]}]"]), @r#"warning: slick "slick-0" lies outside the patch of sea: no facet has it"#);
 }
