@@ -188,3 +188,21 @@ fn a_spectrum_file_is_faulted_by_line_beside_the_other_files() {
     let ended = nereus(folder.path(), &[&["check", "my.toml"], &settings[..]].concat());
     assert_eq!(ended.code, 0, "{}", ended.stderr);
 }
+
+#[test]
+fn what_the_earth_hides_is_named_with_its_distance() {
+    let (report, said) = check("tests/data/scenarios/coast.toml", &[]);
+    // 35 m and 1 m of height: 24.4 + 4.1 km. The helicopter, 100 m high, is seen.
+    let lines: Vec<_> = said.lines().filter(|line| line.contains("horizon")).collect();
+    insta::assert_snapshot!(lines.join("\n"), @r#"
+warning: target "buoy" lies beyond the horizon of "tx" at pulse 0: 60.0 km away, seen to 28.5 km
+warning: target "buoy" lies beyond the horizon of "rx" at pulse 0: 60.0 km away, seen to 28.5 km
+warning: 100 % of the patch lie beyond the horizon of "tx" at pulse 0 and are dark: it sees the sea to 24.4 km, the patch lies 59.9 to 60.1 km away
+warning: 100 % of the patch lie beyond the horizon of "rx" at pulse 0 and are dark: it sees the sea to 24.4 km, the patch lies 59.9 to 60.1 km away
+"#);
+    let has = |list: &str| report[list].as_array().unwrap().iter().any(|row| row["what"] == "horizon");
+    assert!(has("modelled") && !has("not_modelled"));
+    let (report, said) = check("tests/data/scenarios/coast.toml", &["scene.horizon=false"]);
+    assert!(!said.contains("buoy") && said.contains("lit all the same (scene.horizon = false)"), "{said}");
+    assert!(report["not_modelled"].as_array().unwrap().iter().any(|row| row["what"] == "horizon"));
+}

@@ -245,13 +245,12 @@ struct Stretched {
     b_hz: f64,
     tc_s: f64,
     rate: f64,
-    rigid_db: f64,
+    rigid_db: Option<f64>,
 }
 
 #[test]
 fn envelope_is_stretched_with_its_carrier() {
-    // 2 pi B Tc |r| / sqrt 30 of a chirp; of a plain pulse the step at its end alone moves, by r Tc, of which the filter passes 0.875 fs:
-    // r sqrt(0.875 fs Tc).
+    // 2 pi B Tc |r| / sqrt 30 of a chirp.
     let x = Stretched {
         what: "X band",
         f0_hz: 10e9,
@@ -259,7 +258,7 @@ fn envelope_is_stretched_with_its_carrier() {
         b_hz: 60e6,
         tc_s: 0.333e-6,
         rate: -1.48e-6,
-        rigid_db: -89.4,
+        rigid_db: Some(-89.4),
     };
     let cases = [
         Stretched {
@@ -269,7 +268,7 @@ fn envelope_is_stretched_with_its_carrier() {
             b_hz: 200e6,
             tc_s: 20e-6,
             rate: 2.8e-5,
-            rigid_db: -17.8,
+            rigid_db: Some(-17.8),
         },
         Stretched {
             what: "jet",
@@ -277,11 +276,11 @@ fn envelope_is_stretched_with_its_carrier() {
             b_hz: 164e6,
             tc_s: 50e-6,
             rate: -1.5e-6,
-            rigid_db: -37.0,
+            rigid_db: Some(-37.0),
             ..x
         },
-        Stretched { what: "fast and long", rate: 5e-5, ..x },
-        Stretched { what: "plain pulse", b_hz: 0.0, rate: 5e-5, ..x },
+        Stretched { what: "fast", rate: 5e-5, rigid_db: None, ..x },
+        Stretched { what: "plain pulse", b_hz: 0.0, rate: 5e-5, rigid_db: None, ..x },
         x,
     ];
     for case in cases {
@@ -321,6 +320,8 @@ fn envelope_is_stretched_with_its_carrier() {
             "{what}: worst sample {worst:.1e}, {lost_db:.1} dB with a rigid envelope, {rigid_db} by its law"
         );
         assert!(worst <= 1e-9, "{what}: {worst}");
+        // One sample in forty of the error's course over the pulse.
+        assert!(rigid_db.is_none_or(|db| (lost_db - db).abs() < 1.0), "{what}: {lost_db}");
     }
 }
 
