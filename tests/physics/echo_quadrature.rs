@@ -317,7 +317,7 @@ fn envelope_is_stretched_with_its_carrier() {
         }
         let lost_db = 10.0 * (lost / all).log10();
         println!(
-            "{what}: worst sample {worst:.1e}, {lost_db:.1} dB with a rigid envelope, {rigid_db} by its law"
+            "{what}: worst sample {worst:.1e}, {lost_db:.1} dB with a rigid envelope, {rigid_db:?} by its law"
         );
         assert!(worst <= 1e-9, "{what}: {worst}");
         // One sample in forty of the error's course over the pulse.
