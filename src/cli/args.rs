@@ -58,6 +58,16 @@ pub enum Command {
     Receive(ReceiveArgs),
     /// Inspect, convert, play and spoil recorded navigation
     Nav(NavArgs),
+    /// Read a recording to the end under limits of time and memory: `focus` and `merge` call it
+    #[command(hide = true)]
+    ExamineRecording(ExamineArgs),
+}
+
+/// `nereus examine-recording`
+#[derive(Debug, Args)]
+pub struct ExamineArgs {
+    /// Recording (HDF5)
+    pub recording: PathBuf,
 }
 
 /// `nereus run`
@@ -230,6 +240,12 @@ pub struct ReceiveArgs {
     /// End when nothing has come for so long, once something has
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub idle_s: Option<Duration>,
+    /// Take datagrams of this sender only: an address or name, with or without a port
+    #[arg(long, value_name = "ADDR")]
+    pub from: Option<String>,
+    /// When the sender begins another run, follow it (with --out into a recording of its own: name-2, name-3, ...)
+    #[arg(long)]
+    pub restart: bool,
     /// Record whole pulses: HDF5 (.h5, .hdf5), or else a folder of plain files
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::control::ControlFault;
+use super::examine::ExamineError;
 use super::focus::FocusError;
 use super::nav::NavToolError;
 use super::sea::SeaError;
@@ -40,6 +41,12 @@ pub enum CliError {
     #[cfg(feature = "hdf5")]
     #[error(transparent)]
     Merge(#[from] MergeError),
+    /// A recording that is not read.
+    #[error(transparent)]
+    Examine(#[from] ExamineError),
+    /// A recording that cannot be read.
+    #[error(transparent)]
+    Recording(#[from] SinkError),
     /// Joining asked of a build without HDF5.
     #[cfg(not(feature = "hdf5"))]
     #[error("`nereus merge` joins HDF5 recordings, and this build has no HDF5 (feature `hdf5`)")]
@@ -111,6 +118,8 @@ impl CliError {
             | Self::WhichSink { .. }
             | Self::NoHdf5 { .. }
             | Self::Control(_)
+            | Self::Examine(_)
+            | Self::Recording(_)
             | Self::Table(_)
             | Self::Verify(_)
             | Self::Speckle(_) => 2,

@@ -10,6 +10,9 @@ use super::say;
 /// Joins the recordings.
 #[cfg(feature = "hdf5")]
 pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    for shard in &args.shards {
+        super::examine::examine(shard)?;
+    }
     let report = crate::sinks::merge::merge(&args.shards, &args.out, args.force)?;
     if args.json {
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;

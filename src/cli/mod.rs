@@ -8,6 +8,8 @@ mod bench;
 mod check;
 mod control;
 mod error;
+mod escape;
+mod examine;
 mod focus;
 mod merge;
 mod nav;
@@ -30,11 +32,12 @@ use std::time::Instant;
 use clap::Parser;
 
 pub use args::{
-    Arguments, BenchArgs, CheckArgs, Command, MergeArgs, NewArgs, NotACount, NotADuration, NotASpan, Pace,
-    PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs, VerifyArgs,
+    Arguments, BenchArgs, CheckArgs, Command, ExamineArgs, MergeArgs, NewArgs, NotACount, NotADuration,
+    NotASpan, Pace, PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs, VerifyArgs,
 };
 pub use control::ControlFault;
 pub use error::CliError;
+pub use examine::ExamineError;
 pub use focus::{FocusArgs, FocusError, FocusFilter, FocusNav, FocusTaper};
 pub use nav::{
     NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
@@ -63,7 +66,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
-    let mut out = std::io::stdout().lock();
+    let mut out = escape::Printable(std::io::stdout().lock());
     let done = execute(&arguments, begun, &mut out).and_then(|()| out.flush().map_err(CliError::Output));
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -90,7 +93,7 @@ fn report_large_files() {}
 
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
 fn say(line: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", escape::printable(&line.to_string()));
 }
 
 /// So many of something: `1 pulse`, `2 pulses`.
@@ -123,5 +126,6 @@ fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result
         Command::Speckle(args) => speckle::speckle(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
+        Command::ExamineRecording(args) => examine::examine_here(args),
     }
 }

@@ -1,7 +1,7 @@
 //! `nereus receive`: the reference receiver of the wire.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,7 +11,7 @@ use super::run::names_hdf5;
 use super::{counted, say};
 use crate::pipeline::build::BuildErrors;
 use crate::receive::Listener;
-use crate::receive::listener::{Opener, Until};
+use crate::receive::listener::{Opener, Senders, Until, senders};
 use crate::receive::report::Report;
 use crate::sinks::plain::PlainSink;
 use crate::sinks::sink::Sink;
@@ -20,7 +20,11 @@ use crate::sinks::{self, Kind};
 /// Receives, and reports.
 pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let record = args.out.as_deref().map(|path| opener(path, args.force)).transpose()?;
-    let listener = Listener::bind(&args.listen)?;
+    let from = args.from.as_deref().map(senders).transpose()?;
+    let next = args.out.clone().filter(|_| args.restart).map(|path| further(path, args.force));
+    let notice: Option<fn(&str)> = Some(|line| say(format_args!("warning: {line}")));
+    let senders = Senders { from, restart: args.restart, next, notice };
+    let listener = Listener::bind(&args.listen)?.with(senders);
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
     ctrlc::set_handler(move || {
@@ -43,6 +47,18 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
     tell(&report, out).map_err(CliError::Output)
 }
 
+/// What makes the recordings of further runs: `name-2.h5`, `name-3.h5`, ...
+fn further(path: PathBuf, force: bool) -> Box<dyn Fn(usize) -> Opener + Send + Sync> {
+    Box::new(move |number| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut name = format!("{stem}-{number}");
+        if let Some(extension) = path.extension() {
+            name = format!("{name}.{}", extension.to_string_lossy());
+        }
+        made_at(path.with_file_name(name), force)
+    })
+}
+
 /// What makes the recording, when what is allowed has been looked at.
 fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
     let hdf5 = names_hdf5(path);
@@ -57,14 +73,19 @@ fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
     if let Some(fault) = sinks::preflight(&[sinks::Settings { kind, queue_pulses: 1 }]).pop() {
         return Err(BuildErrors::from(fault).into());
     }
-    Ok(Box::new(move |header| {
+    Ok(made_at(path, force))
+}
+
+/// What makes a recording at a path.
+fn made_at(path: PathBuf, force: bool) -> Opener {
+    Box::new(move |header| {
         #[cfg(feature = "hdf5")]
-        if hdf5 {
+        if names_hdf5(&path) {
             let sink = sinks::hdf5::Hdf5Sink::create(&path, None, force, header)?;
             return Ok(Box::new(sink) as Box<dyn Sink>);
         }
         Ok(Box::new(PlainSink::create(&path, force, header)?) as Box<dyn Sink>)
-    }))
+    })
 }
 
 /// The report for people.
@@ -103,6 +124,13 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         report.unknown,
         report.undescribed,
         report.contradictions
+    )?;
+    writeln!(
+        out,
+        "sender      {} with implausible time stamps, {} of other senders; began again {}",
+        counted(report.implausible, "packet"),
+        counted(report.strangers, "datagram"),
+        counted(report.restarts, "time")
     )?;
     if let Some(fault) = &report.first_fault {
         writeln!(out, "            first malformed: {fault}")?;

@@ -5,10 +5,16 @@ use std::io::{self, Write};
 use super::args::VerifyArgs;
 use super::counted;
 use super::error::CliError;
+use super::examine::{ExamineError, examine};
 use crate::imaging::recording::verify::{Verdict, verify as look};
 
 /// Reads all of it, and reports.
 pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    // What a damaged recording lacks is reported below; what kills or holds up its reader is not read here.
+    match examine(&args.recording) {
+        Ok(()) | Err(ExamineError::Refused { .. }) => {}
+        Err(fatal) => return Err(fatal.into()),
+    }
     let verdict = look(&args.recording).map_err(CliError::Verify)?;
     if args.json {
         let text = serde_json::to_string(&verdict).map_err(|error| CliError::Output(error.into()))?;

@@ -67,20 +67,44 @@ impl Node {
 struct Places<'t> {
     text: &'t str,
     line_starts: Vec<usize>,
+    /// Characters before every [`BLOCK`]-th byte, so that a long line is not counted again for each of its values.
+    before: Vec<usize>,
 }
+
+/// Bytes from one counted place to the next.
+const BLOCK: usize = 256;
 
 impl<'t> Places<'t> {
     fn new(text: &'t str) -> Self {
         let starts = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i + 1);
-        Self { text, line_starts: std::iter::once(0).chain(starts).collect() }
+        let mut characters = 0;
+        let mut before = Vec::with_capacity(text.len() / BLOCK + 1);
+        for block in text.as_bytes().chunks(BLOCK) {
+            before.push(characters);
+            characters += characters_of(block);
+        }
+        Self { text, line_starts: std::iter::once(0).chain(starts).collect(), before }
+    }
+
+    /// Characters before a byte.
+    fn characters(&self, offset: usize) -> usize {
+        let bytes = self.text.as_bytes();
+        let offset = offset.min(bytes.len());
+        let counted = self.before.get(offset / BLOCK).copied();
+        let from = if counted.is_some() { offset / BLOCK * BLOCK } else { 0 };
+        counted.unwrap_or(0) + characters_of(bytes.get(from..offset).unwrap_or_default())
     }
 
     fn at(&self, offset: usize) -> At {
         let line = self.line_starts.partition_point(|&start| start <= offset).max(1);
         let start = self.line_starts[line - 1];
-        let before = self.text.get(start..offset.min(self.text.len())).unwrap_or("");
-        At::File { line, column: before.chars().count() + 1 }
+        At::File { line, column: self.characters(offset).saturating_sub(self.characters(start)) + 1 }
     }
+}
+
+/// Characters of UTF-8 that begin in some bytes.
+fn characters_of(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| **byte & 0xC0 != 0x80).count()
 }
 
 /// Reads TOML. What the parser could make out is returned beside its faults.

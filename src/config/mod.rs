@@ -160,9 +160,10 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
             At::File { line, .. } => Some(line),
             At::Override => None,
         };
+        let unread: BTreeSet<usize> = syntax.iter().filter_map(|fault| line(fault.at)).collect();
         faults.retain(|fault| {
             let echo = matches!(fault.problem, Problem::Missing { .. } | Problem::NoneOf { .. });
-            !echo && !syntax.iter().any(|s| line(s.at).is_some() && line(s.at) == line(fault.at))
+            !echo && line(fault.at).is_none_or(|line| !unread.contains(&line))
         });
         faults.splice(0..0, syntax);
     }

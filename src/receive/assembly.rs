@@ -23,6 +23,13 @@ const OPEN_SAMPLES: usize = 1 << 25;
 const CLOSED_PULSES: usize = 64;
 /// Signal packets that may wait for a pulse that nothing has told of yet.
 const WAITING: usize = 64;
+/// How far a stamp may lie outside the run as it was described: the farthest window, and runs that slip a little.
+const BESIDE_S: f64 = 1e6;
+const SLIP: f64 = 0.01;
+/// A stamp so far after all others is first taken for a wrong one, s.
+const LEAP_PS: i128 = 3600 * SECOND_PS;
+/// So many datagrams in a row are no accident: a leap is followed, and so is a stream that goes back.
+const AGREEING: u32 = 64;
 /// How far a stamp may lie from the grid: half a picosecond for it and for the first sample's, and one more for the
 /// arithmetic of a window in f64.
 const GRID_PS: f64 = 2.0;
@@ -37,6 +44,8 @@ struct Open {
     states: Vec<bool>,
     /// A bit for every sample, channels one after the other.
     got: Vec<u64>,
+    /// Words of `got` that are not all 0 lie within: a long window is not wiped for every datagram.
+    touched: std::ops::Range<usize>,
     missing: usize,
     pulse: Box<Pulse>,
 }
@@ -54,6 +63,8 @@ pub(super) enum Taken {
     Waits,
     /// No pulse can have it.
     Stray,
+    /// Its time is not one of this run, or far from all others.
+    Implausible,
 }
 
 /// Counters of pulses.
@@ -92,7 +103,27 @@ pub(super) struct Assembly {
     /// Emission of the last pulse that was closed and known.
     last_emission: Option<TimeTag>,
     gap: bool,
+    /// Times that the run can have, as it was described.
+    span_ps: (i128, i128),
+    /// Latest first sample of a pulse that was opened.
+    latest_ps: Option<i128>,
+    /// Datagrams in a row that lie far ahead, and that are too late; the time of the last one of these.
+    ahead: u32,
+    late: u32,
+    late_ps: i128,
+    /// Times that the stream went back.
+    pub(super) rewound: u64,
     pub(super) pulses: Pulses,
+}
+
+/// Times that pulses of a run can have.
+fn span_ps(header: &Header) -> (i128, i128) {
+    let start_ps = i128::from(header.start.seconds()) * SECOND_PS;
+    // Conversions of what is too large, or no number, end at the limits.
+    let after =
+        |pulse: u64| (pulse as f64 / header.prf_hz * (1.0 + SLIP) + BESIDE_S).min(1e15) * SECOND_PS as f64;
+    let end = header.first_pulse.saturating_add(header.pulses);
+    (start_ps - (BESIDE_S * SECOND_PS as f64) as i128, start_ps + after(end) as i128)
 }
 
 /// Where a time lies on a grid: the sample, if it is near one.
@@ -118,6 +149,7 @@ impl Open {
             known: false,
             states: vec![false; layout.platforms],
             got: vec![0; total.div_ceil(64)],
+            touched: 0..0,
             missing: total,
             pulse: Box::new(Pulse::new(layout)),
         }
@@ -127,7 +159,9 @@ impl Open {
         self.first_ps = first_ps;
         self.known = false;
         self.states.fill(false);
-        self.got.fill(0);
+        if let Some(words) = self.got.get_mut(std::mem::take(&mut self.touched)) {
+            words.fill(0);
+        }
         self.missing = total;
     }
 
@@ -141,6 +175,11 @@ impl Open {
 
     /// Copies the samples of a packet to `at..`; counts those that are new.
     fn fill(&mut self, at: usize, count: usize, payload: &[u8]) {
+        let words = at / 64..(at + count).div_ceil(64);
+        self.touched = match self.touched.is_empty() {
+            true => words,
+            false => self.touched.start.min(words.start)..self.touched.end.max(words.end),
+        };
         for k in at..at + count {
             if let Some(word) = self.got.get_mut(k / 64) {
                 let bit = 1 << (k % 64);
@@ -211,8 +250,60 @@ impl Assembly {
             last_ps: None,
             last_emission: None,
             gap: false,
+            span_ps: span_ps(header),
+            latest_ps: None,
+            ahead: 0,
+            late: 0,
+            late_ps: 0,
+            rewound: 0,
             pulses: Pulses::default(),
         }
+    }
+
+    /// Whether a time can be one of this run: one stamp from another century must not make all others late.
+    pub(super) fn is_plausible(&self, time_ps: i128) -> bool {
+        (self.span_ps.0..=self.span_ps.1).contains(&time_ps)
+    }
+
+    /// Whether a pulse may be opened at a time: not at a single stamp far ahead of all others.
+    fn may_begin(&mut self, first_ps: i128) -> bool {
+        if self.latest_ps.is_some_and(|latest| first_ps - latest > LEAP_PS) {
+            self.ahead += 1;
+            return self.ahead >= AGREEING;
+        }
+        true
+    }
+
+    /// What is in its time ends every suspicion.
+    fn in_time(&mut self) {
+        (self.ahead, self.late) = (0, 0);
+    }
+
+    /// Counts what is too late. Datagrams that only are late do not come in a row and in their order: when so many do, the
+    /// stream has gone back, or was led astray by wrong stamps, and is followed to where it is.
+    fn follow_back(
+        &mut self,
+        time_ps: i128,
+        taken: Taken,
+        done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
+    ) -> bool {
+        if taken != Taken::Late {
+            return false;
+        }
+        self.late = if time_ps >= self.late_ps { self.late + 1 } else { 1 };
+        self.late_ps = time_ps;
+        if self.late < AGREEING {
+            return false;
+        }
+        while !self.open.is_empty() {
+            self.close(done);
+        }
+        self.closed.clear();
+        self.early.clear();
+        (self.last_ps, self.latest_ps, self.last_emission) = (None, None, None);
+        self.rewound += 1;
+        self.in_time();
+        true
     }
 
     /// Bytes of a sample.
@@ -234,19 +325,30 @@ impl Assembly {
         if state.platform[0] as usize >= self.header.layout.platforms {
             return Taken::Stray;
         }
+        if !self.is_plausible(time_ps) {
+            return Taken::Implausible;
+        }
         let near = |open: &Open| (open.first_ps - first_ps).unsigned_abs() <= GRID_PS as u128;
         let place = match self.open.iter().position(near) {
             Some(place) => place,
-            None => match self.closed(first_ps, 1) {
-                Some(taken) => return taken,
-                None => self.begin(first_ps, done),
-            },
+            None => {
+                if let Some(taken) = self.closed(first_ps, 1)
+                    && !self.follow_back(first_ps, taken, done)
+                {
+                    return taken;
+                }
+                if !self.may_begin(first_ps) {
+                    return Taken::Implausible;
+                }
+                self.begin(first_ps, done)
+            }
         };
         let Some(open) = self.open.get_mut(place) else { return Taken::Stray };
         if open.states.get(state.platform[0] as usize) == Some(&true) {
             return Taken::Double;
         }
         open.state(state);
+        self.in_time();
         self.hand_on(done);
         Taken::Yes
     }
@@ -266,15 +368,24 @@ impl Assembly {
         if count == 0 || count > samples || !payload.len().is_multiple_of(width) {
             return Taken::Stray;
         }
+        if !self.is_plausible(time_ps) {
+            return Taken::Implausible;
+        }
         let begins = matches!(frame, Some(Frame::First | Frame::Only));
         if let Some(taken) = self.place(channel, time_ps, begins, count, payload) {
+            self.in_time();
             self.hand_on(done);
             return taken;
         }
-        if let Some(taken) = self.closed(time_ps, samples) {
+        if let Some(taken) = self.closed(time_ps, samples)
+            && !self.follow_back(time_ps, taken, done)
+        {
             return taken;
         }
         if begins {
+            if !self.may_begin(time_ps) {
+                return Taken::Implausible;
+            }
             // The first word of a pulse whose states are missing or still to come.
             let place = self.begin(time_ps, done);
             if let Some(open) = self.open.get_mut(place) {
@@ -334,6 +445,7 @@ impl Assembly {
         while self.open.len() >= self.most {
             self.close(done);
         }
+        self.latest_ps = Some(self.latest_ps.map_or(first_ps, |latest| latest.max(first_ps)));
         let mut open = self.free.pop().unwrap_or_else(|| Open::new(&self.header));
         open.begin(first_ps, self.header.layout.channels * self.header.layout.samples);
         let place = self.open.partition_point(|other| other.first_ps < first_ps);
@@ -391,9 +503,9 @@ impl Assembly {
             if std::mem::take(&mut self.gap) {
                 open.pulse.flags |= flags::AFTER_GAP;
             }
-            let Open { first_ps, known, states, got, missing, pulse } = open;
+            let Open { first_ps, known, states, got, touched, missing, pulse } = open;
             let pulse = done(pulse).unwrap_or_else(|| Box::new(Pulse::new(&self.header.layout)));
-            open = Open { first_ps, known, states, got, missing, pulse };
+            open = Open { first_ps, known, states, got, touched, missing, pulse };
         } else {
             pulses.incomplete += 1;
             self.gap = true;

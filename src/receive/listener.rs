@@ -49,6 +49,14 @@ pub enum ReceiveError {
         /// What the system said.
         source: io::Error,
     },
+    /// The sender.
+    #[error("--from {address}: {source}; allowed: a name or address, with or without :port")]
+    From {
+        /// What was asked.
+        address: String,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The socket.
     #[error("receiving at {address}: {source}")]
     Socket {
@@ -69,6 +77,52 @@ pub struct Listener {
     address: SocketAddr,
     buffer_bytes: usize,
     drops_before: Option<u64>,
+    senders: Senders,
+}
+
+/// What to do about senders: whom to hear, and what when one begins again.
+#[derive(Default)]
+pub struct Senders {
+    /// Only these, a port of 0 for any; all, if none is named.
+    pub from: Option<Vec<SocketAddr>>,
+    /// Whether another run of the sender is followed.
+    pub restart: bool,
+    /// Where further runs are recorded, by their number from 2.
+    pub next: Option<Box<dyn Fn(usize) -> Opener + Send + Sync>>,
+    /// Takes what the user should know at once.
+    pub notice: Option<fn(&str)>,
+}
+
+impl std::fmt::Debug for Senders {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Senders")
+            .field("from", &self.from)
+            .field("restart", &self.restart)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Senders {
+    /// Whether a sender is listened to.
+    fn hears(&self, sender: &SocketAddr) -> bool {
+        self.from.as_ref().is_none_or(|from| {
+            from.iter().any(|one| {
+                one.ip().to_canonical() == sender.ip().to_canonical()
+                    && (one.port() == 0 || one.port() == sender.port())
+            })
+        })
+    }
+}
+
+/// Addresses of a sender: a name or address, with or without a port.
+///
+/// # Errors
+/// What no sender can have.
+pub fn senders(text: &str) -> Result<Vec<SocketAddr>, ReceiveError> {
+    let found = text.to_socket_addrs().or_else(|_| (text, 0).to_socket_addrs());
+    let fault = |source| ReceiveError::From { address: text.to_owned(), source };
+    let list: Vec<SocketAddr> = found.map_err(fault)?.collect();
+    if list.is_empty() { Err(fault(ErrorKind::NotFound.into())) } else { Ok(list) }
 }
 
 /// Makes the sink of a recording when its header is known.
@@ -78,6 +132,8 @@ pub type Opener = Box<dyn FnOnce(&Header) -> Result<Box<dyn Sink>, SinkError> + 
 struct Recorder {
     pulses: Sender<Box<Pulse>>,
     free: Inbox<Box<Pulse>>,
+    /// One past the last pulse that was recorded.
+    next: std::cell::Cell<u64>,
     thread: thread::JoinHandle<Result<SinkReport, SinkError>>,
 }
 
@@ -103,11 +159,16 @@ impl Recorder {
                 }
             }
         });
-        Ok(Self { pulses, free, thread })
+        Ok(Self { pulses, free, next: std::cell::Cell::new(0), thread })
     }
 
     /// Hands a pulse over and takes back one that was written.
     fn record(&self, pulse: Box<Pulse>) -> Option<Box<Pulse>> {
+        // Pulses of a recording ascend: those of a stream that went back are counted alone.
+        if pulse.index < self.next.get() {
+            return Some(pulse);
+        }
+        self.next.set(pulse.index.saturating_add(1));
         // A recording that failed is told in the end.
         let _ = self.pulses.send(pulse);
         self.free.try_recv().ok()
@@ -153,7 +214,12 @@ impl Listener {
         socket.set_read_timeout(Some(GLANCE)).map_err(fault)?;
         let address = socket.local_addr().map_err(fault)?;
         let drops_before = kernel_drops(&address);
-        Ok(Self { socket, address, buffer_bytes, drops_before })
+        Ok(Self { socket, address, buffer_bytes, drops_before, senders: Senders::default() })
+    }
+
+    /// With what to do about senders.
+    pub fn with(self, senders: Senders) -> Self {
+        Self { senders, ..self }
     }
 
     /// Where it listens; the port is that of the system if 0 was asked.
@@ -175,7 +241,9 @@ impl Listener {
         mut record: Option<Opener>,
         mut see: impl FnMut(&Pulse),
     ) -> Result<Report, ReceiveError> {
-        let mut receiver = Receiver::new();
+        let mut receiver = if self.senders.restart { Receiver::following() } else { Receiver::new() };
+        let (mut strangers, mut restarts, mut runs, mut files) = (0, 0, 0, Vec::new());
+        let recorded = record.is_some();
         let mut recorder: Option<Recorder> = None;
         let mut datagram = vec![0; DATAGRAM];
         let begun = Instant::now();
@@ -188,12 +256,24 @@ impl Listener {
             {
                 break;
             }
-            match self.socket.recv(&mut datagram) {
-                Ok(length) => {
+            match self.socket.recv_from(&mut datagram) {
+                Ok((_, sender)) if !self.senders.hears(&sender) => strangers += 1,
+                Ok((length, _)) => {
                     let arrival = Instant::now();
                     last = Some(arrival);
                     let packet = datagram.get(..length).unwrap_or(&[]);
                     receiver.take(packet, arrival, &mut outlet(recorder.as_ref(), &mut see));
+                    if receiver.restarts() > restarts {
+                        restarts = receiver.restarts();
+                        self.say_restarted();
+                    }
+                    if receiver.runs_before() > runs {
+                        runs = receiver.runs_before();
+                        if let Some(done) = recorder.take() {
+                            files.extend(done.finish()?.into_iter().flat_map(|done| done.files));
+                        }
+                        record = self.senders.next.as_ref().filter(|_| recorded).map(|next| next(runs + 1));
+                    }
                     if let (Some(header), true) = (receiver.header(), record.is_some())
                         && let Some(open) = record.take()
                     {
@@ -215,13 +295,26 @@ impl Listener {
         }
         let mut report = receiver.finish(&mut outlet(recorder.as_ref(), &mut see));
         if let Some(recorder) = recorder {
-            report.out = recorder.finish()?.map_or_else(Vec::new, |done| done.files);
+            files.extend(recorder.finish()?.into_iter().flat_map(|done| done.files));
         }
+        report.out = files;
+        report.strangers = strangers;
         report.listen = self.address.to_string();
         report.receive_buffer_bytes = self.buffer_bytes;
         let now = kernel_drops(&self.address);
         report.kernel_drops = now.zip(self.drops_before).map(|(now, before)| now.saturating_sub(before));
         Ok(report)
+    }
+}
+
+impl Listener {
+    /// Reports that the sender began again.
+    fn say_restarted(&self) {
+        let what =
+            if self.senders.restart { "it is followed" } else { "not followed (--restart follows it)" };
+        if let Some(notice) = self.senders.notice {
+            notice(&format!("the sender began another run, or the same one again: {what}"));
+        }
     }
 }
 

@@ -9,6 +9,10 @@
 //!
 //! Lateness is `arrival - emission` above its least value: it needs no common clock, only two that run alike.
 //!
+//! One wrong or forged time stamp does not make the others late: times must be of the run as it was described, a leap of an
+//! hour is followed when 64 datagrams in a row agree, and so is a stream that goes back. A sender that begins again is counted
+//! in `restarts`; [`Receiver::following`] begins again with it.
+//!
 //! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits do not see sixteen
 //! lost packets in a row, time stamps and pulse numbers do.
 //!
@@ -36,10 +40,10 @@ use crate::sinks::sink::Header;
 use crate::time::TimeTag;
 
 use assembly::{Assembly, Taken};
-use context::{Context, Extension, State};
+use context::{Context, Extension, RunDescription, State};
 use order::{Order, Stream};
 use packet::{Kind, Malformed, Packet};
-use report::{Arrivals, Missing, Platform, Report};
+use report::{Arrivals, Platform, Report};
 use roster::Roster;
 
 pub use listener::{Listener, ReceiveError};
@@ -73,12 +77,38 @@ pub struct Receiver {
     arrivals: Arrivals,
     /// Emission and arrival of the first whole pulse.
     first: Option<(TimeTag, Instant)>,
+    /// Whether another run of the sender is followed.
+    follows: bool,
+    /// Another run that was described, and how often since this one was.
+    other: Option<(Box<RunDescription>, u32)>,
+    /// Runs before this one.
+    runs_before: usize,
+    /// Times that the present assembly was seen to go back.
+    rewound: u64,
 }
+
+/// Descriptions of another run that must come in a row before it is believed: one datagram may be anybody's.
+const AGREEING: u32 = 2;
 
 impl Receiver {
     /// One that knows nothing yet.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// One that follows the sender into its next run.
+    pub fn following() -> Self {
+        Self { follows: true, ..Self::default() }
+    }
+
+    /// Runs that came to an end because the sender began another.
+    pub fn runs_before(&self) -> usize {
+        self.runs_before
+    }
+
+    /// Times that the sender was seen to begin again.
+    pub fn restarts(&self) -> u64 {
+        self.report.restarts
     }
 
     /// The header of a recording, once the run is known.
@@ -88,7 +118,7 @@ impl Receiver {
 
     /// Whole pulses so far.
     pub fn pulses(&self) -> u64 {
-        self.assembly.as_ref().map_or(0, |assembly| assembly.pulses.complete)
+        self.report.pulses + self.assembly.as_ref().map_or(0, |assembly| assembly.pulses.complete)
     }
 
     /// Takes a datagram; whole pulses go to `outlet`.
@@ -99,6 +129,51 @@ impl Receiver {
             self.report.malformed += 1;
             self.report.first_fault.get_or_insert_with(|| fault.to_string());
         }
+        let rewound = self.assembly.as_ref().map_or(0, |assembly| assembly.rewound);
+        if rewound > self.rewound {
+            self.rewound = rewound;
+            self.report.restarts += 1;
+            if self.follows {
+                self.begin_again(outlet);
+                self.look_ready();
+            }
+        }
+    }
+
+    /// Ends the run that is received. What is known of it stays known, for the same run may begin again.
+    fn begin_again(&mut self, outlet: &mut impl Outlet) {
+        self.settle(outlet);
+        self.assembly = None;
+        self.report.missing.packets_by_count += self.streams.values().map(Stream::missing).sum::<u64>();
+        self.streams.clear();
+        self.other = None;
+        self.rewound = 0;
+        self.runs_before += 1;
+    }
+
+    /// Looks whether a description is of another run; whether that is followed.
+    fn another(&mut self, description: &Extension, outlet: &mut impl Outlet) -> bool {
+        let Extension::Run(run) = description else { return false };
+        if !self.roster.is_another(run) {
+            self.other = None;
+            return false;
+        }
+        let times = match &self.other {
+            Some((other, times)) if roster::same_run(other, run) => times.saturating_add(1),
+            _ => 1,
+        };
+        self.other = Some((run.clone(), times));
+        if times != AGREEING {
+            return false;
+        }
+        self.report.restarts += 1;
+        if !self.follows {
+            return false;
+        }
+        self.begin_again(outlet);
+        self.report.contradictions += self.roster.contradictions;
+        self.roster = Roster::default();
+        true
     }
 
     fn read(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut impl Outlet) -> Result<(), Malformed> {
@@ -109,7 +184,7 @@ impl Receiver {
         };
         match packet.kind {
             Kind::Signal => {
-                if self.in_order(stream, &packet) {
+                if self.is_plausible(&packet) && self.in_order(stream, &packet) {
                     self.signal(stream, &packet, arrival, outlet);
                 }
             }
@@ -128,12 +203,13 @@ impl Receiver {
                 match body.flatten() {
                     None => self.report.unknown += 1,
                     Some(Extension::State(state)) => {
-                        if self.in_order(stream, &packet) {
+                        if self.is_plausible(&packet) && self.in_order(stream, &packet) {
                             self.state(stream, &packet, &state, arrival, outlet);
                         }
                     }
                     Some(description) => {
                         // Looked at even when it comes again: another run may begin with the same count and time.
+                        self.another(&description, outlet);
                         self.in_order(stream, &packet);
                         self.roster.learn(stream, description);
                         self.look_ready();
@@ -143,6 +219,21 @@ impl Receiver {
             Kind::ExtensionData | Kind::Command => self.report.unknown += 1,
         }
         Ok(())
+    }
+
+    /// Whether a packet can be of this run, by its time; one that cannot is counted and leaves no trace.
+    fn is_plausible(&mut self, packet: &Packet<'_>) -> bool {
+        // Pulses of two runs do not belong in one; the next description of this run ends it.
+        if self.other.as_ref().is_some_and(|(_, times)| *times >= AGREEING) {
+            self.report.undescribed += 1;
+            return false;
+        }
+        let plausible = match (&self.assembly, packet.time_ps) {
+            (Some(assembly), Some(time_ps)) => assembly.is_plausible(time_ps),
+            _ => true,
+        };
+        self.report.implausible += u64::from(!plausible);
+        plausible
     }
 
     /// Judges the packet count; whether the packet is new.
@@ -227,29 +318,31 @@ impl Receiver {
         }
     }
 
+    /// Gives up what is open, and adds the counts of this run to those before.
+    fn settle(&mut self, outlet: &mut impl Outlet) {
+        let Some(assembly) = &mut self.assembly else { return };
+        assembly.finish(outlet);
+        let pulses = assembly.pulses;
+        let report = &mut self.report;
+        report.pulses += pulses.complete;
+        report.incomplete += pulses.incomplete;
+        report.first_pulse = report.first_pulse.or(pulses.first);
+        report.last_pulse = pulses.last.or(report.last_pulse);
+        report.backwards += pulses.backwards;
+        report.stray += pulses.strays;
+        report.missing.pulses_by_index += pulses.missing_by_index;
+        report.missing.pulses_by_time += pulses.missing_by_time;
+    }
+
     /// The end: gives up what is open, and reports.
     pub fn finish(mut self, outlet: &mut impl Outlet) -> Report {
-        self.report.missing.packets_by_count = self.streams.values().map(Stream::missing).sum();
-        if let Some(assembly) = &mut self.assembly {
-            assembly.finish(outlet);
-            let pulses = assembly.pulses;
-            self.report.pulses = pulses.complete;
-            self.report.incomplete = pulses.incomplete;
-            self.report.first_pulse = pulses.first;
-            self.report.last_pulse = pulses.last;
-            self.report.backwards = pulses.backwards;
-            self.report.stray += pulses.strays;
-            self.report.missing = Missing {
-                pulses_by_index: pulses.missing_by_index,
-                pulses_by_time: pulses.missing_by_time,
-                ..self.report.missing
-            };
-        }
+        self.report.missing.packets_by_count += self.streams.values().map(Stream::missing).sum::<u64>();
+        self.settle(outlet);
         if let Some(known) = self.roster.known() {
             self.report.contexts =
                 known.streams.iter().filter_map(|stream| self.roster.context(*stream).copied()).collect();
         }
-        self.report.contradictions = self.roster.contradictions;
+        self.report.contradictions += self.roster.contradictions;
         self.report.emission_span_s = self.arrivals.emission_span_s;
         self.report.arrival_span_s = self.arrivals.arrival_span_s;
         self.report.lateness = self.arrivals.lateness();
@@ -284,5 +377,6 @@ fn count(report: &mut Report, taken: Taken) {
         Taken::Double => report.duplicates += 1,
         Taken::Late => report.too_late += 1,
         Taken::Stray => report.stray += 1,
+        Taken::Implausible => report.implausible += 1,
     }
 }

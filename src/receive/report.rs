@@ -47,6 +47,12 @@ pub struct Report {
     pub too_late: u64,
     /// Signal packets that lie on no pulse's grid of samples.
     pub stray: u64,
+    /// Packets whose time stamp is not of the run as it was described, or far from all others.
+    pub implausible: u64,
+    /// Datagrams of senders that are not listened to (`--from`).
+    pub strangers: u64,
+    /// Times that the sender began again: another run was described, or the time stamps went back.
+    pub restarts: u64,
     /// Pulses with a number not above that of the one before.
     pub backwards: u64,
     /// From the emission of the first whole pulse to that of the last, s.

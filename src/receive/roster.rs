@@ -1,5 +1,7 @@
 //! What has been learned of the run: once all is known, the header of a recording.
 
+use std::collections::HashMap;
+
 use crate::pulse::{Layout, SampleFormat};
 use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin};
 use crate::time::TimeTag;
@@ -20,7 +22,7 @@ pub(super) struct Roster {
     channels: Vec<Option<(u32, ChannelDescription)>>,
     platforms: Vec<Option<String>>,
     /// By stream.
-    contexts: Vec<(u32, Context)>,
+    contexts: HashMap<u32, Context>,
     /// The header, once it is complete.
     known: Option<Known>,
     /// Descriptions that contradict each other or what can be held.
@@ -47,6 +49,11 @@ fn entry<T>(list: &mut Vec<Option<T>>, [number, of]: [u32; 2], most: usize) -> O
 }
 
 impl Roster {
+    /// Whether a description is of another run than the one that is known.
+    pub(super) fn is_another(&self, run: &RunDescription) -> bool {
+        self.run.as_ref().is_some_and(|known| !same_run(known, run))
+    }
+
     /// The run, once everything is known of it.
     pub(super) fn known(&self) -> Option<&Known> {
         self.known.as_ref()
@@ -87,17 +94,15 @@ impl Roster {
     /// Takes the standard context of a stream.
     pub(super) fn hear(&mut self, stream: u32, context: Context) {
         let room = self.contexts.len() < CHANNELS + PLATFORMS;
-        match self.contexts.iter_mut().find(|(of, _)| *of == stream) {
-            Some((_, known)) => *known = context,
-            None if room => self.contexts.push((stream, context)),
-            None => {}
+        if room || self.contexts.contains_key(&stream) {
+            self.contexts.insert(stream, context);
         }
         self.complete();
     }
 
     /// The standard context of a stream.
     pub(super) fn context(&self, stream: u32) -> Option<&Context> {
-        self.contexts.iter().find(|(of, _)| *of == stream).map(|(_, context)| context)
+        self.contexts.get(&stream)
     }
 
     fn complete(&mut self) {
@@ -184,7 +189,7 @@ impl Roster {
 }
 
 /// Whether two descriptions are of one run.
-fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
+pub(super) fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
     let bits = |run: &RunDescription| {
         let [lat, lon, h] = run.origin;
         [lat, lon, h, run.carrier_hz, run.sample_rate_hz, run.prf_hz, run.start.1].map(f64::to_bits)

@@ -26,6 +26,12 @@ pub const FORMAT_VERSION: u32 = 1;
 /// Recordings flush when a pulse finds the last flush older than this, or when none came for as long.
 pub const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
+/// Latest second of an instant: some 35,000 years.
+const MOST_SECONDS: u64 = 1 << 40;
+/// Most samples of a channel, and of a pulse.
+const MOST_SAMPLES: usize = 1 << 24;
+const MOST_IN_ALL: usize = 1 << 32;
+
 /// A place where pulses go. A sink runs in a thread of its own and may wait; see [`drain`].
 pub trait Sink: Send {
     /// Short name for counters and messages (`hdf5`).
@@ -385,6 +391,7 @@ impl Header {
         if (self.layout.format == SampleFormat::Ci16) != self.adc.is_some() {
             return refuse("adc", format!("{:?}", self.adc), "one if samples are codes, none otherwise");
         }
+        self.check_values()?;
         let antennas = || self.transmitters.iter().chain(&self.receivers);
         for (field, names) in [
             ("platforms", self.platforms.iter().collect::<Vec<_>>()),
@@ -401,7 +408,7 @@ impl Header {
                     );
                 }
                 if !seen.insert(name) {
-                    return refuse(field, format!("'{name}' twice"), "each name once");
+                    return refuse(field, format!("'{}' twice", name.escape_debug()), "each name once");
                 }
             }
         }
@@ -418,6 +425,47 @@ impl Header {
             if text.contains('\0') {
                 return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
             }
+        }
+        Ok(())
+    }
+
+    /// Whether the figures are those of a radar, and sizes can be counted with.
+    fn check_values(&self) -> Result<(), SinkError> {
+        let refuse = |field, found: String, allowed| Err(SinkError::Header { field, found, allowed });
+        let hertz = "a number above 0, at most 1e12 Hz";
+        let seconds = "a number from 0 to 1e6 s";
+        for (field, value, least, most, allowed) in [
+            ("carrier_hz", self.carrier_hz, f64::MIN_POSITIVE, 1e12, hertz),
+            ("sample_rate_hz", self.sample_rate_hz, f64::MIN_POSITIVE, 1e12, hertz),
+            ("bandwidth_hz", self.bandwidth_hz, 0.0, 1e12, "a number from 0 to 1e12 Hz"),
+            ("pulse_s", self.pulse_s, 0.0, 1e6, seconds),
+            ("prf_hz", self.prf_hz, 1e-6, 1e9, "a number from 1e-6 to 1e9 Hz"),
+        ] {
+            if !(least..=most).contains(&value) {
+                return refuse(field, value.to_string(), allowed);
+            }
+        }
+        if let Some(Origin { lat_deg, lon_deg, h_m }) = self.origin
+            && !(lat_deg.abs() <= 90.0 && lon_deg.abs() <= 360.0 && h_m.abs() <= 1e9)
+        {
+            let allowed = "latitude -90 to 90, longitude -360 to 360 degrees, height within 1e9 m";
+            return refuse("origin", format!("{lat_deg}, {lon_deg} degrees, {h_m} m"), allowed);
+        }
+        if let Some(AdcRow { bits, step }) = self.adc
+            && !((1..=64).contains(&bits) && step > 0.0 && step.is_finite())
+        {
+            return refuse("adc", format!("{bits} bits, step {step}"), "1 to 64 bits, a finite step above 0");
+        }
+        if self.start.seconds().unsigned_abs() > MOST_SECONDS
+            || !(0.0..1.0).contains(&self.start.fraction_s())
+        {
+            let found = format!("{} s and {} s", self.start.seconds(), self.start.fraction_s());
+            return refuse("start time", found, "within 2^40 s of 1970, the fraction from 0 to 1 s");
+        }
+        let Layout { channels, samples, .. } = self.layout;
+        if samples > MOST_SAMPLES || channels.checked_mul(samples).is_none_or(|all| all > MOST_IN_ALL) {
+            let found = format!("{channels} channels of {samples} samples");
+            return refuse("layout", found, "at most 2^24 samples a channel and 2^32 in all channels");
         }
         Ok(())
     }

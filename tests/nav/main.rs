@@ -8,6 +8,7 @@ mod decoding;
 mod flights;
 mod formats;
 mod growing;
+mod hostile;
 mod live;
 mod nmea_logs;
 mod sentences;

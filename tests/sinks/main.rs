@@ -10,6 +10,7 @@ mod recording_plain;
 mod recording_rule;
 mod wire;
 mod wire_fixture;
+mod wire_hostile;
 mod wire_receive;
 mod wire_tshark;
 
@@ -18,5 +19,7 @@ mod recording_breakdowns;
 mod recording_changes;
 #[cfg(feature = "hdf5")]
 mod recording_hdf5;
+#[cfg(feature = "hdf5")]
+mod recording_hostile;
 #[cfg(feature = "hdf5")]
 mod recording_merge;

@@ -321,6 +321,9 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     check(args)?;
     let range = args.pulses.map(|p| p.first..p.end);
     let choose = |header: &Header| channels(args, header);
+    for path in [Some(&args.recording), args.against.as_ref()].into_iter().flatten() {
+        super::examine::examine(path)?;
+    }
     let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
     if let (Some(asked), [.., last]) = (args.pulses, &recording.index[..])
         && asked.end - 1 > *last

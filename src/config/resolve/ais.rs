@@ -4,7 +4,7 @@
 //! straight on. Speed over the ground is taken for the speed through the water: currents are not known. Courses
 //! are turned from the North of the ship's place to that of the scene, by the convergence of meridians `(lon - lon_0) sin lat`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use super::ship::turbulent;
@@ -128,7 +128,9 @@ fn sail(
         }
     }
     if let Some(wanted) = wanted {
-        let missing = wanted.iter().find(|mmsi| !nearest.keys().any(|known| f64::from(*known) == **mmsi));
+        let vessels: BTreeSet<u64> = nearest.keys().map(|known| u64::from(*known)).collect();
+        // Whole numbers, as the key has it.
+        let missing = wanted.iter().find(|mmsi| mmsi.fract() != 0.0 || !vessels.contains(&(**mmsi as u64)));
         if let Some(missing) = missing {
             let known: Vec<String> = nearest.keys().take(20).map(u32::to_string).collect();
             let more = if nearest.len() > known.len() { ", ..." } else { "" };
@@ -136,17 +138,18 @@ fn sail(
             section.fault(&MMSI, Problem::NoSuch { name: missing.to_string(), what: "vessel", known });
             return vec![None];
         }
-        nearest.retain(|known, _| wanted.contains(&f64::from(*known)));
+        let chosen: BTreeSet<u64> = wanted.iter().map(|mmsi| *mmsi as u64).collect();
+        nearest.retain(|known, _| chosen.contains(&u64::from(*known)));
     }
     let mut left_out = LeftOut::default();
     let mut ships = Vec::new();
     for (age_s, report) in nearest.values() {
         let Some(ship) = ship(ground, choice, *age_s, report, &mut left_out) else { continue };
-        if names.names.iter().flatten().any(|known| *known == ship.name) {
+        if names.has(&ship.name) {
             section.fault(&LOG, Problem::Duplicate { name: ship.name, what: "ship" });
             return vec![None];
         }
-        names.names.push(Some(ship.name.clone()));
+        names.push(Some(ship.name.clone()));
         ships.push(Some(ship));
     }
     if ships.is_empty() {

@@ -33,7 +33,9 @@ pub(super) fn calibration(
         radar.fault(&CALIBRATION, Problem::TooMany { count, what: "calibration channels", allowed: MOST });
     }
     let mut names = Names::new("channel");
-    names.names.extend(limits.channels.unwrap_or_default().iter().map(|channel| Some(channel.name.clone())));
+    for channel in limits.channels.unwrap_or_default() {
+        names.push(Some(channel.name.clone()));
+    }
     let list: Vec<Option<Calibration>> = sections
         .into_iter()
         .map(|section| one(section, &mut names, transmitters, receivers, limits))

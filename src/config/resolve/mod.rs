@@ -21,6 +21,8 @@ mod slick;
 mod stream;
 mod target;
 
+use std::collections::HashMap;
+
 use super::error::Problem;
 use super::keys::{self, Key};
 use super::section::Section;
@@ -67,30 +69,43 @@ impl Ground {
 struct Names {
     what: &'static str,
     names: Vec<Option<String>>,
+    /// Where each name stands first.
+    places: HashMap<String, usize>,
 }
 
 impl Names {
     fn new(what: &'static str) -> Self {
-        Self { what, names: Vec::new() }
+        Self { what, names: Vec::new(), places: HashMap::new() }
+    }
+
+    /// Takes a name, or the place of a faulty one.
+    fn push(&mut self, name: Option<String>) {
+        if let Some(name) = &name {
+            self.places.entry(name.clone()).or_insert(self.names.len());
+        }
+        self.names.push(name);
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.places.contains_key(name)
     }
 
     /// Takes the name of a new entry, faulting duplicates (also against the antennas of `others`).
     fn take(&mut self, section: &Section<'_>, key: &'static Key, others: &[&Names]) {
         let name = section.name(key);
         if let Some(name) = &name {
-            let taken = |names: &Names| names.names.iter().flatten().any(|n| n == name);
-            if taken(self) || others.iter().any(|names| taken(names)) {
-                let what = if taken(self) { self.what } else { "antenna" };
+            if self.has(name) || others.iter().any(|names| names.has(name)) {
+                let what = if self.has(name) { self.what } else { "antenna" };
                 section.fault(key, Problem::Duplicate { name: name.clone(), what });
             }
         }
-        self.names.push(name);
+        self.push(name);
     }
 
     /// Place of a name, faulting names that nothing has.
     fn find(&self, section: &Section<'_>, key: &'static Key) -> Option<usize> {
         let name = section.name(key)?;
-        let found = self.names.iter().position(|n| n.as_ref() == Some(&name));
+        let found = self.places.get(&name).copied();
         if found.is_none() && self.names.iter().all(Option::is_some) {
             let mut known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
             known.dedup();

@@ -15,7 +15,7 @@ use crate::scene::radar::{
 use crate::time::PulseTimes;
 
 /// Most bytes of one pulse.
-const LARGEST_PULSE: u128 = 1 << 30;
+const LARGEST_PULSE: u128 = 1 << 24;
 
 /// `[radar]`, `[[transmitter]]`, `[[receiver]]`; their clocks go to `clocks`.
 pub(super) fn radar(

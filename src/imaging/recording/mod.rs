@@ -17,6 +17,8 @@
 mod plain;
 pub mod verify;
 
+pub use plain::plain_header;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,8 @@ use crate::sinks::sink::{Header, SinkError};
 
 /// Rows read beyond those asked for.
 const AROUND: usize = 64;
+/// Longest recording, and farthest window from its emission, s.
+const LONGEST_S: f64 = 1e8;
 /// Samples of all channels that are read at a time, bytes in the file.
 const BLOCK_BYTES: usize = 4 << 20;
 
@@ -137,7 +141,11 @@ impl Source {
         if path.is_dir() {
             return plain::Plain::open(path).map(Self::Plain);
         }
-        std::fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
+        let data = std::fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
+        if !data.is_file() {
+            let detail = "is no regular file; recordings are files or folders".to_owned();
+            return Err(RecordingError::Foreign { path: path.to_owned(), detail });
+        }
         #[cfg(feature = "hdf5")]
         {
             use crate::sinks::hdf5::file::{Fault, Recorded};
@@ -195,6 +203,16 @@ impl Source {
         }
     }
 
+    /// Whether these rows of a column are there, before anything is allocated for them.
+    fn holds(&self, path: &Path, column: &Column, rows: &Range<usize>) -> Result<(), RecordingError> {
+        match self {
+            // Looked at when it was opened.
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(_) => Ok(()),
+            Self::Plain(plain) => plain.holds(path, column, rows),
+        }
+    }
+
     fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
         match self {
             #[cfg(feature = "hdf5")]
@@ -233,6 +251,7 @@ fn samples(
     let Some(column) = list.iter().find(|column| column.path == "iq") else {
         return Err(RecordingError::Missing { path: path.to_owned(), column: "iq".to_owned() });
     };
+    source.holds(path, column, &rows)?;
     // Mid-rise: a code stands for the middle of its step.
     let step = header.adc.map_or(1.0, |adc| adc.step) as f32;
     let level = |code: i16| (f32::from(code) + 0.5) * step;
@@ -298,6 +317,11 @@ impl Recording {
             Rows::U64(index) => index,
             _ => Vec::new(),
         };
+        if let Some(pair) = index.windows(2).find(|pair| pair[1] <= pair[0]) {
+            let detail =
+                format!("pulse {} comes after pulse {}; a recording's pulses ascend", pair[1], pair[0]);
+            return Err(RecordingError::Foreign { path: path.to_owned(), detail });
+        }
         let asked = pulses.unwrap_or(0..u64::MAX);
         let used = index.partition_point(|i| *i < asked.start)..index.partition_point(|i| *i < asked.end);
         if used.is_empty() {
@@ -329,12 +353,35 @@ impl Recording {
         let path_s: Vec<f64> = time_ns
             .iter()
             .zip(scalar("pulse/time_frac_ns"))
-            .map(|(ns, part)| ((ns - zero_ns) as f64 + part) * 1e-9)
+            .map(|(ns, part)| (ns.saturating_sub(zero_ns) as f64 + part) * 1e-9)
             .collect();
+        let window_start_s = scalar("pulse/window_start_s");
+        let foreign = |detail: String| RecordingError::Foreign { path: path.to_owned(), detail };
+        if path_s.len() < rows.end || window_start_s.len() < rows.end || tx_pol.len() < rows.end {
+            return Err(foreign("columns of /pulse have too few rows".to_owned()));
+        }
+        for row in rows.clone() {
+            let number = index[known.start + row];
+            let ascends = row == 0 || path_s[row - 1] < path_s[row];
+            if !(ascends && (0.0..=LONGEST_S).contains(&path_s[row])) {
+                let detail = format!(
+                    "pulse {number} leaves {} s after those before it were read; allowed: ascending, within {LONGEST_S} s",
+                    path_s[row]
+                );
+                return Err(foreign(detail));
+            }
+            if !(-LONGEST_S..=LONGEST_S).contains(&window_start_s[row]) {
+                let detail = format!(
+                    "pulse/window_start_s of pulse {number} is {}; allowed: within {LONGEST_S} s of the emission",
+                    window_start_s[row]
+                );
+                return Err(foreign(detail));
+            }
+        }
         Ok(Self {
             index: index[used].to_vec(),
             emission_s: path_s[rows.clone()].to_vec(),
-            window_start_s: scalar("pulse/window_start_s")[rows.clone()].to_vec(),
+            window_start_s: window_start_s[rows.clone()].to_vec(),
             tx_pol: tx_pol[rows.clone()].to_vec(),
             path: path.to_owned(),
             header,

@@ -1,7 +1,7 @@
 //! Plain folders, as [`crate::sinks::plain`] makes them.
 
 use std::fs::{self, File};
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +14,20 @@ use crate::pulse::{Layout, SampleFormat};
 use crate::sinks::columns::{Column, Element, Rows, columns};
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow, SinkError};
 use crate::time::TimeTag;
+
+/// Longest `meta.json` and `replica.bin`.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// A file of a recording and its length. Pipes and devices, which may never end, are refused before they are opened.
+fn regular(path: &Path) -> Result<(File, u64), SinkError> {
+    let fault = || SinkError::io(path, "reading the recording");
+    if !fs::metadata(path).map_err(fault())?.is_file() {
+        return Err(fault()(ErrorKind::Unsupported.into()));
+    }
+    let file = File::open(path).map_err(fault())?;
+    let length = file.metadata().map_err(fault())?.len();
+    Ok((file, length))
+}
 
 /// A folder that is read.
 pub(super) struct Plain {
@@ -28,29 +42,20 @@ impl Plain {
     pub fn open(folder: &Path) -> Result<Self, RecordingError> {
         let read = |name: &str| {
             let path = folder.join(name);
-            fs::read(&path).map_err(SinkError::io(&path, "reading the recording"))
-        };
-        let foreign = |detail: String| RecordingError::Foreign { path: folder.to_owned(), detail };
-        let meta: Value = serde_json::from_slice(&read("meta.json")?)
-            .map_err(|error| foreign(format!("meta.json: {error}")))?;
-        let mut header = header(&meta).ok_or_else(|| {
-            foreign(format!("meta.json is not that of a nereus recording, version {FORMAT_VERSION}"))
-        })?;
-        let bytes = read("replica.bin")?;
-        header.replica = values::<Complex32>(&bytes);
-        header.check()?;
-        let listed = meta["columns"].as_object().map(|of| of.keys().cloned().collect()).unwrap_or_default();
-        for column in columns(&header) {
-            let told = &meta["columns"][&column.path];
-            let older = told.is_null() && column.may_be_missing();
-            if !older && told["dtype"] != column.element.numpy() {
-                let detail = format!("{} is not {} in meta.json", column.path, column.element.numpy());
-                return Err(foreign(detail));
+            let (file, length) = regular(&path)?;
+            if length > MOST_BYTES {
+                let detail = format!("{name} has {length} bytes; allowed: at most {MOST_BYTES}");
+                return Err(RecordingError::Foreign { path: folder.to_owned(), detail });
             }
-        }
+            let mut bytes = Vec::new();
+            let read = file.take(length).read_to_end(&mut bytes);
+            read.map_err(SinkError::io(&path, "reading the recording"))?;
+            Ok(bytes)
+        };
+        let (header, listed) = described(folder, &read("meta.json")?, &read("replica.bin")?)?;
         let index = folder.join("pulse/index.bin");
-        let held = fs::metadata(&index).map_err(SinkError::io(&index, "reading the recording"))?;
-        Ok(Self { folder: folder.to_owned(), header, pulses: (held.len() / 8) as usize, listed })
+        let (_, length) = regular(&index)?;
+        Ok(Self { folder: folder.to_owned(), header, pulses: (length / 8) as usize, listed })
     }
 
     pub fn has(&self, column: &Column) -> bool {
@@ -67,7 +72,7 @@ impl Plain {
 
     pub fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
         let bytes = self.bytes(column, &rows)?;
-        let wanted = column.row_bytes() * rows.len();
+        let wanted = column.row_bytes().saturating_mul(rows.len());
         if bytes.len() < wanted {
             let detail = format!("{}.bin ends before pulse {}", column.path, rows.end);
             return Err(RecordingError::Foreign { path: path.to_owned(), detail });
@@ -83,17 +88,59 @@ impl Plain {
         })
     }
 
+    /// Whether a column is long enough for these rows.
+    pub fn holds(&self, path: &Path, column: &Column, rows: &Range<usize>) -> Result<(), RecordingError> {
+        let (_, length) = regular(&self.folder.join(format!("{}.bin", column.path)))?;
+        let needed = (column.row_bytes() as u64).checked_mul(rows.end as u64);
+        if needed.is_none_or(|needed| needed > length) {
+            let detail = format!("{}.bin ends before pulse {}", column.path, rows.end);
+            return Err(RecordingError::Foreign { path: path.to_owned(), detail });
+        }
+        Ok(())
+    }
+
     fn bytes(&self, column: &Column, rows: &Range<usize>) -> Result<Vec<u8>, SinkError> {
         let path = self.folder.join(format!("{}.bin", column.path));
         let fault = |action| SinkError::io(&path, action);
-        let mut file = File::open(&path).map_err(fault("reading the recording"))?;
-        let from = (column.row_bytes() * rows.start) as u64;
-        file.seek(SeekFrom::Start(from)).map_err(fault("reading the recording"))?;
+        let (mut file, _) = regular(&path)?;
+        // What cannot be counted lies behind the end of every file.
+        let bytes_of =
+            |rows: usize| (column.row_bytes() as u64).saturating_mul(rows as u64).min(i64::MAX as u64);
+        file.seek(SeekFrom::Start(bytes_of(rows.start))).map_err(fault("reading the recording"))?;
         let mut bytes = Vec::new();
-        let wanted = (column.row_bytes() * rows.len()) as u64;
+        let wanted = bytes_of(rows.len());
         file.take(wanted).read_to_end(&mut bytes).map_err(fault("reading the recording"))?;
         Ok(bytes)
     }
+}
+
+/// The header that `meta.json` and `replica.bin` describe, and the columns that are listed there.
+fn described(folder: &Path, meta: &[u8], replica: &[u8]) -> Result<(Header, Vec<String>), RecordingError> {
+    let foreign = |detail: String| RecordingError::Foreign { path: folder.to_owned(), detail };
+    let meta: Value = serde_json::from_slice(meta).map_err(|error| foreign(format!("meta.json: {error}")))?;
+    let mut header = header(&meta).ok_or_else(|| {
+        foreign(format!("meta.json is not that of a nereus recording, version {FORMAT_VERSION}"))
+    })?;
+    header.replica = values::<Complex32>(replica);
+    header.check()?;
+    let listed = meta["columns"].as_object().map(|of| of.keys().cloned().collect()).unwrap_or_default();
+    for column in columns(&header) {
+        let told = &meta["columns"][&column.path];
+        let older = told.is_null() && column.may_be_missing();
+        if !older && told["dtype"] != column.element.numpy() {
+            let detail = format!("{} is not {} in meta.json", column.path, column.element.numpy());
+            return Err(foreign(detail));
+        }
+    }
+    Ok((header, listed))
+}
+
+/// The header of a plain recording, from the bytes of its `meta.json` and `replica.bin`.
+///
+/// # Errors
+/// Bytes that describe no recording.
+pub fn plain_header(meta: &[u8], replica: &[u8]) -> Result<Header, RecordingError> {
+    described(Path::new("meta.json"), meta, replica).map(|(header, _)| header)
 }
 
 /// Bytes of a file as numbers.

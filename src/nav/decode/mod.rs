@@ -108,6 +108,7 @@ enum Unread {
 #[derive(Clone, Debug)]
 pub struct Decoder {
     held: Vec<u8>,
+    sums: novatel::Sums,
     counts: Counts,
 }
 
@@ -120,7 +121,11 @@ impl Default for Decoder {
 impl Decoder {
     /// A decoder that has seen nothing.
     pub fn new() -> Self {
-        Self { held: Vec::with_capacity(HELD_BYTES), counts: Counts::default() }
+        Self {
+            held: Vec::with_capacity(HELD_BYTES),
+            sums: novatel::Sums::with_capacity(HELD_BYTES),
+            counts: Counts::default(),
+        }
     }
 
     /// Takes the next bytes of the stream, any number of them, and calls with every message that they complete.
@@ -136,6 +141,7 @@ impl Decoder {
     /// Takes the end of the stream: a last line needs no line end. The decoder is as new but for its counts.
     pub fn finish(&mut self, see: &mut impl FnMut(Message)) {
         self.decide(true, see);
+        self.sums.taken(usize::MAX);
         self.held.clear();
     }
 
@@ -147,13 +153,14 @@ impl Decoder {
     fn decide(&mut self, ended: bool, see: &mut impl FnMut(Message)) {
         let mut at = 0;
         loop {
-            let taken = step(&self.held[at..], ended, &mut self.counts, see);
+            let taken = step(&self.held, at, ended, &mut self.sums, &mut self.counts, see);
             if taken == 0 {
                 break;
             }
             at += taken;
         }
         self.held.drain(..at);
+        self.sums.taken(at);
     }
 }
 
@@ -166,11 +173,20 @@ fn sync(bytes: &[u8]) -> Option<bool> {
     }
 }
 
-/// Takes what stands at the beginning of some bytes; how many they were, 0 when more is needed to decide.
-/// Depends on nothing but these bytes and on whether more may come.
-fn step(bytes: &[u8], ended: bool, counts: &mut Counts, see: &mut impl FnMut(Message)) -> usize {
+/// Takes what stands at a place in some bytes; how many they were, 0 when more is needed to decide.
+/// Depends on nothing but the bytes from there on and on whether more may come.
+fn step(
+    held: &[u8],
+    at: usize,
+    ended: bool,
+    sums: &mut novatel::Sums,
+    counts: &mut Counts,
+    see: &mut impl FnMut(Message),
+) -> usize {
+    let bytes = &held[at..];
     if sync(bytes) == Some(true) {
-        return binary(bytes, ended, counts, see);
+        let is_intact = |length| sums.is_intact(held, at, at + length);
+        return binary(bytes, ended, is_intact, counts, see);
     }
     let window = &bytes[..bytes.len().min(MAX_LINE_BYTES)];
     for (i, &byte) in window.iter().enumerate() {
@@ -205,7 +221,13 @@ fn step(bytes: &[u8], ended: bool, counts: &mut Counts, see: &mut impl FnMut(Mes
 }
 
 /// A binary message; its sync bytes are there.
-fn binary(bytes: &[u8], ended: bool, counts: &mut Counts, see: &mut impl FnMut(Message)) -> usize {
+fn binary(
+    bytes: &[u8],
+    ended: bool,
+    is_intact: impl FnOnce(usize) -> bool,
+    counts: &mut Counts,
+    see: &mut impl FnMut(Message),
+) -> usize {
     const SYNC_BYTES: usize = 3;
     let more = |counts: &mut Counts| {
         counts.malformed += u64::from(ended);
@@ -217,7 +239,7 @@ fn binary(bytes: &[u8], ended: bool, counts: &mut Counts, see: &mut impl FnMut(M
         return SYNC_BYTES;
     }
     let Some(message) = bytes.get(..frame.all_bytes()) else { return more(counts) };
-    if !novatel::is_intact(message) {
+    if !is_intact(message.len()) {
         counts.bad_checksum += 1;
         return SYNC_BYTES;
     }
@@ -251,9 +273,17 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
             return;
         };
         // The end of one sentence and the beginning of another may be lost; but `$` within a sound one occurs.
-        let starts = std::iter::once(0).chain((1..=body.len()).filter(|&at| is_start(&rest[at])));
-        let mut found = starts.map(|at| (at, &body[at..])).filter(|(_, body)| nmea::checksum(body) == given);
-        match found.next() {
+        // The checksum of what is left is that of all without that of what was passed over: every byte is read once.
+        let mut left = nmea::checksum(body);
+        let mut found = (left == given).then_some(0);
+        for (at, byte) in (1..).zip(body) {
+            if found.is_some() {
+                break;
+            }
+            left ^= byte;
+            found = (is_start(byte) && left == given).then_some(at);
+        }
+        match found.map(|at| (at, &body[at..])) {
             None => counts.bad_checksum += 1,
             Some((at, body)) => {
                 counts.malformed += u64::from(at > 0);

@@ -125,10 +125,18 @@ impl Inspvax {
     }
 }
 
+/// Polynomial of the CRC, reflected.
+const POLYNOMIAL: u32 = 0xEDB8_8320;
+
 /// CRC-32 of a message.
 pub fn crc32(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0, |crc, byte| crc32_step(crc, *byte))
+}
+
+/// CRC-32 with one more byte.
+fn crc32_step(crc: u32, byte: u8) -> u32 {
     const TABLE: [u32; 256] = table();
-    bytes.iter().fold(0, |crc, byte| TABLE[((crc ^ u32::from(*byte)) & 0xFF) as usize] ^ (crc >> 8))
+    TABLE[((crc ^ u32::from(byte)) & 0xFF) as usize] ^ (crc >> 8)
 }
 
 const fn table() -> [u32; 256] {
@@ -138,7 +146,7 @@ const fn table() -> [u32; 256] {
         let mut crc = i as u32;
         let mut bit = 0;
         while bit < 8 {
-            crc = if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 };
+            crc = if crc & 1 == 1 { (crc >> 1) ^ POLYNOMIAL } else { crc >> 1 };
             bit += 1;
         }
         table[i] = crc;
@@ -171,9 +179,80 @@ impl Frame {
     }
 }
 
-/// Whether the CRC behind a message is right.
-pub(super) fn is_intact(message: &[u8]) -> bool {
-    crc32(message) == 0
+/// CRCs of all beginnings of some held bytes, as far as one was asked for.
+///
+/// CRC-32 without inversion is linear: with `c(n)` the CRC of the first `n` bytes, that of the bytes `a..b` is `c(b)` less
+/// what becomes of `c(a)` when `b - a` zeros follow. So every byte is looked at once, however many messages seem to begin
+/// before it: frames of 16 KiB announced every 16 bytes cost no more than others.
+#[derive(Clone, Debug)]
+pub(super) struct Sums {
+    /// CRC of the bytes before each one; of those that were taken from the front, something that fits the others.
+    before: Vec<u32>,
+}
+
+impl Sums {
+    /// With room for so many bytes.
+    pub fn with_capacity(bytes: usize) -> Self {
+        let mut before = Vec::with_capacity(bytes + 1);
+        before.push(0);
+        Self { before }
+    }
+
+    /// Whether the bytes `from..to` of `held` are a message with the right CRC behind it.
+    pub fn is_intact(&mut self, held: &[u8], from: usize, to: usize) -> bool {
+        let known = self.before.len() - 1;
+        let mut crc = self.before[known];
+        for byte in held.get(known..to).unwrap_or_default() {
+            crc = crc32_step(crc, *byte);
+            self.before.push(crc);
+        }
+        match (self.before.get(from), self.before.get(to)) {
+            (Some(first), Some(last)) => zeros_behind(*first, to - from) == *last,
+            _ => false,
+        }
+    }
+
+    /// So many bytes are gone from the front of what is held.
+    pub fn taken(&mut self, bytes: usize) {
+        if bytes < self.before.len() {
+            self.before.drain(..bytes);
+        } else {
+            self.before.clear();
+            self.before.push(0);
+        }
+    }
+}
+
+/// What becomes of a CRC when zeros follow: the product with `x^(8 zeros)`, modulo the polynomial.
+fn zeros_behind(crc: u32, zeros: usize) -> u32 {
+    const POWERS: [u32; 16] = powers();
+    let bits = (0..POWERS.len()).filter(|bit| zeros >> bit & 1 == 1);
+    bits.fold(crc, |crc, bit| product(POWERS[bit], crc))
+}
+
+/// Product of two polynomials modulo that of the CRC; the highest bit is the constant term.
+const fn product(a: u32, mut b: u32) -> u32 {
+    let (mut sum, mut bit) = (0, 1 << 31);
+    while bit != 0 {
+        if a & bit != 0 {
+            sum ^= b;
+        }
+        b = if b & 1 == 1 { (b >> 1) ^ POLYNOMIAL } else { b >> 1 };
+        bit >>= 1;
+    }
+    sum
+}
+
+/// `x^8`, `x^16`, `x^32`, ... modulo the polynomial: one, two, four, ... bytes of zeros, below 64 KiB.
+const fn powers() -> [u32; 16] {
+    let mut powers = [0; 16];
+    powers[0] = 1 << (31 - 8);
+    let mut i = 1;
+    while i < powers.len() {
+        powers[i] = product(powers[i - 1], powers[i - 1]);
+        i += 1;
+    }
+    powers
 }
 
 /// Reads a binary message whose checksum is right.
@@ -277,4 +356,32 @@ fn f32_at(bytes: &[u8], at: usize) -> f32 {
 
 fn f64_at(bytes: &[u8], at: usize) -> f64 {
     f64::from_le_bytes(bytes_at(bytes, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crc_from_two_beginnings_is_that_of_the_bytes_between() {
+        let held: Vec<u8> = (0..40_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        for (taken, from, length) in
+            [(0, 0, 4), (0, 17, 1), (5, 900, 16_384), (20_000, 0, 33), (39_000, 3, 900)]
+        {
+            let mut sums = Sums::with_capacity(held.len());
+            // Known or not when the front is taken.
+            sums.is_intact(&held, 0, 10_000);
+            sums.taken(taken);
+            let mut held = held[taken..].to_vec();
+            let crc = crc32(&held[from..from + length]);
+            held.splice(from + length..(from + length + 4).min(held.len()), crc.to_le_bytes());
+            // What was known of the bytes that were changed must not be used.
+            let mut fresh = Sums::with_capacity(held.len());
+            assert!(fresh.is_intact(&held, from, from + length + 4), "{taken} {from} {length}");
+            assert!(!fresh.is_intact(&held, from + 1, from + length + 4));
+            if taken > 10_000 {
+                assert!(sums.is_intact(&held, from, from + length + 4), "{taken} {from} {length}");
+            }
+        }
+    }
 }

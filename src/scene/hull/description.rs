@@ -26,7 +26,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -98,12 +98,14 @@ struct Description {
 struct Notes<'a> {
     path: &'a Path,
     text: &'a str,
+    /// Where lines begin.
+    starts: Vec<usize>,
     faults: &'a mut Vec<HullFault>,
 }
 
 impl Notes<'_> {
     fn line(&self, offset: usize) -> usize {
-        1 + self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count()
+        self.starts.partition_point(|start| *start <= offset).max(1)
     }
 
     fn push(&mut self, line: usize, what: What) {
@@ -165,7 +167,9 @@ fn entries<'t, 'a>(table: &'t DeTable<'a>) -> Entries<'t, 'a> {
 impl Description {
     fn read(path: &Path, text: &str, faults: &mut Vec<HullFault>) -> Self {
         let (table, errors) = DeTable::parse_recoverable(text);
-        let mut notes = Notes { path, text, faults };
+        let feeds = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
+        let starts = std::iter::once(0).chain(feeds).collect();
+        let mut notes = Notes { path, text, starts, faults };
         for error in &errors {
             let line = notes.line(error.span().unwrap_or_default().start);
             notes.push(line, What::Syntax { message: error.message().trim().replace('\n', " ") });
@@ -254,6 +258,7 @@ fn stated(value: &Spanned<DeValue<'_>>, notes: &mut Notes<'_>) -> (Stated, [usiz
 
 fn scatterers(value: &Spanned<DeValue<'_>>, notes: &mut Notes<'_>) -> Vec<Scatterer> {
     let mut read: Vec<Scatterer> = Vec::new();
+    let mut names = BTreeSet::new();
     let DeValue::Array(items) = value.get_ref() else {
         notes.refuse("scatterer", value, "tables [[scatterer]]");
         return read;
@@ -286,7 +291,7 @@ fn scatterers(value: &Spanned<DeValue<'_>>, notes: &mut Notes<'_>) -> Vec<Scatte
         else {
             continue;
         };
-        if read.iter().any(|other| other.name == name) {
+        if !names.insert(name.clone()) {
             notes.push(line, What::Twice { name: quote(&name) });
             continue;
         }

@@ -9,6 +9,8 @@ use ::hdf5::types::FixedUnicode;
 use ::hdf5::{Dataset, Extent, File, H5Type};
 
 use super::file::Fault;
+use super::header::checked;
+use super::sizes;
 use crate::pulse::log::{Entry, Log, Origin};
 use crate::sinks::unwritten::Unwritten;
 
@@ -76,19 +78,22 @@ impl ChangeTable {
 }
 
 /// The changes of a recording; `None` of one in which nothing could be changed.
-pub(super) fn read(file: &File) -> Result<Option<Arc<Log>>, Fault> {
+pub(super) fn read(file: &File, file_bytes: u64) -> Result<Option<Arc<Log>>, Fault> {
     if !file.group("truth")?.link_exists("changes") {
         return Ok(None);
     }
-    let rows = file.dataset(PATH)?.read_raw::<Row>()?;
+    let dataset = file.dataset(PATH)?;
+    sizes::check(&dataset, None, file_bytes)?;
+    let rows = dataset.read_raw::<Row>()?;
     let entry = |row: &Row| {
-        let origin = Origin::named(row.source.as_str())
-            .ok_or_else(|| Fault::Text(format!("/{PATH}: source '{}' is none", row.source.as_str())))?;
+        let source = checked(row.source.as_bytes(), PATH)?;
+        let origin = Origin::named(&source)
+            .ok_or_else(|| Fault::Text(format!("/{PATH}: source '{}' is none", source.escape_debug())))?;
         Ok(Entry {
             pulse: row.pulse,
             time_ns: row.time_ns,
-            platform: row.platform.as_str().to_owned(),
-            text: row.text.as_str().to_owned(),
+            platform: checked(row.platform.as_bytes(), PATH)?,
+            text: checked(row.text.as_bytes(), PATH)?,
             origin,
         })
     };

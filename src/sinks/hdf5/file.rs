@@ -12,17 +12,16 @@ use std::path::Path;
 use ::hdf5::file::LibraryVersion;
 use ::hdf5::filters::Filter;
 use ::hdf5::types::VarLenUnicode;
-use ::hdf5::{Dataset, Extent, File, Group, H5Type, Hyperslab, OpenMode, SliceOrIndex};
+use ::hdf5::{Dataset, Extent, File, Group, H5Type, Hyperslab, LinkType, OpenMode, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
 use thiserror::Error;
 
 use crate::files::{Draft, FileFault, Holding};
-use crate::sinks::columns::{Column, Element, Rows, columns};
+use crate::sinks::columns::{Column, Element, INDEX, Rows, columns};
 use crate::sinks::sink::{Header, SinkError};
 
 use super::changes::ChangeTable;
-use super::header;
-use super::superblock;
+use super::{header, sizes, superblock};
 
 /// Fewest pulses in a chunk of any dataset.
 pub const CHUNK_PULSES: usize = 16;
@@ -77,11 +76,17 @@ pub(crate) struct Recording {
 type Made = (File, Vec<Dataset>, Option<ChangeTable>);
 
 /// A file that is finished, growing, or left by a killed run.
-fn open(path: &Path) -> Result<File, ::hdf5::Error> {
+fn open(path: &Path) -> Result<File, Fault> {
+    regular(path)?;
     match File::open(path) {
         Ok(file) => Ok(file),
-        // A run that was killed leaves the mark of an open writer; reading as SWMR accepts it.
-        Err(plain) => File::open_as(path, OpenMode::ReadSWMR).map_err(|_| plain),
+        // A run that goes on or was killed leaves the mark of an open writer; reading as SWMR accepts it. Nothing else is
+        // tried twice.
+        Err(plain) if is_marked(&plain) => File::with_options()
+            .with_fapl(|fapl| fapl.metadata_read_attempts(READ_ATTEMPTS))
+            .open_as(path, OpenMode::ReadSWMR)
+            .map_err(|_| plain.into()),
+        Err(plain) => Err(plain.into()),
     }
 }
 
@@ -89,6 +94,7 @@ fn open(path: &Path) -> Result<File, ::hdf5::Error> {
 pub(crate) fn format_of(path: &Path) -> Option<Vec<u8>> {
     const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
     let mut start = [0; 8];
+    regular(path).ok()?;
     fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).ok()?;
     if start != SIGNATURE {
         return None;
@@ -346,41 +352,95 @@ fn is_there(file: &File, column: &Column) -> bool {
     ends.into_iter().all(|end| file.link_exists(&column.path[..end]))
 }
 
+/// Times that metadata of a growing file is read again before it counts as damaged. The library waits 2^n ns after the
+/// n-th attempt: its own 100 would be for ever.
+const READ_ATTEMPTS: u32 = 20;
+
+/// Length of a file that is one: reading a pipe or a device may never end.
+fn regular(path: &Path) -> Result<u64, Fault> {
+    let data = fs::metadata(path).map_err(|error| Fault::Text(error.to_string()))?;
+    if !data.is_file() {
+        return Err(Fault::Text("is no regular file; recordings are files or folders".to_owned()));
+    }
+    Ok(data.len())
+}
+
+/// Whether a file was refused for its writer's mark alone.
+fn is_marked(error: &::hdf5::Error) -> bool {
+    let said = |text: &str| text.contains("already open for write");
+    let frames = error.stack();
+    said(&error.to_string())
+        || frames
+            .is_some_and(|stack| stack.iter().any(|frame| said(frame.desc()) || said(frame.description())))
+}
+
+/// Groups within groups that are looked at: recordings have four.
+const DEEPEST: usize = 8;
+
+/// Refuses links to elsewhere: they would have other files opened, or go in circles.
+fn only_hard_links(group: &Group, path: &str) -> Result<(), Fault> {
+    if path.matches('/').count() > DEEPEST {
+        return Err(Fault::Text(format!("{} lies in more than {DEEPEST} groups", path.escape_debug())));
+    }
+    let mut names = Vec::new();
+    let mut other = None;
+    group.iter_visit_default(|name, link| {
+        if link.link_type != LinkType::Hard {
+            other.get_or_insert_with(|| name.to_owned());
+        }
+        names.push(name.to_owned());
+        Ok(())
+    })?;
+    if let Some(name) = other {
+        let name = format!("{path}/{name}");
+        return Err(Fault::Text(format!(
+            "{} is a link to elsewhere; recordings have none",
+            name.escape_debug()
+        )));
+    }
+    for name in names {
+        if let Ok(inner) = group.group(&name) {
+            only_hard_links(&inner, &format!("{path}/{name}"))?;
+        }
+    }
+    Ok(())
+}
+
 impl Recorded {
     pub(crate) fn open(path: &Path) -> Result<Self, Fault> {
         let file = open(path)?;
-        let header = header::read(&file)?;
+        only_hard_links(&file, "")?;
+        let file_bytes = regular(path)?;
+        let header = header::read(&file, file_bytes)?;
         header.check().map_err(|e| Fault::Text(e.to_string()))?;
         let columns = columns(&header);
         let there = |column: &&Column| !column.may_be_missing() || is_there(&file, column);
         let held: Vec<&Column> = columns.iter().filter(there).collect();
-        let mut pulses = 0;
+        // Written last: what it covers is complete, whatever happened to the writer.
+        let pulses = file.dataset(INDEX)?.shape().first().copied().unwrap_or(0);
         for column in &held {
             let dataset = file.dataset(&column.path)?;
             let found = dataset.shape();
             if found.get(1..) != Some(column.shape.as_slice()) {
                 return Err(Fault::Text(format!("/{} has the shape {found:?}", column.path)));
             }
-            pulses = found[0];
-        }
-        for column in &held {
-            let rows = file.dataset(&column.path)?.shape()[0];
-            if rows < pulses {
-                return Err(Fault::Text(format!("/{} has {rows} rows of {pulses}", column.path)));
+            if found[0] < pulses {
+                return Err(Fault::Text(format!("/{} has {} rows of {pulses}", column.path, found[0])));
             }
+            sizes::check(&dataset, Some(pulses), file_bytes)?;
         }
         let held = held.into_iter().map(|column| column.path.clone()).collect();
         Ok(Self { file, columns, held, header, pulses })
     }
 
-    /// Index of one pulse.
     /// Last pulse of the segment before this file.
     pub(crate) fn after_pulse(&self) -> Option<u64> {
         self.file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
     }
 
+    /// Index of one pulse.
     pub(crate) fn index(&self, row: usize) -> Result<u64, Fault> {
-        let index = self.file.dataset(crate::sinks::columns::INDEX)?;
+        let index = self.file.dataset(INDEX)?;
         let value = index.read_slice_1d::<u64, _>(row..row + 1)?;
         value.first().copied().ok_or_else(|| Fault::Text(format!("no row {row}")))
     }
@@ -433,6 +493,18 @@ impl Recorded {
             Element::Cf32 => Rows::Cf32(get(file, column, from, to)?),
             Element::Ci16 => Rows::Ci16(get(file, column, from, to)?),
         })
+    }
+
+    /// Reads all there is and keeps nothing of it.
+    pub(crate) fn read_through(&self) -> Result<(), Fault> {
+        let rows = (CHUNK_BYTES / self.row_bytes().max(1)).clamp(1, 4096);
+        let held = self.columns.iter().filter(|column| self.has(column));
+        for column in held {
+            for from in (0..self.pulses).step_by(rows) {
+                self.column(column, from, (from + rows).min(self.pulses))?;
+            }
+        }
+        Ok(())
     }
 
     /// Bytes of a pulse over all columns.

@@ -12,8 +12,8 @@ use crate::pulse::{Layout, SampleFormat};
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
 use crate::time::TimeTag;
 
-use super::changes;
 use super::file::Fault;
+use super::{changes, sizes};
 
 #[derive(Clone, H5Type)]
 #[repr(C)]
@@ -140,8 +140,14 @@ fn value<T: H5Type>(place: &Location, name: &str) -> Result<T, Fault> {
     Ok(place.attr(name)?.read_scalar()?)
 }
 
+/// The text in some bytes of a file. The library's own strings take whatever stands there for UTF-8, unchecked.
+pub(super) fn checked(bytes: &[u8], name: &str) -> Result<String, Fault> {
+    let text = std::str::from_utf8(bytes);
+    Ok(text.map_err(|error| Fault::Text(format!("{name} is not UTF-8 text: {error}")))?.to_owned())
+}
+
 fn string(place: &Location, name: &str) -> Result<String, Fault> {
-    Ok(value::<VarLenUnicode>(place, name)?.as_str().to_owned())
+    checked(value::<VarLenUnicode>(place, name)?.as_bytes(), name)
 }
 
 fn optional<T: H5Type>(place: &Location, name: &str) -> Result<Option<T>, Fault> {
@@ -152,12 +158,22 @@ fn strings(place: &Location, name: &str) -> Result<Vec<String>, Fault> {
     if !place.attr_names()?.iter().any(|n| n == name) {
         return Ok(Vec::new());
     }
-    let values = place.attr(name)?.read_raw::<VarLenUnicode>()?;
-    Ok(values.iter().map(|v| v.as_str().to_owned()).collect())
+    let values = place.attr(name)?;
+    if values.size() > MOST_NAMES {
+        return Err(Fault::Text(format!(
+            "{name} has {} names; at most {MOST_NAMES} are read",
+            values.size()
+        )));
+    }
+    values.read_raw::<VarLenUnicode>()?.iter().map(|value| checked(value.as_bytes(), name)).collect()
 }
 
-/// Reads what [`write`] wrote.
-pub(super) fn read(file: &File) -> Result<Header, Fault> {
+/// Most names in a list.
+const MOST_NAMES: usize = 1 << 16;
+
+/// Reads what [`write`] wrote; nothing is read of which the file cannot hold as much as it says.
+pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
+    let held = |dataset: Dataset| sizes::check(&dataset, None, file_bytes).map(|()| dataset);
     let format = string(file, "format")?;
     let version: u32 = value(file, "version")?;
     if format != "nereus" || version != FORMAT_VERSION {
@@ -176,16 +192,18 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
     } else {
         return Err(Fault::Text("/iq is neither complex64 nor a pair {r, i} of int16".to_owned()));
     };
-    let table = file.dataset("channel")?.read_raw::<ChannelRecord>()?;
+    let table = held(file.dataset("channel")?)?.read_raw::<ChannelRecord>()?;
     let truth = file.group("truth")?;
     let pairs: Vec<PairRow> = if truth.link_exists("pairs") {
-        let rows = truth.dataset("pairs")?.read_raw::<PairRecord>()?;
+        let rows = held(truth.dataset("pairs")?)?.read_raw::<PairRecord>()?;
         rows.iter()
-            .map(|r| PairRow {
-                transmitter: r.transmitter.as_str().to_owned(),
-                receiver: r.receiver.as_str().to_owned(),
+            .map(|r| {
+                Ok(PairRow {
+                    transmitter: checked(r.transmitter.as_bytes(), "/truth/pairs")?,
+                    receiver: checked(r.receiver.as_bytes(), "/truth/pairs")?,
+                })
             })
-            .collect()
+            .collect::<Result<_, Fault>>()?
     } else {
         Vec::new()
     };
@@ -193,8 +211,8 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         if !truth.link_exists(of) {
             return Ok(Vec::new());
         }
-        let names = truth.dataset(of)?.read_raw::<VarLenUnicode>()?;
-        Ok(names.iter().map(|n| n.as_str().to_owned()).collect())
+        let names = held(truth.dataset(of)?)?.read_raw::<VarLenUnicode>()?;
+        names.iter().map(|name| checked(name.as_bytes(), of)).collect()
     };
     let (targets, ships, clocks) = (names("targets")?, names("ships")?, names("clocks")?);
     let origin = match optional(file, "origin_lat_deg")? {
@@ -232,20 +250,22 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         channels: table
             .iter()
             .enumerate()
-            .map(|(channel, r)| ChannelRow {
-                name: r.name.as_str().to_owned(),
-                transmitter: r.transmitter.as_str().to_owned(),
-                receiver: r.receiver.as_str().to_owned(),
-                polarisations: r.polarisations.as_str().to_owned(),
-                transmit_basis: transmit_basis.get(channel).cloned().unwrap_or_default(),
-                receive_basis: receive_basis.get(channel).cloned().unwrap_or_default(),
+            .map(|(channel, r)| {
+                Ok(ChannelRow {
+                    name: checked(r.name.as_bytes(), "/channel")?,
+                    transmitter: checked(r.transmitter.as_bytes(), "/channel")?,
+                    receiver: checked(r.receiver.as_bytes(), "/channel")?,
+                    polarisations: checked(r.polarisations.as_bytes(), "/channel")?,
+                    transmit_basis: transmit_basis.get(channel).cloned().unwrap_or_default(),
+                    receive_basis: receive_basis.get(channel).cloned().unwrap_or_default(),
+                })
             })
-            .collect(),
+            .collect::<Result<_, Fault>>()?,
         pairs,
         origin,
         seed: value(file, "seed")?,
         config: string(file, "config")?,
-        replica: file.dataset("replica")?.read_raw()?,
+        replica: held(file.dataset("replica")?)?.read_raw()?,
         platforms,
         transmitters,
         receivers,
@@ -257,6 +277,6 @@ pub(super) fn read(file: &File) -> Result<Header, Fault> {
         first_pulse: value(file, "first_pulse")?,
         pulses: value(file, "pulses")?,
         truth: optional::<u8>(file, "truth")?.is_none_or(|truth| truth != 0),
-        changes: changes::read(file)?,
+        changes: changes::read(file, file_bytes)?,
     })
 }

@@ -35,6 +35,7 @@ use super::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 mod changes;
 pub(crate) mod file;
 pub(crate) mod header;
+mod sizes;
 mod superblock;
 
 use file::{Fault, Recording};
@@ -70,6 +71,19 @@ pub struct Hdf5Sink {
     drafts: Vec<Draft>,
     closed_pulses: u64,
 }
+
+/// Reads a recording to the end, everything that another reading would come across; its pulses.
+///
+/// # Errors
+/// A file that is damaged or no recording.
+pub fn read_through(path: &Path) -> Result<u64, SinkError> {
+    let recorded = file::Recorded::open(path).map_err(Fault::at(path, READING))?;
+    recorded.read_through().map_err(Fault::at(path, READING))?;
+    Ok(recorded.pulses as u64)
+}
+
+/// What is being done when a recording cannot be read.
+const READING: &str = "reading the recording";
 
 /// Name of a segment.
 fn segment_path(path: &Path, segment: u64) -> PathBuf {

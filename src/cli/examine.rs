@@ -1,0 +1,150 @@
+//! A recording from elsewhere is read by a process of its own first.
+//!
+//! The HDF5 library is written in C, and its authors do not promise that a forged file does no harm. So `focus` and `merge`
+//! have an HDF5 recording read to the end by this program in a second process (`nereus examine-recording FILE`), with
+//! limits of memory and of time. Only what that process survived is read again, by the same functions, in this one.
+//! docs/decisions/0041-hostile-files.md has the reasons.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::args::ExamineArgs;
+use super::error::CliError;
+
+/// Memory of the second process, bytes: far above what a reader of blocks needs.
+#[cfg(all(feature = "hdf5", unix))]
+const MEMORY: u64 = 2 << 30;
+/// Time that any file may take, and what longer ones may take beyond it.
+const LEAST_S: u64 = 10;
+const BYTES_PER_S: u64 = 20 << 20;
+/// Longest wait between two looks at the process.
+const GLANCE: Duration = Duration::from_millis(20);
+/// Most of its message that is passed on, bytes.
+const MESSAGE: u64 = 16 << 10;
+
+/// Why a recording is not read.
+#[derive(Debug, thiserror::Error)]
+pub enum ExamineError {
+    /// It is wrong, as the process that read it says.
+    #[error("{message}")]
+    Refused {
+        /// What it says.
+        message: String,
+    },
+    /// The process did not come to an end by itself.
+    #[error(
+        "{path}: not read: {how} when it was examined in a process of its own; the file is damaged or was forged; \
+         allowed: recordings of nereus as they were written"
+    )]
+    Fatal {
+        /// The recording.
+        path: String,
+        /// How it ended.
+        how: String,
+    },
+    /// There is no such process.
+    #[error("{path}: cannot be examined in a process of its own: {source}")]
+    Process {
+        /// The recording.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+/// Seconds that a file of this length may take.
+fn seconds(bytes: u64) -> u64 {
+    LEAST_S.saturating_add(bytes / BYTES_PER_S)
+}
+
+/// The program itself, also where its file was replaced meanwhile.
+fn program() -> std::io::Result<std::path::PathBuf> {
+    if cfg!(target_os = "linux") { Ok("/proc/self/exe".into()) } else { std::env::current_exe() }
+}
+
+/// Has an HDF5 file read in a process of its own; what is none is left to who reads it.
+pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
+    let length = match std::fs::metadata(path) {
+        Ok(data) if data.is_file() && cfg!(feature = "hdf5") => data.len(),
+        _ => return Ok(()),
+    };
+    let shown = || path.display().to_string();
+    let failed = |source| ExamineError::Process { path: shown(), source };
+    let mut child = Command::new(program().map_err(failed)?)
+        .arg("examine-recording")
+        .arg("--")
+        .arg(path)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(failed)?;
+    let fatal = |how: String| ExamineError::Fatal { path: shown(), how };
+    let limit = Duration::from_secs(seconds(length).saturating_mul(2));
+    let Some(status) = wait(&mut child, limit).map_err(failed)? else {
+        return Err(fatal(format!("nothing came of it within {} s", limit.as_secs())));
+    };
+    if status.success() {
+        return Ok(());
+    }
+    let mut said = Vec::new();
+    if let Some(errors) = child.stderr.take() {
+        // What is lost of a message is no reason to read the file.
+        let _ = errors.take(MESSAGE).read_to_end(&mut said);
+    }
+    let said = String::from_utf8_lossy(&said);
+    match (status.code(), said.trim().strip_prefix("error: ")) {
+        (Some(1 | 2), Some(message)) => Err(ExamineError::Refused { message: message.to_owned() }),
+        _ => Err(fatal(format!("the reader ended with {status}"))),
+    }
+}
+
+/// How a process ended; `None`, and its end, when it takes longer than it may.
+fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<std::process::ExitStatus>> {
+    let begun = Instant::now();
+    let mut pause = Duration::from_millis(1);
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        if begun.elapsed() >= limit {
+            child.kill()?;
+            child.wait()?;
+            return Ok(None);
+        }
+        thread::sleep(pause);
+        pause = (pause * 2).min(GLANCE);
+    }
+}
+
+/// The second process: reads everything under limits, and keeps nothing.
+#[cfg(feature = "hdf5")]
+pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
+    let length = std::fs::metadata(&args.recording).map_or(0, |data| data.len());
+    limit(length);
+    crate::sinks::hdf5::read_through(&args.recording)?;
+    Ok(())
+}
+
+/// A build without HDF5 reads no such file.
+#[cfg(not(feature = "hdf5"))]
+pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
+    Err(CliError::NoHdf5 { out: args.recording.clone() })
+}
+
+/// Limits of this process. A system that refuses one goes without: the other process watches the time.
+#[cfg(all(feature = "hdf5", unix))]
+fn limit(length: u64) {
+    use nix::sys::resource::{Resource, setrlimit};
+    for (resource, most) in
+        [(Resource::RLIMIT_AS, MEMORY), (Resource::RLIMIT_CPU, seconds(length)), (Resource::RLIMIT_CORE, 0)]
+    {
+        let _ = setrlimit(resource, most, most);
+    }
+}
+
+#[cfg(all(feature = "hdf5", not(unix)))]
+fn limit(_length: u64) {}

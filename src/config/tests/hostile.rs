@@ -1,0 +1,42 @@
+//! Scenarios that cost more than they hold.
+
+use std::path::Path;
+use std::time::Instant;
+
+use crate::config::parse;
+
+fn seconds(text: &str) -> f64 {
+    let begun = Instant::now();
+    let _ = parse(text, Path::new("hostile.toml"), &[]);
+    begun.elapsed().as_secs_f64()
+}
+
+/// Before: the columns of a line were counted from its beginning for each value, 24 s.
+#[test]
+fn a_line_of_many_numbers_is_read_once() {
+    let took = seconds(&format!("[sea]\nx = [{}]\n", "1.5,".repeat(400_000)));
+    assert!(took < 5.0, "{took} s");
+    // Keys of tables that come back to the beginning of the line.
+    let keys = |part: &str| (0..20_000).map(|k| format!("k{k}.{part} = 1, ")).collect::<String>();
+    let took = seconds(&format!("t = {{ {}{}z = 1 }}\n", keys("x"), keys("y")));
+    assert!(took < 5.0, "{took} s");
+}
+
+/// Before: every name was compared with every other, and every fault with every line that could not be read.
+#[test]
+fn many_names_and_many_faults_are_read_once() {
+    let targets: String = (0..50_000).map(|n| format!("[[target]]\nname = \"t{n}\"\n")).collect();
+    let took = seconds(&targets);
+    assert!(took < 10.0, "{took} s");
+    let lines: String = (0..50_000).map(|n| format!("k{n} = 1\nx{n} = = 2\n")).collect();
+    let took = seconds(&lines);
+    assert!(took < 10.0, "{took} s");
+}
+
+#[test]
+fn columns_count_characters() {
+    let text = format!("x = \"{}\"\ny = [\"ä\", {}bad]\n", "é".repeat(300), "1, ".repeat(200));
+    let faults = parse(&text, Path::new("s.toml"), &[]).unwrap_err().to_string();
+    // Ten characters before the numbers, three for each.
+    assert!(faults.contains("s.toml:2:611"), "{faults}");
+}
