@@ -4,7 +4,7 @@
 //! **pair** it has a delay `tau` (s) and its rate `r = d tau / dt`; per **channel** a complex amplitude
 //! `a` (sqrt(W)) without the carrier phase. With the carrier `f0` and the baseband pulse `p`, its echo is
 //!
-//! `a exp(-j 2 pi f0 tau) p(t') exp(-j 2 pi f0 r t')`, `t' = t - t_emission - tau`.
+//! `a exp(-j 2 pi f0 tau) p(t'/(1 + r)) exp(-j 2 pi f0 r t'/(1 + r))`, `t' = t - t_emission - tau`.
 //!
 //! Structure of arrays; `echo` knows nothing else of the scene.
 
