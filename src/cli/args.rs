@@ -137,8 +137,8 @@ pub struct BenchArgs {
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<u64>,
-    /// Pulses, spread over the run, at which the error is measured; 0: none
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = counts(0, u64::MAX))]
+    /// Pulses, spread over the run, at which the error is measured, or all; 0: none
+    #[arg(long, value_name = "N|all", default_value = "16", value_parser = pulses_or_all)]
     pub error_pulses: u64,
     /// Set a key of the scenario, e.g. fidelity.node_pulses=2
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -273,6 +273,16 @@ pub(super) fn counts(least: u64, most: u64) -> impl Fn(&str) -> Result<u64, NotA
         let count = text.parse().ok().filter(|count| (least..=most).contains(count));
         count.ok_or(NotACount { least, most })
     }
+}
+
+/// Neither a number nor all.
+#[derive(Debug, Error)]
+#[error("not a number of pulses; allowed: a whole number, or all")]
+pub(super) struct NotPulses;
+
+/// Reads a number of pulses, or all.
+fn pulses_or_all(text: &str) -> Result<u64, NotPulses> {
+    if text == "all" { Ok(u64::MAX) } else { text.parse().map_err(|_| NotPulses) }
 }
 
 /// Reads numbers of threads, as `stream.threads` has them.

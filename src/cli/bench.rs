@@ -70,6 +70,8 @@ struct Report {
 #[derive(Debug, Serialize)]
 struct ErrorReport {
     pulses: Vec<u64>,
+    /// Whether these are all pulses of the run.
+    all: bool,
     worst_pulse: u64,
     worst_channel: String,
     /// Worst of each channel, dB.
@@ -176,6 +178,7 @@ fn report(
         rel_rms_db_mean: judged.map(|(_, accuracy)| accuracy.rel_rms_db_mean),
         error: judged.map(|(judge, accuracy)| ErrorReport {
             pulses: judge.pulses().to_vec(),
+            all: judge.pulses().len() as u64 == run.scene.pulses,
             worst_pulse: accuracy.worst_pulse,
             worst_channel: name(accuracy.worst_channel),
             channel_db: accuracy
@@ -267,10 +270,13 @@ fn text(report: &Report) -> String {
         (Some(worst), Some(mean), Some(error)) => row(
             "error",
             format!(
-                "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {} drawn from the run, against the reference",
+                "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {}, against the reference",
                 error.worst_pulse,
                 error.worst_channel,
-                counted(error.pulses.len() as u64, "pulse")
+                match counted(error.pulses.len() as u64, "pulse") {
+                    of if error.all => format!("all {of}"),
+                    of => format!("{of} drawn from the run"),
+                }
             ),
         ),
         _ => row("error", "not measured".to_owned()),

@@ -122,7 +122,7 @@ fn decibels(ratio: f64) -> f64 {
     (10.0 * ratio.log10()).clamp(LEAST_DB, -LEAST_DB)
 }
 
-fn power(samples: &[Complex32]) -> f64 {
+pub(super) fn power(samples: &[Complex32]) -> f64 {
     samples.iter().map(|s| f64::from(s.re).powi(2) + f64::from(s.im).powi(2)).sum()
 }
 
@@ -190,7 +190,7 @@ impl Judge {
 }
 
 /// Power of each channel of a pulse.
-fn powers(samples: &[Complex32], channels: usize) -> Vec<f64> {
+pub(super) fn powers(samples: &[Complex32], channels: usize) -> Vec<f64> {
     (0..channels).map(|channel| power(&samples[of_channel(channel, channels, samples.len())])).collect()
 }
 
@@ -200,7 +200,7 @@ fn of_channel(channel: usize, channels: usize, samples: usize) -> std::ops::Rang
 }
 
 /// Mean power of a channel over pulses, `[pulse][channel]`.
-fn mean_of(powers: &[Vec<f64>], channel: usize) -> f64 {
+pub(super) fn mean_of(powers: &[Vec<f64>], channel: usize) -> f64 {
     powers.iter().map(|pulse| pulse[channel]).sum::<f64>() / powers.len().max(1) as f64
 }
 
@@ -271,7 +271,7 @@ fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErro
 }
 
 /// What is kept of the samples, `[channel x sample]`, of pulses that stand in their order: blocks go to whoever is free.
-fn make<T: Send>(
+pub(super) fn make<T: Send>(
     factory: &PulseFactory,
     pulses: &[u64],
     threads: usize,

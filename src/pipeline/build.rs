@@ -24,14 +24,12 @@ use thread_priority::ThreadPriority;
 
 use crate::config::Run;
 use crate::echo::Fidelity;
-use crate::echo::reference::ReferenceEcho;
-use crate::echo::synth::{Precision, Synth, SynthError};
+use crate::echo::synth::SynthError;
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError};
 use crate::nav::TrackSource;
 use crate::nav::changes::{ChangeFault, Changes};
 use crate::plan::PlanError;
-use crate::plan::settle::{Plan, settle};
 use crate::pulse::converter::Level;
 use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
@@ -55,14 +53,13 @@ use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self, StreamError};
 
 use super::aboard::{self, ShipTracks};
-use super::block::BlockEcho;
 use super::changing;
 use super::control::{Control, Desk, control};
+use super::dry_run;
 use super::live::{LiveFault, LiveNav};
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{header, open_all, placed, same_kind};
 use super::plausible;
-use super::single::SingleEcho;
 use super::stages::{Echo, PulseError, PulseFactory, Workspace};
 use super::tracks::flown;
 
@@ -269,8 +266,7 @@ pub fn factory_by(
     let scene = &*aboard::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let radar = &scene.radar;
-    let (carrier_hz, sample_rate_hz, samples) =
-        (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+    let sample_rate_hz = radar.sample_rate_hz;
     let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
@@ -278,38 +274,9 @@ pub fn factory_by(
     let illumination = illumination.with_clocks(clocks.clone());
     let plan = match fidelity {
         Fidelity::Reference => None,
-        Fidelity::Fast(asked) => Some(settle(scene, &illumination, &waveform, asked)?),
+        Fidelity::Fast(asked) => Some(dry_run::plan(scene, &illumination, &waveform, asked)?),
     };
-    let of_channels = illumination.channel_pairs();
-    let echo = match &plan {
-        None => {
-            let waveform = Arc::clone(&waveform);
-            Echo::Reference(ReferenceEcho::new(
-                waveform,
-                carrier_hz,
-                sample_rate_hz,
-                samples,
-                of_channels.to_vec(),
-            ))
-        }
-        Some(Plan { settled, .. }) if settled.precision == Precision::Double => {
-            let waveform = Arc::clone(&waveform);
-            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
-            Echo::Single(SingleEcho::new(synth))
-        }
-        Some(Plan { settled, .. }) => {
-            let waveform = Arc::clone(&waveform);
-            let synth = Synth::new(waveform, carrier_hz, sample_rate_hz, samples, of_channels, settled.echo)?;
-            let interval_s = radar.emissions.interval_s(0, 1);
-            Echo::Fast(Box::new(BlockEcho::new(
-                synth,
-                settled,
-                scene.pulses,
-                illumination.hold_pulses(),
-                interval_s,
-            )?))
-        }
-    };
+    let echo = Echo::of(plan.as_ref(), radar, scene.pulses, &illumination, &waveform)?;
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let ships = ShipTracks::of(scene);
     let layout = Layout {

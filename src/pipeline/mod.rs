@@ -9,6 +9,7 @@ mod block;
 pub mod build;
 pub mod changing;
 pub mod control;
+mod dry_run;
 pub mod forecast;
 pub mod gather;
 pub mod knobs;

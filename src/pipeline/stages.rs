@@ -17,7 +17,7 @@ use super::aboard::ShipTracks;
 use super::block::{BlockEcho, BlockWork};
 use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
-use crate::echo::synth::SynthError;
+use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::plan::settle::Plan;
 use crate::pulse::converter::Level;
 use crate::pulse::costs::{Costs, Stage};
@@ -76,6 +76,30 @@ pub(super) enum Echo {
 }
 
 impl Echo {
+    /// By a plan for a run of so many pulses, or the reference.
+    pub fn of(
+        plan: Option<&Plan>,
+        radar: &Radar,
+        pulses: u64,
+        illumination: &Illumination,
+        waveform: &Arc<dyn Waveform>,
+    ) -> Result<Self, SynthError> {
+        let of_channels = illumination.channel_pairs();
+        let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+        let waveform = Arc::clone(waveform);
+        let Some(Plan { settled, .. }) = plan else {
+            let echo = ReferenceEcho::new(waveform, carrier_hz, rate_hz, samples, of_channels.to_vec());
+            return Ok(Self::Reference(echo));
+        };
+        if settled.precision == Precision::Double {
+            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, settled.echo)?;
+            return Ok(Self::Single(SingleEcho::new(synth)));
+        }
+        let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, settled.echo)?;
+        let (hold_pulses, interval_s) = (illumination.hold_pulses(), radar.emissions.interval_s(0, 1));
+        Ok(Self::Fast(Box::new(BlockEcho::new(synth, settled, pulses, hold_pulses, interval_s)?)))
+    }
+
     pub fn fft_len(&self) -> usize {
         match self {
             Self::Reference(echo) => echo.fft_len(),

@@ -59,6 +59,19 @@ pub enum PlanError {
     Echo(#[from] SynthError),
 }
 
+/// What pulses have that were made before a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DryRun {
+    /// How many they are.
+    pub pulses: u64,
+    /// Whether they are all pulses of the run.
+    pub all: bool,
+    /// How many settings were tried until these.
+    pub tries: u32,
+    /// What is predicted now, a ratio of powers.
+    pub error: f64,
+}
+
 /// Predicted relative error powers by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
@@ -74,6 +87,8 @@ pub struct Prediction {
     pub gain: f64,
     /// Facets left out.
     pub culled: f64,
+    /// Where pulses were made to find out: stands above the sum of all parts.
+    pub dry_run: Option<DryRun>,
 }
 
 impl Prediction {
@@ -92,12 +107,17 @@ impl Prediction {
         ]
     }
 
-    /// All of it, a ratio of powers.
-    pub fn total(&self) -> f64 {
+    /// The sum of all parts, a ratio of powers.
+    pub fn modelled(&self) -> f64 {
         self.parts().iter().map(|(_, part)| part).sum()
     }
 
-    /// All of it, dB.
+    /// What is predicted, a ratio of powers.
+    pub fn total(&self) -> f64 {
+        self.dry_run.map_or_else(|| self.modelled(), |run| run.error)
+    }
+
+    /// What is predicted, dB.
     pub fn total_db(&self) -> f64 {
         10.0 * self.total().log10()
     }

@@ -295,7 +295,7 @@ pub fn settle(
     let mut gains = sweeps_of(&sounder.gains(&gain_rungs, LONGEST)?);
     let predict = |echo: PredictedError, left: &[Left], gain: &Gain| {
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &culled);
-        Prediction { echo, path, tilt, gain, culled, bounce }
+        Prediction { echo, path, tilt, gain, culled, bounce, dry_run: None }
     };
     let farthest_look = if sounder.turning() { farthest_look(scene) } else { u64::MAX };
     let prices = Prices::TABLE;

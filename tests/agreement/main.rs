@@ -3,12 +3,15 @@
 
 mod blocks;
 mod changes;
+mod ends;
 mod horizon;
 mod known_errors;
 mod matched_filter;
 mod measured;
 mod planned;
 mod radar_equation;
+mod random_scene;
+mod random_scenes;
 mod same_bits;
 mod scenes;
 mod spectra;

@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use super::{Described, described, digits};
 use crate::cli::bench::settings_text;
+use crate::cli::counted;
 use crate::config::keys;
 use crate::pipeline::knobs;
 use crate::plan::settle::Plan;
@@ -20,9 +21,20 @@ pub(super) struct PlanReport {
     predicted_rel_rms_db: f64,
     /// By cause, dB.
     predicted_error_db: Map<String, Value>,
+    /// Pulses that were made to find that out, and how many settings were tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dry_run: Option<DryRunReport>,
     /// By the prices of a common machine.
     predicted_real_time_factor: f64,
     predicted_rss_mib: f64,
+}
+
+/// What was made before a run.
+#[derive(Debug, Serialize)]
+struct DryRunReport {
+    pulses: u64,
+    all: bool,
+    tries: u32,
 }
 
 /// Parts of a predicted error, dB; what is none is left out.
@@ -61,6 +73,11 @@ impl PlanReport {
             asked: set_otherwise(plan),
             predicted_rel_rms_db: plan.prediction.total_db(),
             predicted_error_db: parts_db(plan),
+            dry_run: plan.prediction.dry_run.map(|run| DryRunReport {
+                pulses: run.pulses,
+                all: run.all,
+                tries: run.tries,
+            }),
             predicted_real_time_factor: real_time_factor,
             predicted_rss_mib: bytes as f64 / f64::from(1 << 20),
         }
@@ -98,9 +115,19 @@ impl PlanReport {
         if !rounded.is_empty() {
             rows.push(described("rounded", rounded.join("; ")));
         }
+        let tried = self.dry_run.as_ref().map(|run| {
+            let of = if run.all { "all " } else { "" };
+            let settings =
+                if run.tries > 1 { format!(", {} settings tried", run.tries) } else { String::new() };
+            described("dry run", format!("{of}{}{settings}", counted(run.pulses, "pulse")))
+        });
+        rows.push(described(
+            "error",
+            format!("{:.1} dB, asked {} dB", self.predicted_rel_rms_db, self.error_db),
+        ));
+        rows.push(described("by cause", format!("{} dB, as the plan expects", parts.join(", "))));
+        rows.extend(tried);
         rows.extend([
-            described("error", format!("{:.1} dB, asked {} dB", self.predicted_rel_rms_db, self.error_db)),
-            described("by cause", format!("{} dB", parts.join(", "))),
             described(
                 "speed",
                 format!("{} times real time by the price list", digits(self.predicted_real_time_factor)),

@@ -44,6 +44,8 @@ pub(super) struct SeaPlan {
     pub patch: Patch,
     place: PatchPlace,
     hold_s: f64,
+    /// Time of the last emission, s after pulse 0.
+    last_s: f64,
     pub surface: Surface,
     pub wakes: Vec<Wake>,
     pub scattering: WaterScattering,
@@ -244,6 +246,7 @@ impl SeaPlan {
             patch: sea.patch,
             place: sea.place.clone(),
             hold_s: run.hold_s,
+            last_s,
             reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes),
             surface,
             wakes,
@@ -267,7 +270,6 @@ impl SeaPlan {
                 earth: scene.frame.hiding_earth(),
                 horizon_edge_m: width_rad * sea.patch.facet_m,
                 update_s: shadowing.update_s,
-                last_s,
                 margin,
                 ends: antennas,
             };
@@ -465,24 +467,35 @@ impl SeaPlan {
         Ok(())
     }
 
-    /// Patch and antennas at a time after pulse 0.
+    /// Patch and antennas at a time after pulse 0. A track that ends before goes straight on from the last emission: the update of the
+    /// shadows after it is asked for, and a recorded track need not reach so far.
     pub fn scenery(
         &self,
         lighting: &Lighting,
         elapsed_s: f64,
         places: &mut [Point<Enu>],
     ) -> Result<Patch, SeaFailure> {
-        let t = lighting.surroundings.start.plus(elapsed_s);
+        let of = &lighting.surroundings;
         let transmitters = lighting.radar.transmitters.iter().map(|tx| &tx.antenna);
         let mounts = transmitters.chain(lighting.radar.receivers.iter().map(|rx| &rx.antenna));
         for (mount, place) in mounts.zip(places) {
             let AntennaMount { platform, lever_arm, .. } = *mount;
-            let state = lighting.surroundings.tracks[platform].truth.state(t).map_err(|source| {
+            let truth = &of.tracks[platform].truth;
+            let beyond_s = elapsed_s - self.last_s;
+            let (state, on_s) = match truth.state(of.start.plus(elapsed_s)) {
+                Err(_) if beyond_s > 0.0 => (truth.state(of.start.plus(self.last_s)), beyond_s),
+                state => (state, 0.0),
+            };
+            let state = state.map_err(|source| {
                 SeaFailure::Track(TrackFailure { platform, which: TrackUse::Truth, source })
             })?;
-            *place = PhaseCentre::of(&state, lever_arm).position;
+            let centre = PhaseCentre::of(&state, lever_arm);
+            *place = if on_s > 0.0 { centre.position + centre.velocity * on_s } else { centre.position };
         }
-        Ok(self.patch_at(&lighting.surroundings, elapsed_s)?)
+        match self.patch_at(of, elapsed_s) {
+            Err(_) if elapsed_s > self.last_s => Ok(self.patch_at(of, self.last_s)?),
+            patch => Ok(patch?),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Visibility of facets from every antenna, updated at intervals and cross-faded in between.
 //!
-//! Updates happen at `t_k = k T` after pulse 0 (`T` the update interval; the last one not after the last
-//! emission), so that the weights of a pulse depend on its time alone. Between two updates the weights of each
+//! Updates happen at `t_k = k T` after pulse 0 (`T` the update interval), the last one after the last emission, so that the weights of
+//! a pulse depend on its time alone, however long the run. Between two updates the weights of each
 //! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
 //! until the next one; facets beyond the margin take the weight of the nearest facet within.
 //!
@@ -26,8 +26,6 @@ pub(super) struct Visibility {
     pub earth: Earth,
     pub horizon_edge_m: f64,
     pub update_s: f64,
-    /// Time of the last emission, s after pulse 0.
-    pub last_s: f64,
     /// Rows by which the patch of an update is larger than that of a pulse, on each side.
     pub margin: usize,
     /// Antennas.
@@ -136,16 +134,14 @@ impl Visibility {
 
     /// Time of an update, s after pulse 0.
     pub fn time_s(&self, number: u64) -> f64 {
-        (number as f64 * self.update_s).min(self.last_s)
+        number as f64 * self.update_s
     }
 
     /// The update before an instant (s after pulse 0), and how far the instant lies towards the next: 0 to 1.
     pub fn share(&self, elapsed_s: f64) -> (u64, f64) {
         let number = (elapsed_s.max(0.0) / self.update_s).floor() as u64;
         let (from_s, to_s) = (self.time_s(number), self.time_s(number + 1));
-        let share =
-            if to_s > from_s { ((elapsed_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0) } else { 0.0 };
-        (number, share)
+        (number, ((elapsed_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0))
     }
 
     /// Updates about so many seconds, at most.

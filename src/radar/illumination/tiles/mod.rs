@@ -68,6 +68,9 @@ pub use tile::{FEW, Look, Node, Pair};
 /// Tiles that are looked at to learn what a block returns.
 pub const SAMPLED: usize = 48;
 
+/// Facets of a patch up to which its shadows are those of the reference: on larger ones the heights between nodes do, in f32.
+const FEW_FACETS: usize = 1 << 14;
+
 /// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
 #[derive(Clone)]
 pub struct Tile {
@@ -195,8 +198,16 @@ struct Shade {
 /// What makes updates of the shadows.
 #[derive(Clone)]
 enum Maker {
-    /// Of a patch that stays, whose heights are known from the nodes.
-    Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
+    /// Of few facets: those of the reference, since single ones count.
+    Few(Box<Updates<f64>>),
+    /// Of a patch that stays, whose heights are known from the nodes, or found anew where these lie too far away.
+    Here {
+        shadow: Box<Shadow<f64>>,
+        update: Box<Update>,
+        heights_m: Vec<f64>,
+        sheet: Box<Sheet<f32>>,
+        fields: Fields<f32>,
+    },
     /// Of one that moves; heights in f32, as those of the nodes.
     Along(Box<Updates<f32>>, Option<Arc<dyn ShareBorders>>),
 }
@@ -315,11 +326,21 @@ impl SeaPlan {
         let sheet = Sheet::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
         let maker = match &self.visibility {
             None => None,
-            Some(visibility) if visibility.margin == 0 => Some(Maker::Here {
-                shadow: Box::new(visibility.shadow(&self.patch).ok()?),
-                update: Box::new(visibility.empty(&self.patch)),
-                heights_m: vec![0.0; self.patch.len()],
-            }),
+            Some(visibility) if self.patch.len() <= FEW_FACETS => {
+                let updates = visibility.updates::<f64, SeaFault>(&self.surface, &self.wakes, &self.patch);
+                Some(Maker::Few(Box::new(updates.ok()?)))
+            }
+            Some(visibility) if visibility.margin == 0 => {
+                let sheet =
+                    Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, &self.patch).ok()?;
+                Some(Maker::Here {
+                    shadow: Box::new(visibility.shadow(&self.patch).ok()?),
+                    update: Box::new(visibility.empty(&self.patch)),
+                    heights_m: vec![0.0; self.patch.len()],
+                    fields: sheet.fields(&self.patch),
+                    sheet: Box::new(sheet),
+                })
+            }
             Some(visibility) => {
                 let updates = visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch);
                 if let Some(borders) = &borders {
@@ -576,12 +597,25 @@ impl TileWork {
         for (shade, number) in self.shades.iter_mut().zip(span) {
             shade.weights.resize_with(visibility.ends, Vec::new);
             match maker {
-                Maker::Here { shadow, update, heights_m } => {
+                Maker::Few(updates) => {
+                    let scenery =
+                        |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&lighting, elapsed_s, places);
+                    shade.take_from(visibility.update(updates, number, scenery, lower)?, patch);
+                }
+                Maker::Here { shadow, update, heights_m, sheet, fields } => {
                     let time_s = visibility.time_s(number);
                     let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
                     let places = &mut places[..visibility.ends];
                     sea.scenery(&lighting, time_s, places)?;
-                    rise(&self.nodes, time_s, heights_m);
+                    if is_near(&self.nodes, time_s) {
+                        rise(&self.nodes, time_s, heights_m);
+                    } else {
+                        sheet.evaluate(time_s, patch, fields)?;
+                        heights_m
+                            .iter_mut()
+                            .zip(&fields.height_m)
+                            .for_each(|(to, from)| *to = f64::from(*from));
+                    }
                     visibility
                         .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
                     shade.take_from(update, patch);
@@ -616,7 +650,16 @@ impl TileWork {
     }
 }
 
-/// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. Beyond the last node by one update: the waves of
+/// Whether the nodes tell the heights at a time: from one interval before the first to one after the last.
+fn is_near(nodes: &[NodeWork], time_s: f64) -> bool {
+    let times_s = |n: usize| nodes[n.min(nodes.len() - 1)].elapsed_s;
+    let last = nodes.len().saturating_sub(1);
+    let [first_s, last_s] = [times_s(0), times_s(last)];
+    let (before_s, after_s) = (times_s(1) - first_s, last_s - times_s(last.saturating_sub(1)));
+    (first_s - before_s..=last_s + after_s).contains(&time_s)
+}
+
+/// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. One interval beyond the last node the waves of
 /// the shortest periods lose some 1e-6 m.
 fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
     let after = nodes.iter().position(|node| node.elapsed_s >= time_s).unwrap_or(nodes.len() - 1);

@@ -1,0 +1,253 @@
+//! A dry run of what is planned: pulses as they will be made, against the same pulses from exact contacts.
+//!
+//! What a plan predicts is a statistic of many facets, and it is the worst pulse that is promised. On a small patch few facets decide: one
+//! that turns away between two nodes, one behind a crest, one in a null of its scattering. No sample tells which. But such a patch is cheap:
+//! so its pulses are made before anything is promised, and where they miss what is asked, finer settings are tried, then pulses one by one,
+//! then f64.
+//!
+//! ```text
+//! error = max over pulses and channels of |planned - exact|^2 / mean |exact|^2  +  Doppler within the pulse + rounding
+//! ```
+//!
+//! Exact are contacts found at every pulse, spread in f64 by the widest kernel; Doppler within a pulse is of both alike, so that part stays as
+//! the plan predicts it. Where all pulses were made, the error found is the prediction; where there is time for a part of them alone, it
+//! only raises the prediction. How many are made depends on the scene alone: [`FACET_PULSES`].
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use num_complex::Complex32;
+
+use super::aboard::ShipTracks;
+use super::accuracy::{make, mean_of, power, powers};
+use super::build::BuildErrors;
+use super::stages::{Echo, PulseError, PulseFactory};
+use crate::echo::Asked;
+use crate::plan::DryRun;
+use crate::plan::settle::{EXACT_DB, Plan, settle};
+use crate::plan::sounding::spread_over;
+use crate::pulse::Layout;
+use crate::radar::illumination::Illumination;
+use crate::radar::receiver::Receiver;
+use crate::radar::waveform::Waveform;
+use crate::scene::{Radar, Scene};
+
+/// Facets times pairs times pulses that are made, at most: some 0.15 s of one core.
+const FACET_PULSES: u64 = 1 << 17;
+/// Fewer pulses say nothing.
+const LEAST_PULSES: u64 = 8;
+/// Settings that are tried in blocks.
+const TRIES: u32 = 5;
+/// How much finer than what was missed the next settings are, dB.
+const CLOSER_DB: f64 = 3.0;
+/// What exact contacts on the finest grid are themselves off the reference, and other instructions round otherwise, dB.
+const MORE_DB: f64 = 1.0;
+/// Heavier tails than this say that too few pulses were made to tell.
+const HEAVIEST_TAIL: f64 = 1.5;
+
+/// The settings of a scene, tried where that costs little.
+pub(super) fn plan(
+    scene: &Scene,
+    illumination: &Illumination,
+    waveform: &Arc<dyn Waveform>,
+    asked: &Asked,
+) -> Result<Plan, BuildErrors> {
+    let settle_for = |error_db: f64, node_pulses: Option<u64>| -> Result<Plan, BuildErrors> {
+        let plan = settle(scene, illumination, waveform, &Asked { error_db, node_pulses, ..*asked })?;
+        Ok(Plan { asked: *asked, ..plan })
+    };
+    let first = settle_for(asked.error_db, asked.node_pulses)?;
+    let chosen = Chosen::of(scene, illumination, first.settled.block_pulses(illumination.hold_pulses()));
+    if first.settled.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
+        return Ok(first);
+    }
+    let exact = Asked { node_pulses: Some(1), ..Asked::error_db(EXACT_DB) };
+    let exact = settle(scene, illumination, waveform, &exact)?;
+    let Some(trial) = Trial::new(scene, illumination, waveform, chosen, &exact)? else { return Ok(first) };
+    let (mut tried, mut target_db) = (first, asked.error_db);
+    let mut best: Option<Plan> = None;
+    for tries in 1..=TRIES {
+        let Some(found) = trial.judged(tried, tries)? else { return Ok(first) };
+        if found.keeps() {
+            return Ok(found);
+        }
+        if best.is_none_or(|held| found.prediction.total() < held.prediction.total()) {
+            best = Some(found);
+        }
+        let missed_db = found.prediction.total_db() - asked.error_db;
+        // The same settings again say the same again.
+        let next = loop {
+            target_db -= missed_db.max(0.0).min(20.0) + CLOSER_DB;
+            if target_db <= EXACT_DB {
+                break None;
+            }
+            let next = settle_for(target_db, asked.node_pulses)?;
+            if next.settled != tried.settled {
+                break Some(next);
+            }
+        };
+        match next {
+            Some(next) if next.settled.node_pulses > 1 => tried = next,
+            _ => break,
+        }
+    }
+    let best = best.unwrap_or(first);
+    if asked.node_pulses.is_some() {
+        return Ok(best);
+    }
+    for error_db in [asked.error_db, EXACT_DB] {
+        let plan = settle_for(error_db, Some(1))?;
+        if plan.keeps() {
+            return Ok(plan);
+        }
+    }
+    Ok(best)
+}
+
+/// Pulses that are made, rising.
+struct Chosen {
+    pulses: Vec<u64>,
+    /// Those of them that are spread over the run.
+    spread: Vec<bool>,
+    all: bool,
+}
+
+impl Chosen {
+    fn of(scene: &Scene, illumination: &Illumination, block: u64) -> Self {
+        let each = (illumination.facets() * illumination.pairs().len()) as u64;
+        let count = if each == 0 { 0 } else { FACET_PULSES / each };
+        let all = scene.pulses;
+        if all <= count {
+            return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true };
+        }
+        // Half of them all over the run; a block at its begin, and its end, where the last block is cut short.
+        let spread: BTreeSet<u64> = spread_over(all, count / 2).collect();
+        let ends = (count / 4).min(block);
+        let pulses: BTreeSet<u64> = spread.iter().copied().chain(0..ends).chain(all - ends..all).collect();
+        let of_run = pulses.iter().map(|pulse| spread.contains(pulse)).collect();
+        Self { pulses: pulses.into_iter().collect(), spread: of_run, all: false }
+    }
+}
+
+/// Some pulses from exact contacts, and what makes them otherwise.
+struct Trial<'a> {
+    scene: &'a Scene,
+    /// Without noise and converter.
+    radar: Radar,
+    illumination: &'a Illumination,
+    waveform: &'a Arc<dyn Waveform>,
+    chosen: Chosen,
+    exact: Vec<Vec<Complex32>>,
+    /// Mean power of each channel over the run.
+    means: Vec<f64>,
+}
+
+impl<'a> Trial<'a> {
+    /// `None` where contacts cannot be followed.
+    fn new(
+        scene: &'a Scene,
+        illumination: &'a Illumination,
+        waveform: &'a Arc<dyn Waveform>,
+        chosen: Chosen,
+        exact: &Plan,
+    ) -> Result<Option<Self>, BuildErrors> {
+        let radar = Radar { noise_figure_db: None, adc: None, ..scene.radar.clone() };
+        let (samples, means) = (Vec::new(), Vec::new());
+        let mut trial = Self { scene, radar, illumination, waveform, chosen, exact: samples, means };
+        let Some(samples) = trial.samples(exact)? else { return Ok(None) };
+        let channels = trial.radar.channels.len();
+        let spread = samples.iter().zip(&trial.chosen.spread).filter(|(_, spread)| **spread);
+        let found: Vec<Vec<f64>> = spread.map(|(pulse, _)| powers(pulse, channels)).collect();
+        trial.means = (0..channels).map(|channel| mean_of(&found, channel)).collect();
+        trial.exact = samples;
+        Ok(Some(trial))
+    }
+
+    /// The pulses by a plan.
+    fn samples(&self, plan: &Plan) -> Result<Option<Vec<Vec<Complex32>>>, BuildErrors> {
+        let (scene, radar) = (self.scene, &self.radar);
+        let echo = Echo::of(Some(plan), radar, scene.pulses, self.illumination, self.waveform)?;
+        let receiver = Receiver::new(radar, scene.seed, echo.fft_len(), radar.channels.len());
+        let layout = radar.layout(scene.platforms.len(), scene.targets.len());
+        let factory = PulseFactory {
+            illumination: self.illumination.clone(),
+            echo,
+            sample_rate_hz: radar.sample_rate_hz,
+            receiver,
+            waveform: Arc::clone(self.waveform),
+            layout: Layout { ships: scene.ships.len(), clocks: 0, ..layout },
+            ships: ShipTracks::of(scene),
+            plan: None,
+            clocks: None,
+            generators: None,
+        };
+        match make(&factory, &self.chosen.pulses, 1, &|_| (), <[_]>::to_vec) {
+            Ok(samples) => Ok(Some(samples)),
+            Err(PulseError::Unplaced { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Error of a pulse, a ratio of powers: the worst channel in which anything is heard.
+    fn error(&self, made: &[Complex32], exact: &[Complex32]) -> f64 {
+        let len = exact.len() / self.means.len().max(1);
+        let channels = made.chunks_exact(len).zip(exact.chunks_exact(len)).zip(&self.means);
+        let of_channel = channels.map(|((made, exact), mean)| {
+            let off: Vec<Complex32> = made.iter().zip(exact).map(|(a, b)| a - b).collect();
+            let off = power(&off);
+            if off > 0.0 { off / mean } else { 0.0 }
+        });
+        of_channel.fold(0.0, f64::max)
+    }
+
+    /// A plan with what its pulses have; `tries` tells how many settings were tried with it.
+    fn judged(&self, mut plan: Plan, tries: u32) -> Result<Option<Plan>, BuildErrors> {
+        let Some(samples) = self.samples(&plan)? else { return Ok(None) };
+        let errors: Vec<f64> = samples.iter().zip(&self.exact).map(|(a, b)| self.error(a, b)).collect();
+        let found = worst_of_run(errors, if self.chosen.all { None } else { Some(self.scene.pulses) });
+        let prediction = &mut plan.prediction;
+        let found = found * 10f64.powf(0.1 * MORE_DB) + prediction.echo.doppler + prediction.echo.rounding;
+        let error = if self.chosen.all { found } else { found.max(prediction.modelled()) };
+        let pulses = self.chosen.pulses.len() as u64;
+        prediction.dry_run = Some(DryRun { pulses, all: self.chosen.all, tries, error });
+        Ok(Some(plan))
+    }
+}
+
+/// Largest error of the pulses of a run of which some are known; of all of them without a number of pulses.
+fn worst_of_run(mut errors: Vec<f64>, of: Option<u64>) -> f64 {
+    errors.sort_by(|a, b| b.total_cmp(a));
+    let worst = errors.first().copied().unwrap_or(0.0);
+    let tail = (errors.len() / 10).max(4);
+    let (Some(pulses), Some(&least)) = (of, errors.get(tail)) else { return worst };
+    if least <= 0.0 || !worst.is_finite() {
+        return worst;
+    }
+    let index = errors[..tail].iter().map(|error| (error / least).ln()).sum::<f64>() / tail as f64;
+    worst * (pulses as f64 / errors.len() as f64).max(1.0).powf(index.min(HEAVIEST_TAIL))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_of_a_longer_run() {
+        // Quantiles of a Pareto law of index 0.5: the worst of 100 times as many is 10 times as large. 200 of them know the index to some
+        // 0.5/sqrt(20), a factor of 1.7.
+        let errors: Vec<f64> = (0..200).map(|n| ((f64::from(n) + 0.5) / 200.0).powf(-0.5)).collect();
+        let most = errors[0];
+        assert_eq!(worst_of_run(errors.clone(), None), most);
+        let found = worst_of_run(errors, Some(20_000)) / most;
+        assert!((6.0..17.0).contains(&found), "{found}");
+        // All alike, none, nothing.
+        assert_eq!(worst_of_run(vec![2.0; 50], Some(1000)), 2.0);
+        assert_eq!((worst_of_run(vec![0.0; 50], Some(1000)), worst_of_run(vec![], Some(9))), (0.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_tried_depends_on_the_scene_alone() {
+        // Both constants are part of what a scenario gives: other ones are other settings.
+        assert_eq!((FACET_PULSES, LEAST_PULSES), (131_072, 8));
+    }
+}

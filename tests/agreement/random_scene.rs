@@ -1,0 +1,369 @@
+//! Random legal scenarios: the same seed is the same file, whatever was drawn before.
+//!
+//! Drones near by, aircraft, coasts, ships' radars, orbits and pairs of these, over all bands, spectra, antennas and options of the sea, on
+//! patches so small that all pulses can be compared. The window holds the echo of the whole patch, or now and then half of it.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const LIGHT_MPS: f64 = 299_792_458.0;
+
+/// A scenario file.
+pub struct RandomScene {
+    /// Which kind of scene, for the list.
+    pub family: &'static str,
+    /// Error that is asked, dB.
+    pub asked_db: f64,
+    /// The file.
+    pub text: String,
+}
+
+/// Where an antenna flies: at pulse 0, and how fast.
+#[derive(Clone, Copy)]
+struct Flight {
+    position_m: [f64; 3],
+    velocity_mps: [f64; 3],
+}
+
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    fn between(&mut self, from: f64, to: f64) -> f64 {
+        self.0.random_range(from..to)
+    }
+
+    /// Evenly over the logarithm.
+    fn log(&mut self, from: f64, to: f64) -> f64 {
+        self.between(from.ln(), to.ln()).exp()
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.0.random_bool(share)
+    }
+
+    fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[(self.0.next_u64() % of.len() as u64) as usize]
+    }
+
+    fn angle(&mut self) -> f64 {
+        self.between(0.0, TAU)
+    }
+}
+
+/// What a kind of platform does.
+struct Kind {
+    name: &'static str,
+    height_m: [f64; 2],
+    /// Horizontal distance from the patch, over the height.
+    away: [f64; 2],
+    speed_mps: [f64; 2],
+    carriers_hz: &'static [f64],
+    facet_m: [f64; 2],
+    prf_hz: [f64; 2],
+    pulse_s: [f64; 2],
+}
+
+const KINDS: [Kind; 5] = [
+    Kind {
+        name: "drone",
+        height_m: [10.0, 120.0],
+        away: [0.3, 3.0],
+        speed_mps: [2.0, 25.0],
+        carriers_hz: &[5.4e9, 9.65e9, 16e9, 24e9, 35e9],
+        facet_m: [0.1, 0.6],
+        prf_hz: [400.0, 4000.0],
+        pulse_s: [0.05e-6, 0.4e-6],
+    },
+    Kind {
+        name: "aircraft",
+        height_m: [300.0, 6000.0],
+        away: [0.3, 3.0],
+        speed_mps: [40.0, 250.0],
+        carriers_hz: &[1.3e9, 3e9, 5.4e9, 10e9, 16e9],
+        facet_m: [0.5, 4.0],
+        prf_hz: [100.0, 1500.0],
+        pulse_s: [0.2e-6, 3e-6],
+    },
+    Kind {
+        name: "coast",
+        height_m: [8.0, 80.0],
+        away: [5.0, 30.0],
+        speed_mps: [0.0, 1e-9],
+        carriers_hz: &[3e9, 9.4e9, 10e9, 16e9],
+        facet_m: [0.5, 3.0],
+        prf_hz: [500.0, 3000.0],
+        pulse_s: [0.1e-6, 1e-6],
+    },
+    Kind {
+        name: "ship",
+        height_m: [6.0, 30.0],
+        away: [4.0, 25.0],
+        speed_mps: [3.0, 18.0],
+        carriers_hz: &[3e9, 9.4e9, 10e9],
+        facet_m: [0.5, 3.0],
+        prf_hz: [500.0, 3000.0],
+        pulse_s: [0.1e-6, 1e-6],
+    },
+    Kind {
+        name: "orbit",
+        height_m: [400e3, 800e3],
+        away: [0.3, 1.0],
+        speed_mps: [7300.0, 7700.0],
+        carriers_hz: &[1.26e9, 5.4e9, 9.65e9],
+        facet_m: [6.0, 30.0],
+        prf_hz: [1200.0, 3000.0],
+        pulse_s: [2e-6, 15e-6],
+    },
+];
+
+/// The scenario of a seed.
+pub fn random_scene(seed: u64) -> RandomScene {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let kind = &KINDS[(draw.0.next_u64() % KINDS.len() as u64) as usize];
+    // Some pairs of unlike platforms: a coast hears a boat, an aircraft a satellite.
+    let partner = match kind.name {
+        "coast" => &KINDS[3],
+        "aircraft" => &KINDS[if draw.chance(0.5) { 1 } else { 4 }],
+        "drone" => &KINDS[if draw.chance(0.7) { 0 } else { 2 }],
+        name => KINDS.iter().find(|other| other.name == name).unwrap(),
+    };
+    let bistatic = draw.chance(0.45);
+    let carrier_hz = draw.one(kind.carriers_hz);
+    let facet_m = draw.log(kind.facet_m[0], kind.facet_m[1]);
+    let facet_m = (facet_m * 100.0).round() / 100.0;
+    let facets = [0, 1].map(|_| draw.one(&[8, 12, 16, 16, 20, 24, 24, 32]));
+    let size_m = facets.map(|n| f64::from(n) * facet_m);
+    let prf_hz = draw.log(kind.prf_hz[0], kind.prf_hz[1]).round();
+    let pulses = draw.0.random_range(20..=80);
+    let lasts_s = (f64::from(pulses) - 0.5) / prf_hz;
+
+    let flight = |draw: &mut Draw, kind: &Kind| {
+        let height_m = draw.log(kind.height_m[0], kind.height_m[1]);
+        let away_m = height_m * draw.log(kind.away[0], kind.away[1]);
+        let (bearing, speed_mps) = (draw.angle(), draw.between(kind.speed_mps[0], kind.speed_mps[1]));
+        let course = if draw.chance(0.6) { bearing + 0.25 * TAU } else { draw.angle() };
+        let climb_mps = if draw.chance(0.2) { 0.05 * speed_mps } else { 0.0 };
+        let velocity_mps = if kind.name == "coast" {
+            [0.0; 3]
+        } else {
+            [speed_mps * course.cos(), speed_mps * course.sin(), climb_mps]
+        };
+        // Abreast of the patch about the middle of the run.
+        let back_s = 0.5 * lasts_s;
+        let at = [away_m * bearing.cos(), away_m * bearing.sin(), height_m];
+        Flight { position_m: [0, 1, 2].map(|i| at[i] - velocity_mps[i] * back_s), velocity_mps }
+    };
+    let own = flight(&mut draw, kind);
+    let other = if bistatic { flight(&mut draw, partner) } else { own };
+
+    // Echoes of the corners at both ends of the run, with room for waves.
+    let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.0]];
+    let (mut nearest_s, mut farthest_s) = (f64::INFINITY, 0.0f64);
+    for t_s in [0.0, 0.5 * lasts_s, lasts_s] {
+        for corner in corners {
+            let leg = |flight: &Flight| {
+                let place = [corner[0] * size_m[0], corner[1] * size_m[1], 0.0];
+                let d = [0, 1, 2].map(|i| flight.position_m[i] + flight.velocity_mps[i] * t_s - place[i]);
+                d.iter().map(|x| x * x).sum::<f64>().sqrt()
+            };
+            let delay_s = (leg(&own) + leg(&other)) / LIGHT_MPS;
+            (nearest_s, farthest_s) = (nearest_s.min(delay_s), farthest_s.max(delay_s));
+        }
+    }
+    let waves_s = (6.0f64).min(0.3 * own.position_m[2]) / LIGHT_MPS;
+    let (nearest_s, farthest_s) = ((nearest_s - waves_s).max(0.0), farthest_s + waves_s);
+    let span_s = farthest_s - nearest_s;
+    // A few to some tens of cells over the patch, and a window that is not too long.
+    let cells = draw.log(3.0, 60.0);
+    let bandwidth_hz = (cells / (size_m[0].max(size_m[1]) / LIGHT_MPS)).clamp(2e6, 400e6);
+    let rate_hz = (bandwidth_hz * draw.between(1.15, 2.0)).min(1500.0 / span_s).max(1.1 * bandwidth_hz);
+    let pulse_s = draw
+        .log(kind.pulse_s[0], kind.pulse_s[1])
+        .max(4.0 / bandwidth_hz)
+        .min(0.3 / prf_hz)
+        .min(3000.0 / rate_hz);
+    let whole = draw.chance(0.85);
+    let samples = (((if whole { span_s } else { 0.5 * span_s }) + pulse_s) * rate_hz).ceil() as u64 + 8;
+
+    let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
+    let mut text = String::new();
+    let out = &mut text;
+    let put = |out: &mut String, line: std::fmt::Arguments<'_>| writeln!(out, "{line}").unwrap();
+    macro_rules! line { ($($arg:tt)*) => { put(out, format_args!($($arg)*)) } }
+
+    line!(
+        "# Random scene {seed}: {}{}.",
+        kind.name,
+        if bistatic { format!(" and {}", partner.name) } else { String::new() }
+    );
+    line!("[scene]\nduration_s = {lasts_s:?}\nseed = {}\nearth = \"flat\"", draw.0.next_u64() >> 40);
+    line!("patch_size_m = {size_m:?}\nfacet_m = {facet_m:?}");
+    let follows = own.velocity_mps != [0.0; 3] && draw.chance(0.15);
+    if follows {
+        let speed = own.velocity_mps.map(|v| v);
+        line!("patch = \"follow\"");
+        line!(
+            "patch_follow = {{ kind = \"point\", position_m = [0.0, 0.0, 0.0], velocity_mps = [{:?}, {:?}, 0.0] }}",
+            speed[0],
+            speed[1]
+        );
+    }
+    sea(&mut draw, out);
+    if draw.chance(0.3) {
+        line!(
+            "[[swell]]\nsignificant_height_m = {:?}\npeak_period_s = {:?}\nfrom_deg = {:?}",
+            draw.between(0.2, 2.5),
+            draw.between(4.0, 12.0),
+            draw.between(0.0, 360.0)
+        );
+    }
+    if draw.chance(0.12) {
+        line!(
+            "[[slick]]\ncentre_m = [0.0, 0.0]\nhalf_axes_m = [{:?}, {:?}]",
+            0.3 * size_m[0],
+            0.2 * size_m[1]
+        );
+    }
+    if draw.chance(0.12) {
+        let length_m = draw.log(4.0, 60.0).min(size_m[0]);
+        line!(
+            "[[ship]]\nhull = \"wigley\"\nlength_m = {length_m:?}\nbeam_m = {:?}\ndraught_m = {:?}\nposition_m = [{:?}, {:?}]\nheading_deg = {:?}\nspeed_mps = {:?}",
+            0.13 * length_m,
+            0.05 * length_m,
+            0.2 * size_m[0],
+            0.1 * size_m[1],
+            draw.between(0.0, 360.0),
+            (0.35 * (9.81 * length_m).sqrt()).min(12.0)
+        );
+    }
+    if draw.chance(0.2) {
+        line!(
+            "[[target]]\nposition_m = [{:?}, {:?}, {:?}]\nvelocity_mps = [{:?}, 0.0, 0.0]\nrcs_dbsm = {:?}",
+            draw.between(-0.4, 0.4) * size_m[0],
+            draw.between(-0.4, 0.4) * size_m[1],
+            draw.between(0.0, 2.0),
+            draw.between(-8.0, 8.0),
+            draw.between(-30.0, 20.0)
+        );
+    }
+    line!("[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}\nprf_hz = {prf_hz:?}");
+    let channels = draw.one(&[
+        "[\"HH\"]",
+        "[\"VV\"]",
+        "[\"HH\", \"VV\"]",
+        "[\"HH\", \"HV\", \"VH\", \"VV\"]",
+        "[\"HH\", \"HV\", \"VH\", \"VV\"]",
+        "[\"HH\", \"HV\", \"VV\"]",
+        "[\"RR\", \"RL\"]",
+    ]);
+    line!("channels = {channels}");
+    if bistatic && draw.chance(0.1) {
+        line!("direct_path = true");
+    }
+    let sweep = draw.one(&["up", "down"]);
+    line!(
+        "[radar.waveform]\nkind = \"lfm\"\nbandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\""
+    );
+    line!("[radar.window]\nsamples = {samples}\nstart_us = {:?}", 1e6 * nearest_s);
+    for (n, flight) in [own, other].iter().enumerate().take(if bistatic { 2 } else { 1 }) {
+        line!("[[platform]]\nname = \"p{n}\"");
+        if flight.velocity_mps == [0.0; 3] {
+            line!("track = {{ kind = \"fixed\", position_m = {:?} }}", flight.position_m);
+        } else {
+            line!(
+                "track = {{ kind = \"straight\", position_m = {:?}, velocity_mps = {:?} }}",
+                flight.position_m,
+                flight.velocity_mps
+            );
+            if draw.chance(0.12) {
+                line!("errors = {{ preset = \"{}\" }}", draw.one(&["sps", "rtk", "tactical", "navigation"]));
+            }
+            if kind.name == "aircraft" && flight.position_m[2] < 1e4 && draw.chance(0.2) {
+                line!("turbulence = {{ level = \"{}\" }}", draw.one(&["light", "moderate"]));
+            }
+        }
+    }
+    let wavelength_m = LIGHT_MPS / carrier_hz;
+    for (n, role) in ["transmitter", "receiver"].into_iter().enumerate() {
+        let platform = if bistatic { n } else { 0 };
+        let flight = if n == 0 { own } else { other };
+        let range_m = flight.position_m.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let size = size_m[0].max(size_m[1]);
+        // A beam of a third of the patch to many times it.
+        let mut across =
+            || (wavelength_m * range_m / (size * draw.log(0.4, 8.0))).clamp(0.6 * wavelength_m, 12.0);
+        let (width_m, height_m) = (across(), across());
+        let antenna = match draw.0.next_u64() % 10 {
+            0..=1 => format!("{{ kind = \"isotropic\", gain_dbi = {:?} }}", draw.between(0.0, 20.0)),
+            2 => format!("{{ kind = \"circle\", diameter_m = {width_m:?} }}"),
+            3..=4 => format!("{{ kind = \"ellipse\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
+            _ => format!("{{ kind = \"rectangle\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
+        };
+        line!("[[{role}]]\nname = \"a{n}\"\nplatform = \"p{platform}\"");
+        if n == 0 {
+            line!("power_w = 10.0");
+        }
+        if draw.chance(0.15) {
+            line!("lever_arm_m = [{:?}, {:?}, 0.5]", draw.between(-2.0, 2.0), draw.between(-1.0, 1.0));
+        }
+        if draw.chance(0.15) {
+            line!("cross_pol_isolation_db = {:?}", draw.between(20.0, 40.0));
+        }
+        line!("antenna = {antenna}");
+        let off = [0, 1].map(|i| draw.between(-0.3, 0.3) * size_m[i]);
+        line!("pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1]);
+    }
+    line!("[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
+    line!("[stream]\npace = \"fast\"\nthreads = 1");
+    RandomScene { family: kind.name, asked_db, text }
+}
+
+fn sea(draw: &mut Draw, out: &mut String) {
+    let spectrum = draw.one(&[
+        "elfouhaily",
+        "elfouhaily",
+        "elfouhaily-fung-lee",
+        "fung-lee",
+        "pierson-moskowitz",
+        "jonswap",
+    ]);
+    let mut line = |text: String| writeln!(out, "{text}").unwrap();
+    line("[sea]".to_owned());
+    line(format!("wind_mps = {:?}\nwind_from_deg = {:?}", draw.log(2.0, 18.0), draw.between(0.0, 360.0)));
+    line(format!("spectrum = \"{spectrum}\""));
+    if spectrum == "jonswap" {
+        line(format!("fetch_m = {:?}", draw.log(2e3, 2e5)));
+    }
+    if matches!(spectrum, "jonswap" | "pierson-moskowitz") {
+        line(format!("spreading = \"{}\"", draw.one(&["mitsuyasu", "elfouhaily"])));
+    }
+    line("[sea.scattering]".to_owned());
+    if draw.chance(0.2) {
+        line("splitting = \"mars2007\"".to_owned());
+    } else if draw.chance(0.35) {
+        line("tilt_average = true".to_owned());
+    }
+    if draw.chance(0.25) {
+        line("phases = \"single\"".to_owned());
+    }
+    if draw.chance(0.1) {
+        line("gram_charlier = true".to_owned());
+    }
+    if draw.chance(0.15) {
+        line("displacement = false".to_owned());
+    }
+    line("[sea.shadow]".to_owned());
+    if draw.chance(0.12) {
+        line("enabled = false".to_owned());
+    } else {
+        if draw.chance(0.12) {
+            line("edge = \"sharp\"".to_owned());
+        }
+        if draw.chance(0.4) {
+            line(format!("update_ms = {:?}", draw.log(2.0, 60.0)));
+        }
+    }
+}

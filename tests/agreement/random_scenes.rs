@@ -1,0 +1,113 @@
+//! What is promised is kept: random scenes, every pulse of each, the fast echo against the reference.
+//!
+//! A promise is a plan that predicts an error at or below the one asked; it is broken where some pulse has more.
+//!
+//! | variable | what it sets | default |
+//! | --- | --- | --- |
+//! | `NEREUS_SCENES` | how many scenes | 12 |
+//! | `NEREUS_SEED` | seed of the first; the others follow | 1 |
+//! | `NEREUS_SHOW` | a folder that gets `scene-SEED.toml` of each, for `nereus bench FILE --error-pulses all` | none |
+//!
+//! `NEREUS_SEED=77 NEREUS_SCENES=1 cargo test --test agreement random_scenes -- --nocapture`
+
+use std::path::Path;
+
+use nereus::config;
+use nereus::pipeline::accuracy::Judge;
+use nereus::pipeline::build;
+use rayon::prelude::*;
+
+use super::random_scene::random_scene;
+
+/// A prediction may be exceeded by so much, dB, where what is asked is kept all the same.
+const BEYOND_DB: f64 = 1.5;
+/// Nine of ten plans are no more than that above what is measured, dB.
+const TOO_SAFE_DB: f64 = 15.0;
+
+fn variable(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| text.parse().unwrap_or_else(|_| panic!("{name}: a number")))
+}
+
+struct Found {
+    seed: u64,
+    asked_db: f64,
+    predicted_db: f64,
+    measured_db: f64,
+}
+
+fn measure(seed: u64) -> Result<Found, String> {
+    let scene = random_scene(seed);
+    if let Some(folder) = std::env::var_os("NEREUS_SHOW") {
+        std::fs::write(Path::new(&folder).join(format!("scene-{seed}.toml")), &scene.text).unwrap();
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scene-{seed}.toml"));
+    let run = config::parse(&scene.text, &path, &[]).map_err(|error| error.to_string())?;
+    let begun = std::time::Instant::now();
+    let plan = *build::stream(&run, 0..run.scene.pulses)
+        .map_err(|error| error.to_string())?
+        .factory()
+        .plan()
+        .unwrap();
+    let planned_s = begun.elapsed().as_secs_f64();
+    let judge =
+        Judge::new(&run, (0..run.scene.pulses).collect(), 1, |_| ()).map_err(|error| error.to_string())?;
+    let accuracy = judge.judge(&run).map_err(|error| error.to_string())?;
+    let (predicted_db, measured_db) = (plan.prediction.total_db(), accuracy.rel_rms_db);
+    let broken = plan.keeps() && measured_db > scene.asked_db;
+    let facets = run.scene.sea.as_ref().map_or(0, |sea| sea.patch.len());
+    let parts =
+        plan.prediction.parts().map(|(name, part)| format!("{name} {:.0}", 10.0 * part.log10())).join(" ");
+    println!(
+        "seed {seed} {} {facets} facets {} pulses: asked {} predicted {predicted_db:.1} measured {measured_db:.1} mean {:.1} at {} nodes {} looks {} gains {} faint {:?}; {parts}; plan {planned_s:.2} s of {:.2}{}",
+        scene.family,
+        run.scene.pulses,
+        scene.asked_db,
+        accuracy.rel_rms_db_mean,
+        accuracy.worst_pulse,
+        plan.settled.node_pulses,
+        plan.settled.looks_per_node,
+        plan.settled.gain_pulses,
+        plan.settled.faint.map(|faint| faint.below_db),
+        begun.elapsed().as_secs_f64(),
+        if broken {
+            " BROKEN"
+        } else if measured_db > predicted_db + 0.05 {
+            " EXCEEDED"
+        } else {
+            ""
+        },
+    );
+    Ok(Found { seed, asked_db: scene.asked_db, predicted_db, measured_db })
+}
+
+#[test]
+fn promises_are_kept() {
+    let (first, count) = (variable("NEREUS_SEED", 1), variable("NEREUS_SCENES", 12));
+    let results: Vec<(u64, Result<Found, String>)> =
+        (first..first + count).into_par_iter().map(|seed| (seed, measure(seed))).collect();
+    let mut found = Vec::new();
+    let mut refused = Vec::new();
+    for (seed, result) in results {
+        match result {
+            Ok(own) => found.push(own),
+            Err(why) => {
+                println!("seed {seed} refused: {why}");
+                refused.push(seed);
+            }
+        }
+    }
+    let promised = |own: &&Found| own.predicted_db <= own.asked_db;
+    let seeds = |of: &dyn Fn(&Found) -> bool| -> Vec<u64> {
+        found.iter().filter(promised).filter(|own| of(own)).map(|own| own.seed).collect()
+    };
+    let broken = seeds(&|own| own.measured_db > own.asked_db);
+    let exceeded = seeds(&|own| own.measured_db > own.predicted_db + BEYOND_DB);
+    let too_safe = seeds(&|own| own.predicted_db - own.measured_db > TOO_SAFE_DB);
+    println!(
+        "{} scenes, {} promise, broken {broken:?}, predictions exceeded {exceeded:?}, too safe {too_safe:?}, refused {refused:?}",
+        found.len(),
+        found.iter().filter(promised).count()
+    );
+    assert!(broken.is_empty(), "broken promises: seeds {broken:?}");
+    assert!(refused.is_empty(), "scenes that are not legal: seeds {refused:?}");
+}
