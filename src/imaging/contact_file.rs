@@ -1,7 +1,7 @@
 //! The contacts of one pulse in an HDF5 file, for whoever wants to make its echo by other means.
 //!
 //! ```text
-//! s_c(t) = sum_n a_cn exp(-j 2 pi f0 tau_n) p(t'_n) exp(-j 2 pi f0 r_n t'_n),   t'_n = t - o_n - tau_n
+//! s_c(t) = sum_n a_cn exp(-j 2 pi f0 tau_n) p(u_n) exp(-j 2 pi f0 r_n u_n),   u_n = (t - o_n - tau_n)/(1 + r_n)
 //! ```
 //!
 //! `t` after the emission of the pulse; the first of the samples is taken at `window_start_s`. Before it is sampled, `s_c` passes
