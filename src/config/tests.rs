@@ -347,7 +347,8 @@ fn a_build_without_hdf5_records_plainly_and_says_so() {
 
 #[test]
 fn a_ring_that_cannot_hold_the_latency_is_said() {
-    let run = coastal_with(&[("stream.latency_ms", "60000"), ("radar.prf_hz", "1e6")]).unwrap();
+    let dense = [("stream.latency_ms", "60000"), ("radar.prf_hz", "1e6"), ("radar.window.samples", "64")];
+    let run = coastal_with(&dense).unwrap();
     assert!(
         matches!(of_scene(&run)[..], [Warning::ShortRing { wanted: 60_000_001, .. }]),
         "{:?}",
@@ -413,7 +414,7 @@ fn what_can_hardly_be_meant_is_a_warning() {
     let warned = |list: &[(&str, &str)]| {
         of_scene(&coastal_with(list).unwrap()).iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
     };
-    insta::assert_snapshot!(warned(&[("radar.prf_hz", "1e6")]), @"windows of 5.12 us are longer than the shortest pulse interval of 1 us: they overlap, and a receiver would have to take the same instants twice");
+    insta::assert_snapshot!(warned(&[("radar.prf_hz", "1e6"), ("stream.latency_ms", "1")]), @"windows of 5.12 us are longer than the shortest pulse interval of 1 us: they overlap, and a receiver would have to take the same instants twice");
     let small = "{ kind = 'rectangle', width_m = 0.5, height_m = 0.01 }";
     insta::assert_snapshot!(warned(&[("transmitter.0.antenna", small)]), @r#"the aperture of "tx", 0.5 m x 0.01 m, is smaller than half a wavelength (0.0150 m): the gain of a uniform aperture, 4 pi A / lambda^2, does not hold; use an isotropic antenna or a measured pattern"#);
     insta::assert_snapshot!(warned(&[("target.0.velocity_mps", "[0, 0, -1]")]), @r#"target "sphere" moves on a straight line below the sea: 2.252 m deep 2.252 s after pulse 0"#);
