@@ -9,7 +9,7 @@ use nereus::pipeline::build;
 
 /// All pulses of a small patch keep what the plan predicts.
 fn keeps(name: &str, settings: &[(&str, &str)]) {
-    let small = [("scene.patch_size_m", "[40, 40]"), ("scene.duration_s", "0.2"), ("target", "[]")];
+    let small = [("scene.patch_size_m", "[32, 32]"), ("scene.duration_s", "0.1"), ("target", "[]")];
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/sea.toml");
     let settings: Vec<_> =
         small.iter().chain(settings).map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
