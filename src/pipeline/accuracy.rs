@@ -271,7 +271,7 @@ fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErro
 }
 
 /// What is kept of the samples, `[channel x sample]`, of pulses that stand in their order: blocks go to whoever is free.
-pub(super) fn make<T: Send>(
+fn make<T: Send>(
     factory: &PulseFactory,
     pulses: &[u64],
     threads: usize,

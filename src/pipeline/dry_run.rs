@@ -6,7 +6,7 @@
 //! then f64.
 //!
 //! ```text
-//! error = max over pulses and channels of |planned - exact|^2 / mean |exact|^2  +  Doppler within the pulse + rounding
+//! error = max over pulses and channels of |planned - exact|^2 / mean |exact|^2  +  finest grid + Doppler within the pulse + rounding
 //! ```
 //!
 //! Exact are contacts found at every pulse, spread in f64 by the widest kernel; Doppler within a pulse is of both alike, so that part stays as
@@ -19,14 +19,14 @@ use std::sync::Arc;
 use num_complex::Complex32;
 
 use super::aboard::ShipTracks;
-use super::accuracy::{make, mean_of, power, powers};
+use super::accuracy::{mean_of, power, powers};
 use super::build::BuildErrors;
 use super::stages::{Echo, PulseError, PulseFactory};
 use crate::echo::Asked;
 use crate::plan::DryRun;
 use crate::plan::settle::{EXACT_DB, Plan, settle};
 use crate::plan::sounding::spread_over;
-use crate::pulse::Layout;
+use crate::pulse::{Layout, Samples};
 use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
@@ -77,7 +77,7 @@ pub(super) fn plan(
         let missed_db = found.prediction.total_db() - asked.error_db;
         // The same settings again say the same again.
         let next = loop {
-            target_db -= missed_db.max(0.0).min(20.0) + CLOSER_DB;
+            target_db -= missed_db.clamp(0.0, 20.0) + CLOSER_DB;
             if target_db <= EXACT_DB {
                 break None;
             }
@@ -115,7 +115,7 @@ struct Chosen {
 impl Chosen {
     fn of(scene: &Scene, illumination: &Illumination, block: u64) -> Self {
         let each = (illumination.facets() * illumination.pairs().len()) as u64;
-        let count = if each == 0 { 0 } else { FACET_PULSES / each };
+        let count = FACET_PULSES.checked_div(each).unwrap_or(0);
         let all = scene.pulses;
         if all <= count {
             return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true };
@@ -140,6 +140,8 @@ struct Trial<'a> {
     exact: Vec<Vec<Complex32>>,
     /// Mean power of each channel over the run.
     means: Vec<f64>,
+    /// What the finest grid leaves, a ratio of powers.
+    own: f64,
 }
 
 impl<'a> Trial<'a> {
@@ -153,7 +155,8 @@ impl<'a> Trial<'a> {
     ) -> Result<Option<Self>, BuildErrors> {
         let radar = Radar { noise_figure_db: None, adc: None, ..scene.radar.clone() };
         let (samples, means) = (Vec::new(), Vec::new());
-        let mut trial = Self { scene, radar, illumination, waveform, chosen, exact: samples, means };
+        let own = exact.prediction.echo.gridding;
+        let mut trial = Self { scene, radar, illumination, waveform, chosen, exact: samples, means, own };
         let Some(samples) = trial.samples(exact)? else { return Ok(None) };
         let channels = trial.radar.channels.len();
         let spread = samples.iter().zip(&trial.chosen.spread).filter(|(_, spread)| **spread);
@@ -181,11 +184,20 @@ impl<'a> Trial<'a> {
             clocks: None,
             generators: None,
         };
-        match make(&factory, &self.chosen.pulses, 1, &|_| (), <[_]>::to_vec) {
-            Ok(samples) => Ok(Some(samples)),
-            Err(PulseError::Unplaced { .. }) => Ok(None),
-            Err(error) => Err(error.into()),
+        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let mut samples = Vec::with_capacity(self.chosen.pulses.len());
+        for &index in &self.chosen.pulses {
+            match factory.make(index, &mut slot, &mut work) {
+                Ok(()) => {}
+                Err(PulseError::Unplaced { .. }) => return Ok(None),
+                Err(error) => return Err(error.into()),
+            }
+            // There is no converter.
+            if let Samples::Cf32(own) = &slot.samples {
+                samples.push(own.clone());
+            }
         }
+        Ok(Some(samples))
     }
 
     /// Error of a pulse, a ratio of powers: the worst channel in which anything is heard.
@@ -206,7 +218,8 @@ impl<'a> Trial<'a> {
         let errors: Vec<f64> = samples.iter().zip(&self.exact).map(|(a, b)| self.error(a, b)).collect();
         let found = worst_of_run(errors, if self.chosen.all { None } else { Some(self.scene.pulses) });
         let prediction = &mut plan.prediction;
-        let found = found * 10f64.powf(0.1 * MORE_DB) + prediction.echo.doppler + prediction.echo.rounding;
+        let both = self.own + prediction.echo.doppler + prediction.echo.rounding;
+        let found = found * 10f64.powf(0.1 * MORE_DB) + both;
         let error = if self.chosen.all { found } else { found.max(prediction.modelled()) };
         let pulses = self.chosen.pulses.len() as u64;
         prediction.dry_run = Some(DryRun { pulses, all: self.chosen.all, tries, error });

@@ -11,11 +11,13 @@
 //! `NEREUS_SEED=77 NEREUS_SCENES=1 cargo test --test agreement random_scenes -- --nocapture`
 
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
 
 use nereus::config;
 use nereus::pipeline::accuracy::Judge;
 use nereus::pipeline::build;
-use rayon::prelude::*;
 
 use super::random_scene::random_scene;
 
@@ -83,8 +85,24 @@ fn measure(seed: u64) -> Result<Found, String> {
 #[test]
 fn promises_are_kept() {
     let (first, count) = (variable("NEREUS_SEED", 1), variable("NEREUS_SCENES", 12));
-    let results: Vec<(u64, Result<Found, String>)> =
-        (first..first + count).into_par_iter().map(|seed| (seed, measure(seed))).collect();
+    let (next, done) = (AtomicU64::new(first), Mutex::new(Vec::new()));
+    // Threads of their own: a pool would begin another scene while it waits for the pool of one, and so on.
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(4) {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= first + count {
+                        break;
+                    }
+                    let result = measure(seed);
+                    done.lock().unwrap().push((seed, result));
+                }
+            });
+        }
+    });
+    let mut results = done.into_inner().unwrap();
+    results.sort_by_key(|(seed, _): &(u64, Result<Found, String>)| *seed);
     let mut found = Vec::new();
     let mut refused = Vec::new();
     for (seed, result) in results {
