@@ -18,7 +18,7 @@ use super::error::CliError;
 #[cfg(all(feature = "hdf5", unix))]
 const MEMORY: u64 = 2 << 30;
 /// Time that any file may take, and what longer ones may take beyond it.
-const LEAST_S: u64 = 10;
+const LEAST_S: u64 = 3;
 const BYTES_PER_S: u64 = 20 << 20;
 /// Longest wait between two looks at the process.
 const GLANCE: Duration = Duration::from_millis(20);
@@ -83,7 +83,7 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
         .spawn()
         .map_err(failed)?;
     let fatal = |how: String| ExamineError::Fatal { path: shown(), how };
-    let limit = Duration::from_secs(seconds(length).saturating_mul(2));
+    let limit = Duration::from_secs(seconds(length).saturating_mul(4));
     let Some(status) = wait(&mut child, limit).map_err(failed)? else {
         return Err(fatal(format!("nothing came of it within {} s", limit.as_secs())));
     };
