@@ -5,6 +5,8 @@ use std::process::Command;
 use num_complex::Complex32;
 
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
+#[cfg(feature = "hdf5")]
+use nereus::sinks::sink::SinkError;
 use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow};
 use nereus::time::{PulseTimes, TimeTag};
 
@@ -204,4 +206,17 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
     let out = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{script}\n{out}\n{}", String::from_utf8_lossy(&output.stderr));
     Some(out)
+}
+
+/// Tries again while a file is in use. Tests run side by side: a child that another one starts while the HDF5 library has
+/// a file open inherits its lock.
+#[cfg(feature = "hdf5")]
+pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
+    for _ in 0..200 {
+        match make() {
+            Err(SinkError::InUse { .. }) => std::thread::sleep(std::time::Duration::from_millis(50)),
+            made => return made.unwrap(),
+        }
+    }
+    panic!("locked for 10 s");
 }

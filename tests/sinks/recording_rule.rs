@@ -124,21 +124,11 @@ mod hdf5 {
     use nereus::sinks::merge::{MergeError, merge};
 
     use super::*;
+    use crate::recording_fixture::unlocked;
     use crate::recording_hdf5::record;
 
     fn pulses(path: &Path) -> u64 {
         verify(path).unwrap().pulses
-    }
-
-    /// Tests run side by side: a child that another one starts while the library has a file open inherits its lock.
-    fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
-        for _ in 0..200 {
-            match make() {
-                Err(SinkError::InUse { .. }) => std::thread::sleep(std::time::Duration::from_millis(50)),
-                made => return made.unwrap(),
-            }
-        }
-        panic!("locked for 10 s");
     }
 
     #[test]
