@@ -23,6 +23,7 @@ fn header(format: SampleFormat) -> Header {
         transmitter: "tx".to_owned(),
         receiver: "rx".to_owned(),
         polarisations: name.to_owned(),
+        ..ChannelRow::default()
     };
     Header {
         software: "bench".to_owned(),
