@@ -205,7 +205,11 @@ impl SeaPlan {
         let realised =
             realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
-        let patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
+        let mut patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
+        // The last update of the shadows comes after the last emission, and ships sail on until then.
+        if let (Some(shadow), Some(&(last_s, patch))) = (&sea.shadow, patches.last()) {
+            patches.push((last_s + shadow.update_s, patch));
+        }
         let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.hold_s)
             .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
             .ok();
