@@ -207,7 +207,7 @@ impl SeaPlan {
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let mut patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
         // The last update of the shadows comes after the last emission, and ships sail on until then.
-        if let (Some(shadow), Some(&(last_s, patch))) = (&sea.shadow, patches.last()) {
+        if let (Some(shadow), Some(&(last_s, patch))) = (run.shadowing(sea), patches.last()) {
             patches.push((last_s + shadow.update_s, patch));
         }
         let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.hold_s)
