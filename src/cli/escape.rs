@@ -54,7 +54,7 @@ mod tests {
         assert_eq!(printable("a\u{202e}b"), "a\\u{202e}b");
         assert!(matches!(printable("Größe\t1 m\n"), Cow::Borrowed(_)));
         let mut out = Printable(Vec::new());
-        write!(out, "é {}\n", "x\u{1b}]0;y\u{7}").unwrap();
+        out.write_all("é x\u{1b}]0;y\u{7}\n".as_bytes()).unwrap();
         assert_eq!(String::from_utf8(out.0).unwrap(), "é x\\u{1b}]0;y\\u{7}\n");
     }
 }

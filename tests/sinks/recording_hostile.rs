@@ -11,7 +11,7 @@ use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::{Header, Sink};
 use nereus::time::PulseTimes;
 
-use crate::recording_fixture::{PRF_HZ, header};
+use crate::recording_fixture::{PRF_HZ, header, unlocked};
 
 fn record(mut sink: Box<dyn Sink>, header: &Header, spoil: impl Fn(&mut Pulse)) {
     let mut pulse = Pulse::new(&header.layout);
@@ -30,7 +30,7 @@ fn record(mut sink: Box<dyn Sink>, header: &Header, spoil: impl Fn(&mut Pulse)) 
 
 fn hdf5(path: &Path, spoil: impl Fn(&mut Pulse)) {
     let header = header(SampleFormat::Cf32);
-    record(Box::new(Hdf5Sink::create(path, None, true, &header).unwrap()), &header, spoil);
+    record(Box::new(unlocked(|| Hdf5Sink::create(path, None, true, &header))), &header, spoil);
 }
 
 fn refused(path: &Path) -> String {
@@ -43,12 +43,17 @@ fn texts_are_checked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.h5");
     hdf5(&path, |_| {});
-    let mut bytes = fs::read(&path).unwrap();
-    let at = bytes.windows(8).position(|window| window == b"aircraft").unwrap();
-    // The first byte of a character of four, and then the end.
-    bytes[at + 7] = 0xF0;
-    fs::write(&path, &bytes).unwrap();
-    assert!(refused(&path).contains("platforms is not UTF-8 text"), "{}", refused(&path));
+    let whole = fs::read(&path).unwrap();
+    // The name stands in the attribute, in names of groups and in the text of the scenario: each is damaged in turn.
+    let mut reported = Vec::new();
+    for at in (0..whole.len() - 8).filter(|at| whole[*at..].starts_with(b"aircraft")) {
+        let mut bytes = whole.clone();
+        // The first byte of a character of four, and then the end.
+        bytes[at + 7] = 0xF0;
+        fs::write(&path, &bytes).unwrap();
+        reported.extend(Recording::open(&path, None).err().map(|error| error.to_string()));
+    }
+    assert!(reported.iter().any(|text| text.contains("platforms is not UTF-8 text")), "{reported:#?}");
 }
 
 #[test]

@@ -165,7 +165,7 @@ mod hdf5 {
         assert_eq!((pulses(&path), listing(dir.path()).len()), (70, 2));
         let mut sink = Box::new(unlocked(|| Hdf5Sink::create(&path, None, true, &header)));
         (0..10).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
-        assert_eq!(sink.finish().unwrap().files, [path.clone()]);
+        assert_eq!(sink.finish().unwrap().files, std::slice::from_ref(&path));
         assert_eq!((pulses(&path), verify(&path).unwrap().whole), (10, true));
     }
 

@@ -13,7 +13,7 @@ use nereus::sinks::sink::Header;
 use nereus::time::TimeTag;
 
 use crate::recording_fixture::header;
-use crate::wire_fixture::{datagrams, kind};
+use crate::wire_fixture::{datagrams, kind, word};
 
 /// Descriptions before the first pulse: the run, two platforms, two channels with their contexts.
 const DESCRIPTIONS: usize = 7;
@@ -37,12 +37,18 @@ fn received<'a>(mut receiver: Receiver, all: impl IntoIterator<Item = &'a Vec<u8
     (indices, report)
 }
 
+/// A packet with other seconds.
+fn restamped(datagram: &[u8], seconds: impl Fn(u32) -> u32) -> Vec<u8> {
+    let mut forged = datagram.to_vec();
+    // Behind header and stream; extension contexts have a class of two words between.
+    let at = if kind(datagram) == 5 { 16 } else { 8 };
+    forged[at..at + 4].copy_from_slice(&seconds(word(datagram, at)).to_be_bytes());
+    forged
+}
+
 /// A packet with its seconds set to 2096.
 fn of_2096(datagram: &[u8]) -> Vec<u8> {
-    let mut forged = datagram.to_vec();
-    // Header, stream, class of two words: the seconds are the fifth word of all packets that are sent.
-    forged[16..20].copy_from_slice(&3_976_214_400_u32.to_be_bytes());
-    forged
+    restamped(datagram, |_| 3_976_214_400)
 }
 
 /// Before: the pulses of 2096 were closed, and every later one was too late: 20 of 60.
@@ -67,12 +73,7 @@ fn a_leap_is_followed_when_the_stream_agrees() {
     let mut header = run(SampleFormat::Ci16);
     header.pulses = 100_000_000;
     let (all, _) = datagrams(&header, 1500, 0, 100);
-    let ahead = |datagram: &Vec<u8>| {
-        let mut forged = datagram.clone();
-        let seconds = u32::from_be_bytes(forged[16..20].try_into().unwrap()) + 90_000;
-        forged[16..20].copy_from_slice(&seconds.to_be_bytes());
-        forged
-    };
+    let ahead = |datagram: &Vec<u8>| restamped(datagram, |seconds| seconds + 90_000);
     let per_pulse = (all.len() - DESCRIPTIONS) / 100;
     let at = DESCRIPTIONS + 10 * per_pulse;
     let signals = all[at..].iter().filter(|datagram| kind(datagram) == 1);

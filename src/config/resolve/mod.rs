@@ -93,11 +93,11 @@ impl Names {
     /// Takes the name of a new entry, faulting duplicates (also against the antennas of `others`).
     fn take(&mut self, section: &Section<'_>, key: &'static Key, others: &[&Names]) {
         let name = section.name(key);
-        if let Some(name) = &name {
-            if self.has(name) || others.iter().any(|names| names.has(name)) {
-                let what = if self.has(name) { self.what } else { "antenna" };
-                section.fault(key, Problem::Duplicate { name: name.clone(), what });
-            }
+        if let Some(name) = &name
+            && (self.has(name) || others.iter().any(|names| names.has(name)))
+        {
+            let what = if self.has(name) { self.what } else { "antenna" };
+            section.fault(key, Problem::Duplicate { name: name.clone(), what });
         }
         self.push(name);
     }

@@ -206,7 +206,7 @@ enum Maker {
         update: Box<Update>,
         heights_m: Vec<f64>,
         sheet: Box<Sheet<f32>>,
-        fields: Fields<f32>,
+        fields: Box<Fields<f32>>,
     },
     /// Of one that moves; heights in f32, as those of the nodes.
     Along(Box<Updates<f32>>, Option<Arc<dyn ShareBorders>>),
@@ -337,7 +337,7 @@ impl SeaPlan {
                     shadow: Box::new(visibility.shadow(&self.patch).ok()?),
                     update: Box::new(visibility.empty(&self.patch)),
                     heights_m: vec![0.0; self.patch.len()],
-                    fields: sheet.fields(&self.patch),
+                    fields: Box::new(sheet.fields(&self.patch)),
                     sheet: Box::new(sheet),
                 })
             }
