@@ -271,6 +271,8 @@ fn hour_ten_is_as_exact_as_second_one() {
         "configs/mars-1.toml",
         &[
             ("scene.duration_s", "36010"),
+            // Eight million pulses of a small patch would be made one by one: too few can be tried.
+            ("fidelity.node_pulses", "2"),
             ("scene.patch_size_m", "[64, 64]"),
             ("scene.patch", "\"follow\""),
             ("scene.patch_follow", "{ kind = \"beside\", platform = \"aircraft\", across_m = -3000.0 }"),

@@ -117,10 +117,16 @@ fn bench_as_text_and_without_error() {
 fn bench_of_targets_alone() {
     let folder = tempfile::tempdir().unwrap();
     let calibration = package().join("configs/calibration.toml").display().to_string();
-    let ended = nereus(folder.path(), &["bench", &calibration, "--pulses", "50", "--json"]);
-    let report = json(&ended);
-    assert_eq!((&report["facets"], &report["settings"]["echo"]), (&0.into(), &"reference".into()));
-    assert!(number(&report, "contacts") >= 1.0 && number(&report, "rel_rms_db") <= -200.0);
+    let bench = |more: &[&str]| {
+        let arguments = [&["bench", &calibration, "--pulses", "50", "--json"], more].concat();
+        json(&nereus(folder.path(), &arguments))
+    };
+    for (echo, most_db) in [("fast", -60.0), ("reference", -200.0)] {
+        let report = bench(&["--set", &format!("fidelity.echo={echo}")]);
+        assert_eq!((&report["facets"], &report["settings"]["echo"]), (&0.into(), &echo.into()));
+        assert!(number(&report, "contacts") >= 1.0 && number(&report, "rel_rms_db") <= most_db, "{report}");
+    }
+    assert_eq!(bench(&["--error-pulses", "0"])["settings"]["echo"], "fast", "the default");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The rule of outputs: nothing is lost, and nobody else's file is touched.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nereus::pulse::SampleFormat;
 use nereus::sinks::nav::{NavSettings, Words};
@@ -271,6 +271,6 @@ mod hdf5 {
         fs::write(&iq, &samples[..samples.len() - 3]).unwrap();
         let cut = verify(&folder).unwrap();
         assert!(cut.findings.iter().any(|f| f.what == "8 rows and 797 bytes of one more"), "{cut:?}");
-        assert!(verify(&PathBuf::from("nowhere")).is_err());
+        assert!(verify(Path::new("nowhere")).is_err());
     }
 }

@@ -58,7 +58,7 @@ pub struct Fill {
 }
 
 /// What the pulses of a block have in common, whatever its contacts.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Frame {
     /// First sample of each pulse's window.
     pub(super) windows_s: Vec<f64>,
@@ -66,6 +66,21 @@ pub struct Frame {
     pub(super) replicas: Vec<Vec<Complex64>>,
     /// `[pair]`: mean Doppler `f0 r`, Hz.
     pub(super) mean_hz: Vec<f64>,
+}
+
+impl Clone for Frame {
+    fn clone(&self) -> Self {
+        let Self { windows_s, replicas, mean_hz } = self;
+        Self { windows_s: windows_s.clone(), replicas: replicas.clone(), mean_hz: mean_hz.clone() }
+    }
+
+    /// Without allocating where there is room: exact pulses copy a frame for each of them.
+    fn clone_from(&mut self, from: &Self) {
+        let Self { windows_s, replicas, mean_hz } = from;
+        self.windows_s.clone_from(windows_s);
+        self.replicas.clone_from(replicas);
+        self.mean_hz.clone_from(mean_hz);
+    }
 }
 
 impl Frame {
