@@ -14,7 +14,7 @@
 //!   the bits that a file would give.
 //! * A fix that the platform cannot have flown to is refused and counted ([`MotionGate`]); when such fixes go on to agree, they are believed, and the
 //!   motion goes to them as after a time without navigation.
-//! * Where the scenario asks for no latency, it is what the interval between the first fixes makes necessary ([`LiveNav::needed_latency_s`]).
+//! * Where the scenario asks for no latency, it is what the interval between the first fixes makes necessary (`LiveNav::needed_latency_s`).
 //! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left, and counted.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

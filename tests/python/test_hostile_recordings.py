@@ -224,8 +224,9 @@ def make(nereus, folder):
     if subprocess.run([nereus, "merge", "--help"], capture_output=True, check=False).returncode == 0:
         record("floats.h5", "hdf5")
         record("codes.h5", "hdf5", codes)
-        record("first.h5", "hdf5", "", ("--pulses", "0..20"))
-        record("second.h5", "hdf5", "", ("--pulses", "20..40"))
+        # The path stands in the scenario that is recorded, and shards of different scenarios do not merge.
+        record("shard.h5", "hdf5", "", ("--pulses", "0..20", "--out", "first.h5"))
+        record("shard.h5", "hdf5", "", ("--pulses", "20..40", "--out", "second.h5"))
         # A writer that is killed leaves its mark.
         with open(os.path.join(folder, "s.toml"), "w", encoding="utf-8") as out:
             out.write(SCENARIO.format(duration_s=30, adc="", kind="hdf5", path="killed.h5"))
