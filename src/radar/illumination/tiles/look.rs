@@ -7,7 +7,7 @@ use num_complex::{Complex32, Complex64};
 
 use super::tile::Node;
 use crate::cpu::Task;
-use crate::geometry::lanes::{End, GROUP, LANES, Paths, Row, group, group_mut, lanes_for};
+use crate::geometry::lanes::{End, GROUP, LANES, Paths, Row, group, group_mut, groups, lanes_for};
 use crate::radar::link::LaneLink;
 use crate::radar::polarisation::{Axes, PortBasis, port_shares};
 use crate::scattering::lanes::{Batch, Vectors};
@@ -56,37 +56,45 @@ impl LaneBasis {
     /// Unit vectors of H and V across unit directions, `sign` times `k`: those of [`PortBasis::vectors`].
     #[inline(always)]
     fn vectors(&self, n: usize, sign: f32, k: &Vectors, delay_s: &Row, out: &mut [Vectors; 2]) {
-        let n = n.min(LANES);
-        match self.kind {
-            PolarisationBasis::Ludwig3 => {
-                for i in 0..n {
-                    let [x, y, z] = [0, 1, 2].map(|axis| self.axis(axis, delay_s[i]));
-                    let s = [0, 1, 2].map(|c| x[c] + sign * k[c][i]);
-                    let ahead = dot(s, s) > BACKWARD;
-                    let s = [0, 1, 2].map(|c| if ahead { s[c] } else { z[c] });
-                    let scale = 2.0 / dot(s, s);
-                    let (h, v) = (scale * dot(y, s), scale * dot(z, s));
-                    for c in 0..3 {
-                        out[0][c][i] = y[c] - h * s[c];
-                        out[1][c][i] = z[c] - v * s[c];
+        for g in 0..n.min(LANES) / GROUP {
+            let (k, delay_s) = (groups(k, g), group(delay_s, g));
+            let mut found = [[[0.0; GROUP]; 3]; 2];
+            match self.kind {
+                PolarisationBasis::Ludwig3 => {
+                    for i in 0..GROUP {
+                        let [x, y, z] = [0, 1, 2].map(|axis| self.axis(axis, delay_s[i]));
+                        let s = [0, 1, 2].map(|c| x[c] + sign * k[c][i]);
+                        let ahead = dot(s, s) > BACKWARD;
+                        let s = [0, 1, 2].map(|c| if ahead { s[c] } else { z[c] });
+                        let scale = 2.0 / dot(s, s);
+                        let (h, v) = (scale * dot(y, s), scale * dot(z, s));
+                        for c in 0..3 {
+                            found[0][c][i] = y[c] - h * s[c];
+                            found[1][c][i] = z[c] - v * s[c];
+                        }
+                    }
+                }
+                PolarisationBasis::LocalHorizontal => {
+                    for i in 0..GROUP {
+                        let up = self.axis(2, delay_s[i]);
+                        let d = [0, 1, 2].map(|c| sign * k[c][i]);
+                        let level = cross(up, d);
+                        let square = dot(level, level);
+                        let overhead = square < OVERHEAD;
+                        let scale = if overhead { 1.0 } else { 1.0 / square.max(OVERHEAD).sqrt() };
+                        let h = [0, 1, 2]
+                            .map(|c| scale * if overhead { NORTH[c] - d[c] * d[1] } else { level[c] });
+                        let v = cross(d, h);
+                        for c in 0..3 {
+                            found[0][c][i] = h[c];
+                            found[1][c][i] = v[c];
+                        }
                     }
                 }
             }
-            PolarisationBasis::LocalHorizontal => {
-                for i in 0..n {
-                    let up = self.axis(2, delay_s[i]);
-                    let d = [0, 1, 2].map(|c| sign * k[c][i]);
-                    let level = cross(up, d);
-                    let square = dot(level, level);
-                    let overhead = square < OVERHEAD;
-                    let scale = if overhead { 1.0 } else { 1.0 / square.max(OVERHEAD).sqrt() };
-                    let h =
-                        [0, 1, 2].map(|c| scale * if overhead { NORTH[c] - d[c] * d[1] } else { level[c] });
-                    let v = cross(d, h);
-                    for c in 0..3 {
-                        out[0][c][i] = h[c];
-                        out[1][c][i] = v[c];
-                    }
+            for (out, found) in out.iter_mut().zip(found) {
+                for (row, found) in out.iter_mut().zip(found) {
+                    *group_mut(row, g) = found;
                 }
             }
         }
