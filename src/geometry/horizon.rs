@@ -21,8 +21,8 @@
 //! use nereus::geometry::horizon;
 //! let earth = Earth::Curved { radius_factor: 4.0 / 3.0 };
 //! // A mast of 35 m sees the water to 24.4 km, and 100 m of height to 65.6 km.
-//! assert!((horizon::distance_m(earth, [35.0, 0.0]) - 24_386.0).abs() < 1.0);
-//! assert!((horizon::distance_m(earth, [35.0, 100.0]) - 65_604.0).abs() < 1.0);
+//! assert!((horizon::distance_m(earth, [35.0, 0.0]) - 24_385.0).abs() < 1.0);
+//! assert!((horizon::distance_m(earth, [35.0, 100.0]) - 65_603.0).abs() < 1.0);
 //! let at = |x_m: f64, height_m: f64| Point::new(x_m, 0.0, height_m - earth.drop_m(x_m, 0.0));
 //! let mast = at(0.0, 35.0);
 //! assert!(horizon::clearance_m(earth, mast, at(60e3, 100.0)) > 0.0);
