@@ -128,8 +128,10 @@ impl Paths {
         let (x_t, v_t) = (transmitter.position_m, transmitter.velocity_mps);
         let (x_r, v_r, a_r) = (receiver.position_m, receiver.velocity_mps, receiver.acceleration_mps2);
         for i in 0..lanes_for(count) {
-            let p = self.position_m.each_ref().map(|column| column[i]);
-            let v = self.velocity_mps.each_ref().map(|column| f64::from(column[i]));
+            let (places, velocities) = (&self.position_m, &self.velocity_mps);
+            let p = [places[0][i], places[1][i], places[2][i]];
+            let v = [velocities[0][i], velocities[1][i], velocities[2][i]];
+            let v = [f64::from(v[0]), f64::from(v[1]), f64::from(v[2])];
             let d = minus(p, x_t);
             let far = length(d);
             let towards = dot(d, v) / far.max(LEAST_M);

@@ -296,8 +296,8 @@ impl BlockEcho {
         Ok((first, end))
     }
 
-    /// Mean Doppler of every pair, weighted by power: of the sea's sample, and of targets as far as they are heard at [`of_points`] (of all of them
-    /// where none is).
+    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets at [`of_points`] (of all
+    /// of them where the window receives nothing).
     fn mean_doppler(
         &self,
         illumination: &Illumination,
@@ -315,7 +315,7 @@ impl BlockEcho {
         mean_hz.clear();
         for pair in 0..illumination.pairs().len() {
             let sample = samples.get(pair).copied().unwrap_or_default();
-            let of_facets = sample.mean_power_w * facets;
+            let of_facets = sample.received_power_w * facets;
             let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);

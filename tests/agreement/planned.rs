@@ -299,3 +299,16 @@ fn hour_ten_is_as_exact_as_second_one() {
     // Speckle of other water: the mean over 12 pulses of four channels is known to some 1 dB.
     assert!((early.rel_rms_db_mean - late.rel_rms_db_mean).abs() < 4.0, "{early:?} {late:?}");
 }
+
+/// The window receives a target and nothing of the patch before it: -18.2 dB where the mean Doppler of blocks was that of the sea.
+#[test]
+fn a_sea_that_the_window_does_not_receive_sets_no_doppler() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scenarios/far-target.toml");
+    let run = config::load(&path, &[]).unwrap();
+    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
+    let measured_db =
+        Judge::new(&run, (0..run.scene.pulses).collect(), 1, |_| ()).unwrap().judge(&run).unwrap();
+    let predicted_db = plan.prediction.total_db();
+    assert!(plan.keeps() && plan.settled.node_pulses > 1, "{plan:?}");
+    assert!(measured_db.rel_rms_db <= predicted_db, "{predicted_db} {measured_db:?}");
+}

@@ -290,8 +290,20 @@ impl<const C: usize> Task for Turned<'_, C> {
         let rows: [&Row; C] = std::array::from_fn(|_| given.next().unwrap_or(&SILENT));
         let lines = out.as_chunks_mut::<C>().0.iter_mut().take(LANES).enumerate();
         match scale {
-            None => lines.for_each(|(i, line)| *line = std::array::from_fn(|k| rows[k][i])),
-            Some(scale) => lines.for_each(|(i, line)| *line = std::array::from_fn(|k| rows[k][i] * scale[i])),
+            None => {
+                for (i, line) in lines {
+                    for k in 0..C {
+                        line[k] = rows[k][i];
+                    }
+                }
+            }
+            Some(scale) => {
+                for (i, line) in lines {
+                    for k in 0..C {
+                        line[k] = rows[k][i] * scale[i];
+                    }
+                }
+            }
         }
     }
 }
@@ -371,7 +383,7 @@ impl Task for Polynomials<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ends, carrier_hz, mean_hz, shifted, moved, .. } = self;
+        let Self { ends, carrier_hz, mean_hz, middle_s, shifted, moved, .. } = self;
         let Self { interval_s, length, middle, count, courses, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
@@ -381,9 +393,12 @@ impl Task for Polynomials<'_> {
         let (mut phase, mut cubic) = ([[0u32; LANES]; 3], [0.0f32; LANES]);
         let (mut base, mut place) = ([0i32; LANES], [[0.0f32; LANES]; 4]);
         for i in 0..lanes_for(count) {
-            let residual = [carrier_hz * r0[i] - mean_hz, carrier_hz * r1[i] - mean_hz];
-            let delays = residual.map(|nu| nu * moved);
-            let extra = residual.map(|nu| -nu * self.middle_s - (nu * shifted) * (0.5 * nu + mean_hz));
+            let (mut delays, mut extra) = ([0.0; 2], [0.0; 2]);
+            for (end, rate) in [r0[i], r1[i]].into_iter().enumerate() {
+                let nu = carrier_hz * rate - mean_hz;
+                delays[end] = nu * moved;
+                extra[end] = -nu * middle_s - (nu * shifted) * (0.5 * nu + mean_hz);
+            }
             let difference = d1[i] - d0[i];
             let (v0, v1) = if length > 0.0 {
                 (r0[i] * span_s, r1[i] * span_s)

@@ -5,8 +5,11 @@
 //! chunk stays in the nearest cache for all pulses, and a contact's polynomials in registers for the pulses at hand. Everything is safe code over slices; what CPU it is compiled for is
 //! decided by its callers.
 
+use std::ops::Range;
+
 use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
+use crate::cpu::{Task, Variant};
 
 /// Contacts that are kept close for all pulses of a share.
 pub(super) const CHUNK: usize = 64;
@@ -74,23 +77,26 @@ impl<T: Scalar, const W: usize> Passes<T, W> {
 }
 
 /// Adds the job's contacts to `grids`.
-#[inline(always)]
+///
+/// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers, and the sums
+/// wait for constants of the other step that are loaded anew for every contact (a tenth of the time).
 pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
+    variant: Variant,
     job: &Job<'_, T>,
     grids: &mut [T],
 ) {
     let of_contacts = |power: usize| job.amplitude[power].as_chunks::<C>().0;
     match job.amplitude.len() {
-        2 => spread_powers::<T, FUSED, W, C, 2>(job, std::array::from_fn(of_contacts), grids),
-        4 => spread_powers::<T, FUSED, W, C, 4>(job, std::array::from_fn(of_contacts), grids),
+        2 => spread_powers::<T, FUSED, W, C, 2>(variant, job, std::array::from_fn(of_contacts), grids),
+        4 => spread_powers::<T, FUSED, W, C, 4>(variant, job, std::array::from_fn(of_contacts), grids),
         // The block keeps two powers or four.
         _ => {}
     }
 }
 
 /// The same with `P` powers of the amplitudes, `[power][contact][lane]`.
-#[inline(always)]
 fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize>(
+    variant: Variant,
     job: &Job<'_, T>,
     amplitude: [&[[T; C]]; P],
     grids: &mut [T],
@@ -99,31 +105,74 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     let contacts = job.courses.base.len();
     let mut from = 0;
     while from < contacts {
-        let count = CHUNK.min(contacts - from);
-        let amplitude = amplitude.map(|power| &power[from..from + count]);
-        let mut pulse = 0;
-        for (shifts, grids) in job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride)) {
-            let first = job.amplitude_first + pulse;
-            for (shift, passes) in shifts.iter().zip(&mut passes) {
-                place::<T, FUSED, W>(job, from, count, job.first + pulse, *shift, passes);
-                if let Some(factors) = job.factors.get(pulse as usize * contacts + from..) {
-                    weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
-                }
-                pulse += 1;
-            }
-            let mut parts = grids
-                .chunks_mut(job.stride)
-                .map(|part| part.get_mut(job.offset..).unwrap_or_default().as_chunks_mut::<C>().0);
-            if shifts.len() == TOGETHER {
-                let cells = std::array::from_fn(|_| parts.next().unwrap_or_default());
-                scatter::<T, FUSED, W, C, P, TOGETHER>(&passes, amplitude, first, cells);
-            } else {
-                for ((passes, cells), at) in passes.chunks(1).zip(parts).zip(first..) {
-                    scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, at, [cells]);
-                }
+        let part = from..contacts.min(from + CHUNK);
+        let amplitude = amplitude.map(|power| &power[part.clone()]);
+        let groups = job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
+        for (pulse, (shifts, grids)) in (0..).step_by(TOGETHER).zip(groups) {
+            variant.run(Place::<T, FUSED, W> { job, part: part.clone(), pulse, shifts, passes: &mut passes });
+            let first = job.amplitude_first + pulse as i32;
+            let passes = &passes[..shifts.len()];
+            variant.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, first, grids });
+        }
+        from = part.end;
+    }
+}
+
+/// Phasors, first cells and weights of a chunk at some pulses.
+struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize> {
+    job: &'a Job<'j, T>,
+    part: Range<usize>,
+    /// First of the pulses within the share.
+    pulse: usize,
+    shifts: &'a [(i32, T)],
+    passes: &'a mut [Passes<T, W>; TOGETHER],
+}
+
+impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUSED, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { job, part, pulse, shifts, passes } = self;
+        let (from, count, contacts) = (part.start, part.len(), job.courses.base.len());
+        for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
+            place::<T, FUSED, W>(job, from, count, job.first + pulse as i32, *shift, passes);
+            if let Some(factors) = job.factors.get(pulse * contacts + from..) {
+                weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
         }
-        from += count;
+    }
+}
+
+/// The chunk onto the cells of these pulses.
+struct Scatter<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize> {
+    job: &'a Job<'j, T>,
+    passes: &'a [Passes<T, W>],
+    amplitude: [&'a [[T; C]]; P],
+    /// First of the pulses as the amplitudes count them.
+    first: i32,
+    grids: &'a mut [T],
+}
+
+impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize> Task
+    for Scatter<'_, '_, T, FUSED, W, C, P>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { job, passes, amplitude, first, grids } = self;
+        let mut parts = grids
+            .chunks_mut(job.stride)
+            .map(|part| part.get_mut(job.offset..).unwrap_or_default().as_chunks_mut::<C>().0);
+        if passes.len() == TOGETHER {
+            let cells = std::array::from_fn(|_| parts.next().unwrap_or_default());
+            scatter::<T, FUSED, W, C, P, TOGETHER>(passes, amplitude, first, cells);
+        } else {
+            for ((passes, cells), at) in passes.chunks(1).zip(parts).zip(first..) {
+                scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, at, [cells]);
+            }
+        }
     }
 }
 
@@ -289,9 +338,16 @@ fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P
     first: i32,
     cells: [&mut [[T; C]]; N],
 ) {
-    let at: [T; N] = std::array::from_fn(|n| T::from_int(first + n as i32));
+    // By index, and without `map`: what is not inlined has not these instructions.
+    let mut at = [T::default(); N];
+    for n in 0..N {
+        at[n] = T::from_int(first + n as i32);
+    }
     for i in 0..amplitude[0].len() {
-        let powers = amplitude.map(|power| power[i]);
+        let mut powers = [[T::default(); C]; P];
+        for p in 0..P {
+            powers[p] = amplitude[p][i];
+        }
         for n in 0..N {
             let mut level = powers[P - 1];
             for power in powers[..P - 1].iter().rev() {

@@ -3,7 +3,7 @@
 use super::scalar::Scalar;
 use super::spread::{Job, spread};
 use super::{Precision, SynthError};
-use crate::cpu::{Task, Variant};
+use crate::cpu::Variant;
 
 /// The variant that was asked for, or the fastest that is available.
 pub(super) fn choose(asked: Option<Variant>) -> Result<Variant, SynthError> {
@@ -17,30 +17,16 @@ pub(super) fn choose(asked: Option<Variant>) -> Result<Variant, SynthError> {
 /// An inner loop for one width and number of lanes.
 pub(super) type Body<T> = fn(&Job<'_, T>, &mut [T]);
 
-struct Spread<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const C: usize> {
-    job: &'a Job<'j, T>,
-    grids: &'a mut [T],
-}
-
-impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize> Task for Spread<'_, '_, T, FUSED, W, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        spread::<T, FUSED, W, C>(self.job, self.grids);
-    }
-}
-
 fn portable<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
-    Variant::Portable.run(Spread::<T, false, W, C> { job, grids });
+    spread::<T, false, W, C>(Variant::Portable, job, grids);
 }
 
 fn avx2<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
-    Variant::Avx2Fma.run(Spread::<T, true, W, C> { job, grids });
+    spread::<T, true, W, C>(Variant::Avx2Fma, job, grids);
 }
 
 fn avx512<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
-    Variant::Avx512.run(Spread::<T, true, W, C> { job, grids });
+    spread::<T, true, W, C>(Variant::Avx512, job, grids);
 }
 
 /// The body of a variant that is available. In f64 everything but the portable one is the AVX2 one.

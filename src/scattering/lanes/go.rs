@@ -81,7 +81,10 @@ impl Batch {
                     let (p, e) = (lane(&receive[r], i), lane(&transmit[column], i));
                     let along = dot(p, lane(&t, i)) * dot(e, lane(&t, i));
                     let across = dot(p, lane(&w_s, i)) * dot(e, lane(&w_i, i));
-                    let entry = [0, 1].map(|part| horizontal[part][i] * along + vertical[part][i] * across);
+                    let entry = [
+                        horizontal[0][i] * along + vertical[0][i] * across,
+                        horizontal[1][i] * along + vertical[1][i] * across,
+                    ];
                     re[i] = if single { entry[0] * entry[0] + entry[1] * entry[1] } else { entry[0] };
                     im[i] = entry[1];
                 }

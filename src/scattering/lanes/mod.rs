@@ -353,7 +353,7 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 #[inline(always)]
 fn unit(a: [f32; 3]) -> [f32; 3] {
     let scale = 1.0 / dot(a, a).max(1e-30).sqrt();
-    a.map(|c| c * scale)
+    [a[0] * scale, a[1] * scale, a[2] * scale]
 }
 
 /// Axes in the plane of a normal: the reference axis on it, and the one across.

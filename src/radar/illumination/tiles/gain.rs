@@ -126,8 +126,8 @@ impl Task for Directions<'_> {
         for g in 0..lanes_for(count) / GROUP {
             let mut along = [[0.0f32; GROUP]; 3];
             for axis in 0..3 {
-                let [a, b, c, d] =
-                    [&from[0][axis], &from[1][axis], &from[2][axis], &from[3][axis]].map(|row| group(row, g));
+                let (a, b) = (group(&from[0][axis], g), group(&from[1][axis], g));
+                let (c, d) = (group(&from[2][axis], g), group(&from[3][axis], g));
                 for i in 0..GROUP {
                     along[axis][i] =
                         weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];

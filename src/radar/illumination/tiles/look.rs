@@ -7,7 +7,9 @@ use num_complex::{Complex32, Complex64};
 
 use super::tile::Node;
 use crate::cpu::Task;
-use crate::geometry::lanes::{End, GROUP, LANES, Paths, Row, group, group_mut, groups, lanes_for};
+use crate::geometry::lanes::{
+    End, GROUP, Held, LANES, Paths, Row, group, group_mut, groups, lane, lanes_for,
+};
 use crate::radar::link::LaneLink;
 use crate::radar::polarisation::{Axes, PortBasis, port_shares};
 use crate::scattering::lanes::{Batch, Vectors};
@@ -50,7 +52,8 @@ impl LaneBasis {
     /// An axis `delay_s` after the emission.
     #[inline(always)]
     fn axis(&self, axis: usize, delay_s: f32) -> [f32; 3] {
-        [0, 1, 2].map(|c| self.axes[axis][c] + self.change_per_s[axis][c] * delay_s)
+        let (axis, change) = (&self.axes[axis], &self.change_per_s[axis]);
+        [axis[0] + change[0] * delay_s, axis[1] + change[1] * delay_s, axis[2] + change[2] * delay_s]
     }
 
     /// Unit vectors of H and V across unit directions, `sign` times `k`: those of [`PortBasis::vectors`].
@@ -62,33 +65,15 @@ impl LaneBasis {
             match self.kind {
                 PolarisationBasis::Ludwig3 => {
                     for i in 0..GROUP {
-                        let [x, y, z] = [0, 1, 2].map(|axis| self.axis(axis, delay_s[i]));
-                        let s = [0, 1, 2].map(|c| x[c] + sign * k[c][i]);
-                        let ahead = dot(s, s) > BACKWARD;
-                        let s = [0, 1, 2].map(|c| if ahead { s[c] } else { z[c] });
-                        let scale = 2.0 / dot(s, s);
-                        let (h, v) = (scale * dot(y, s), scale * dot(z, s));
-                        for c in 0..3 {
-                            found[0][c][i] = y[c] - h * s[c];
-                            found[1][c][i] = z[c] - v * s[c];
-                        }
+                        let (x, y, z) =
+                            (self.axis(0, delay_s[i]), self.axis(1, delay_s[i]), self.axis(2, delay_s[i]));
+                        put(ludwig3(scaled(lane(&k, i), sign), x, y, z), i, &mut found);
                     }
                 }
                 PolarisationBasis::LocalHorizontal => {
                     for i in 0..GROUP {
                         let up = self.axis(2, delay_s[i]);
-                        let d = [0, 1, 2].map(|c| sign * k[c][i]);
-                        let level = cross(up, d);
-                        let square = dot(level, level);
-                        let overhead = square < OVERHEAD;
-                        let scale = if overhead { 1.0 } else { 1.0 / square.max(OVERHEAD).sqrt() };
-                        let h = [0, 1, 2]
-                            .map(|c| scale * if overhead { NORTH[c] - d[c] * d[1] } else { level[c] });
-                        let v = cross(d, h);
-                        for c in 0..3 {
-                            found[0][c][i] = h[c];
-                            found[1][c][i] = v[c];
-                        }
+                        put(local_horizontal(scaled(lane(&k, i), sign), up), i, &mut found);
                     }
                 }
             }
@@ -99,6 +84,53 @@ impl LaneBasis {
             }
         }
     }
+}
+
+/// Vectors of one lane to where they stand.
+#[inline(always)]
+fn put(vectors: [[f32; 3]; 2], i: usize, found: &mut [[Held; 3]; 2]) {
+    for of in 0..2 {
+        for c in 0..3 {
+            found[of][c][i] = vectors[of][c];
+        }
+    }
+}
+
+#[inline(always)]
+fn scaled(a: [f32; 3], s: f32) -> [f32; 3] {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+/// One vector of some rows.
+#[inline(always)]
+fn at(vectors: &Vectors, i: usize) -> [f32; 3] {
+    [vectors[0][i], vectors[1][i], vectors[2][i]]
+}
+
+/// H and V of an aperture of axes `x`, `y`, `z` towards `d`.
+#[inline(always)]
+fn ludwig3(d: [f32; 3], x: [f32; 3], y: [f32; 3], z: [f32; 3]) -> [[f32; 3]; 2] {
+    let s = [x[0] + d[0], x[1] + d[1], x[2] + d[2]];
+    let ahead = dot(s, s) > BACKWARD;
+    let s =
+        [if ahead { s[0] } else { z[0] }, if ahead { s[1] } else { z[1] }, if ahead { s[2] } else { z[2] }];
+    let scale = 2.0 / dot(s, s);
+    let (h, v) = (scale * dot(y, s), scale * dot(z, s));
+    [[y[0] - h * s[0], y[1] - h * s[1], y[2] - h * s[2]], [z[0] - v * s[0], z[1] - v * s[1], z[2] - v * s[2]]]
+}
+
+/// H level and V across it, towards `d`.
+#[inline(always)]
+fn local_horizontal(d: [f32; 3], up: [f32; 3]) -> [[f32; 3]; 2] {
+    let level = cross(up, d);
+    let square = dot(level, level);
+    let overhead = square < OVERHEAD;
+    let scale = if overhead { 1.0 } else { 1.0 / square.max(OVERHEAD).sqrt() };
+    let mut h = [0.0; 3];
+    for c in 0..3 {
+        h[c] = scale * if overhead { NORTH[c] - d[c] * d[1] } else { level[c] };
+    }
+    [h, cross(d, h)]
 }
 
 /// Light time.
@@ -200,8 +232,7 @@ impl Task for Sight<'_> {
             return;
         }
         for i in 0..n {
-            let ki = batch.incident.each_ref().map(|column| column[i]);
-            let ks = batch.scattered.each_ref().map(|column| column[i]);
+            let (ki, ks) = (at(&batch.incident, i), at(&batch.scattered, i));
             let (v_h_in, v_h_out) = (vertical_horizontal(ki), vertical_horizontal(ks));
             for axis in 0..2 {
                 for c in 0..3 {
@@ -242,11 +273,16 @@ impl Task for OntoPorts<'_> {
         bases[0].vectors(n, 1.0, &view.incident, &NO_DELAY, &mut fields[0]);
         bases[1].vectors(n, -1.0, &view.scattered, &view.delay_s, &mut fields[1]);
         for i in 0..n {
-            let at = |vectors: &Vectors| vectors.each_ref().map(|column| column[i]);
-            let (v_h_in, v_h_out) = (batch.transmit.each_ref().map(at), batch.receive.each_ref().map(at));
-            let [t, r] = fields.each_ref().map(|of| of.each_ref().map(at));
-            let part = [0, 1]
-                .map(|r| [0, 1].map(|t| Complex32::new(batch.matrix[r][t][0][i], batch.matrix[r][t][1][i])));
+            let v_h_in = [at(&batch.transmit[0], i), at(&batch.transmit[1], i)];
+            let v_h_out = [at(&batch.receive[0], i), at(&batch.receive[1], i)];
+            let t = [at(&fields[0][0], i), at(&fields[0][1], i)];
+            let r = [at(&fields[1][0], i), at(&fields[1][1], i)];
+            let mut part = [[Complex32::ZERO; 2]; 2];
+            for (row, entries) in part.iter_mut().zip(&batch.matrix) {
+                for (to, entry) in row.iter_mut().zip(entries) {
+                    *to = Complex32::new(entry[0][i], entry[1][i]);
+                }
+            }
             for (axis, b) in r.into_iter().enumerate() {
                 for (of, a) in t.into_iter().enumerate() {
                     let entry = (part[0][0] * dot(a, v_h_in[0]) + part[0][1] * dot(a, v_h_in[1]))
@@ -313,7 +349,8 @@ impl Task for Combine<'_> {
             let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
             for row in 0..2 {
                 for column in 0..2 {
-                    let [a, b] = [0, 1].map(|part| group(&batch.matrix[row][column][part], g));
+                    let [re_part, im_part] = &batch.matrix[row][column];
+                    let (a, b) = (group(re_part, g), group(im_part, g));
                     let weight = weights[row][column];
                     for i in 0..GROUP {
                         re[i] += weight.re * a[i] - weight.im * b[i];

@@ -49,6 +49,7 @@ use crate::geometry::shadow::Shadow;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::emission::Emission;
 use crate::radar::fault::{RadarError, SeaFault};
+use crate::radar::illumination::window::Window;
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
 use crate::sea::sheet::Sheet;
@@ -98,10 +99,12 @@ pub struct Tally {
 /// What a sample of the facets says of a block and pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Mean of the delay rate, weighted by power.
+    /// Mean of the delay rate of those that the window receives, weighted by power.
     pub mean_rate: f64,
     /// Mean power of a facet, all channels of the pair, W.
     pub mean_power_w: f64,
+    /// The same without those that the window does not receive.
+    pub received_power_w: f64,
 }
 
 /// Sea of the nodes at hand, and room for tiles; one per thread.
@@ -201,13 +204,7 @@ enum Maker {
     /// Of few facets: those of the reference, since single ones count.
     Few(Box<Updates<f64>>),
     /// Of a patch that stays, whose heights are known from the nodes, or found anew where these lie too far away.
-    Here {
-        shadow: Box<Shadow<f64>>,
-        update: Box<Update>,
-        heights_m: Vec<f64>,
-        sheet: Box<Sheet<f32>>,
-        fields: Box<Fields<f32>>,
-    },
+    Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
     /// Of one that moves; heights in f32, as those of the nodes.
     Along(Box<Updates<f32>>, Option<Arc<dyn ShareBorders>>),
 }
@@ -255,23 +252,25 @@ impl Illumination {
         costs.lap(Stage::Record);
         sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Surface);
-        work.shade(self, sea, instants, patch).map_err(|failure| self.sea_error(first, failure))?;
+        work.shade(self, sea, instants, patch, Heights::Exact)
+            .map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
+        let opens_s = self.window_start_of(first + (instants.pulses / 2) as u64)?;
+        let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
         let mut facets = 0;
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
             self.light_tile(sea, patch, work);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
-                let (power, rate) = pair.power(work.tile.count);
-                sample.mean_power_w += power;
-                sample.mean_rate += rate;
+                pair.add_to(sample, work.tile.count, &window);
             }
         }
         for sample in samples {
-            if sample.mean_power_w > 0.0 {
-                sample.mean_rate /= sample.mean_power_w;
+            if sample.received_power_w > 0.0 {
+                sample.mean_rate /= sample.received_power_w;
             }
             sample.mean_power_w /= facets.max(1) as f64;
+            sample.received_power_w /= facets.max(1) as f64;
         }
         costs.lap(Stage::Contacts);
         Ok(())
@@ -330,17 +329,11 @@ impl SeaPlan {
                 let updates = visibility.updates::<f64, SeaFault>(&self.surface, &self.wakes, &self.patch);
                 Some(Maker::Few(Box::new(updates.ok()?)))
             }
-            Some(visibility) if visibility.margin == 0 => {
-                let sheet =
-                    Sheet::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, &self.patch).ok()?;
-                Some(Maker::Here {
-                    shadow: Box::new(visibility.shadow(&self.patch).ok()?),
-                    update: Box::new(visibility.empty(&self.patch)),
-                    heights_m: vec![0.0; self.patch.len()],
-                    fields: Box::new(sheet.fields(&self.patch)),
-                    sheet: Box::new(sheet),
-                })
-            }
+            Some(visibility) if visibility.margin == 0 => Some(Maker::Here {
+                shadow: Box::new(visibility.shadow(&self.patch).ok()?),
+                update: Box::new(visibility.empty(&self.patch)),
+                heights_m: vec![0.0; self.patch.len()],
+            }),
             Some(visibility) => {
                 let updates = visibility.updates::<f32, SeaFault>(&self.surface, &self.wakes, &self.patch);
                 if let Some(borders) = &borders {
@@ -561,6 +554,7 @@ impl TileWork {
         sea: &SeaPlan,
         instants: &Instants,
         patch: &Patch,
+        heights: Heights,
     ) -> Result<(), SeaFailure> {
         self.shares.clear();
         let (Some(visibility), Some(maker)) = (&sea.visibility, &mut self.maker) else {
@@ -592,8 +586,9 @@ impl TileWork {
         }
         let earth = of.frame.earth();
         let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
-        let emission = &self.nodes[0].emission;
-        let lighting = of.lighting(instants.first, instants.first, emission, super::Window::UNBOUNDED);
+        // Of the first pulse, which is a node and a gain instant.
+        let Some(GainInstant { emission, .. }) = self.timings.close.gains.first() else { return Ok(()) };
+        let lighting = of.lighting(instants.first, instants.first, emission, Window::UNBOUNDED);
         for (shade, number) in self.shades.iter_mut().zip(span) {
             shade.weights.resize_with(visibility.ends, Vec::new);
             match maker {
@@ -602,19 +597,22 @@ impl TileWork {
                         |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&lighting, elapsed_s, places);
                     shade.take_from(visibility.update(updates, number, scenery, lower)?, patch);
                 }
-                Maker::Here { shadow, update, heights_m, sheet, fields } => {
+                Maker::Here { shadow, update, heights_m } => {
                     let time_s = visibility.time_s(number);
                     let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
                     let places = &mut places[..visibility.ends];
                     sea.scenery(&lighting, time_s, places)?;
                     if is_near(&self.nodes, time_s) {
                         rise(&self.nodes, time_s, heights_m);
+                    } else if heights == Heights::Near {
+                        rise(&self.nodes[..1], time_s, heights_m);
                     } else {
-                        sheet.evaluate(time_s, patch, fields)?;
-                        heights_m
-                            .iter_mut()
-                            .zip(&fields.height_m)
-                            .for_each(|(to, from)| *to = f64::from(*from));
+                        // Few blocks need it: the room of a node does, which is made ready again.
+                        let NodeWork { elapsed_s, fields, .. } = &mut self.nodes[0];
+                        self.sheet.evaluate(time_s, patch, fields)?;
+                        let from = fields.height_m.iter().copied().map(f64::from);
+                        heights_m.iter_mut().zip(from).for_each(|(to, from)| *to = from);
+                        self.sheet.evaluate(*elapsed_s, patch, fields)?;
                     }
                     visibility
                         .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
@@ -648,6 +646,15 @@ impl TileWork {
         }
         Ok(())
     }
+}
+
+/// How heights are found that lie beyond the nodes.
+#[derive(Clone, Copy, PartialEq)]
+enum Heights {
+    /// As at the nodes.
+    Exact,
+    /// On straight lines from the first node: for an estimate.
+    Near,
 }
 
 /// Whether the nodes tell the heights at a time: from one interval before the first to one after the last.

@@ -5,7 +5,7 @@
 
 use super::instants::Tiers;
 use super::runs::{Cut, Run};
-use super::{Instants, Pair, TileWork};
+use super::{Heights, Instants, Pair, TileWork};
 use crate::geometry::lanes::Row;
 use crate::radar::fault::RadarError;
 use crate::radar::illumination::Illumination;
@@ -101,7 +101,8 @@ impl Illumination {
         }
         if keep.shadows == Shadows::Find {
             let at_once = Instants { pulses: 1, ..*instants };
-            work.shade(self, sea, &at_once, patch).map_err(|failure| self.sea_error(first, failure))?;
+            work.shade(self, sea, &at_once, patch, Heights::Near)
+                .map_err(|failure| self.sea_error(first, failure))?;
         }
         let held = work.shares.first().copied().unwrap_or_default();
         work.shares.clear();

@@ -6,6 +6,7 @@
 use super::{Sample, Tally, Tile};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
+use crate::radar::illumination::window::Window;
 
 /// A tile at a node, over one pair.
 #[derive(Clone)]
@@ -63,9 +64,9 @@ impl Pair {
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
-    /// Sums of power, and of power times delay rate, over facets at the middle node.
-    pub(super) fn power(&self, count: usize) -> (f64, f64) {
-        let (mut power, mut rate) = (0.0, 0.0);
+    /// Adds power, and power times delay rate, of facets at the middle node to a sample: of those that the window receives
+    /// apart.
+    pub(super) fn add_to(&self, sample: &mut Sample, count: usize, window: &Window) {
         let middle = (
             self.nodes().get(self.node_count / 2),
             self.looks().get(self.look_count / 2),
@@ -76,12 +77,14 @@ impl Pair {
                 let of = |[re, im]: &[Row; 2]| f64::from(re[i] * re[i] + im[i] * im[i]);
                 let own = look.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
-                    power += own;
-                    rate += own * node.paths.delay_rate[i];
+                    sample.mean_power_w += own;
+                    if window.touches(node.paths.delay_s[i]) {
+                        sample.received_power_w += own;
+                        sample.mean_rate += own * node.paths.delay_rate[i];
+                    }
                 }
             }
         }
-        (power, rate)
     }
 
     /// A bound on the power of each facet at any pulse.
