@@ -10,8 +10,7 @@ esac
 case " $* " in
 *" --crate-name nereus "* | *" --crate-name toml "* | *" --crate-name toml_parser "* | *" --crate-name serde_json "* | *"fuzz_targets/"*)
     exec "$rustc" "$@" -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=3 \
-        -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
-        -Cllvm-args=-sanitizer-coverage-trace-compares
+        -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
     ;;
 esac
 exec "$rustc" "$@"

@@ -652,11 +652,15 @@ fn hint(name: &str, table: &'static Table) -> Hint {
             return Hint::Unit { key: key.name, unit };
         }
     }
+    let most = |key: &str| 1 + key.len() / 4;
+    let length = name.chars().count();
     let near = table
         .keys
         .iter()
-        .map(|key| (distance(key.name, name), key.name))
-        .filter(|(distance, key)| *distance <= 1 + key.len() / 4)
+        // What differs more in length is farther away than that.
+        .filter(|key| key.name.len().abs_diff(length) <= most(key.name))
+        .map(|key| (strsim::osa_distance(key.name, name), key.name))
+        .filter(|(distance, key)| *distance <= most(key))
         .min();
     if let Some((_, key)) = near {
         return Hint::Like(key);
@@ -668,40 +672,9 @@ fn hint(name: &str, table: &'static Table) -> Hint {
     }
 }
 
-/// Edit distance where a swap of neighbours counts once.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().take(100).collect());
-    let width = b.len() + 1;
-    let mut cost = vec![0usize; (a.len() + 1) * width];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            cost[i * width + j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let change = cost[(i - 1) * width + j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let edit = change.min(cost[(i - 1) * width + j] + 1).min(cost[i * width + j - 1] + 1);
-                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    edit.min(cost[(i - 2) * width + j - 2] + 1)
-                } else {
-                    edit
-                }
-            };
-        }
-    }
-    cost[cost.len() - 1]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn distances() {
-        assert_eq!(distance("prf_hz", "prf_hz"), 0);
-        assert_eq!(distance("prf_hz", "pfr_hz"), 1);
-        assert_eq!(distance("samples", "sample"), 1);
-        assert_eq!(distance("", "abc"), 3);
-    }
 
     #[test]
     fn times() {

@@ -257,10 +257,4 @@ mod tests {
         assert_eq!(worst_of_run(vec![2.0; 50], Some(1000)), 2.0);
         assert_eq!((worst_of_run(vec![0.0; 50], Some(1000)), worst_of_run(vec![], Some(9))), (0.0, 0.0));
     }
-
-    #[test]
-    fn what_is_tried_depends_on_the_scene_alone() {
-        // Both constants are part of what a scenario gives: other ones are other settings.
-        assert_eq!((FACET_PULSES, LEAST_PULSES), (131_072, 8));
-    }
 }

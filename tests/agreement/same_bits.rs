@@ -35,3 +35,18 @@ fn threads_and_ranges_do_not_change_a_bit() {
     assert!(pulses(2, 100..200) == whole[100..200], "a range differs from that part of the run");
     assert!(whole[0].time > TimeTag::default());
 }
+
+/// Neither of its threads nor of the part that is run, though pulses are tried before anything is promised.
+#[test]
+fn a_plan_depends_on_its_scene_alone() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scenarios/boat.toml");
+    let plan = |threads: usize, range: std::ops::Range<u64>| {
+        let run = nereus::config::load(&path, &[("stream.threads".to_owned(), threads.to_string())]).unwrap();
+        *build::stream(&run, range).unwrap().factory().plan().unwrap()
+    };
+    let whole = plan(2, 0..70);
+    assert!(whole.prediction.dry_run.is_some(), "{whole:?}");
+    assert_eq!(plan(1, 0..70), whole);
+    assert_eq!(plan(3, 0..70), whole);
+    assert_eq!(plan(2, 20..30), whole);
+}

@@ -208,3 +208,43 @@ fn tradeoff_sweeps_the_knobs_and_writes_table_and_picture() {
     assert_eq!(again.code, 2, "{}", again.stderr);
     assert!(again.stderr.contains("--force"), "{}", again.stderr);
 }
+
+/// A sweep that is stopped keeps the settings that were measured: rows of the whole table, one more each time.
+#[test]
+#[cfg(unix)]
+fn a_sweep_writes_its_table_as_it_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = std::time::Instant::now();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_nereus"))
+        .args(["tradeoff", &sea(), "--set", "scene.patch_size_m=[16, 16]", "--error-pulses", "4"])
+        .args(["--out", "swept"])
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let text = |ended: bool| -> String {
+        let names = fs::read_dir(folder.path().join("swept")).into_iter().flatten().flatten();
+        let tables = names.map(|entry| entry.path()).filter(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            name == "tradeoff.csv" || (!ended && name.contains("tradeoff.csv"))
+        });
+        tables.filter_map(|path| fs::read_to_string(path).ok()).next().unwrap_or_default()
+    };
+    let mut seen = BTreeSet::new();
+    let status = loop {
+        seen.insert(text(false).lines().count());
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        assert!(begun.elapsed().as_secs() < 300, "{seen:?}");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    };
+    assert!(status.success());
+    let rows = text(true).lines().count();
+    // The polls miss some, for writing one takes less than measuring one.
+    assert!(
+        seen.len() >= 4 && seen.iter().filter(|lines| (2..rows).contains(*lines)).count() >= 2,
+        "{seen:?}, {rows}"
+    );
+}

@@ -206,3 +206,31 @@ warning: 100 % of the patch lie beyond the horizon of "rx" at pulse 0 and are da
     assert!(!said.contains("buoy") && said.contains("lit all the same (scene.horizon = false)"), "{said}");
     assert!(report["not_modelled"].as_array().unwrap().iter().any(|row| row["what"] == "horizon"));
 }
+
+/// A buoy's spectrum ends before the radar's Bragg waves: they are Elfouhaily's unless the file's own are asked for.
+#[test]
+fn waves_beyond_a_measured_spectrum_are_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let text: String = ["kx_rad_m,ky_rad_m,psi_m4\n".to_owned()]
+        .into_iter()
+        .chain((0..16).map(|n| {
+            let (kx, ky) = (0.1 * f64::from(n % 4), 0.1 * f64::from(n / 4));
+            format!("{kx},{ky},{}\n", if n == 0 { 0.0 } else { 0.02 })
+        }))
+        .collect();
+    fs::write(folder.path().join("buoy.csv"), text).unwrap();
+    let sea = package().join("configs/sea.toml").display().to_string();
+    let path = format!("sea.spectrum_path={}", folder.path().join("buoy.csv").display());
+    let with = |more: &[&str]| {
+        let small = ["check", &sea, "--set", "scene.patch_size_m=[16, 16]", "--set", "sea.spectrum=measured"];
+        let ended = nereus(package(), &[&small[..], &["--set", &path], more].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        ended.stdout
+    };
+    let joined = "with Elfouhaily's waves of the wind beyond its last wave number";
+    let silent = "nothing scatters by Bragg where it ends before the radar's Bragg waves";
+    let text = with(&[]);
+    assert!(text.contains(joined) && !text.contains(silent), "{text}");
+    let text = with(&["--set", "sea.spectrum_tail=none"]);
+    assert!(!text.contains(joined) && text.contains(silent), "{text}");
+}

@@ -593,3 +593,40 @@ fn names_of_columns_bear_units() {
         }
     }
 }
+
+/// Before: Mitsuyasu's spreading had a cusp at the Bragg waves, and exactly upwind and downwind were 1.9 dB lower than 10 degrees beside.
+#[test]
+fn sigma0_is_smooth_upwind_and_downwind() {
+    for kind in ["jonswap", "pierson-moskowitz"] {
+        let asked = [
+            "table",
+            "sigma0",
+            "--kind",
+            kind,
+            "--vary",
+            "aspect",
+            "--wind-mps",
+            "10",
+            "--incidence-deg",
+            "45",
+        ];
+        let ended = nereus(package(), &asked);
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        let mut rows = csv::Reader::from_reader(ended.stdout.as_bytes());
+        let column =
+            |name: &str, headers: &csv::StringRecord| headers.iter().position(|own| own == name).unwrap();
+        let headers = rows.headers().unwrap().clone();
+        let (aspect, vv) = (column("aspect_deg", &headers), column("sigma0_vv_db", &headers));
+        let rows: Vec<(f64, f64)> = rows
+            .records()
+            .map(|row| row.unwrap())
+            .map(|row| (row[aspect].parse().unwrap(), row[vv].parse().unwrap()))
+            .collect();
+        assert!(rows.len() > 30 && rows.iter().any(|(aspect, _)| *aspect == 180.0));
+        for pair in rows.windows(2) {
+            assert!((pair[1].1 - pair[0].1).abs() < 0.8, "{kind}: {pair:?}");
+        }
+        let at = |wanted: f64| rows.iter().find(|(aspect, _)| *aspect == wanted).unwrap().1;
+        assert!(at(180.0) > at(170.0) && at(180.0) > at(90.0) + 1.0, "{kind}");
+    }
+}

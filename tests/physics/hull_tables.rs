@@ -172,3 +172,14 @@ proptest! {
         let _ = table::parse("a.csv", &text);
     }
 }
+
+/// Before: every unknown key was compared with every other, minutes.
+#[test]
+fn many_unknown_keys_are_read_once() {
+    let keys: String = (0..200_000).map(|n| format!("k{n} = 1\n")).collect();
+    let begun = std::time::Instant::now();
+    let faults = refused(&[("x.toml", &format!("name = 'x'\noffsets = 'x.csv'\n{keys}")), ("x.csv", TABLE)]);
+    assert!(faults.contains("k0"), "{}", &faults[..faults.len().min(400)]);
+    let took_s = begun.elapsed().as_secs_f64();
+    assert!(took_s < 5.0, "{took_s} s");
+}

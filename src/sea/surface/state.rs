@@ -162,6 +162,9 @@ impl Surface {
             depth_m: (flags & FINITE_DEPTH != 0).then(|| real(40)),
         };
         dispersion.check().map_err(SurfaceError::from)?;
+        if dispersion.depth_m.is_none() && word(40) != 0 {
+            return Err(StateError::Value { what: "the depth of deep water", value: real(40) });
+        }
         let expected = Expected { variance_m2: real(56), slope_variance: [real(64), real(72)] };
         let [sx, sy] = expected.slope_variance;
         for (what, value) in
