@@ -102,7 +102,7 @@ impl Scalar for f32 {
     #[inline(always)]
     fn nearest(y: f32) -> (i32, f32) {
         let shifted = y + TO_INTEGER_F32;
-        (shifted.to_bits() as i32 - TO_INTEGER_F32.to_bits() as i32, shifted - TO_INTEGER_F32)
+        ((shifted.to_bits() as i32).wrapping_sub(TO_INTEGER_F32.to_bits() as i32), shifted - TO_INTEGER_F32)
     }
 }
 

@@ -136,7 +136,7 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
         let Self { job, part, pulse, shifts, passes } = self;
         let (from, count, contacts) = (part.start, part.len(), job.courses.base.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
-            place::<T, FUSED, W>(job, from, count, job.first + pulse as i32, *shift, passes);
+            place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
             if let Some(factors) = job.factors.get(pulse * contacts + from..) {
                 weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
@@ -312,7 +312,7 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     cells: &mut [[T; C]],
 ) {
     let at = passes.cell[i] as usize;
-    let Some(taps) = cells.get_mut(at..at + W) else { return };
+    let Some(taps) = cells.get_mut(at..).and_then(<[[T; C]]>::first_chunk_mut::<W>) else { return };
     let (cos, sin) = (passes.cos[i], passes.sin[i]);
     let mut a = [T::default(); C];
     for k in 0..C {
@@ -341,7 +341,7 @@ fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P
     // By index, and without `map`: what is not inlined has not these instructions.
     let mut at = [T::default(); N];
     for n in 0..N {
-        at[n] = T::from_int(first + n as i32);
+        at[n] = T::from_int(first.wrapping_add(n as i32));
     }
     for i in 0..amplitude[0].len() {
         let mut powers = [[T::default(); C]; P];
