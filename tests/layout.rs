@@ -280,10 +280,16 @@ fn every_scenario_is_described() {
     }
 }
 
+/// Pages of decisions, without their index.
+fn decisions() -> Vec<PathBuf> {
+    let mut pages = files(&root().join("docs/decisions"), "md");
+    pages.retain(|path| path.file_name().unwrap() != "README.md");
+    pages
+}
+
 #[test]
 fn decisions_are_numbered_without_gaps() {
-    let mut pages = files(&root().join("docs/decisions"), "md");
-    pages.sort();
+    let pages = decisions();
     assert!(!pages.is_empty());
     for (index, path) in pages.iter().enumerate() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
@@ -293,6 +299,62 @@ fn decisions_are_numbered_without_gaps() {
             assert!(text.contains(heading), "{name} lacks {heading}");
         }
     }
+}
+
+#[test]
+fn decisions_have_a_status_and_a_line_in_the_index() {
+    let index = fs::read_to_string(root().join("docs/decisions/README.md")).unwrap();
+    let entries: Vec<&str> = index.lines().filter(|line| line.starts_with("- ")).collect();
+    let pages = decisions();
+    assert_eq!(entries.len(), pages.len(), "lines of docs/decisions/README.md, pages");
+    for (path, entry) in pages.iter().zip(entries) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let text = fs::read_to_string(path).unwrap();
+        let mut lines = text.lines();
+        let heading = lines.next().and_then(|line| line.strip_prefix("# ")?.split_once(". "));
+        let (number, title) =
+            heading.unwrap_or_else(|| panic!("{name}: the first line is no numbered title"));
+        assert_eq!(number, name[..4].trim_start_matches('0'), "{name}");
+
+        // An empty line, then the status.
+        let line = lines.nth(1).unwrap_or_default();
+        let parts = line.strip_suffix('.').and_then(|line| line.rsplit_once(". Date: "));
+        let (status, date) = parts.unwrap_or_else(|| panic!("{name}: no status and date: {line}"));
+        let superseded = status.starts_with("Status: Superseded ");
+        assert!(superseded || status == "Status: Accepted", "{name}: {status}");
+        assert!(date.len() == 10 && date.bytes().all(|c| c.is_ascii_digit() || c == b'-'), "{name}: {date}");
+
+        let begin = format!("- [{}]({name}): {title}", &name[..4]);
+        assert!(entry.starts_with(&begin), "docs/decisions/README.md has {entry}, not {begin}");
+        assert_eq!(superseded, entry[begin.len()..].contains("(superseded "), "{name} in the index");
+    }
+}
+
+#[test]
+fn links_between_pages_lead_to_files() {
+    let top = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "fuzz/README.md"];
+    let mut pages = top.map(|page| root().join(page)).to_vec();
+    for folder in ["docs", "configs", "hulls"] {
+        pages.extend(files(&root().join(folder), "md"));
+    }
+    let mut faults = Vec::new();
+    let mut links = 0;
+    for page in pages {
+        let text = fs::read_to_string(&page).unwrap();
+        for (at, _) in text.match_indices("](") {
+            let Some((target, _)) = text[at + 2..].split_once(')') else { continue };
+            let file = target.split('#').next().unwrap();
+            if file.is_empty() || file.contains("://") || file.contains(char::is_whitespace) {
+                continue;
+            }
+            links += 1;
+            if !page.parent().unwrap().join(file).exists() {
+                faults.push(format!("{}: {target}", page.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(links > 60, "only {links} links were seen");
 }
 
 /// Section numbers that follow a name of the physics page on a line: "section 3.1", "sections 3.1 and 3.2".
@@ -319,7 +381,7 @@ fn sections_cited(after: &str) -> Vec<String> {
 
 /// Text files that may cite the physics page.
 fn cited_from() -> Vec<PathBuf> {
-    let mut found = vec![root().join("README.md"), root().join("CHANGELOG.md")];
+    let mut found = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(|page| root().join(page)).to_vec();
     for folder in ["src", "tests", "tools", "docs", "configs", "hulls", "examples", "benches"] {
         for extension in ["rs", "md", "py", "toml"] {
             found.extend(files(&root().join(folder), extension));
