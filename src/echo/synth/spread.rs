@@ -332,6 +332,7 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
 /// Contacts onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums. `first` is the
 /// first of these pulses as the amplitudes count them.
 #[inline(always)]
+#[allow(clippy::needless_range_loop)]
 fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize, const N: usize>(
     passes: &[Passes<T, W>],
     amplitude: [&[[T; C]]; P],
