@@ -5,11 +5,11 @@
 use std::f64::consts::PI;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nereus::imaging::backproject::{Aperture, PulseEcho, fast, reference};
-use nereus::imaging::ground::Ground;
-use nereus::imaging::phase_path::PhasePath;
-use nereus::imaging::range_compress::{Compressor, PulseShape, RangeFilter};
-use nereus::imaging::taper::Taper;
+use nereus::processor::backproject::{Aperture, PulseEcho, fast, reference};
+use nereus::recording::ground::Ground;
+use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter};
+use nereus::processor::taper::Taper;
 use num_complex::Complex32;
 
 const PULSES: usize = 500;

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nereus::echo::reference::ReferenceEcho;
+use nereus::paths::list::Contacts;
 use nereus::pulse::{Layout, Pulse};
 use nereus::radar::phasor::phasor;
 use nereus::radar::receiver::Receiver;
 use nereus::radar::waveform::{Lfm, Sampled, Waveform};
-use nereus::scattering::contact::Contacts;
 use nereus::scene::radar::{Gate, Sweep, TxPolarisation, Window};
 use nereus::scene::{self, Radar};
 use nereus::time::PulseTimes;

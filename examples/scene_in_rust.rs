@@ -14,7 +14,8 @@ use std::sync::atomic::AtomicBool;
 
 use nereus::config::Run;
 use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
-use nereus::nav::{Place, PlatformNav, TrackSource};
+use nereus::motion::{PlatformNav, TrackSource};
+use nereus::nav::Place;
 use nereus::pipeline::build;
 use nereus::pulse::{Pulse, Samples};
 use nereus::scene::radar::{

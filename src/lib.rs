@@ -1,8 +1,8 @@
 //! `nereus`: a hardware-in-the-loop bistatic marine radar emulator.
 //!
-//! The rooms, in the order in which one may use another (a room imports only rooms above it):
+//! The modules, in the order in which one may use another (a module imports only modules above it):
 //!
-//! | room | what it holds |
+//! | module | what it holds |
 //! | --- | --- |
 //! | [`cpu`] | which instructions inner loops are compiled for |
 //! | [`units`] | physical constants, decibels |
@@ -10,27 +10,34 @@
 //! | [`time`] | exact emission times |
 //! | [`rng`] | counter-based random streams |
 //! | [`pulse`] | one pulse under way: samples, time tag, navigation, flags |
+//! | [`files`] | outputs that are whole or not there |
 //! | [`scene`] | what there is, resolved, no physics |
 //! | [`sea`] | the water: wind, spectra, the synthesised surface |
 //! | [`nav`] | where platforms say they are: track files, NMEA and NovAtel messages, in and out |
 //! | [`motion`] | where everything is at an instant: tracks, attitude, pointing |
 //! | [`geometry`] | light time, delay rate, polarisation bases |
-//! | [`scattering`] | what each target and facet returns; the contact list |
+//! | [`scattering`] | what each target and facet returns;  |
 //! | [`radar`] | waveform, antenna, link budget, receiver |
+//! | [`paths`] | every scatterer's path of a pulse: exact, and by block |
 //! | [`echo`] | contacts to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
 //! | [`sinks`] | where pulses go |
+//! | [`recording`] | files of pulses, maps and images, read |
 //! | [`receive`] | a reference receiver of what the network sink sends |
-//! | [`imaging`] | pictures of maps and curves, files of maps |
+//! | [`plot`] | pictures of maps and curves |
+//! | [`processor`] | what a processor makes of pulses: compression, back-projection, point targets |
+//! | [`clutter`] | statistics of the sea's echo: laws, fits, goodness |
 //! | [`config`] | a scenario as written, then as meant |
-//! | [`plan`] | an error that is wanted becomes settings; error and cost before a run |
+//! | [`fidelity`] | an error that is asked for becomes settings, and the error they are predicted to leave |
 //! | [`pipeline`] | the only factory: a run becomes a running stream |
+//! | [`adequacy`] | whether patch, facets, window and horizon fit the scene |
+//! | [`bench`] | measures speed and error of a pipeline |
 //! | [`cli`] | the command line |
 //!
 //! SI units throughout, angles in radians, time convention `exp(+j w t)`.
 //! Degrees appear at the scenario file and the command line only.
 
-// The order is the order of the rooms (tests/layout.rs reads it), not the alphabet's.
+// The order is the order of the modules (tests/layout.rs reads it), not the alphabet's.
 pub mod cpu;
 pub mod units;
 pub mod frames;
@@ -45,12 +52,18 @@ pub mod motion;
 pub mod geometry;
 pub mod scattering;
 pub mod radar;
+pub mod paths;
 pub mod echo;
 pub mod transport;
 pub mod sinks;
+pub mod recording;
 pub mod receive;
-pub mod imaging;
+pub mod plot;
+pub mod processor;
+pub mod clutter;
 pub mod config;
-pub mod plan;
+pub mod fidelity;
 pub mod pipeline;
+pub mod adequacy;
+pub mod bench;
 pub mod cli;

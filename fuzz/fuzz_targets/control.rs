@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use nereus::nav::changes::addressed;
+use nereus::motion::changes::addressed;
 
 fuzz_target!(|text: &str| {
     match addressed(text) {

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use libfuzzer_sys::fuzz_target;
-use nereus::imaging::recording::Recording;
+use nereus::recording::Recording;
 use nereus::pulse::{Layout, Pulse, SampleFormat};
 use nereus::sinks::hdf5::Hdf5Sink;
 use nereus::sinks::sink::{ChannelRow, Header, PairRow, Sink};

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use nereus::imaging::recording::plain_header;
+use nereus::recording::plain_header;
 use nereus::sinks::columns::columns;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -13,12 +13,12 @@ use super::error::CliError;
 use super::progress;
 use super::run::overrides;
 use super::{counted, say, warn};
+use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
+use crate::bench::cost::Priced;
+use crate::bench::settings;
+use crate::bench::speed::{self, Speed, TRIAL};
 use crate::config::{self, Run};
-use crate::pipeline::accuracy::{self, Accuracy, Judge, LEAST_DB};
 use crate::pipeline::build;
-use crate::pipeline::knobs;
-use crate::pipeline::prices::Priced;
-use crate::pipeline::speed::{self, Speed, TRIAL};
 use crate::pulse::costs::Stage;
 use crate::transport::Pace;
 use crate::transport::pacer::Status;
@@ -200,7 +200,7 @@ fn report(
             .flat_map(|priced| priced.stages_s)
             .map(|(stage, seconds)| (stage.name().to_owned(), Value::from(seconds)))
             .collect(),
-        settings: knobs::settings(speed.plan.as_ref().map(|plan| &plan.settled)),
+        settings: settings::settings(speed.plan.as_ref().map(|plan| &plan.settled)),
     }
 }
 

@@ -12,7 +12,7 @@ use std::thread;
 use thiserror::Error;
 
 use super::say;
-use crate::nav::changes::addressed;
+use crate::motion::changes::addressed;
 use crate::pipeline::control::Control;
 
 #[cfg(unix)]

@@ -12,12 +12,12 @@ use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::speckle::SpeckleError;
 use super::table::TableError;
+use crate::bench::speed::SpeedError;
 use crate::config::ConfigError;
-use crate::imaging::recording::RecordingError;
 use crate::pipeline::build::{BuildErrors, RunFailure};
-use crate::pipeline::speed::SpeedError;
 use crate::radar::pattern::PatternError;
 use crate::receive::ReceiveError;
+use crate::recording::RecordingError;
 #[cfg(feature = "hdf5")]
 use crate::sinks::merge::MergeError;
 use crate::sinks::sink::SinkError;

@@ -14,14 +14,14 @@ use super::error::CliError;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
+use crate::bench::accuracy;
+use crate::bench::settings::{ERROR_KEY, KNOBS, settings};
+use crate::bench::sweep::{Overrides, Point, Sweep, sweep, taken};
 use crate::config::Run;
 use crate::echo::Fidelity;
-use crate::imaging::output::{FileKind, Output, OutputError};
-use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, Spacing};
-use crate::pipeline::accuracy;
 use crate::pipeline::build;
-use crate::pipeline::knobs::{ERROR_KEY, KNOBS, settings};
-use crate::pipeline::sweep::{Overrides, Point, Sweep, sweep, taken};
+use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
+use crate::recording::output::{FileKind, Output, OutputError};
 use crate::transport::pacer::Status;
 
 /// Error that is wanted of a scenario that asks for none, dB.
@@ -256,7 +256,7 @@ fn text(report: &Report) -> String {
 }
 
 /// Error over speed: a colour for each knob, a line through what nothing beats.
-fn draw(run: &Run, sweep: &Sweep, error_db: f64) -> Result<crate::imaging::canvas::Canvas, SeaError> {
+fn draw(run: &Run, sweep: &Sweep, error_db: f64) -> Result<crate::plot::canvas::Canvas, SeaError> {
     let at = |point: &Point| [point.real_time_factor, 10f64.powf(0.1 * point.rel_rms_db)];
     let of = |key: &str| -> Vec<[f64; 2]> {
         let its = |point: &&Point| point.change.starts_with(key);

@@ -6,7 +6,7 @@ use super::args::VerifyArgs;
 use super::counted;
 use super::error::CliError;
 use super::examine::{ExamineError, examine};
-use crate::imaging::recording::verify::{Verdict, verify as look};
+use crate::recording::verify::{Verdict, verify as look};
 
 /// Reads all of it, and reports.
 pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliError> {

@@ -63,8 +63,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::echo::Fidelity;
-use crate::nav::PlatformNav;
-use crate::nav::changes::Event;
+use crate::motion::PlatformNav;
+use crate::motion::changes::Event;
 use crate::scene::Scene;
 use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;

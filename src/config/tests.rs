@@ -8,7 +8,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::frames::{Geodetic, SceneFrame};
-use crate::nav::{AttitudeSource, Place, Smoothing, TrackSource, VerticalDatum};
+use crate::motion::TrackSource;
+use crate::nav::{AttitudeSource, Place, Smoothing, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 
 mod ais;

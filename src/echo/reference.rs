@@ -47,7 +47,7 @@
 //! use std::sync::Arc;
 //! use nereus::echo::reference::ReferenceEcho;
 //! use nereus::radar::waveform::Lfm;
-//! use nereus::scattering::contact::Contacts;
+//! use nereus::paths::list::Contacts;
 //! use nereus::scene::radar::Sweep;
 //! use num_complex::Complex64;
 //!
@@ -68,10 +68,10 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
+use crate::paths::list::Contacts;
 use crate::radar::filter::{RINGING_SAMPLES, ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
-use crate::scattering::contact::Contacts;
 
 /// Samples between the window and the nearest image of a pulse, on either side.
 pub const GUARD_SAMPLES: usize = RINGING_SAMPLES;

@@ -2,6 +2,7 @@
 
 pub mod lanes;
 pub mod light_time;
+pub mod phase_path;
 pub mod bistatic;
 pub mod shadow;
 pub mod horizon;

@@ -13,7 +13,7 @@ use glam::DVec3;
 use super::hermite::{Basis, derivative_weights, stencil};
 use super::track::{State, TrackError};
 use crate::frames::{Body, Enu, Rotation, Vector};
-use crate::nav::errors::{
+use crate::motion::errors::{
     ATTITUDE, AXES, AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault, MOST_VALUES,
 };
 use crate::time::TimeTag;

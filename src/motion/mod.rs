@@ -5,28 +5,32 @@
 //! puts antennas on the body and turns them. [`live`] grows while it is flown, by fixes that pass a [`gate`]. [`turbulence`] shakes a track, [`report`] says of it what its platform says.
 
 pub mod attitude;
+pub mod changes;
 mod deviation;
+pub mod errors;
 pub mod fit;
 pub mod gate;
+pub mod gusts;
 pub mod hermite;
 pub mod live;
 pub mod outliers;
 pub mod pointing;
 pub mod report;
 pub mod smoother;
+mod source;
 pub mod track;
 pub mod turbulence;
 
 pub use fit::FitReport;
 pub use report::Report;
+pub use source::{PlatformNav, TrackSource};
 pub use track::{SourceError, SourceReport, State, Track, TrackError};
 
 use std::sync::Arc;
 
 use crate::frames::SceneFrame;
-use crate::nav::PlatformNav;
-use crate::nav::changes::PlatformChanges;
-use crate::nav::errors::{Circumstances, ErrorModel, Recorded};
+use crate::motion::changes::PlatformChanges;
+use crate::motion::errors::{Circumstances, ErrorModel, Recorded};
 use crate::scene::radar::AimFrom;
 use crate::time::TimeTag;
 

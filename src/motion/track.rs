@@ -40,9 +40,11 @@ use super::live::{LiveTrack, Told};
 use super::report::{Report, Reports};
 use super::turbulence::{self, TurbulenceFault};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
-use crate::nav::changes::PlatformChanges;
-use crate::nav::errors::{AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault};
-use crate::nav::{self, AttitudeSource, FileSource, Fix, Gusts, LoadReport, NavError, Place, TrackSource};
+use crate::motion::TrackSource;
+use crate::motion::changes::PlatformChanges;
+use crate::motion::errors::{AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault};
+use crate::motion::gusts::Gusts;
+use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place};
 use crate::time::TimeTag;
 
 /// How much of a rehearsal lies before the run, s: what servos look back.

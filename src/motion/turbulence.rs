@@ -47,9 +47,9 @@ use thiserror::Error;
 use super::deviation::Deviation;
 use super::track::{State, Track, TrackError};
 use crate::frames::SceneFrame;
-use crate::nav::Gusts;
-use crate::nav::errors::Circumstances;
-use crate::nav::gusts::LEVELS_MPS;
+use crate::motion::errors::Circumstances;
+use crate::motion::gusts::Gusts;
+use crate::motion::gusts::LEVELS_MPS;
 use crate::time::TimeTag;
 
 pub use system::{Axis, Chain};

@@ -4,22 +4,18 @@
 //! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
 //! Formats: [`csv`] (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
 //! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of other vessels are
-//! read by [`ais`]. What is wrong with the report of a platform is said in [`errors`], what shakes it in [`gusts`], and what changes of it
-//! while a run goes on in [`changes`].
+//! read by [`ais`].
 //!
 //! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`] hears them while a run
 //! goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
 pub mod ais;
-pub mod changes;
 pub mod completion;
 pub mod csv;
 pub mod decode;
 pub mod encode;
 pub mod epoch;
-pub mod errors;
 pub mod faults;
-pub mod gusts;
 pub mod inspvax;
 pub mod live;
 pub mod nmea;
@@ -30,53 +26,12 @@ pub mod solution;
 
 use std::path::PathBuf;
 
-use crate::frames::{Body, Enu, Geodetic, Point, Rotation, Vector};
+use crate::frames::{Body, Enu, Geodetic, Point, Rotation};
 use crate::time::TimeTag;
 
-pub use errors::ErrorModel;
 pub use faults::{Fault, FaultKind, Faults, NavError};
-pub use gusts::Gusts;
 pub use live::{LiveSource, MotionBounds};
 pub use replay::{LoadReport, Recording, load};
-
-/// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
-/// `nav[i]` says.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlatformNav {
-    /// What happens: drives delays, phases and gains.
-    pub truth: TrackSource,
-    /// What the platform reports, where it differs from the truth.
-    pub reported: Option<TrackSource>,
-    /// What is wrong with the report.
-    pub errors: Option<ErrorModel>,
-    /// Turbulence that it flies through.
-    pub gusts: Option<Gusts>,
-}
-
-/// A source of one trajectory.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TrackSource {
-    /// Stays where it is.
-    Fixed {
-        /// Where.
-        place: Place,
-        /// Attitude.
-        attitude: Rotation<Body, Enu>,
-    },
-    /// Straight line at constant speed.
-    Straight {
-        /// Position at the emission of pulse 0.
-        place: Place,
-        /// Velocity, m/s.
-        velocity: Vector<Enu>,
-        /// Attitude; `None`: nose along the velocity, wings level.
-        attitude: Option<Rotation<Body, Enu>>,
-    },
-    /// A recorded track.
-    File(FileSource),
-    /// What a receiver says while the run goes on.
-    Live(LiveSource),
-}
 
 /// A position, as given.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Pulses in blocks: everything found at a few instants, interpolated in between, all pulses spread at once.
 //!
 //! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s` the node spacing). The sea comes
-//! tile by tile ([`crate::radar::illumination::tiles`]) and is spread at once ([`crate::echo::synth::lanes`]); targets and the direct path are
+//! tile by tile ([`crate::paths::block`]) and is spread at once ([`crate::echo::synth::lanes`]); targets and the direct path are
 //! contacts at the gain instants, through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]).
 //! A block that the run cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of
@@ -21,16 +21,16 @@ use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockContacts, Fill, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
-use crate::plan::settle::{Settled, block_length, block_pulses};
-use crate::plan::sounding::points::{mean_rate, of_points};
-use crate::pulse::Pulse;
-use crate::pulse::costs::Stage;
-use crate::radar::illumination::tiles::{
+use crate::fidelity::settle::{Settled, block_length, block_pulses};
+use crate::fidelity::sounding::points::{mean_rate, of_points};
+use crate::paths::block::{
     Borders, Faint, Instants, LOOKS, NODES, Sample, ShareBorders, Tier, Tiers, TileWork, looks_about,
     nodes_within,
 };
-use crate::radar::illumination::{Illumination, Workspace};
-use crate::scattering::contact::Contacts;
+use crate::paths::list::Contacts;
+use crate::paths::{Illumination, Workspace};
+use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
 
 /// What blocks have in common, for all threads.
 #[derive(Default)]
@@ -43,7 +43,7 @@ impl ShareBorders for SharedBorders {
 }
 
 /// Makes echoes block by block. Shared by all threads, immutable but for what its blocks have in common.
-pub(super) struct BlockEcho {
+pub(crate) struct BlockEcho {
     synth: Arc<Synth<f32>>,
     borders: Arc<SharedBorders>,
     /// Pulses of a block.
@@ -59,7 +59,7 @@ pub(super) struct BlockEcho {
 }
 
 /// The block at hand, and what makes the next; one per thread.
-pub(super) struct BlockWork {
+pub(crate) struct BlockWork {
     /// First pulse and the pulse after the last one.
     held: Option<(u64, u64)>,
     tiers: Tiers,

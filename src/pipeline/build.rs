@@ -25,11 +25,12 @@ use thread_priority::ThreadPriority;
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::echo::synth::SynthError;
+use crate::fidelity::PlanError;
+use crate::motion::TrackSource;
+use crate::motion::changes::{ChangeFault, Changes};
 use crate::motion::track::TrackError;
 use crate::motion::{PlatformTracks, SourceError};
-use crate::nav::TrackSource;
-use crate::nav::changes::{ChangeFault, Changes};
-use crate::plan::PlanError;
+use crate::paths::Illumination;
 use crate::pulse::converter::Level;
 use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
@@ -37,7 +38,6 @@ use crate::pulse::{Layout, Pulse};
 use crate::radar::calibration::CalibrationFault;
 use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
-use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::{self, WaveformError};
 use crate::scene::Scene;
@@ -532,12 +532,12 @@ impl PulseStream {
         self.pool.current_num_threads()
     }
 
-    pub(super) fn pool(&self) -> &ThreadPool {
+    pub(crate) fn pool(&self) -> &ThreadPool {
         &self.pool
     }
 
     /// About what the sea takes in all workers, bytes.
-    pub(super) fn sea_bytes(&self) -> u64 {
+    pub(crate) fn sea_bytes(&self) -> u64 {
         self.sea_bytes
     }
 
@@ -549,7 +549,7 @@ impl PulseStream {
     }
 
     /// Slots of the ring and of all queues.
-    pub(super) fn waiting_pulses(&self) -> usize {
+    pub(crate) fn waiting_pulses(&self) -> usize {
         self.settings.ring_slots + self.sinks.iter().map(|sink| sink.queue_pulses).sum::<usize>()
     }
 
@@ -643,7 +643,7 @@ impl PulseStream {
 }
 
 /// Levels of several workers together.
-pub(super) fn sum_of<'a>(workers: impl Iterator<Item = &'a [Level]>) -> Vec<Level> {
+pub(crate) fn sum_of<'a>(workers: impl Iterator<Item = &'a [Level]>) -> Vec<Level> {
     let mut sum = Vec::new();
     for levels in workers {
         sum.resize(levels.len(), Level::default());

@@ -6,9 +6,9 @@ use super::build::{self, BuildError, BuildErrors};
 use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::echo::Fidelity;
+use crate::motion::changes::{ChangeFault, Changes, Event};
+use crate::motion::errors::Circumstances;
 use crate::motion::{PlatformTracks, SourceError};
-use crate::nav::changes::{ChangeFault, Changes, Event};
-use crate::nav::errors::Circumstances;
 use crate::pulse::log::Origin;
 use crate::scene::Scene;
 

@@ -15,7 +15,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::nav::changes::{Change, ChangeFault, Changes, Event};
+use crate::motion::changes::{Change, ChangeFault, Changes, Event};
 use crate::pulse::log::Origin;
 use crate::transport::health::Health;
 

@@ -19,15 +19,15 @@ use std::sync::Arc;
 use num_complex::Complex32;
 
 use super::aboard::ShipTracks;
-use super::accuracy::{mean_of, power, powers};
 use super::build::BuildErrors;
 use super::stages::{Echo, PulseError, PulseFactory};
+use crate::bench::accuracy::{mean_of, power, powers};
 use crate::echo::Asked;
-use crate::plan::DryRun;
-use crate::plan::settle::{EXACT_DB, Plan, settle};
-use crate::plan::sounding::spread_over;
+use crate::fidelity::DryRun;
+use crate::fidelity::settle::{EXACT_DB, Plan, settle};
+use crate::fidelity::sounding::spread_over;
+use crate::paths::Illumination;
 use crate::pulse::{Layout, Samples};
-use crate::radar::illumination::Illumination;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
 use crate::scene::{Radar, Scene};
@@ -46,7 +46,7 @@ const MORE_DB: f64 = 1.0;
 const HEAVIEST_TAIL: f64 = 1.5;
 
 /// The settings of a scene, tried where that costs little.
-pub(super) fn plan(
+pub(crate) fn plan(
     scene: &Scene,
     illumination: &Illumination,
     waveform: &Arc<dyn Waveform>,

@@ -27,11 +27,12 @@ use thiserror::Error;
 use super::build::{BuildError, BuildErrors};
 use crate::config::Run;
 use crate::motion::Track;
+use crate::motion::TrackSource;
 use crate::motion::gate::{MotionGate, Verdict};
 use crate::motion::live::LiveTrack;
+use crate::nav::Place;
 use crate::nav::live::{Feed, FeedCounts, FeedError};
 use crate::nav::live::{Heard, LiveSource, Origin};
-use crate::nav::{Place, TrackSource};
 use crate::time::TimeTag;
 use crate::transport::{Pace, Policy};
 
@@ -167,7 +168,7 @@ struct Blocks {
 impl LiveNav {
     /// Opens the live sources of a run and waits for their first fixes. `None` if it has none; else the run as it is rehearsed as well.
     pub(super) fn open(run: &Run) -> Result<Option<(Run, Arc<Self>)>, BuildErrors> {
-        let live = |(platform, nav): (usize, &crate::nav::PlatformNav)| match &nav.truth {
+        let live = |(platform, nav): (usize, &crate::motion::PlatformNav)| match &nav.truth {
             TrackSource::Live(source) => Some((platform, source.clone())),
             _ => None,
         };
@@ -402,7 +403,7 @@ fn refused(run: &Run) -> Vec<BuildError> {
         if nav.gusts.is_some() {
             refuse(LiveFault::Beforehand { what: "turbulence" });
         }
-        let reported = crate::nav::errors::Recorded::Reported;
+        let reported = crate::motion::errors::Recorded::Reported;
         if nav.errors.as_ref().is_some_and(|errors| errors.recorded == reported) {
             refuse(LiveFault::Beforehand { what: "errors.recorded = \"reported\"" });
         }

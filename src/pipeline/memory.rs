@@ -26,7 +26,7 @@ pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
 pub const FOLLOW_FACET_BYTES: u64 = 250;
 
 /// About what the sea of a scene takes, bytes.
-pub(super) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
+pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
     let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
     let n = match fidelity {
         Fidelity::Reference => 0,

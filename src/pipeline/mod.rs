@@ -4,24 +4,16 @@
 //! ([`stages`]) and the transport that releases it ([`crate::transport`]).
 
 pub mod aboard;
-pub mod accuracy;
-mod block;
+pub(crate) mod block;
 pub mod build;
 pub mod changing;
 pub mod control;
 mod dry_run;
-pub mod forecast;
-pub mod gather;
-pub mod knobs;
 pub mod live;
 pub mod memory;
 mod navigation;
-pub mod outlook;
 mod outputs;
 pub mod plausible;
-pub mod prices;
 mod single;
-pub mod speed;
 pub mod stages;
-pub mod sweep;
 mod tracks;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::navigation;
 use super::stages::{PulseError, PulseFactory};
 use crate::config::Run;
-use crate::nav::changes::Changes;
+use crate::motion::changes::Changes;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};

@@ -6,18 +6,18 @@ use super::stages::PulseError;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockContacts, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
+use crate::paths::list::Contacts;
+use crate::paths::{Illumination, Workspace};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::illumination::{Illumination, Workspace};
-use crate::scattering::contact::Contacts;
 
 /// Makes echoes pulse by pulse. Immutable, shared by all threads.
-pub(super) struct SingleEcho {
+pub(crate) struct SingleEcho {
     synth: Synth<f64>,
 }
 
 /// Memory of one thread.
-pub(super) struct SingleWork {
+pub(crate) struct SingleWork {
     contacts: Contacts,
     block: BlockContacts<f64>,
     grids: Grids<f64>,

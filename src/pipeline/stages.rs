@@ -18,34 +18,34 @@ use super::block::{BlockEcho, BlockWork};
 use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
-use crate::plan::settle::Plan;
+use crate::fidelity::settle::Plan;
+use crate::paths;
+use crate::paths::list::Contacts;
+use crate::paths::snapshot::Snapshot;
+use crate::paths::{BeyondHorizon, Illumination};
 use crate::pulse::converter::Level;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
 use crate::radar::calibration::{CalibrationFault, GeneratorScratch, Generators};
 use crate::radar::clock::{ChannelClock, RunningClocks};
 use crate::radar::fault::RadarError;
-use crate::radar::illumination;
-use crate::radar::illumination::snapshot::Snapshot;
-use crate::radar::illumination::{BeyondHorizon, Illumination};
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
-use crate::scattering::contact::Contacts;
 use crate::scene::Radar;
 use crate::scene::calibration::Calibration;
 
 /// Makes pulses. Immutable, shared by all threads.
 pub struct PulseFactory {
-    pub(super) illumination: Illumination,
-    pub(super) echo: Echo,
-    pub(super) sample_rate_hz: f64,
-    pub(super) receiver: Receiver,
-    pub(super) waveform: Arc<dyn Waveform>,
-    pub(super) layout: Layout,
-    pub(super) ships: ShipTracks,
-    pub(super) plan: Option<Plan>,
-    pub(super) clocks: Option<Arc<RunningClocks>>,
-    pub(super) generators: Option<Generators>,
+    pub(crate) illumination: Illumination,
+    pub(crate) echo: Echo,
+    pub(crate) sample_rate_hz: f64,
+    pub(crate) receiver: Receiver,
+    pub(crate) waveform: Arc<dyn Waveform>,
+    pub(crate) layout: Layout,
+    pub(crate) ships: ShipTracks,
+    pub(crate) plan: Option<Plan>,
+    pub(crate) clocks: Option<Arc<RunningClocks>>,
+    pub(crate) generators: Option<Generators>,
 }
 
 /// Why a pulse cannot be made.
@@ -69,7 +69,7 @@ pub enum PulseError {
 }
 
 /// From contacts to spectra.
-pub(super) enum Echo {
+pub(crate) enum Echo {
     Reference(ReferenceEcho),
     Fast(Box<BlockEcho>),
     Single(SingleEcho),
@@ -111,7 +111,7 @@ impl Echo {
 
 /// What one thread needs to make pulses without allocating.
 pub struct Workspace {
-    illumination: illumination::Workspace,
+    illumination: paths::Workspace,
     contacts: Contacts,
     block: Option<BlockWork>,
     single: Option<SingleWork>,
@@ -133,7 +133,7 @@ impl Workspace {
     }
 
     /// Keeps the memory it has taken, but neither the block at hand nor what that has cost.
-    pub(super) fn start_anew(&mut self) {
+    pub(crate) fn start_anew(&mut self) {
         self.illumination.costs = Costs::default();
         self.receiver.reset_levels();
         self.block.iter_mut().for_each(BlockWork::forget);
@@ -172,7 +172,7 @@ impl PulseFactory {
     }
 
     /// Grids of one worker, bytes.
-    pub(super) fn grid_bytes(&self) -> u64 {
+    pub(crate) fn grid_bytes(&self) -> u64 {
         let pulses = self.block_pulses();
         let cells = 2 * self.echo.fft_len() as u64;
         let bytes = match &self.echo {

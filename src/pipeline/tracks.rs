@@ -1,9 +1,9 @@
 //! From what the scenario says of platforms to the tracks on which they move and report.
 
 use super::build::{BuildError, BuildErrors};
+use crate::motion::errors::Circumstances;
+use crate::motion::{PlatformNav, TrackSource};
 use crate::motion::{PlatformTracks, SourceReport, Track};
-use crate::nav::errors::Circumstances;
-use crate::nav::{PlatformNav, TrackSource};
 use crate::scene::Scene;
 use crate::scene::radar::Pointing;
 

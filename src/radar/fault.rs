@@ -210,12 +210,12 @@ impl std::fmt::Display for TrackUse {
 }
 
 /// Names and mounts of all antennas, transmitters first.
-pub(super) fn mounts(radar: &Radar) -> impl Iterator<Item = (&str, &AntennaMount)> {
+pub(crate) fn mounts(radar: &Radar) -> impl Iterator<Item = (&str, &AntennaMount)> {
     let transmitters = radar.transmitters.iter().map(|t| (t.name.as_str(), &t.antenna));
     transmitters.chain(radar.receivers.iter().map(|r| (r.name.as_str(), &r.antenna)))
 }
 
-pub(super) fn check_numbers(radar: &Radar, pulse_length_s: f64, faults: &mut Vec<RadarFault>) {
+pub(crate) fn check_numbers(radar: &Radar, pulse_length_s: f64, faults: &mut Vec<RadarFault>) {
     let positive = "a finite number above 0";
     let numbers = [
         ("carrier (Hz)", radar.carrier_hz),
@@ -232,7 +232,7 @@ pub(super) fn check_numbers(radar: &Radar, pulse_length_s: f64, faults: &mut Vec
     }
 }
 
-pub(super) fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<RadarFault>) {
+pub(crate) fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<RadarFault>) {
     let (radar, platforms) = (&scene.radar, scene.platforms.len());
     if tracks != platforms {
         faults.push(RadarFault::Tracks { tracks, platforms });

@@ -3,13 +3,12 @@
 pub mod antenna;
 pub mod calibration;
 pub mod clock;
-mod emission;
 pub mod fault;
 pub mod filter;
-pub mod illumination;
 pub mod link;
 pub mod pattern;
 pub mod polarisation;
 pub mod phasor;
 pub mod receiver;
 pub mod waveform;
+pub mod window;

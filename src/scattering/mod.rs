@@ -1,7 +1,6 @@
 //! What each thing that scatters returns, as one flat list of contacts.
 
 pub mod clutter_nrl;
-pub mod contact;
 pub mod target;
 pub mod facets;
 pub mod fresnel;

@@ -9,7 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use nereus::config::{self, Run};
-use nereus::nav::changes::{Change, Event};
+use nereus::motion::changes::{Change, Event};
 use nereus::pipeline::build::{self, PulseStream};
 use nereus::pipeline::changing;
 use nereus::pipeline::control::Control;

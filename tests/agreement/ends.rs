@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::echo::Fidelity;
-use nereus::pipeline::accuracy::Judge;
 use nereus::pipeline::changing;
 use nereus::pulse::Pulse;
 

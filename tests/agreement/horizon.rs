@@ -2,10 +2,10 @@
 
 use std::fs;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
-use nereus::pipeline::accuracy::Judge;
+use nereus::paths::list::Contacts;
 use nereus::pipeline::build::{self, factory_by};
-use nereus::scattering::contact::Contacts;
 
 const RADIUS_M: f64 = 4.0 / 3.0 * 6_371_000.0;
 

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use nereus::bench::accuracy::{Judge, noiseless, sample};
 use nereus::config::{self, Run};
 use nereus::echo::Fidelity;
-use nereus::pipeline::accuracy::{Judge, noiseless, sample};
 use nereus::pipeline::build;
 use nereus::pulse::Samples;
 use nereus::transport::Pace;

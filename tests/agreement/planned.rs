@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use nereus::bench::accuracy::{Judge, sample};
 use nereus::config::{self, Run};
 use nereus::echo::synth::Precision;
-use nereus::pipeline::accuracy::{Judge, sample};
+use nereus::fidelity::settle::Plan;
 use nereus::pipeline::build;
-use nereus::plan::settle::Plan;
 
 /// Errors that are asked, dB.
 const SWEEP: [f64; 4] = [-30.0, -45.0, -60.0, -75.0];
@@ -227,8 +227,8 @@ fn the_least_error_that_may_be_asked() {
 /// What beams that sweep leave, against the Fourier transform of their apertures.
 #[test]
 fn gains_leave_what_the_closed_form_says() {
-    use nereus::plan::gain::{error_power, sweep_rad_s};
-    use nereus::plan::interpolation::Nodes;
+    use nereus::fidelity::gain::{error_power, sweep_rad_s};
+    use nereus::fidelity::interpolation::Nodes;
     for gain_pulses in [6u32, 8, 10] {
         let settings = [
             ("scene.patch_size_m", "[128, 32]"),

@@ -15,8 +15,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config;
-use nereus::pipeline::accuracy::Judge;
 use nereus::pipeline::build;
 
 use super::random_scene::random_scene;

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config;
-use nereus::pipeline::accuracy::Judge;
 use nereus::pipeline::build;
 
 /// All pulses of a small patch keep what the plan predicts.

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::echo::synth::doppler::Envelope;
-use nereus::pipeline::accuracy::Judge;
+use nereus::fidelity::settle::Plan;
 use nereus::pipeline::build;
-use nereus::plan::settle::Plan;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nereus::echo::synth::doppler::{self, Doppler, Envelope};
 use nereus::echo::synth::{Scalar, Settings, Variant};
-use nereus::scattering::contact::Contacts;
+use nereus::paths::list::Contacts;
 use num_complex::Complex64;
 
 use crate::synth_scenes::{End, Patch, error_db, patches, spectra};

@@ -3,7 +3,7 @@
 use nereus::echo::synth::block::{BlockContacts, Node};
 use nereus::echo::synth::doppler::Doppler;
 use nereus::echo::synth::{Settings, Synth, Variant};
-use nereus::scattering::contact::Contacts;
+use nereus::paths::list::Contacts;
 use num_complex::Complex64;
 use proptest::prelude::*;
 

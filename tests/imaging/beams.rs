@@ -2,11 +2,11 @@
 
 use num_complex::Complex32;
 
-use nereus::imaging::backproject::{Gate, difference_db, fast, reference};
-use nereus::imaging::ground::Ground;
-use nereus::imaging::point_target::analyse;
-use nereus::imaging::range_compress::{RangeFilter, interpolation_error_db};
-use nereus::imaging::taper::Taper;
+use nereus::processor::backproject::{Gate, difference_db, fast, reference};
+use nereus::recording::ground::Ground;
+use nereus::processor::point_target::analyse;
+use nereus::processor::range_compress::{RangeFilter, interpolation_error_db};
+use nereus::processor::taper::Taper;
 
 use crate::geometries::{BAND_HZ, C_MPS, CARRIER_HZ, GEOMETRIES, TARGET_M, aperture, compressor, record};
 

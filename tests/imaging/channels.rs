@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use nereus::imaging::recording::{Recording, RecordingError};
+use nereus::recording::{Recording, RecordingError};
 use num_complex::Complex32;
 
 use crate::geometries::{GEOMETRIES, record_and};

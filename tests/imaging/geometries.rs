@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use nereus::config;
-use nereus::imaging::backproject::{Aperture, PulseEcho};
-use nereus::imaging::phase_path::PhasePath;
-use nereus::imaging::range_compress::{Compressor, PulseShape, RangeFilter, oversampling};
-use nereus::imaging::recording::Recording;
-use nereus::imaging::taper::Taper;
 use nereus::pipeline::build;
+use nereus::processor::backproject::{Aperture, PulseEcho};
+use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter, oversampling};
+use nereus::processor::taper::Taper;
+use nereus::recording::Recording;
 
 pub const CARRIER_HZ: f64 = 10e9;
 pub const BAND_HZ: f64 = 60e6;

@@ -1,10 +1,10 @@
 //! Images by reported navigation.
 
-use nereus::imaging::backproject::{difference_db, fast};
-use nereus::imaging::ground::Ground;
-use nereus::imaging::phase_path::PhasePath;
-use nereus::imaging::range_compress::RangeFilter;
-use nereus::imaging::taper::Taper;
+use nereus::processor::backproject::{difference_db, fast};
+use nereus::recording::ground::Ground;
+use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::range_compress::RangeFilter;
+use nereus::processor::taper::Taper;
 use num_complex::Complex64;
 
 use crate::geometries::{GEOMETRIES, TARGET_M, aperture, compressor};

@@ -1,10 +1,10 @@
 //! Width, side lobes, place and phase of points, against closed forms.
 
-use nereus::imaging::backproject::fast;
-use nereus::imaging::ground::Ground;
-use nereus::imaging::point_target::{PointTarget, analyse, locate};
-use nereus::imaging::range_compress::RangeFilter;
-use nereus::imaging::taper::Taper;
+use nereus::processor::backproject::fast;
+use nereus::recording::ground::Ground;
+use nereus::processor::point_target::{PointTarget, analyse, locate};
+use nereus::processor::range_compress::RangeFilter;
+use nereus::processor::taper::Taper;
 
 use crate::geometries::{
     BAND_HZ, C_MPS, CARRIER_HZ, GEOMETRIES, Geometry, PHASE_RAD, PULSE_S, TARGET_M, aperture, compressor,

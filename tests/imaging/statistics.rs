@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nereus::imaging::statistics::{
+use nereus::clutter::{
     Fit, KLaw, Kind, Law, Sample, SampleFault, blocks, goodness, histogram, likelihood, moments, regression,
     sea_shape, trend,
 };

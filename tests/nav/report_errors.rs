@@ -1,12 +1,12 @@
 //! Errors of reports: what is drawn is what was asked, known errors are exact, and which report is at hand.
 
 use nereus::frames::{Point, Rotation, Vector};
-use nereus::motion::{PlatformTracks, Track};
-use nereus::nav::errors::preset::Class;
-use nereus::nav::errors::{
+use nereus::motion::errors::preset::Class;
+use nereus::motion::errors::{
     ATTITUDE, AXES, Between, Circumstances, Dropouts, ErrorModel, Errors, ErrorsFault, Recorded, VELOCITY,
 };
-use nereus::nav::{PlatformNav, TrackSource};
+use nereus::motion::{PlatformNav, TrackSource};
+use nereus::motion::{PlatformTracks, Track};
 use nereus::pulse::flags;
 use nereus::time::{PulseTimes, TimeTag};
 use proptest::prelude::*;
@@ -338,7 +338,7 @@ fn series_have_a_limit() {
     let error = Errors::new(&model, &of(&times, 100_000_000)).unwrap_err();
     assert!(matches!(error, ErrorsFault::TooLong { values: 100_000_004, .. }), "{error}");
     // Known errors alone take nothing, at any rate.
-    model.axes[0] = nereus::nav::errors::AxisErrors { bias: 1.0, ..Default::default() };
+    model.axes[0] = nereus::motion::errors::AxisErrors { bias: 1.0, ..Default::default() };
     assert!(Errors::new(&model, &of(&times, u64::MAX / 2)).is_ok());
 }
 

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use nereus::echo::reference::{ReferenceEcho, raw_samples};
+use nereus::paths::list::Contacts;
 use nereus::radar::receiver::thermal_noise_w;
 use nereus::radar::waveform::Lfm;
-use nereus::scattering::contact::Contacts;
 use nereus::scene::radar::Sweep;
 use nereus::units::Decibels;
 use num_complex::Complex64;

@@ -7,11 +7,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nereus::echo::reference::{ReferenceEcho, raw_samples};
+use nereus::paths::list::Contacts;
 use nereus::pulse::SampleFormat;
 use nereus::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use nereus::radar::receiver::Receiver;
 use nereus::radar::waveform::{Lfm, Sampled, Waveform};
-use nereus::scattering::contact::Contacts;
 use nereus::scene::radar::Sweep;
 use num_complex::Complex64;
 use rustfft::FftPlanner;

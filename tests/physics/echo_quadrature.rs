@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use nereus::echo::reference::{GUARD_SAMPLES, ReferenceEcho, raw_samples};
+use nereus::paths::list::Contacts;
 use nereus::radar::filter::ReceiveFilter;
 use nereus::radar::waveform::{Lfm, Waveform};
-use nereus::scattering::contact::Contacts;
 use nereus::scene::radar::Sweep;
 use num_complex::Complex64;
 use rustfft::FftPlanner;

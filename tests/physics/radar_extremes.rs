@@ -2,7 +2,7 @@
 
 use nereus::frames::{Earth, Rotation, SceneFrame, Vector};
 use nereus::motion::track::Track;
-use nereus::radar::illumination::Illumination;
+use nereus::paths::Illumination;
 use nereus::scene::Scene;
 use nereus::scene::radar::*;
 use nereus::time::PulseTimes;

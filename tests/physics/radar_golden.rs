@@ -75,8 +75,7 @@ fn echo_delays() {
         straight(&scene, triple(&golden["tx"]), triple(&golden["vtx"])),
         straight(&scene, triple(&golden["rx"]), triple(&golden["vrx"])),
     ];
-    let illumination =
-        nereus::radar::illumination::Illumination::new(&scene, value("Tc"), tracks.clone()).unwrap();
+    let illumination = nereus::paths::Illumination::new(&scene, value("Tc"), tracks.clone()).unwrap();
     let columns = [
         "pulse",
         "scatterer",

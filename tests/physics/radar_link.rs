@@ -185,7 +185,7 @@ fn turned(original: &Scene) {
             })
             .collect();
         let (contacts, record) = pulse(&scene, &tracks, 100);
-        let columns = |c: &nereus::scattering::contact::Contacts| -> Vec<Complex64> {
+        let columns = |c: &nereus::paths::list::Contacts| -> Vec<Complex64> {
             c.amplitude.iter().map(|column| column[0]).collect()
         };
         let amplitude = worst(&columns(&reference), &columns(&contacts));

@@ -3,9 +3,9 @@
 use nereus::frames::{Body, Earth, Enu, Point, Rotation, SceneFrame, Vector};
 use nereus::motion::PlatformTracks;
 use nereus::motion::track::Track;
+use nereus::paths::Illumination;
+use nereus::paths::list::Contacts;
 use nereus::pulse::{Layout, Pulse, SampleFormat};
-use nereus::radar::illumination::Illumination;
-use nereus::scattering::contact::Contacts;
 use nereus::scene::radar::*;
 use nereus::scene::{Radar, Scene, Target};
 use nereus::time::{PulseTimes, TimeTag};

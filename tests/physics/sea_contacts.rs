@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use nereus::motion::PlatformTracks;
-use nereus::radar::illumination::Illumination;
-use nereus::scattering::contact::Contacts;
+use nereus::paths::Illumination;
+use nereus::paths::list::Contacts;
 use nereus::scattering::kind::{Kind, slick::Slick};
 use nereus::scene::radar::{Aim, AimFrom, Gate, Pattern, Polarisation};
 use nereus::scene::sea::*;

@@ -1,8 +1,8 @@
 //! Ships in the echo at the ends of what is legal, and the narrow V of their short waves.
 
 use nereus::motion::PlatformTracks;
-use nereus::radar::illumination::Illumination;
-use nereus::scattering::contact::Contacts;
+use nereus::paths::Illumination;
+use nereus::paths::list::Contacts;
 use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use nereus::scene::Scene;
 use nereus::scene::radar::{Aim, AimFrom};

@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::Path;
 
-use nereus::imaging::recording::{Recording, RecordingError};
 use nereus::pulse::{Pulse, SampleFormat};
+use nereus::recording::{Recording, RecordingError};
 use nereus::sinks::hdf5::{Hdf5Sink, read_through};
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::{Header, Sink};

@@ -119,7 +119,7 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
 
 #[cfg(feature = "hdf5")]
 mod hdf5 {
-    use nereus::imaging::recording::verify::{Ending, verify};
+    use nereus::recording::verify::{Ending, verify};
     use nereus::sinks::hdf5::Hdf5Sink;
     use nereus::sinks::merge::{MergeError, merge};
 

@@ -2,8 +2,8 @@
 
 use super::{Described, described, neat};
 use crate::config::Run;
-use crate::nav::changes::Event;
-use crate::nav::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
+use crate::motion::changes::Event;
+use crate::motion::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
 use crate::radar::clock::adev;
 use crate::scene::clock::{Clock, NamedClock};
 

@@ -4,11 +4,11 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{Described, described, digits};
+use crate::bench::settings;
 use crate::cli::bench::settings_text;
 use crate::cli::counted;
 use crate::config::keys;
-use crate::pipeline::knobs;
-use crate::plan::settle::Plan;
+use crate::fidelity::settle::Plan;
 
 /// A plan in figures; all of it predicted.
 #[derive(Debug, Serialize)]
@@ -69,7 +69,7 @@ impl PlanReport {
     pub(super) fn new(plan: &Plan, real_time_factor: f64, bytes: u64) -> Self {
         Self {
             error_db: plan.asked.error_db,
-            settings: knobs::settings(Some(&plan.settled)),
+            settings: settings::settings(Some(&plan.settled)),
             asked: set_otherwise(plan),
             predicted_rel_rms_db: plan.prediction.total_db(),
             predicted_error_db: parts_db(plan),

@@ -1,7 +1,7 @@
 //! What `nereus check` says about a sea.
 
 use super::{Described, described, neat};
-use crate::pipeline::outlook::{AZIMUTH_M, Outlook};
+use crate::adequacy::{AZIMUTH_M, Outlook};
 use crate::scene::Scene;
 use crate::scene::sea::{
     Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing,

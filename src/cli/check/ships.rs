@@ -1,7 +1,7 @@
 //! What `nereus check` says about ships.
 
 use super::{Described, described, neat};
-use crate::pipeline::outlook::ShipOutlook;
+use crate::adequacy::ShipOutlook;
 use crate::scene::Scene;
 use crate::scene::ship::{HullGiven, Ship};
 

@@ -2,11 +2,11 @@
 
 use crate::config;
 use crate::frames::{Enu, Point, Vector};
-use crate::imaging::recording::Recording;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::pipeline::build;
 use crate::radar::antenna::Antenna;
+use crate::recording::Recording;
 use crate::scene::Scene;
 use crate::scene::radar::AntennaMount;
 

@@ -1,6 +1,6 @@
 //! `nereus focus --nav both`: what errors of the reports do to the image, predicted and measured.
 //!
-//! Predictions come from the recorded paths ([`crate::imaging::degradation`]), measurements from the images by true and by reported navigation. What the
+//! Predictions come from the recorded paths ([`crate::processor::degradation`]), measurements from the images by true and by reported navigation. What the
 //! scenario alone tells stands beside them ([`super::forecast`], [`super::aim`]).
 
 use std::io::Write;
@@ -16,15 +16,15 @@ use super::{
     compressor, expected, ground, one, outputs, paths, pictures, table, values,
 };
 use crate::cli::sea::{SeaError, save_canvas};
-use crate::imaging::backproject::{Aperture, fast};
-use crate::imaging::degradation::{CUT, Lobe, Look, PhaseTerms, Prediction, Response, respond};
-use crate::imaging::ground::Ground;
-use crate::imaging::output::{FileKind, Output};
-use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, Spacing};
-use crate::imaging::point_target::Support;
-use crate::imaging::range_compress::Compressor;
-use crate::imaging::recording::Recording;
 use crate::pipeline::build::available_bytes;
+use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
+use crate::processor::backproject::{Aperture, fast};
+use crate::processor::degradation::{CUT, Lobe, Look, PhaseTerms, Prediction, Response, respond};
+use crate::recording::ground::Ground;
+use crate::processor::point_target::Support;
+use crate::processor::range_compress::Compressor;
+use crate::recording::Recording;
+use crate::recording::output::{FileKind, Output};
 
 /// Cells about a point that are no sea.
 const POINT_CELLS: f64 = 10.0;

@@ -7,8 +7,8 @@ use serde::Serialize;
 use toml::Table;
 
 use super::scenario::{Scenario, numbers};
-use crate::imaging::degradation::Look;
-use crate::imaging::degradation::laws::{
+use crate::processor::degradation::Look;
+use crate::processor::degradation::laws::{
     PairedEchoes, gauss_markov_db, paired_echoes, ramp_cells, step_peak, white_db,
 };
 use crate::sinks::sink::ChannelRow;

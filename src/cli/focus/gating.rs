@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use super::scenario::Scenario;
 use super::{FocusArgs, FocusError, Ground, Recording, RecordingError};
-use crate::imaging::backproject::{Aperture, Gate};
+use crate::processor::backproject::{Aperture, Gate};
 
 /// A processed Doppler bandwidth as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

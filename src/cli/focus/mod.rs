@@ -21,23 +21,23 @@ use super::error::CliError;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
-use crate::imaging::backproject::{Aperture, PulseEcho, fast};
-use crate::imaging::canvas::Canvas;
-use crate::imaging::ground::{Ground, GroundError};
-use crate::imaging::image_file::{ImageFile, ImageFileError};
-use crate::imaging::map_file::Attribute;
-use crate::imaging::multilook::{multilook, percentile};
-use crate::imaging::output::{FileKind, Output, OutputError};
-use crate::imaging::phase_path::PhasePath;
-use crate::imaging::picture::{Axis, Limits, Picture, Reduction};
-use crate::imaging::point_target::{PointTarget, Support, analyse, locate};
-use crate::imaging::range_compress::{
+use crate::clutter::SampleFault;
+use crate::pipeline::build::available_bytes;
+use crate::plot::canvas::Canvas;
+use crate::plot::picture::{Axis, Limits, Picture, Reduction};
+use crate::processor::backproject::{Aperture, PulseEcho, fast};
+use crate::recording::ground::{Ground, GroundError};
+use crate::processor::multilook::{multilook, percentile};
+use crate::geometry::phase_path::PhasePath;
+use crate::processor::point_target::{PointTarget, Support, analyse, locate};
+use crate::processor::range_compress::{
     CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
-use crate::imaging::recording::{Recording, RecordingError};
-use crate::imaging::statistics::SampleFault;
-use crate::imaging::taper::Taper;
-use crate::pipeline::build::available_bytes;
+use crate::processor::taper::Taper;
+use crate::recording::image_file::{ImageFile, ImageFileError};
+use crate::recording::map_file::Attribute;
+use crate::recording::output::{FileKind, Output, OutputError};
+use crate::recording::{Recording, RecordingError};
 use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
 pub use gating::DopplerBand;

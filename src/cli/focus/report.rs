@@ -10,7 +10,7 @@ use super::{
     multilook, oversampling, percentile, say, speckle,
 };
 use crate::cli::speckle::Speckle;
-use crate::imaging::point_target::PointTarget;
+use crate::processor::point_target::PointTarget;
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]

@@ -5,7 +5,7 @@
 use toml::{Table, Value};
 
 use crate::frames::{Earth, Geodetic, SceneFrame};
-use crate::imaging::recording::Recording;
+use crate::recording::Recording;
 
 /// The scenario of a recording; empty where it holds none.
 pub(super) struct Scenario {

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::{FocusArgs, FocusError, Focused, Ground, Recording};
 use crate::cli::speckle::{Speckle, SpeckleSettings};
-use crate::imaging::point_target::Support;
+use crate::processor::point_target::Support;
 
 /// Samples drawn from a law, and most pixels of a test.
 const RESAMPLES: usize = 99;

@@ -3,11 +3,11 @@
 use super::super::error::CliError;
 use super::SeaError;
 use crate::config::Run;
-use crate::imaging::contact_file::ContactFile;
-use crate::imaging::map_file::Attribute;
-use crate::imaging::output::Output;
 use crate::pipeline::build::{BuildError, BuildErrors};
 use crate::pipeline::stages::PulseFactory;
+use crate::recording::map_file::Attribute;
+use crate::recording::output::Output;
+use crate::recording::path_file::ContactFile;
 use crate::scene::radar::{Sweep, Waveform};
 
 /// Writes the file and tells how many contacts it holds.

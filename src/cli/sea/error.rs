@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::imaging::canvas::PngError;
-use crate::imaging::contact_file::ContactFileError;
-use crate::imaging::map_file::MapError;
-use crate::imaging::output::OutputError;
-use crate::imaging::picture::PictureError;
-use crate::imaging::plot::PlotError;
+use crate::plot::canvas::PngError;
+use crate::plot::chart::PlotError;
+use crate::plot::picture::PictureError;
+use crate::recording::map_file::MapError;
+use crate::recording::output::OutputError;
+use crate::recording::path_file::ContactFileError;
 use crate::sea::realise::RealiseError;
 use crate::sea::surface::StateError;
 use crate::sea::wake::WakeError;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use clap::ValueEnum;
 
-use crate::imaging::colours::ColourMap;
+use crate::plot::colours::ColourMap;
 use crate::sea::surface::{Fields, Selection};
 
 /// Name, unit and meaning of a layer, and where its values are.

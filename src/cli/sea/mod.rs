@@ -2,7 +2,7 @@
 //!
 //! The map is that of the patch at pulse 0; a patch that follows moves over the same water. With ships, whose waves are
 //! part of the map, it lies where it does at the time asked. Files:
-//! [`map_file`](crate::imaging::map_file) with format `nereus-sea`, [`picture`](crate::imaging::picture),
+//! [`map_file`](crate::recording::map_file) with format `nereus-sea`, [`picture`](crate::plot::picture),
 //! [`state`](crate::sea::surface::state).
 
 mod contacts;
@@ -25,13 +25,13 @@ use super::args::Setting;
 use super::error::CliError;
 use super::run::overrides;
 use super::{say, warn};
+use crate::adequacy::patch_at;
 use crate::config;
-use crate::imaging::canvas::Canvas;
-use crate::imaging::map_file::{Attribute, Layer, MapFile};
-use crate::imaging::output::{FileKind, Output, OutputError, apart};
-use crate::imaging::picture::{Axis, Picture};
 use crate::pipeline::build::BuildErrors;
-use crate::pipeline::outlook::patch_at;
+use crate::plot::canvas::Canvas;
+use crate::plot::picture::{Axis, Picture};
+use crate::recording::map_file::{Attribute, Layer, MapFile};
+use crate::recording::output::{FileKind, Output, OutputError, apart};
 use crate::scene::Patch;
 use crate::sea::fleet::Fleet;
 use crate::sea::realise::{Realised, realise};

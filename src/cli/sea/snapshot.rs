@@ -6,7 +6,7 @@
 //! facet.
 //!
 //! `--contacts` writes what the echo of the pulse is made of, facets, targets and direct paths alike
-//! ([`contact_file`](crate::imaging::contact_file)); for that alone the scenario needs no sea.
+//! ([`contact_file`](crate::recording::path_file)); for that alone the scenario needs no sea.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -21,12 +21,12 @@ use super::super::{say, warn};
 use super::{SeaError, axes, contacts, outputs, save_png};
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
-use crate::imaging::colours::ColourMap;
-use crate::imaging::map_file::{Attribute, Layer, MapFile};
-use crate::imaging::output::{FileKind, Output};
-use crate::imaging::picture::{Limits, Picture, Reduction};
+use crate::paths::snapshot::Snapshot;
 use crate::pipeline::{build, changing};
-use crate::radar::illumination::snapshot::Snapshot;
+use crate::plot::colours::ColourMap;
+use crate::plot::picture::{Limits, Picture, Reduction};
+use crate::recording::map_file::{Attribute, Layer, MapFile};
+use crate::recording::output::{FileKind, Output};
 
 /// Decibels that the colours of a picture span.
 const SPAN_DB: f64 = 60.0;

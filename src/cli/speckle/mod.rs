@@ -1,6 +1,5 @@
 //! `nereus speckle`: the statistics of sea clutter over the azimuth of the wind.
 
-mod fits;
 mod image;
 mod report;
 
@@ -18,17 +17,17 @@ use super::error::CliError;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{say, warn};
+use crate::adequacy::patch_at;
+use crate::bench::accuracy::noiseless;
+use crate::bench::gather::gather;
+pub(crate) use crate::clutter::fits::{Speckle, SpeckleSettings};
 use crate::config::Run;
-use crate::imaging::output::{FileKind, Output, OutputError};
-use crate::imaging::phase_path::PhasePathError;
-use crate::imaging::range_compress::CompressError;
-use crate::pipeline::accuracy::noiseless;
 use crate::pipeline::build::{self, available_bytes};
-use crate::pipeline::gather::gather;
-use crate::pipeline::outlook::patch_at;
+use crate::geometry::phase_path::PhasePathError;
+use crate::processor::range_compress::CompressError;
+use crate::recording::output::{FileKind, Output, OutputError};
 use crate::scene::Sea;
 use crate::scene::sea::PatchPlace;
-pub(super) use fits::{Speckle, SpeckleSettings};
 use image::{Image, Pixels};
 use report::{Azimuth, Report};
 
@@ -126,7 +125,7 @@ pub enum SpeckleError {
         /// The channel.
         channel: String,
         /// What is wrong.
-        source: crate::imaging::statistics::SampleFault,
+        source: crate::clutter::SampleFault,
     },
     /// No pulse to compress with.
     #[error("{}: {source}", path.display())]

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::fits::{Shape, Speckle};
 use super::image::Geometry;
 use super::{Files, SpeckleArgs};
 use crate::cli::counted;
+use crate::clutter::empirical::GRAZING_DEG;
+use crate::clutter::fits::{Shape, Speckle};
+use crate::clutter::regression::{self, Cosine};
+use crate::clutter::{Kind, sea_shape};
 use crate::config::Run;
-use crate::imaging::canvas::Canvas;
-use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, PlotError, Spacing};
-use crate::imaging::statistics::empirical::GRAZING_DEG;
-use crate::imaging::statistics::regression::{self, Cosine};
-use crate::imaging::statistics::{Kind, sea_shape};
+use crate::plot::canvas::Canvas;
+use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, PlotError, Spacing};
 use crate::scene::Sea;
 use crate::scene::radar::Polarisation;
 

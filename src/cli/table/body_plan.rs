@@ -3,8 +3,8 @@
 //! The stern half stands to the left of the centre line and the bow half to the right, as on a drawing board. Every
 //! curve is a station of the offset table, with straight lines between its waterlines; one metre is as long upward as across.
 
-use crate::imaging::canvas::Canvas;
-use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, PlotError, SIZE_RANGE_PX, Spacing};
+use crate::plot::canvas::Canvas;
+use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, PlotError, SIZE_RANGE_PX, Spacing};
 use crate::scene::Hull;
 
 /// Sections of either half, about.

@@ -11,7 +11,7 @@ use super::error::{TableError, check};
 use super::sweep::{SpeedSweep, Usual};
 use crate::cli::error::CliError;
 use crate::cli::sea::{SeaError, plan, save_canvas};
-use crate::imaging::output::FileKind;
+use crate::recording::output::FileKind;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::sea::wake::kochin::{self, Kochin, resistance_coefficient};
 

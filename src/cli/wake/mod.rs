@@ -1,7 +1,7 @@
 //! `nereus wake`: the waves of the ships of a scenario alone, as a map and a picture, as cuts, and what they cost.
 //!
-//! The map is that of the patch where it lies at the time asked. Files: [`map_file`](crate::imaging::map_file) with
-//! format `nereus-wake` and the fields of `nereus sea`, [`picture`](crate::imaging::picture). Cuts ([`cut`]) are those of
+//! The map is that of the patch where it lies at the time asked. Files: [`map_file`](crate::recording::map_file) with
+//! format `nereus-wake` and the fields of `nereus sea`, [`picture`](crate::plot::picture). Cuts ([`cut`]) are those of
 //! one ship each, printed as CSV.
 
 mod cut;
@@ -18,12 +18,12 @@ use super::error::CliError;
 use super::run::overrides;
 use super::sea::{Field, SeaError, axes, field, outputs, save_png};
 use super::{say, warn};
+use crate::adequacy::{ShipOutlook, patch_at};
 use crate::config;
-use crate::imaging::map_file::{Attribute, Layer, MapFile};
-use crate::imaging::output::{FileKind, Output};
-use crate::imaging::picture::Picture;
 use crate::pipeline::build::BuildErrors;
-use crate::pipeline::outlook::{ShipOutlook, patch_at};
+use crate::plot::picture::Picture;
+use crate::recording::map_file::{Attribute, Layer, MapFile};
+use crate::recording::output::{FileKind, Output};
 use crate::scene::Patch;
 use crate::sea::fleet::Fleet;
 use crate::sea::surface::{Fields, Selection};

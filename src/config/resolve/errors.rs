@@ -4,9 +4,9 @@ use crate::config::error::Problem;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::frames::Vector;
-use crate::nav::errors::preset::Class;
-use crate::nav::errors::{ATTITUDE, AxisErrors, Between, Dropouts, ErrorModel, Recorded, VELOCITY};
-use crate::nav::gusts::{Gusts, LEVELS_MPS};
+use crate::motion::errors::preset::Class;
+use crate::motion::errors::{ATTITUDE, AxisErrors, Between, Dropouts, ErrorModel, Recorded, VELOCITY};
+use crate::motion::gusts::{Gusts, LEVELS_MPS};
 
 /// Keys of one kind of error.
 struct AxisKeys {

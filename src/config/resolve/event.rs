@@ -4,7 +4,7 @@ use super::Names;
 use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
-use crate::nav::changes::{Change, ChangeFault, Event, MOST_CHANGES};
+use crate::motion::changes::{Change, ChangeFault, Event, MOST_CHANGES};
 use crate::scene::Radar;
 
 /// Part of an interval by which a pulse may come before a time as written and still count: rounding of decimals.

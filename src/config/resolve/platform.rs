@@ -5,9 +5,9 @@ use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
 use crate::frames::{Body, Enu, Rotation, Vector};
+use crate::motion::{PlatformNav, TrackSource};
 use crate::nav::{
-    AttitudeSource, FileFormat, FileSource, LiveSource, MotionBounds, PlatformNav, Smoothing, TrackSource,
-    VerticalDatum,
+    AttitudeSource, FileFormat, FileSource, LiveSource, MotionBounds, Smoothing, VerticalDatum,
 };
 
 /// One `[[platform]]`; its name has been read.

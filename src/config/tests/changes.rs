@@ -1,7 +1,7 @@
 //! Events and calibration channels.
 
 use super::*;
-use crate::nav::changes::Change;
+use crate::motion::changes::Change;
 use crate::scene::calibration::Signal;
 
 const SELFTEST: &str = include_str!("../../../configs/selftest.toml");

@@ -1,8 +1,8 @@
 //! Errors of reports, turbulence and clocks in scenarios.
 
 use super::{COASTAL, Run, coastal_with, faults_of};
-use crate::nav::errors::{ATTITUDE, Between, Recorded, VELOCITY};
-use crate::nav::gusts::LEVELS_MPS;
+use crate::motion::errors::{ATTITUDE, Between, Recorded, VELOCITY};
+use crate::motion::gusts::LEVELS_MPS;
 
 type Variant = (&'static str, Vec<(&'static str, &'static str)>);
 

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use super::block::{BlockContacts, Fill, Node};
 use super::{Grids, Scalar, Synth, SynthError, SynthScratch};
-use crate::scattering::contact::Contacts;
+use crate::paths::list::Contacts;
 
 /// Room to work; one per thread.
 #[derive(Debug)]

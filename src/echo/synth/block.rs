@@ -23,7 +23,7 @@ use super::grid::Lined;
 use super::scalar::Scalar;
 use super::spread::Courses;
 use super::{Settings, Synth, SynthError};
-use crate::scattering::contact::Contacts;
+use crate::paths::list::Contacts;
 
 /// Most pulses of a block.
 pub const MAX_PULSES: usize = 64;

@@ -42,7 +42,7 @@
 //! use std::sync::Arc;
 //! use nereus::echo::synth::{Settings, Synth, block::Node};
 //! use nereus::radar::waveform::Lfm;
-//! use nereus::scattering::contact::Contacts;
+//! use nereus::paths::list::Contacts;
 //! use nereus::scene::radar::Sweep;
 //! use num_complex::Complex64;
 //!

@@ -18,7 +18,8 @@ use std::time::Instant;
 pub use ear::Ear;
 pub use feed::{Feed, FeedCounts, FeedError};
 
-use super::{AttitudeSource, Fix, TrackSource, VerticalDatum};
+use super::{AttitudeSource, Fix, VerticalDatum};
+use crate::motion::TrackSource;
 
 /// Navigation that comes while the run goes on.
 #[derive(Clone, Debug, PartialEq)]

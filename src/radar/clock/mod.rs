@@ -38,7 +38,7 @@ use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
 use thiserror::Error;
 
-use crate::radar::illumination::GUARD_SAMPLES;
+use crate::radar::window::GUARD_SAMPLES;
 use crate::rng::{Room, stream};
 use crate::scene::Radar;
 use crate::scene::clock::Clocks;

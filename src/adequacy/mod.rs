@@ -1,0 +1,485 @@
+//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: told before a run.
+//!
+//! Nothing here is refused. The rules:
+//!
+//! * A patch should be as long as the actual spectrum asks ([`sampling::least_length_m`]).
+//! * A resolution cell should hold [`sampling::LEAST_FACETS_PER_CELL`] facets, and no facet should be longer than it. Along
+//!   ground range the cell is `c / (B |g|)`, with `g` the horizontal gradient of the path over the first pair at the centre
+//!   of the patch: `c / (2 B sin theta)` for one antenna looking down at an incidence of theta. How fine a processor
+//!   makes the cell in azimuth is not known here: [`AZIMUTH_M`] is assumed, as fine as antennas of metres allow.
+//! * The window should hear the patch, and every antenna should see it: on a curved earth it lies before the [`horizon`].
+//! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the patch.
+//! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear sea.
+//!
+//! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points over the patch,
+//! without the motion during the echo and without waves. What a following patch lets come and go is
+//! [`edge_db`]: it lights every facet.
+//!
+//! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
+
+pub mod polarisation;
+mod ships;
+
+use serde::Serialize;
+use thiserror::Error;
+
+pub use ships::{DENSITY_KGPM3, ShipOutlook, presence_word};
+
+use crate::config::Run;
+use crate::frames::{Earth, Enu, Point, Vector};
+use crate::geometry::horizon;
+use crate::motion::PlatformTracks;
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::motion::track::TrackError;
+use crate::paths::snapshot::Snapshot;
+use crate::pipeline::build::{BuildError, BuildErrors, tracks};
+use crate::pipeline::stages::PulseFactory;
+use crate::radar::fault::RadarError;
+use crate::radar::waveform;
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair};
+use crate::scene::sea::{PatchPlace, Sea};
+use crate::scene::{Patch, Scene};
+use crate::sea::realise::RealiseError;
+use crate::sea::spectrum::moments::Moments;
+use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, of_water, sampling};
+use crate::sea::wake::{free_waves, kochin};
+use crate::sea::wind::{EXTRAPOLATED_ABOVE_MPS, Wind};
+use crate::time::TimeTag;
+use crate::transport::schedule::Schedule;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Power that may come and go with the edge rows of a following patch, dB below all that is heard.
+pub const EDGE_BUDGET_DB: f64 = -60.0;
+/// Assumed extent of a resolution cell in azimuth, m.
+pub const AZIMUTH_M: f64 = 1.0;
+/// Points along a side of the patch at which geometry is taken.
+pub const LATTICE: usize = 33;
+/// Longest waves that count for the significant height, rad/m: 60 km.
+const LONGEST_RAD_M: f64 = 1e-4;
+
+/// A sea in figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outlook {
+    /// Wind at 10 m, m/s.
+    pub u10_mps: f64,
+    /// Wind at 12.5 m, m/s.
+    pub u12_5_mps: f64,
+    /// Wind at 19.5 m, m/s.
+    pub u19_5_mps: f64,
+    /// Friction velocity in the profile of Cardone, m/s.
+    pub ustar_mps: f64,
+    /// Whether the wind is too weak to raise waves.
+    pub calm: bool,
+    /// Significant wave height that the spectrum means, m.
+    pub significant_height_m: f64,
+    /// Length of the waves at the peak of the spectrum, m; `None` for a flat sea.
+    pub peak_wavelength_m: Option<f64>,
+    /// Length that a patch should have for this spectrum, m.
+    pub least_length_m: f64,
+    /// Facets.
+    pub facets: usize,
+    /// Finest cell in ground range over the instants looked at, m; `None` where range does not resolve the ground.
+    pub ground_range_m: Option<f64>,
+    /// Facets in that cell.
+    pub facets_per_cell: Option<f64>,
+    /// Least share of the patch whose whole echo lies in the window, over the instants looked at.
+    pub share_in_window: f64,
+    /// Of a following patch, [`edge_db`] once it has been looked at.
+    pub edge_db: Option<f64>,
+    /// Ships, in their order.
+    pub ships: Vec<ShipOutlook>,
+    /// What is legal but worth knowing.
+    #[serde(skip)]
+    pub warnings: Vec<SeaWarning>,
+}
+
+/// The power that comes and goes when a following patch moves by one row, dB below all that is heard: the worst of the first,
+/// middle and last pulse, all facets lit; along an axis on which the patch lies the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
+pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
+    if !factory.follows() {
+        return Ok(None);
+    }
+    let last = schedule.end().saturating_sub(1);
+    let mut work = factory.workspace();
+    let mut snapshots = Vec::with_capacity(3);
+    for index in [schedule.first, schedule.first + schedule.count / 2, last] {
+        snapshots.extend(factory.snapshot(index, &mut work)?);
+    }
+    let first = |snapshot: &Snapshot| snapshot.patch.first;
+    let moves =
+        [0, 1].map(|axis| snapshots.windows(2).any(|two| first(&two[0])[axis] != first(&two[1])[axis]));
+    let edges = snapshots.iter().map(|snapshot| snapshot.edge_db(factory.channel_pairs(), moves));
+    Ok(edges.reduce(f64::max))
+}
+
+/// Something about a sea that the user should know.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SeaWarning {
+    /// Too short for its waves.
+    #[error(
+        "the patch of {} m x {} m is shorter than the {least_m:.0} m that its spectrum asks for: long waves are coarsely drawn",
+        size_m[0], size_m[1]
+    )]
+    ShortPatch {
+        /// Its size, m.
+        size_m: [f64; 2],
+        /// What the spectrum asks for, m.
+        least_m: f64,
+    },
+    /// Not enough facets for speckle.
+    #[error(
+        "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): \
+         below {} its speckle is not Rayleigh's",
+        sampling::LEAST_FACETS_PER_CELL
+    )]
+    FewFacets {
+        /// Facets in the cell.
+        facets: f64,
+        /// The cell in ground range, m.
+        ground_range_m: f64,
+    },
+    /// Facets that the radar resolves.
+    #[error("facets of {facet_m} m are longer than a resolution cell of {ground_range_m:.2} m ground range")]
+    LongFacets {
+        /// Side of a facet, m.
+        facet_m: f64,
+        /// The cell in ground range, m.
+        ground_range_m: f64,
+    },
+    /// Rows enter and leave where they are heard.
+    #[error(
+        "rows that enter and leave the following patch are heard at {edge_db:.0} dB of the whole echo; below {EDGE_BUDGET_DB} dB \
+         the sea is without end: a larger patch or a shorter window helps"
+    )]
+    Edge {
+        /// Power of the edge rows, dB of all that is heard.
+        edge_db: f64,
+    },
+    /// Nothing is heard.
+    #[error(
+        "the window does not hear the patch at pulse {pulse}: whole echoes begin {window_us:?} us after the emission, \
+         those of the patch {patch_us:?} us"
+    )]
+    OutsideWindow {
+        /// The pulse.
+        pulse: u64,
+        /// When echoes that the window holds begin, microseconds after the emission.
+        window_us: [f64; 2],
+        /// When those of the patch begin.
+        patch_us: [f64; 2],
+    },
+    /// Too strong a wind.
+    #[error(
+        "wind of {u10_mps:.1} m/s at 10 m: above {EXTRAPOLATED_ABOVE_MPS} m/s the laws of wind and waves are extrapolations, \
+         and a linear sea is a rough model"
+    )]
+    StrongWind {
+        /// Speed at 10 m, m/s.
+        u10_mps: f64,
+    },
+    /// Behind the curve of the earth.
+    #[error(
+        "{:.0} % of the patch lie beyond the horizon of \"{antenna}\" at pulse {pulse}{}: it sees the sea to {:.1} km, the patch \
+         lies {:.1} to {:.1} km away",
+        100.0 * share,
+        if *hidden { " and are dark" } else { ", and are lit all the same (scene.horizon = false)" },
+        horizon_m / 1e3,
+        distance_m[0] / 1e3,
+        distance_m[1] / 1e3
+    )]
+    BeyondHorizon {
+        /// The transmitter or receiver.
+        antenna: String,
+        /// Share of the patch, 0 to 1.
+        share: f64,
+        /// The pulse.
+        pulse: u64,
+        /// How far the antenna sees the mean surface, m.
+        horizon_m: f64,
+        /// Nearest and farthest point of the patch, m.
+        distance_m: [f64; 2],
+        /// Whether it is dark there.
+        hidden: bool,
+    },
+    /// A ship without waves.
+    #[error(
+        "ship \"{ship}\" raises no waves at {speed_mps} m/s: slower than {} m/s they are ripples",
+        kochin::LEAST_SPEED_MPS
+    )]
+    SlowShip {
+        /// The ship.
+        ship: String,
+        /// Its speed, m/s.
+        speed_mps: f64,
+    },
+    /// Waves too short for the facets.
+    #[error(
+        "no waves of ship \"{ship}\" on the map: the longest, {longest_m:.2} m, are shorter than {} facets of {facet_m} m",
+        free_waves::LEAST_FACETS_A_WAVE
+    )]
+    UnresolvedWake {
+        /// The ship.
+        ship: String,
+        /// Its longest waves, m.
+        longest_m: f64,
+        /// Side of a facet, m.
+        facet_m: f64,
+    },
+    /// Waves that the band limit takes away.
+    #[error(
+        "no waves of ship \"{ship}\" on the map: the longest, {longest_m:.2} m, are beyond its band limit of {limit_radpm} rad/m"
+    )]
+    BandLimitedWake {
+        /// The ship.
+        ship: String,
+        /// Its longest waves, m.
+        longest_m: f64,
+        /// The limit, rad/m.
+        limit_radpm: f64,
+    },
+    /// Nothing that could echo.
+    #[error("ship \"{ship}\" has echo = true, but its hull has no [[scatterer]]: it returns nothing")]
+    NoScatterers {
+        /// The ship.
+        ship: String,
+    },
+    /// A ship beside the patch.
+    #[error(
+        "ship \"{ship}\" lies outside the patch of sea at the start, middle and end of the run{}",
+        if *reached { ": its wake reaches it" } else { ", and so does its wake" }
+    )]
+    ShipOutside {
+        /// The ship.
+        ship: String,
+        /// Whether its wake is on the patch.
+        reached: bool,
+    },
+}
+
+/// The patch of a run at a time, s after pulse 0.
+pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
+    let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
+    let scene = &run.scene;
+    let (tracks, _) = tracks(&run.nav, scene)?;
+    let surroundings = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
+    let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
+    let aimed = surroundings.aim_point(aim, *aim_from, scene.start.plus(time_s));
+    let (point, _) = aimed.map_err(|source| {
+        let platform = scene.platforms[platform].clone();
+        BuildErrors::from(BuildError::Away { platform, time_s, source })
+    })?;
+    let [x_m, y_m, _] = point.to_array();
+    Ok(sea.patch.centred_at([x_m, y_m]))
+}
+
+/// The outlook of a run's sea; `None` without one.
+pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
+    let scene = &run.scene;
+    let Some(sea) = &scene.sea else { return Ok(None) };
+    let wind = Wind::resolve(&sea.water.wind).map_err(RealiseError::from)?;
+    let spectrum = of_water(&sea.water, &wind).map_err(RealiseError::from)?;
+    let (tracks, _) = tracks(&run.nav, scene)?;
+    let waveform = waveform::from_description(&scene.radar.waveform)?;
+    let moments = Moments::of(spectrum.as_ref(), [LONGEST_RAD_M, MAX_WAVE_NUMBER_RAD_M]);
+    let peak_rad_m = spectrum.peak_rad_m();
+    let mut outlook = Outlook {
+        u10_mps: wind.u10_mps,
+        u12_5_mps: wind.u12_5_mps,
+        u19_5_mps: wind.u19_5_mps,
+        ustar_mps: wind.ustar_cardone_mps,
+        calm: wind.is_calm(),
+        significant_height_m: moments.significant_height_m(),
+        peak_wavelength_m: (peak_rad_m > 0.0).then(|| std::f64::consts::TAU / peak_rad_m),
+        least_length_m: sampling::least_length_m(spectrum.as_ref(), sampling::BAND_STEP),
+        facets: sea.patch.len(),
+        ground_range_m: None,
+        facets_per_cell: None,
+        share_in_window: 1.0,
+        edge_db: None,
+        ships: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let size_m = sea.patch.size_m();
+    if size_m.iter().any(|&side| side < outlook.least_length_m) {
+        let least_m = outlook.least_length_m;
+        outlook.warnings.push(SeaWarning::ShortPatch { size_m, least_m });
+    }
+    if wind.is_extrapolated() {
+        outlook.warnings.push(SeaWarning::StrongWind { u10_mps: wind.u10_mps });
+    }
+    let last = scene.pulses.saturating_sub(1);
+    let mut pulses = vec![0, last / 2, last];
+    pulses.dedup();
+    let views: Vec<View<'_>> =
+        pulses.into_iter().map(|pulse| View { scene, sea, tracks: &tracks, pulse }).collect();
+    for view in &views {
+        view.look(waveform.bandwidth_hz(), waveform.duration_s(), &mut outlook)?;
+    }
+    ships::ships(&views, &mut outlook)?;
+    if let Some(ground_range_m) = outlook.ground_range_m {
+        let facet_m = sea.patch.facet_m;
+        let facets = sampling::facets_per_cell(facet_m, [ground_range_m, AZIMUTH_M]);
+        outlook.facets_per_cell = Some(facets);
+        if facets < sampling::LEAST_FACETS_PER_CELL {
+            outlook.warnings.push(SeaWarning::FewFacets { facets, ground_range_m });
+        }
+        if facet_m > ground_range_m {
+            outlook.warnings.push(SeaWarning::LongFacets { facet_m, ground_range_m });
+        }
+    }
+    Ok(Some(outlook))
+}
+
+/// The patch as it is seen at a pulse.
+struct View<'a> {
+    scene: &'a Scene,
+    sea: &'a Sea,
+    tracks: &'a [PlatformTracks],
+    pulse: u64,
+}
+
+impl View<'_> {
+    fn look(&self, bandwidth_hz: f64, pulse_s: f64, outlook: &mut Outlook) -> Result<(), BuildErrors> {
+        let radar = &self.scene.radar;
+        let patch = self.patch()?;
+        let pairs = radar.pairs();
+        let ends = pairs.iter().map(|pair| self.ends(*pair)).collect::<Result<Vec<_>, _>>()?;
+        let points = self.lattice(&patch);
+        let Some((first, rest)) = ends.split_first() else { return Ok(()) };
+
+        let key = [0, 1].map(|axis| patch.first[axis] + (patch.facets[axis] / 2) as i64);
+        let [x_m, y_m] = patch.centre_m(key);
+        let middle = self.scene.frame.above_sea(x_m, y_m, 0.0);
+        let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
+        let [east, north, _] = gradient.to_array();
+        let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
+        if ground_range_m.is_finite() {
+            let finest_m = outlook.ground_range_m.map_or(ground_range_m, |known| known.min(ground_range_m));
+            outlook.ground_range_m = Some(finest_m);
+        }
+
+        let opens_s = self.opens_s(*first)?;
+        let closes_s = opens_s + radar.window.samples as f64 / radar.sample_rate_hz - pulse_s;
+        let interval_s = 1.0 / radar.emissions.mean_prf_hz();
+        // The echo of another emission may be the one that the window hears.
+        let heard = |delay_s: f64| {
+            ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil()
+        };
+        let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut held = 0_usize;
+        for ends in std::iter::once(first).chain(rest) {
+            for point in &points {
+                let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
+                patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];
+                held += usize::from(heard(delay_s));
+            }
+        }
+        let share = held as f64 / (ends.len() * points.len()) as f64;
+        let said = |what: fn(&SeaWarning) -> bool, outlook: &Outlook| outlook.warnings.iter().any(what);
+        if held == 0 && !said(|w| matches!(w, SeaWarning::OutsideWindow { .. }), outlook) {
+            let us = |times_s: [f64; 2]| times_s.map(|s| (s * 1e8).round() / 1e2);
+            let (window_us, patch_us) = (us([opens_s, closes_s]), us(patch_s));
+            outlook.warnings.push(SeaWarning::OutsideWindow { pulse: self.pulse, window_us, patch_us });
+        }
+        outlook.share_in_window = outlook.share_in_window.min(share);
+        self.horizons(&points, outlook)
+    }
+
+    /// Which antennas do not see all of the patch: each is named once.
+    fn horizons(&self, points: &[Point<Enu>], outlook: &mut Outlook) -> Result<(), BuildErrors> {
+        let earth = self.scene.frame.earth();
+        if earth == Earth::Flat {
+            return Ok(());
+        }
+        let radar = &self.scene.radar;
+        let transmitters = radar.transmitters.iter().map(|tx| (&tx.name, &tx.antenna));
+        let receivers = radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna));
+        for (name, mount) in transmitters.chain(receivers) {
+            let end = self.phase_centre(mount)?;
+            let horizon_m = horizon::distance_m(earth, [horizon::height_m(earth, end), 0.0]);
+            let away_m = || points.iter().map(|point| horizon::apart_m(end, *point));
+            let share = away_m().filter(|far_m| *far_m > horizon_m).count() as f64 / points.len() as f64;
+            let distance_m = [away_m().fold(f64::INFINITY, f64::min), away_m().fold(0.0, f64::max)];
+            let hidden = self.scene.frame.hiding_earth() != Earth::Flat;
+            let known =
+                |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
+            if share > 0.0 && !outlook.warnings.iter().any(known) {
+                let (antenna, pulse) = (name.clone(), self.pulse);
+                outlook.warnings.push(SeaWarning::BeyondHorizon {
+                    antenna,
+                    share,
+                    pulse,
+                    horizon_m,
+                    distance_m,
+                    hidden,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn time(&self) -> TimeTag {
+        self.scene.start.plus(self.scene.radar.emissions.interval_s(0, self.pulse))
+    }
+
+    fn aim_point(&self, aim: &Aim, aim_from: AimFrom) -> Result<Point<Enu>, BuildErrors> {
+        let (frame, start) = (&self.scene.frame, self.scene.start);
+        let surroundings = Surroundings { tracks: self.tracks, frame, start };
+        let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
+        let (point, _) = surroundings.aim_point(aim, aim_from, self.time()).map_err(self.lost(platform))?;
+        Ok(point)
+    }
+
+    /// The fault of a track that does not reach to this pulse.
+    fn lost(&self, platform: usize) -> impl Fn(TrackError) -> BuildError {
+        let (platform, pulse) = (self.scene.platforms[platform].clone(), self.pulse);
+        move |source| BuildError::Lost { platform: platform.clone(), pulse, source }
+    }
+
+    fn patch(&self) -> Result<Patch, BuildErrors> {
+        let patch = self.sea.patch;
+        let PatchPlace::Follow { aim, aim_from } = &self.sea.place else { return Ok(patch) };
+        let point = self.aim_point(aim, *aim_from)?;
+        let [x_m, y_m, _] = point.to_array();
+        Ok(patch.centred_at([x_m, y_m]))
+    }
+
+    fn phase_centre(&self, mount: &AntennaMount) -> Result<Point<Enu>, BuildErrors> {
+        let track = &self.tracks[mount.platform].truth;
+        let state = track.state(self.time()).map_err(self.lost(mount.platform))?;
+        Ok(PhaseCentre::of(&state, mount.lever_arm).position)
+    }
+
+    fn ends(&self, pair: Pair) -> Result<[Point<Enu>; 2], BuildErrors> {
+        let radar = &self.scene.radar;
+        let transmitter = self.phase_centre(&radar.transmitters[pair.transmitter].antenna)?;
+        Ok([transmitter, self.phase_centre(&radar.receivers[pair.receiver].antenna)?])
+    }
+
+    /// When the window opens after the emission.
+    fn opens_s(&self, ends: [Point<Enu>; 2]) -> Result<f64, BuildErrors> {
+        match &self.scene.radar.window.gate {
+            Gate::Fixed { start_s } => Ok(*start_s),
+            Gate::Follow { aim, lead_s, aim_from } => {
+                let point = self.aim_point(aim, *aim_from)?;
+                let path_m: f64 = ends.iter().map(|end| (*end - point).norm()).sum();
+                Ok(path_m / SPEED_OF_LIGHT_MPS - lead_s)
+            }
+        }
+    }
+
+    /// Points of the mean surface over the patch, its corners among them.
+    fn lattice(&self, patch: &Patch) -> Vec<Point<Enu>> {
+        let low = patch.centre_m(patch.first);
+        let steps = patch.facets.map(|n| (n - 1) as f64 * patch.facet_m / (LATTICE - 1) as f64);
+        let place = |i: usize, axis: usize| low[axis] + i as f64 * steps[axis];
+        (0..LATTICE * LATTICE)
+            .map(|i| self.scene.frame.above_sea(place(i % LATTICE, 0), place(i / LATTICE, 1), 0.0))
+            .collect()
+    }
+}
+
+/// Unit vector from a point towards an antenna; zero where they coincide.
+fn toward(end: Point<Enu>, point: Point<Enu>) -> Vector<Enu> {
+    Vector::from_raw((end - point).raw().normalize_or_zero())
+}

@@ -1,0 +1,173 @@
+//! What pieces of work take on this machine: a short calibration for the prediction of speed.
+//!
+//! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned (nodes half as far apart); what each stage took over
+//! what the price list says scales the prices of that stage. Every worker makes [`ROUNDS`] blocks that count, and one before, for its memory. Blocks are from the whole run, so their mean counts
+//! and not their median: a run may cost more at one end than at the other. Where the patch follows they are the first ones, one after the other, for neighbours share updates of the shadows.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use crate::fidelity::cost::Prices;
+use crate::fidelity::settle::{Plan, Settled};
+use crate::pipeline::block::BlockEcho;
+use crate::pipeline::build::{BuildErrors, PulseStream};
+use crate::pipeline::stages::{Echo, PulseError, PulseFactory, Workspace};
+use crate::pulse::Pulse;
+use crate::pulse::costs::{Costs, Stage};
+
+/// Blocks of a worker that count.
+pub const ROUNDS: usize = 5;
+/// Stages with prices.
+const PRICED: [Stage; 6] =
+    [Stage::Surface, Stage::Shadow, Stage::Contacts, Stage::Spread, Stage::Transform, Stage::Receive];
+
+/// Speed as predicted.
+#[derive(Clone, Copy, Debug)]
+pub struct Priced {
+    /// Real-time factor by the prices of a common machine.
+    pub list_factor: f64,
+    /// Real-time factor as calibrated on this one.
+    pub factor: f64,
+    /// Seconds of one worker for a pulse, calibrated; records go with receiving, filling with spreading.
+    pub stages_s: [(Stage, f64); PRICED.len()],
+}
+
+impl PulseFactory {
+    /// The same with other nodes; `None` where pulses are made one by one.
+    fn with_nodes(&self, settled: &Settled) -> Option<Self> {
+        let Echo::Fast(echo) = &self.echo else { return None };
+        Some(Self {
+            illumination: self.illumination.clone(),
+            echo: Echo::Fast(Box::new(BlockEcho::like(echo, settled)?)),
+            sample_rate_hz: self.sample_rate_hz,
+            receiver: self.receiver.clone(),
+            waveform: self.waveform.clone(),
+            layout: self.layout,
+            ships: self.ships.clone(),
+            plan: self.plan,
+            clocks: self.clocks.clone(),
+            generators: self.generators.clone(),
+        })
+    }
+}
+
+impl PulseStream {
+    /// Speed as predicted; `None` for the reference.
+    pub fn priced(&self) -> Result<Option<Priced>, BuildErrors> {
+        let Some(plan) = self.factory().plan() else { return Ok(None) };
+        let prices = self.calibrated(plan)?;
+        let prf_hz = self.schedule().times.mean_prf_hz();
+        let pulses = self.schedule().count;
+        // A run shorter than a block is priced as it is.
+        let block = self.factory().block_pulses().min(pulses);
+        let workers = busy_workers(pulses, block, self.threads() as u64);
+        let factor = |prices: Prices| workers / prices.seconds(&plan.work) / prf_hz;
+        Ok(Some(Priced {
+            list_factor: factor(Prices::TABLE),
+            factor: factor(prices),
+            stages_s: PRICED.map(|stage| (stage, prices.stage_seconds(&plan.work, stage))),
+        }))
+    }
+
+    /// Prices of this machine.
+    fn calibrated(&self, plan: &Plan) -> Result<Prices, BuildErrors> {
+        let settled = Settled { node_pulses: (plan.settled.node_pulses / 2).max(2), ..plan.settled };
+        let interpolates = plan.work.0[10] == 0.0;
+        let other = if interpolates { self.factory().with_nodes(&settled) } else { None };
+        let (factory, work) = match &other {
+            Some(other) => (other, plan.size.work(&settled, true)),
+            None => (self.factory(), plan.work),
+        };
+        let mut hands: Vec<(Pulse, Workspace)> =
+            (0..self.threads()).map(|_| (factory.slot(), factory.workspace())).collect();
+        let block = factory.block_pulses();
+        let blocks = (self.schedule().count / block).max(1);
+        let consecutive = factory.illumination.hold_pulses().is_some();
+        let workers = hands.len() as u64;
+        let counted = (ROUNDS as u64 * workers).max(1);
+        let turns = AtomicU64::new(0);
+        let spent = self.pool().install(|| {
+            hands
+                .par_iter_mut()
+                .with_max_len(1)
+                .map(|(slot, work)| {
+                    let mut spent = Vec::with_capacity(ROUNDS);
+                    for round in 0..=ROUNDS {
+                        let turn = turns.fetch_add(1, Ordering::Relaxed);
+                        if consecutive && turn >= blocks && !spent.is_empty() {
+                            // Made once more, a block would find the shadows of the first time.
+                            break;
+                        }
+                        let spread = (2 * turn.saturating_sub(workers) + 1) * blocks / (2 * counted);
+                        let at = if consecutive { turn } else { spread } % blocks;
+                        // The block at hand is made again, too.
+                        work.start_anew();
+                        let first = self.schedule().first + at * block;
+                        for index in first..(first + block).min(self.schedule().end()) {
+                            factory.make(index, slot, work)?;
+                        }
+                        if round > 0 {
+                            spent.push(PRICED.map(|stage| per_pulse(work.costs(), stage)));
+                        }
+                    }
+                    Ok(spent)
+                })
+                .collect::<Result<Vec<_>, PulseError>>()
+        })?;
+        let spent = spent.concat();
+        let mean = |n: usize| spent.iter().map(|stages| stages[n]).sum::<f64>() / spent.len().max(1) as f64;
+        let mut prices = Prices::TABLE;
+        for (n, stage) in PRICED.into_iter().enumerate() {
+            let found = match stage {
+                // Single pulses from all over the run make updates that would serve many of their neighbours.
+                Stage::Shadow if !interpolates => continue,
+                // Exact contacts have their surface in their price.
+                Stage::Contacts if !interpolates => mean(n) + mean(0),
+                _ => mean(n),
+            };
+            let table = Prices::TABLE.stage_seconds(&work, stage);
+            if table > 0.0 && !spent.is_empty() {
+                prices = prices.scaled(stage, found / table);
+            }
+        }
+        Ok(prices)
+    }
+}
+
+/// Workers that are busy in the mean while some pulses are made block by block: at the end of a short run some have no block left. A block
+/// that is cut short takes its nodes all the same, half of the time of a whole one.
+fn busy_workers(pulses: u64, block: u64, threads: u64) -> f64 {
+    let (block, threads) = (block.max(1), threads.max(1));
+    let (whole, rest) = (pulses / block, pulses % block);
+    let last =
+        if rest > 0 && whole.is_multiple_of(threads) { 0.5 + 0.5 * rest as f64 / block as f64 } else { 0.0 };
+    let rounds = whole.div_ceil(threads) as f64 + last;
+    if rounds > 0.0 { pulses as f64 / block as f64 / rounds } else { threads as f64 }
+}
+
+/// What a stage took for a pulse; records go with receiving, and filling with spreading.
+fn per_pulse(costs: &Costs, stage: Stage) -> f64 {
+    let more = match stage {
+        Stage::Receive => costs.seconds_per_pulse(Stage::Record),
+        Stage::Spread => costs.seconds_per_pulse(Stage::Fill),
+        _ => 0.0,
+    };
+    costs.seconds_per_pulse(stage) + more
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn workers_that_have_a_block() {
+        assert_eq!(busy_workers(980, 49, 2), 2.0);
+        // Eleven blocks, the last of 10 pulses: five rounds of two, and some more.
+        let short = busy_workers(500, 49, 2);
+        assert!((short - 500.0 / 49.0 / (5.0 + 0.5 + 5.0 / 49.0)).abs() < 1e-12, "{short}");
+        // A single block is one worker's.
+        assert_eq!(busy_workers(49, 49, 8), 1.0);
+        assert_eq!(busy_workers(0, 49, 2), 2.0);
+    }
+}

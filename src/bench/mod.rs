@@ -1,0 +1,19 @@
+//! Measures a pipeline: speed, cost of its stages, error against the reference echo.
+//!
+//! | page | holds |
+//! | --- | --- |
+//! | [`gather`] | pulses of a run, kept in memory |
+//! | [`speed`] | real-time factor and the share of each stage |
+//! | [`cost`] | calibrated cost of one unit of work on this machine |
+//! | [`accuracy`] | error of the streamed echo against the reference |
+//! | [`settings`] | the settings that trade speed for accuracy |
+//! | [`sweep`] | a table of speed and error over one or two settings |
+//! | [`resources`] | memory, data rate and size of a run, before it |
+
+pub mod accuracy;
+pub mod cost;
+pub mod gather;
+pub mod resources;
+pub mod settings;
+pub mod speed;
+pub mod sweep;

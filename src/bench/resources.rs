@@ -1,0 +1,126 @@
+//! What a run will take: memory, recording and speed, told before it starts.
+//!
+//! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
+//! at once, for about [`TRIAL`], and thrown away.
+
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::pipeline::build::{PulseStream, sum_of};
+use crate::pipeline::plausible::ConverterReport;
+use crate::pipeline::stages::PulseError;
+use crate::scene::Radar;
+
+/// How long the trial lasts.
+pub const TRIAL: Duration = Duration::from_millis(300);
+
+/// A forecast.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Forecast {
+    /// Pulses of the run.
+    pub pulses: u64,
+    /// Length of the run, emission of the first pulse to one interval after the last, s.
+    pub duration_s: f64,
+    /// Workers that make pulses.
+    pub threads: usize,
+    /// One pulse with its records, bytes.
+    pub pulse_bytes: usize,
+    /// Memory of the ring and of the sinks' queues, bytes.
+    pub memory_bytes: u64,
+    /// The sea in all workers, bytes, about.
+    pub sea_bytes: u64,
+    /// What every recording sink will hold, bytes.
+    pub recording_bytes: u64,
+    /// Data rate at the pulse repetition frequency, bytes per second.
+    pub bytes_per_s: f64,
+    /// Most targets whose whole echo lies in the window, over the first, middle and last pulse, in any pair.
+    pub targets_in_window: usize,
+    /// What the converter was fed with in the trial; none of a radar without one.
+    pub converter: Option<ConverterReport>,
+    /// Pulses made in the trial.
+    pub trial_pulses: u64,
+    /// Pulses per second, measured.
+    pub pulses_per_s: f64,
+    /// Pulses per second made over pulses per second needed; real time needs more than 1.
+    pub real_time_factor: f64,
+}
+
+impl PulseStream {
+    /// Makes pulses for a moment and tells what the run will take.
+    pub fn forecast(&self, radar: &Radar) -> Result<Forecast, PulseError> {
+        self.forecast_over(radar, TRIAL)
+    }
+
+    /// The same over a longer or shorter trial; every worker makes a block at least.
+    pub fn forecast_over(&self, radar: &Radar, trial: Duration) -> Result<Forecast, PulseError> {
+        let factory = self.factory();
+        let schedule = self.schedule();
+        let threads = self.threads();
+        let mut hands: Vec<_> = (0..threads).map(|_| (factory.slot(), factory.workspace())).collect();
+        // Whole blocks, and each worker walks over the whole run in strides that visit every part of it.
+        let block = factory.block_pulses();
+        let blocks = schedule.count.div_ceil(block).max(1);
+        let stride = (blocks / 64).max(1);
+        let pulses_of = |step: u64| {
+            let first = schedule.first + step % blocks * block;
+            first - first % block..(first - first % block + block).min(schedule.end())
+        };
+        if block > 1 {
+            // The first block of a worker also takes its memory into use.
+            self.pool().install(|| {
+                hands.par_iter_mut().enumerate().try_for_each(|(hand, (slot, work))| {
+                    factory.make(pulses_of(hand as u64).start, slot, work)
+                })
+            })?;
+        }
+        let begun = Instant::now();
+        let made = self.pool().install(|| {
+            hands
+                .par_iter_mut()
+                .enumerate()
+                .map(|(hand, (slot, work))| {
+                    let (mut made, mut step) = (0, 1 + hand as u64);
+                    while made == 0 || begun.elapsed() < trial {
+                        for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
+                            factory.make(index, slot, work)?;
+                            made += 1;
+                        }
+                        step += threads as u64;
+                    }
+                    Ok(made)
+                })
+                .sum::<Result<u64, PulseError>>()
+        })?;
+        let pulses_per_s = made as f64 / begun.elapsed().as_secs_f64();
+        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let mut targets_in_window = 0;
+        // A pulse of a sea may take seconds: it is not made for targets that are none.
+        let looked_at = if factory.layout().targets == 0 { 0 } else { 3 };
+        for index in [schedule.first, schedule.first + schedule.count / 2, schedule.end().saturating_sub(1)]
+            .into_iter()
+            .take(looked_at)
+        {
+            factory.make(index, &mut slot, &mut work)?;
+            targets_in_window = targets_in_window.max(factory.targets_in_window(&slot));
+        }
+        let pulse_bytes = factory.layout().slot_bytes();
+        let prf_hz = schedule.times.mean_prf_hz();
+        Ok(Forecast {
+            pulses: schedule.count,
+            duration_s: schedule.times.interval_s(schedule.first, schedule.end()),
+            threads,
+            pulse_bytes,
+            memory_bytes: (self.waiting_pulses() * pulse_bytes) as u64,
+            sea_bytes: self.sea_bytes(),
+            recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
+            bytes_per_s: prf_hz * pulse_bytes as f64,
+            targets_in_window,
+            converter: ConverterReport::of(radar, &sum_of(hands.iter().map(|(_, work)| work.levels()))),
+            trial_pulses: made,
+            pulses_per_s,
+            real_time_factor: pulses_per_s / prf_hz,
+        })
+    }
+}

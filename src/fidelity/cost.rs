@@ -1,0 +1,208 @@
+//! What settings cost: how often each piece of work is done in a pulse, times what it takes.
+//!
+//! | piece | how often in a pulse | stage |
+//! | --- | --- | --- |
+//! | surface | facets x 4 nodes / block | surface |
+//! | shadow | facets x antennas x updates in a block / block | shadow |
+//! | path | facets x pairs x 4 / block, and those of the block's sample once more | contacts |
+//! | look | facets x pairs x looks / block, likewise | contacts |
+//! | combine | facets x channels x looks / block, likewise | contacts |
+//! | gain | facets x pairs x gain instants / block, likewise | contacts |
+//! | factor | facets x pairs, likewise | contacts |
+//! | fill | contacts kept x 3 / block | spread |
+//! | spread | contacts kept x (4 + w cells of each channel) | spread |
+//! | transform | channels x M log2 M | transform |
+//! | exact | facets x pairs, where every pulse is by itself | contacts |
+//! | rest | channels x M log2 M | record, receive |
+//! | points | targets and direct paths x pairs | fill, spread |
+//!
+//! Faint tiles have 2 nodes, 2 or 3 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
+//! many pulses, as far as they do not wait for each other's memory.
+
+use crate::echo::synth::doppler::Doppler;
+use crate::echo::synth::{Precision, Settings};
+use crate::paths::Illumination;
+use crate::paths::block::{FAINT_NODES, NODES, SAMPLED, faint_gain_pulses, gain_instants, gain_step};
+use crate::pulse::costs::Stage;
+use crate::radar::waveform::Waveform;
+use crate::scene::Scene;
+
+use super::settle::Settled;
+
+/// Pieces of work.
+pub const PIECES: usize = 13;
+
+/// Names of the pieces.
+pub const NAMES: [&str; PIECES] = [
+    "surface",
+    "shadow",
+    "path",
+    "look",
+    "combine",
+    "gain",
+    "factor",
+    "fill",
+    "spread",
+    "transform",
+    "exact",
+    "rest",
+    "points",
+];
+
+/// How often each piece of work is done in a pulse, in the order of [`NAMES`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work(pub [f64; PIECES]);
+
+/// What each piece takes, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prices(pub [f64; PIECES]);
+
+impl Prices {
+    /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
+    pub const TABLE: Self = Self([
+        50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,
+    ]);
+
+    /// Stage in which each piece is spent.
+    pub const STAGES: [Stage; PIECES] = [
+        Stage::Surface,
+        Stage::Shadow,
+        Stage::Contacts,
+        Stage::Contacts,
+        Stage::Contacts,
+        Stage::Contacts,
+        Stage::Contacts,
+        Stage::Spread,
+        Stage::Spread,
+        Stage::Transform,
+        Stage::Contacts,
+        Stage::Receive,
+        Stage::Spread,
+    ];
+
+    /// Seconds of one worker in a stage for a pulse.
+    pub fn stage_seconds(&self, work: &Work, stage: Stage) -> f64 {
+        let pieces = self.0.iter().zip(work.0).zip(Self::STAGES);
+        pieces.filter(|(_, own)| *own == stage).map(|((price, count), _)| price * count).sum()
+    }
+
+    /// The same with all pieces of a stage dearer by a factor.
+    pub fn scaled(mut self, stage: Stage, factor: f64) -> Self {
+        for (price, own) in self.0.iter_mut().zip(Self::STAGES) {
+            if own == stage {
+                *price *= factor;
+            }
+        }
+        self
+    }
+
+    /// Seconds of one worker for a pulse.
+    pub fn seconds(&self, work: &Work) -> f64 {
+        self.0.iter().zip(work.0).map(|(price, count)| price * count).sum()
+    }
+}
+
+/// Sizes of a scene that decide about cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    facets: f64,
+    points: f64,
+    pairs: f64,
+    channels: f64,
+    antennas: f64,
+    /// From update to update of the shadows, pulses; `None` without shadows.
+    update_pulses: Option<f64>,
+    /// Pulses for which a patch that follows is held: blocks divide them, and share the updates between them.
+    hold_pulses: Option<u64>,
+    cells: f64,
+    layers: f64,
+    /// Share of the facets that is spread.
+    kept: f64,
+    /// How often facets are lit for the sample of a block, on top of once.
+    again: f64,
+    pulses: u64,
+}
+
+impl Size {
+    /// Of a scene, its echo with some settings, of whose facets a share is spread.
+    pub fn of(
+        scene: &Scene,
+        illumination: &Illumination,
+        settings: &Settings,
+        waveform: &dyn Waveform,
+        kept: f64,
+    ) -> Self {
+        let radar = &scene.radar;
+        let shadow = scene.sea.as_ref().and_then(|sea| sea.shadow.as_ref());
+        let reach = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
+        let sampled = illumination.sampled(SAMPLED);
+        let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
+        Self {
+            facets: illumination.facets() as f64,
+            points: illumination.point_count() as f64,
+            pairs: illumination.pairs().len() as f64,
+            channels: radar.channels.len() as f64,
+            antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
+            update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
+            hold_pulses: illumination.hold_pulses(),
+            cells: reach as f64 * settings.oversampling,
+            layers: moments,
+            kept,
+            again: 1.0 + sampled,
+            pulses: scene.pulses,
+        }
+    }
+
+    /// What settings ask for in a pulse; `interpolates`: in blocks.
+    pub fn work(&self, settled: &Settled, interpolates: bool) -> Work {
+        let Self {
+            facets, points, pairs, channels, antennas, update_pulses, cells, layers, kept, again, ..
+        } = *self;
+        let width = settled.echo.width as f64;
+        let wide = if settled.precision == Precision::Double { 2.0 } else { 1.0 };
+        let faint = settled.faint_share;
+        // Amplitudes through two looks are straight lines.
+        let straight = settled.faint.is_some_and(|faint| faint.looks <= 2);
+        let amplitude = if straight { 4.0 - 2.0 * faint } else { 4.0 };
+        let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
+        let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
+        let rest = channels * cells * cells.max(2.0).log2();
+        let block = settled.block_pulses(self.hold_pulses).min(self.pulses.max(1));
+        if !interpolates || block <= 1 || settled.node_pulses <= 1 {
+            let mut work = [0.0; PIECES];
+            let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
+            (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
+            (work[11], work[12]) = (rest, points * pairs);
+            return Work(work);
+        }
+        let pulses = block as f64;
+        let per_block = |times: f64| facets * times / pulses;
+        let ends = if self.hold_pulses.is_some() { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
+        let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
+        let looks = (3 * settled.looks_per_node + 1) as f64;
+        let step = gain_step(block as usize, settled.gain_pulses as usize);
+        let step_of_faint = gain_step(block as usize, faint_gain_pulses(step));
+        let [instants, of_faint] =
+            [step, step_of_faint].map(|step| gain_instants(block as usize, step).count() as f64);
+        // What all tiles are looked at for to tell the faint ones.
+        let told = if settled.faint.is_some() { of_faint } else { 0.0 };
+        let either = |close: f64, few: f64| (1.0 - faint) * close + faint * few;
+        let few_looks = settled.faint.map_or(0.0, |faint| faint.looks as f64);
+        let [nodes, few] = [NODES, FAINT_NODES].map(|n| n as f64);
+        Work([
+            per_block(nodes),
+            per_block(updates * antennas),
+            per_block(again * either(nodes, few) * pairs),
+            per_block(again * either(looks, few_looks) * pairs),
+            per_block(again * either(looks, few_looks) * channels),
+            per_block(again * (either(instants, 0.0) + told) * pairs),
+            again * facets * pairs,
+            per_block(either(3.0, 1.0) * kept * pairs),
+            spread,
+            transform,
+            0.0,
+            rest,
+            points * pairs,
+        ])
+    }
+}

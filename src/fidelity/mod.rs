@@ -1,0 +1,132 @@
+//! From an error that is wanted to the settings of the fast echo, with a prediction of error and cost.
+//!
+//! Powers of independent errors add, relative to the echo:
+//!
+//! `e^2 = gridding + Doppler + rounding + bounce + path + tilt + gain + culled`
+//!
+//! | part | what it is | found by |
+//! | --- | --- | --- |
+//! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
+//! | bounce | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
+//! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`sounding`] |
+//! | tilt | scattering between looks: facets that the waves turn | [`sounding`] |
+//! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`sounding`] |
+//! | culled | facets left out because they are weak | [`sounding`] |
+//!
+//! of tiles that are looked at closely, and of those that [`faint`] ones are; each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
+//! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
+//!
+//! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a
+//! common machine; only their ratios matter.
+//!
+//! ```
+//! use nereus::fidelity::cost::Prices;
+//! use nereus::fidelity::Prediction;
+//! let prediction = Prediction { gain: 1e-7, tilt: 1e-7, ..Prediction::default() };
+//! assert!((prediction.total_db() + 67.0).abs() < 0.1);
+//! assert_eq!(Prices::TABLE.seconds(&Default::default()), 0.0);
+//! ```
+
+pub mod cost;
+pub mod faint;
+pub mod gain;
+pub mod interpolation;
+pub mod path;
+pub mod settle;
+pub mod sounding;
+pub mod turning;
+pub mod waves;
+pub mod worst;
+
+use std::f64::consts::TAU;
+
+use thiserror::Error;
+
+use crate::echo::synth::{PredictedError, SynthError};
+use crate::paths::Illumination;
+use crate::radar::fault::RadarError;
+use crate::scene::Scene;
+use crate::sea::GRAVITY_MPS2;
+
+/// Why there is no plan.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// The instrument or its way through the scene.
+    #[error(transparent)]
+    Radar(#[from] RadarError),
+    /// The fast echo.
+    #[error(transparent)]
+    Echo(#[from] SynthError),
+}
+
+/// What pulses have that were made before a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DryRun {
+    /// How many they are.
+    pub pulses: u64,
+    /// Whether they are all pulses of the run.
+    pub all: bool,
+    /// How many settings were tried until these.
+    pub tries: u32,
+    /// What is predicted now, a ratio of powers.
+    pub error: f64,
+}
+
+/// Predicted relative error powers by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prediction {
+    /// Of the echo itself.
+    pub echo: PredictedError,
+    /// Acceleration of the water on the way to it.
+    pub bounce: f64,
+    /// Delays between nodes.
+    pub path: f64,
+    /// Scattering between looks.
+    pub tilt: f64,
+    /// Gains between their instants.
+    pub gain: f64,
+    /// Facets left out.
+    pub culled: f64,
+    /// Where pulses were made to find out: stands above the sum of all parts.
+    pub dry_run: Option<DryRun>,
+}
+
+impl Prediction {
+    /// All parts with their names, ratios of powers.
+    pub fn parts(&self) -> [(&'static str, f64); 8] {
+        let PredictedError { gridding, doppler, rounding } = self.echo;
+        [
+            ("gridding", gridding),
+            ("doppler", doppler),
+            ("rounding", rounding),
+            ("bounce", self.bounce),
+            ("path", self.path),
+            ("tilt", self.tilt),
+            ("gain", self.gain),
+            ("culled", self.culled),
+        ]
+    }
+
+    /// The sum of all parts, a ratio of powers.
+    pub fn modelled(&self) -> f64 {
+        self.parts().iter().map(|(_, part)| part).sum()
+    }
+
+    /// What is predicted, a ratio of powers.
+    pub fn total(&self) -> f64 {
+        self.dry_run.map_or_else(|| self.modelled(), |run| run.error)
+    }
+
+    /// What is predicted, dB.
+    pub fn total_db(&self) -> f64 {
+        10.0 * self.total().log10()
+    }
+}
+
+/// What the acceleration of the water leaves in the phase: `a tau^2/2` along a path of gradient 2 at most. In deep water `w^2 = g K`, so the
+/// rms of `a` is that of the slopes times g, along and up alike.
+fn bounce(scene: &Scene, illumination: &Illumination) -> f64 {
+    let one_way_s = 0.5 * illumination.light_time_s();
+    let path_m = GRAVITY_MPS2 * illumination.rms_slope() * one_way_s * one_way_s;
+    (TAU / scene.radar.wavelength_m() * path_m).powi(2)
+}

@@ -1,0 +1,515 @@
+//! What the fast echo will leave out, found on a sample of what a run returns.
+//!
+//! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
+//! sample of its facets, weighted by what they return. At a few **places** of the run some
+//! [`TILES`] tiles, runs of neighbours from all over the patch, are lit at the instants of a block, with all between interpolated as the echo
+//! does it, once as tiles that are looked at closely and once as faint ones; and at **probes**, pulses between two nodes, as if these were nodes
+//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever faint tiles begin ([`faint`](super::faint)). With `a` the amplitude of a channel without gains, `G` the gains and
+//! shadows, `tau` the delay, and a hat for what is interpolated,
+//!
+//! ```text
+//! path = sum |a G|^2 (2 pi f0 (tau^ - tau))^2 ,   tilt = sum |a^ - a|^2 G^2 ,   gain = sum |a|^2 (G^ - G)^2   over  sum |a G|^2
+//! ```
+//!
+//! at the worst probe and place; path and tilt at one and the same. What the worst pulse has more
+//! than the sum says, and what the sample may have missed, is in [`worst`](super::worst).
+//!
+//! The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
+//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights rounded to f32 (those of
+//! the nodes and those at a probe, so that once is counted twice).
+//!
+//! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt are at their best: each probe
+//! takes the gain of its own interval.
+//!
+//! The mean power of facets is that of [`PROFILE`] pulses spread over the run, and the places are its strongest one and both ends: what is in
+//! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
+//!
+//! Targets and direct paths are few: they are followed themselves, in [`points`].
+//!
+//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
+//! platforms between the places is not seen.
+
+mod left;
+mod line;
+pub mod points;
+mod sweep;
+
+use std::ops::Range;
+
+use super::faint::Ladder;
+use super::settle::block_pulses;
+use super::turning::Cosines;
+use super::worst::{Cells, Sum, deviations_of};
+use crate::cpu::Variant;
+use crate::geometry::lanes::Row;
+use crate::paths::block::sounding::{Heard, Keep, Shadows};
+use crate::paths::block::{FEW, Instants, TileWork};
+use crate::paths::{Illumination, Workspace};
+use crate::radar::fault::RadarError;
+use crate::radar::waveform::Waveform;
+use crate::scene::{Patch, Radar};
+
+use points::Points;
+
+pub use left::{Left, Sounded};
+pub use sweep::{Sweeps, Swept};
+
+/// Tiles of 256 facets of a sample.
+pub const TILES: usize = 64;
+/// Pulses of the run whose power is taken.
+pub const PROFILE: u64 = 48;
+/// Groups of equal power by Doppler.
+const GROUPS: usize = 6;
+/// Patches up to so many facets are looked at in more places.
+const SMALL_FACETS: usize = 1 << 15;
+/// Longest block, pulses.
+pub const LONGEST: u64 = 64;
+
+/// Powers by channel, W: the sum over a sample.
+pub type Powers = Vec<f64>;
+
+/// A block of the run.
+#[derive(Clone, Debug)]
+struct Place {
+    first: u64,
+    patch: Option<Patch>,
+}
+
+/// One tile and pair at a probe.
+struct Truth {
+    count: usize,
+    /// Lanes of each run of neighbours, and bin of its gain.
+    runs: Vec<(Range<usize>, usize)>,
+    delay_s: Vec<f64>,
+    rate: Vec<f64>,
+    amplitude: Vec<[Row; 2]>,
+    factor: Row,
+    heard: Vec<bool>,
+    /// Cosines of the local angles, transmitter and receiver.
+    cosine: [Row; 2],
+}
+
+impl Truth {
+    /// Power of a facet in all channels of the pair.
+    fn power(&self, i: usize) -> f64 {
+        self.amplitude.iter().map(|a| square(a, i)).sum::<f64>() * f64::from(self.factor[i]).powi(2)
+    }
+
+    /// Power of a facet in the channel that hears most of it.
+    fn strongest(&self, i: usize) -> f64 {
+        self.amplitude.iter().map(|a| square(a, i)).fold(0.0, f64::max) * f64::from(self.factor[i]).powi(2)
+    }
+}
+
+/// Soundings of a run.
+pub struct Sounder<'a> {
+    illumination: &'a Illumination,
+    radar: &'a Radar,
+    pulse_s: f64,
+    /// Resolution cells of a second of delay.
+    cells_per_s: f64,
+    pulses: u64,
+    light: Workspace,
+    tiles: Option<Box<TileWork>>,
+    places: Vec<Place>,
+    /// Channels of each pair.
+    channels: Vec<Vec<usize>>,
+    interval_s: f64,
+    /// Whether blocks are interpolated at all.
+    interpolates: bool,
+    /// Whether some facets turn away from an antenna.
+    turning: bool,
+    /// `(pair, Doppler Hz, power W)` of facets, all places.
+    dopplers: Vec<(usize, f64, f64)>,
+    /// `[pair]`: power of the points at all places, and its sum with their Doppler.
+    dopplers_of_points: Vec<(f64, f64)>,
+    /// Largest rate of a delay of facets.
+    fastest: f64,
+    /// Mean power over the run, of facets and points, and what the facets of the strongest pulse may have.
+    power: Powers,
+    highest: Powers,
+    points: Points,
+    /// Share of the facets, mean over the run, above each of [`LEASTS`] times the mean power and not dark.
+    kept: Vec<f64>,
+    /// Power of facets below each of [`LEASTS`] times the mean.
+    culled: Vec<Powers>,
+    ladder: Ladder,
+    /// Facets of each bin of gain, sum over the run.
+    gains: Vec<f64>,
+}
+
+/// Powers of a facet over the mean below which it may be left out.
+pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
+
+impl<'a> Sounder<'a> {
+    /// For a run of so many pulses, with tiles that are faint below a gain that is asked, if one is; lights the sample once at every place.
+    pub fn new(
+        illumination: &'a Illumination,
+        radar: &'a Radar,
+        waveform: &dyn Waveform,
+        pulses: u64,
+        faint_db: Option<f64>,
+    ) -> Result<Self, RadarError> {
+        let ladder = Ladder::new(faint_db);
+        let bandwidth_hz = waveform.bandwidth_hz();
+        let pairs = illumination.pairs().len();
+        let mut channels = vec![Vec::new(); pairs];
+        for (channel, pair) in illumination.channel_pairs().iter().enumerate() {
+            channels[*pair].push(channel);
+        }
+        let all = radar.channels.len();
+        let mut own = Self {
+            illumination,
+            radar,
+            pulse_s: waveform.duration_s(),
+            cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
+            pulses,
+            light: illumination.workspace(),
+            tiles: illumination.tile_work(Variant::fastest(), None),
+            places: Vec::new(),
+            channels,
+            interval_s: radar.emissions.interval_s(0, 1),
+            interpolates: true,
+            turning: false,
+            dopplers: Vec::new(),
+            dopplers_of_points: vec![(0.0, 0.0); pairs],
+            fastest: 0.0,
+            power: vec![0.0; all],
+            highest: vec![0.0; all],
+            points: Points::default(),
+            kept: vec![0.0; LEASTS.len()],
+            culled: vec![vec![0.0; all]; LEASTS.len()],
+            gains: vec![0.0; ladder.bins()],
+            ladder,
+        };
+        own.find_points()?;
+        let strongest = own.profile()?;
+        // The last block of a run may be cut short.
+        let last = pulses.saturating_sub(LONGEST / 2);
+        let mut firsts: Vec<u64> = Vec::new();
+        let between = (1..4).map(|n| last / 4 * n).filter(|_| own.is_small());
+        for first in [strongest.min(last), 0, last].into_iter().chain(between) {
+            if firsts.iter().all(|other| other.abs_diff(first) >= LONGEST / 8) {
+                firsts.push(first);
+            }
+        }
+        for first in firsts {
+            own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
+            own.open(own.places.len() - 1)?;
+        }
+        Ok(own)
+    }
+
+    /// Power over the run; tells the strongest pulse.
+    fn profile(&mut self) -> Result<u64, RadarError> {
+        let count = PROFILE.min(self.pulses);
+        let (mut strongest, mut most) = (self.points.loudest, 0.0);
+        for (step, index) in spread_over(self.pulses, count).enumerate() {
+            let patch = self.illumination.patch_of(index)?;
+            // The waves of the first stand for all.
+            let truths = self.light(
+                index,
+                patch.as_ref(),
+                Keep { shadows: if step > 0 { Shadows::Keep } else { Shadows::Find }, surface: step > 0 },
+            )?;
+            let [powers, worst] = self.powers(index, &truths)?;
+            self.count_kept(&truths, count as f64);
+            self.look_for_turning(&truths);
+            for (lanes, bin) in
+                truths.iter().step_by(self.channels.len().max(1)).flat_map(|truth| &truth.runs)
+            {
+                self.gains[*bin] += lanes.len() as f64;
+            }
+            let all: f64 = powers.iter().sum();
+            if all > most {
+                (strongest, most) = (index, all);
+            }
+            for (mean, own) in self.power.iter_mut().zip(powers) {
+                *mean += own / count as f64;
+            }
+            self.highest.iter_mut().zip(worst).for_each(|(highest, own)| *highest = highest.max(own));
+        }
+        let weight = self.sampled();
+        self.power.iter_mut().zip(&self.points.power).for_each(|(mean, own)| *mean += weight * own);
+        Ok(strongest)
+    }
+
+    /// Whether facets turn away from an antenna at a pulse.
+    fn look_for_turning(&mut self, truths: &[Truth]) {
+        let mut cosines = vec![[Cosines::default(); 2]; self.channels.len()];
+        for (n, truth) in truths.iter().enumerate() {
+            for (of, cosine) in cosines[n % self.channels.len()].iter_mut().zip(&truth.cosine) {
+                (0..truth.count).filter(|i| truth.heard[*i]).for_each(|i| of.add(cosine[i].into()));
+            }
+        }
+        self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
+    }
+
+    /// Adds the shares of facets that are worth to be spread at one of `pulses` pulses.
+    fn count_kept(&mut self, truths: &[Truth], pulses: f64) {
+        let pairs = self.channels.len().max(1);
+        for pair in 0..pairs {
+            let sums: Vec<f64> = truths
+                .iter()
+                .skip(pair)
+                .step_by(pairs)
+                .flat_map(|truth| (0..truth.count).map(|i| truth.power(i)))
+                .collect();
+            let mean = sums.iter().sum::<f64>() / sums.len().max(1) as f64;
+            for (least, kept) in LEASTS.iter().zip(&mut self.kept) {
+                let above = sums.iter().filter(|sum| **sum > 0.0 && **sum >= least * mean).count();
+                *kept += above as f64 / (sums.len().max(1) * pairs) as f64 / pulses;
+            }
+        }
+    }
+
+    /// Share of the facets that is spread where those below a share of the mean power are left out.
+    pub fn kept(&self, least: f64) -> f64 {
+        self.kept[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
+    }
+
+    /// Powers of a sample at a pulse, and those that the worst of pulses like it may have.
+    fn powers(&mut self, index: u64, truths: &[Truth]) -> Result<[Powers; 2], RadarError> {
+        let mut sums = vec![Sum::default(); self.power.len()];
+        let (cells, weight, deviations) = (self.cells_at(index)?, self.sampled(), self.deviations());
+        for (n, truth) in truths.iter().enumerate() {
+            for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
+                for (lanes, _) in &truth.runs {
+                    for i in lanes.clone().filter(|i| truth.heard[*i]) {
+                        let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
+                        sums[*channel].add(w, cells.of(truth.delay_s[i]));
+                    }
+                    sums[*channel].close();
+                }
+            }
+        }
+        let worst = sums.iter().map(|sum| sum.worst_of_like(weight, deviations)).collect();
+        Ok([sums.iter().map(Sum::mean).collect(), worst])
+    }
+
+    /// Whether blocks are interpolated at all; if not, every pulse is made by itself.
+    pub fn interpolates(&self) -> bool {
+        self.interpolates
+    }
+
+    /// Whether some facets turn away from an antenna while they are heard.
+    pub fn turning(&self) -> bool {
+        self.turning
+    }
+
+    /// How many places there are.
+    pub fn places(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Mean power over the run.
+    pub fn power(&self) -> &Powers {
+        &self.power
+    }
+
+    /// What is in proportion to the power of a pulse, in the strongest that there may be, over the mean of all: of the worst channel, with
+    /// weights of facets and of points.
+    pub fn peak(&self, [of_facets, of_points]: [f64; 2]) -> f64 {
+        let both = self.highest.iter().zip(&self.points.highest);
+        let highest = both.map(|(facets, points)| of_facets * facets + of_points * self.sampled() * points);
+        self.worst_ratio(&highest.collect())
+    }
+
+    fn worst_ratio(&self, powers: &Powers) -> f64 {
+        let heard = powers.iter().zip(&self.power).filter(|(_, mean)| **mean > 0.0);
+        heard.map(|(own, mean)| own / mean).fold(0.0, f64::max)
+    }
+
+    /// Largest rate of a delay.
+    pub fn fastest(&self) -> f64 {
+        self.fastest.max(self.points.fastest)
+    }
+
+    /// Power of facets that fall below a share of the mean power, at the worst place.
+    pub fn culled(&self, least: f64) -> &Powers {
+        &self.culled[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
+    }
+
+    /// Mean Doppler of each pair, and groups of facets of equal power with the rms of what is off it, Hz.
+    pub fn dopplers(&self) -> Vec<(f64, Vec<f64>)> {
+        let mut of_pairs = Vec::new();
+        for pair in 0..self.channels.len() {
+            let mut own: Vec<(f64, f64)> =
+                self.dopplers.iter().filter(|(p, ..)| *p == pair).map(|(_, hz, w)| (*hz, *w)).collect();
+            let all: f64 = own.iter().map(|(_, w)| w).sum();
+            let (of_points, weighted) = self.dopplers_of_points[pair];
+            if all + of_points <= 0.0 {
+                continue;
+            }
+            let mean = (own.iter().map(|(hz, w)| hz * w).sum::<f64>() + weighted) / (all + of_points);
+            own.sort_by(|a, b| (a.0 - mean).abs().total_cmp(&(b.0 - mean).abs()));
+            let (mut groups, mut sums, mut passed) = (Vec::new(), (0.0, 0.0), 0.0);
+            for (hz, w) in own {
+                sums = (sums.0 + w * (hz - mean).powi(2), sums.1 + w);
+                passed += w;
+                if passed >= all * (groups.len() + 1) as f64 / GROUPS as f64 * (1.0 - 1e-9) {
+                    groups.push((sums.0 / sums.1).sqrt());
+                    sums = (0.0, 0.0);
+                }
+            }
+            of_pairs.push((mean, groups));
+        }
+        of_pairs
+    }
+
+    fn open(&mut self, place: usize) -> Result<(), RadarError> {
+        let first = self.places[place].first;
+        let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
+        self.interpolates &= self.illumination.hears_itself(&heard, &mut self.light)?;
+        let patch = self.places[place].patch;
+        let truths = self.light(first, patch.as_ref(), Keep::default())?;
+        let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
+        let mut means_w = vec![0.0; pairs];
+        for (n, truth) in truths.iter().enumerate() {
+            let pair = n % pairs;
+            for i in 0..truth.count {
+                let sum = truth.power(i);
+                means_w[pair] += sum;
+                if truth.heard[i] && sum > 0.0 {
+                    self.dopplers.push((pair, scale * truth.rate[i], sum));
+                    self.fastest = self.fastest.max(truth.rate[i].abs());
+                }
+            }
+        }
+        let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
+        means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
+        self.leave_out(&truths, &means_w);
+        self.add_points_at(first)
+    }
+
+    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of runs that lose
+    /// enough of them, as tiles would have to. Facets that are dark count among the lost.
+    fn leave_out(&mut self, truths: &[Truth], means_w: &[f64]) {
+        let mut sums = vec![vec![0.0; self.power.len()]; LEASTS.len()];
+        for tile in truths.chunks(means_w.len().max(1)) {
+            let strongest = |i: usize| {
+                let of = |(truth, mean): (&Truth, &f64)| truth.strongest(i) / mean.max(f64::MIN_POSITIVE);
+                tile.iter().zip(means_w).map(of).fold(0.0, f64::max)
+            };
+            for (lanes, _) in &tile[0].runs {
+                let strongest: Vec<(usize, f64)> = lanes.clone().map(|i| (i, strongest(i))).collect();
+                for (least, sums) in LEASTS.iter().zip(&mut sums) {
+                    let lost = || strongest.iter().filter(|(_, own)| own <= least).map(|(i, _)| *i);
+                    if lost().count() <= lanes.len() / FEW {
+                        continue;
+                    }
+                    for (truth, channels) in tile.iter().zip(&self.channels) {
+                        for (a, channel) in truth.amplitude.iter().zip(channels) {
+                            let heard = lost().filter(|i| truth.heard[*i]);
+                            sums[*channel] +=
+                                heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+                        }
+                    }
+                }
+            }
+        }
+        for (culled, sums) in self.culled.iter_mut().zip(sums) {
+            culled.iter_mut().zip(sums).for_each(|(most, own)| *most = most.max(own));
+        }
+    }
+
+    /// Whether the patch is so small that single facets count, and more instants cost little.
+    fn is_small(&self) -> bool {
+        self.illumination.facets() <= SMALL_FACETS
+    }
+
+    /// Share of the facets that is in the sample; 1 without a sea.
+    fn sampled(&self) -> f64 {
+        self.illumination.sampled(TILES)
+    }
+
+    /// Share of the facets that are faint at a rung of the gains, mean over the run.
+    pub fn faint_share(&self, rung: usize) -> f64 {
+        let faint = self.gains.iter().enumerate().filter(|(bin, _)| self.ladder.is_faint(*bin, rung));
+        faint.map(|(_, facets)| facets).sum::<f64>() / self.gains.iter().sum::<f64>().max(1.0)
+    }
+
+    /// Looks of a faint tile: one in the middle of a block where facets turn away.
+    pub fn faint_looks(&self) -> usize {
+        if self.turning { 3 } else { 2 }
+    }
+
+    /// Gains below which tiles may be faint.
+    pub fn ladder(&self) -> &Ladder {
+        &self.ladder
+    }
+
+    /// The sample at a pulse, `[tile x pair]`.
+    fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
+        let mut truths = Vec::new();
+        let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
+        let opens_s = self.illumination.window_start_of(at)?;
+        let closes_s = opens_s + self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let within = (opens_s - self.pulse_s)..closes_s;
+        let instants = Instants::of_block(at, 1, 1, 1).into();
+        let ladder = &self.ladder;
+        self.illumination.sound(&instants, patch, TILES, keep, tiles, |heard| {
+            let (node, look) = (&heard.of.nodes()[0].paths, &heard.of.looks()[0]);
+            truths.push(Truth {
+                count: heard.count,
+                runs: runs_of(heard, ladder),
+                delay_s: node.delay_s.to_vec(),
+                rate: node.delay_rate.to_vec(),
+                amplitude: look.amplitude.clone(),
+                factor: heard.of.factor[0],
+                heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
+                cosine: look.cosine,
+            });
+        })?;
+        Ok(truths)
+    }
+
+    /// First pulse of the block of the run that holds a place, with nodes so many pulses apart.
+    pub fn block_of(&self, place: usize, node_pulses: u64) -> u64 {
+        let length = block_pulses(node_pulses);
+        self.places[place].first / length * length
+    }
+
+    /// Deviations up at which the worst pulse and channel of the run lies.
+    fn deviations(&self) -> f64 {
+        deviations_of(self.pulses.saturating_mul(self.power.len() as u64))
+    }
+
+    /// Resolution cells from the first delay on that the window of a pulse hears.
+    fn cells_at(&self, index: u64) -> Result<Cells, RadarError> {
+        let from_s = self.illumination.window_start_of(index)? - self.pulse_s;
+        Ok(Cells { from_s, per_s: self.cells_per_s })
+    }
+}
+
+/// Numbers of `count` pulses in the middle of as many equal parts of a run.
+pub fn spread_over(pulses: u64, count: u64) -> impl Iterator<Item = u64> {
+    let middle = move |n: u64| u128::from(pulses) * u128::from(2 * n + 1) / u128::from(2 * count.max(1));
+    (0..count).map(move |n| middle(n) as u64)
+}
+
+/// Lanes of the runs of a tile, and the bins of their gains.
+fn runs_of(heard: &Heard<'_>, ladder: &Ladder) -> Vec<(Range<usize>, usize)> {
+    let mut at = 0;
+    let lanes = heard.runs.iter().map(|run| {
+        at += run.count;
+        at - run.count..at
+    });
+    lanes.zip(heard.shares.iter().map(|share| ladder.bin(*share))).collect()
+}
+
+fn square([re, im]: &[Row; 2], i: usize) -> f64 {
+    f64::from(re[i] * re[i] + im[i] * im[i])
+}
+
+/// Weights of the polynomial through values at some pulses, at a pulse.
+fn through(places: &[usize], pulse: usize) -> [f64; 4] {
+    let mut weights = [0.0; 4];
+    for (n, (weight, own)) in weights.iter_mut().zip(places).enumerate() {
+        let others = places.iter().enumerate().filter(|(m, _)| *m != n);
+        *weight = others.fold(1.0, |product, (_, other)| {
+            product * (pulse as f64 - *other as f64) / (*own as f64 - *other as f64)
+        });
+    }
+    weights
+}

@@ -1,0 +1,257 @@
+//! What interpolation between nodes and looks leaves.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use num_complex::{Complex32, Complex64};
+
+use super::{Powers, Sounder, TILES, Truth, runs_of, through};
+use crate::fidelity::faint::{Binned, Ladder};
+use crate::fidelity::settle::block_pulses;
+use crate::fidelity::worst::{Cells, Sum};
+use crate::paths::block::sounding::{Heard, Keep, Shadows};
+use crate::paths::block::{
+    Faint, Instants, LOOK_POINTS, LOOKS_PER_NODE, Tier, Tiers, gain_instants, gain_step, gain_weights,
+    looks_about, nodes_within,
+};
+use crate::radar::fault::RadarError;
+
+/// What is added to scattering of faint tiles where facets turn away: looks are so far apart there that single facets, told late where they do,
+/// leave more in the worst pulse than any sample says (12 dB above it, with looks at both ends alone, in the grazing scene of
+/// `tests/agreement/planned.rs`).
+const OF_TURNING: f64 = 10.0;
+
+/// What interpolation between nodes leaves at a probe.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Left {
+    /// Pulses to the nearer end of the block.
+    pub edge: u64,
+    /// Of delays.
+    pub path: Powers,
+    /// Of scattering.
+    pub tilt: Powers,
+}
+
+/// Of delays, of scattering: `[channel]`, by gain.
+type Parts = [Vec<Binned>; 2];
+
+/// What a block leaves at its probes, tile by tile looked at closely or as a faint one.
+#[derive(Clone, Debug, Default)]
+pub struct Sounded {
+    /// Pulses of the probes to the nearer end of the block.
+    edges: Vec<u64>,
+    /// `[looks from node to node - 1][probe]`.
+    close: [Vec<Parts>; LOOKS_PER_NODE],
+    /// `[probe]`; as the close ones where blocks have no faint tiles.
+    faint: Option<Vec<Parts>>,
+    channels: usize,
+    share: f64,
+    deviations: f64,
+    /// What weighs scattering of faint tiles.
+    of_turning: f64,
+}
+
+impl Sounded {
+    /// Of so many looks from node to node, where tiles are faint at a rung of the gains: at every probe.
+    pub fn left(&self, looks: usize, ladder: &Ladder, rung: usize) -> Vec<Left> {
+        if self.edges.is_empty() {
+            return vec![nothing(self.channels)];
+        }
+        let close = &self.close[looks - 1];
+        let faint = self.faint.as_ref().unwrap_or(close);
+        let of = |probe: usize, part: usize| {
+            let channels = close[probe][part].iter().zip(&faint[probe][part]);
+            channels
+                .map(|(close, faint)| {
+                    let mut sums = [Sum::default(), Sum::default()];
+                    close.join_into(ladder, rung, false, &mut sums[0]);
+                    faint.join_into(ladder, rung, true, &mut sums[1]);
+                    let weights = [1.0, if part == 1 { self.of_turning } else { 1.0 }];
+                    let worst = sums.iter().map(|sum| sum.worst(self.share, self.deviations));
+                    worst.zip(weights).map(|(worst, weight)| weight * worst).sum()
+                })
+                .collect()
+        };
+        let probes = self.edges.iter().enumerate();
+        probes.map(|(probe, &edge)| Left { edge, path: of(probe, 0), tilt: of(probe, 1) }).collect()
+    }
+}
+
+/// What blocks leave whose every pulse is a node.
+fn nothing(channels: usize) -> Left {
+    Left { edge: 0, path: vec![0.0; channels], tilt: vec![0.0; channels] }
+}
+
+impl Sounder<'_> {
+    /// What blocks leave whose every pulse is a node.
+    pub fn nothing(&self) -> Left {
+        nothing(self.radar.channels.len())
+    }
+
+    /// What blocks with nodes so many pulses apart leave at the probes of a place.
+    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Sounded, RadarError> {
+        let channels = self.radar.channels.len();
+        let (share, deviations, faint_looks) = (self.sampled(), self.deviations(), self.faint_looks());
+        let of_turning = if self.turning { OF_TURNING } else { 1.0 };
+        let none = Sounded { channels, share, deviations, of_turning, ..Sounded::default() };
+        let first = self.block_of(place, node_pulses);
+        let Some(patch) = self.illumination.patch_of(first)? else { return Ok(none) };
+        let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
+        let (nodes, count) = nodes_within(pulses);
+        if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
+            return Ok(none);
+        }
+        let probes = self.probes(&nodes[..count]);
+        let mut truths = Vec::new();
+        for (_, probe) in &probes {
+            truths.push(self.light(first + *probe as u64, Some(&patch), Keep::default())?);
+        }
+        let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
+        let edges = probes.iter().map(|(_, probe)| (*probe).min(pulses - 1 - *probe) as u64).collect();
+        let mut sounded = Sounded { edges, ..none };
+        let Some(tiles) = &mut self.tiles else { return Ok(sounded) };
+        let (ladder, interval_s) = (&self.ladder, self.interval_s);
+        let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
+        let all = Faint { below_db: f64::INFINITY, looks: faint_looks };
+        for n in 0..=LOOKS_PER_NODE {
+            let faint = n == LOOKS_PER_NODE;
+            let block = Instants::of_block(first, pulses, if faint { 1 } else { n + 1 }, pulses);
+            // The last time round all tiles are taken for faint ones.
+            let tiers = Tiers::new(block, faint.then_some(all));
+            if faint && tiers.faint.is_none() {
+                break;
+            }
+            let instants = tiers.of(if faint { Tier::Faint } else { Tier::Close });
+            let looks = &instants.looks[..instants.look_count];
+            let interval_of = |n: usize| {
+                let n = n.min(instants.node_count - 2);
+                let nodes = [instants.nodes[n], instants.nodes[n + 1]];
+                let from = looks_about(looks, nodes[0]..=nodes[1]);
+                let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
+                Interval { at: n, looks, from, nodes, interval_s }
+            };
+            let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
+            let none: Parts = std::array::from_fn(|_| vec![Binned::new(ladder); channels]);
+            let mut sums = vec![none; probes.len()];
+            let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
+            self.illumination.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+                let runs = runs_of(heard, ladder);
+                for (((interval, (_, probe)), truths), sum) in
+                    intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
+                {
+                    let truth = &truths[heard.tile * pairs + heard.pair];
+                    let own = &self.channels[heard.pair];
+                    for (lanes, bin) in &runs {
+                        interval.compare(
+                            *probe,
+                            heard,
+                            lanes.clone(),
+                            truth,
+                            waves,
+                            (own, cells),
+                            (sum, *bin),
+                        );
+                        for part in sum.iter_mut() {
+                            own.iter().for_each(|channel| part[*channel].0[*bin].close());
+                        }
+                    }
+                }
+            })?;
+            match sounded.close.get_mut(n) {
+                Some(close) => *close = sums,
+                None => sounded.faint = Some(sums),
+            }
+        }
+        Ok(sounded)
+    }
+
+    /// Pulses at which a block is probed, and the intervals of its nodes that hold them.
+    fn probes(&self, nodes: &[usize]) -> Vec<(usize, usize)> {
+        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
+        let within =
+            |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
+        let last = nodes.len() - 2;
+        let mut probes =
+            vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
+        if last > 1 {
+            probes.push((1, within(1, 0.5)));
+        }
+        if self.is_small() {
+            let more = (0..=last).flat_map(|n| [0.2, 0.4, 0.6, 0.8].map(|share| (n, within(n, share))));
+            probes.extend(more);
+            probes.sort_unstable();
+        }
+        probes.retain(|(_, pulse)| !nodes.contains(pulse));
+        probes.dedup();
+        probes
+    }
+}
+
+/// From one node to the next.
+struct Interval<'a> {
+    /// Place of the first.
+    at: usize,
+    /// Pulses of its looks.
+    looks: &'a [usize],
+    /// The first of them.
+    from: usize,
+    nodes: [usize; 2],
+    interval_s: f64,
+}
+
+impl Interval<'_> {
+    /// Adds what is left of some lanes at a probe to the sums of a bin.
+    fn compare(
+        &self,
+        probe: usize,
+        heard: &Heard<'_>,
+        lanes: Range<usize>,
+        truth: &Truth,
+        (carrier_hz, half_pulse_s): (f64, f64),
+        (channels, cells): (&[usize], Cells),
+        (sum, bin): (&mut Parts, usize),
+    ) {
+        let [a, b] = [0, 1].map(|n| &heard.of.nodes()[self.at + n].paths);
+        let length = (self.nodes[1] - self.nodes[0]) as f64;
+        let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
+        let weights = through(self.looks, probe);
+        let looks = &heard.of.looks()[self.from..self.from + self.looks.len()];
+        let pulses = heard.of.factor.len();
+        let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
+        let (first, gain_weights) = gain_weights(&steps, probe);
+        for i in lanes {
+            if !truth.heard[i] {
+                continue;
+            }
+            // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has turned away.
+            let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
+            let turned = rough != 0.0 && heard.of.factor[probe][i] == 0.0;
+            let exact = f64::from(truth.factor[i]);
+            let found = if turned { 0.0 } else { exact };
+            if exact == 0.0 {
+                continue;
+            }
+            // Hermite's cubic, from the first node on.
+            let (d, v0, v1) =
+                (b.delay_s[i] - a.delay_s[i], a.delay_rate[i] * span_s, b.delay_rate[i] * span_s);
+            let late_s = (a.delay_s[i] - truth.delay_s[i])
+                + s * (v0 + s * ((3.0 * d - 2.0 * v0 - v1) + s * (v0 + v1 - 2.0 * d)));
+            let rate = a.delay_rate[i] + s * (b.delay_rate[i] - a.delay_rate[i]);
+            let late_s = late_s + half_pulse_s * (rate - truth.rate[i]);
+            let radians = (TAU * carrier_hz * late_s).powi(2).min(4.0);
+            let cell = cells.of(truth.delay_s[i]);
+            for (at, channel) in channels.iter().enumerate() {
+                let mut value = Complex32::ZERO;
+                for (look, weight) in looks.iter().zip(weights) {
+                    let [re, im] = &look.amplitude[at];
+                    value += Complex32::new(re[i], im[i]) * weight as f32;
+                }
+                let [re, im] = &truth.amplitude[at];
+                let own = Complex64::new(re[i].into(), im[i].into()) * exact;
+                let value = Complex64::new(value.re.into(), value.im.into()) * found;
+                sum[0][*channel].0[bin].add(own.norm_sqr() * radians, cell);
+                sum[1][*channel].0[bin].add((value - own).norm_sqr(), cell);
+            }
+        }
+    }
+}

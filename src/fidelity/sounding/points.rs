@@ -1,0 +1,430 @@
+//! Targets and direct paths of a run.
+//!
+//! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power, and in
+//! **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is short, else those about the loudest
+//! pulses, and some spread over it. Of more than 1024 the loudest are followed, for all.
+//!
+//! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and what is left is taken at its worst:
+//! `line.rs`.
+//!
+//! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::line::Line;
+use super::{LONGEST, Powers, Sounder, spread_over, through};
+use crate::paths::block::nodes_within;
+use crate::paths::list::Contacts;
+use crate::radar::fault::RadarError;
+
+/// Points and pulses of a profile, at most, and pulses of it at least.
+const MOST_PROFILE: u64 = 1 << 16;
+const LEAST_PROFILE: u64 = 64;
+/// Points and pulses of all stretches, at most; stretches at least, and at most.
+const MOST_FOLLOWED: u64 = 1 << 20;
+const STRETCHES: std::ops::RangeInclusive<u64> = 1..=64;
+/// Points that are followed.
+const MOST_POINTS: usize = 1024;
+/// Dopplers of which a [`Law`] is told, over the largest.
+const KNOTS: [f64; 6] = [1e-9, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
+
+/// What the points of a run return.
+#[derive(Clone, Debug, Default)]
+pub struct Points {
+    /// Mean power over the run, W.
+    pub power: Powers,
+    /// Most of a pulse, W.
+    pub highest: Powers,
+    /// The loudest pulse.
+    pub loudest: u64,
+    /// Largest rate of a delay.
+    pub fastest: f64,
+    /// Most power of a pulse over that of random phases, 1 at least.
+    coherence: f64,
+    /// Points that are followed, and the power of all over theirs.
+    followed: Vec<usize>,
+    all_of_followed: f64,
+    /// First pulses of the stretches.
+    stretches: Vec<u64>,
+    /// What cubics leave: steps of gain, and powers by channel.
+    swept: Vec<(u64, Powers)>,
+}
+
+impl Points {
+    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these.
+    pub fn swept(&self, gain_pulses: u64) -> Option<&Powers> {
+        self.swept.iter().find(|(step, _)| *step == gain_pulses).map(|(_, powers)| powers)
+    }
+}
+
+/// A stretch of successive pulses.
+struct Stretch {
+    first: u64,
+    /// Points that are followed, pulse by pulse.
+    exact: Vec<Contacts>,
+    /// `[pulse][pair]`.
+    lines: Vec<Vec<Line>>,
+    /// `[pulse][pair]`: of all points.
+    rates: Vec<Vec<Rates>>,
+}
+
+/// Powers, and sums of powers and delay rates, of points that are heard and of all.
+type Rates = [(f64, f64); 2];
+
+/// Pulses of a block of so many at which its points are weighed for their mean Doppler: first, middle and last.
+pub fn of_points(pulses: usize) -> [usize; 3] {
+    [0, pulses / 2, pulses.saturating_sub(1)]
+}
+
+/// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of [`of_points`]: of those that are heard,
+/// or, where there is nothing else, of all.
+pub fn mean_rate((of_facets, rate): (f64, f64), heard: (f64, f64), all: (f64, f64)) -> f64 {
+    let points = if of_facets + heard.0 > 0.0 { heard } else { all };
+    let power = of_facets + points.0 / 3.0;
+    if power > 0.0 { (of_facets * rate + points.1 / 3.0) / power } else { 0.0 }
+}
+
+/// What a Doppler off the mean leaves of a pulse, relative to its power.
+#[derive(Clone, Debug)]
+pub struct Law {
+    /// Logarithms of Hz and of what is left: powers from one to the next.
+    knots: [(f64, f64); KNOTS.len()],
+}
+
+impl Law {
+    /// Up to a Doppler, of `left`, the error power of one in Hz. What is left of either sign counts, and never falls: a waveform that is cut off at the ends
+    /// of its band may lose a bin by the smallest Doppler.
+    pub fn new(most_hz: f64, left: impl Fn(f64) -> f64) -> Self {
+        let mut most = f64::MIN_POSITIVE;
+        let knots = KNOTS.map(|share| {
+            let hz = share * most_hz.max(1e-3);
+            most = most.max(left(hz)).max(left(-hz));
+            (hz.ln(), most.ln())
+        });
+        Self { knots }
+    }
+
+    /// The root of the error power.
+    fn root(&self, hz: f64) -> f64 {
+        let at = hz.ln();
+        if hz == 0.0 || at <= self.knots[0].0 {
+            return (0.5 * self.knots[0].1).exp();
+        }
+        let n = self.knots.partition_point(|knot| knot.0 < at).clamp(1, self.knots.len() - 1);
+        let [(a, left_a), (b, left_b)] = [self.knots[n - 1], self.knots[n]];
+        (0.5 * (left_a + (at - a) / (b - a) * (left_b - left_a))).exp()
+    }
+}
+
+impl Sounder<'_> {
+    /// What the targets and direct paths are to the run.
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// Finds what the points of the run return.
+    pub(super) fn find_points(&mut self) -> Result<(), RadarError> {
+        let channels = self.radar.channels.len();
+        self.points = Points {
+            power: vec![0.0; channels],
+            highest: vec![0.0; channels],
+            coherence: 1.0,
+            ..Points::default()
+        };
+        let points = self.illumination.point_count();
+        if points == 0 || self.pulses == 0 {
+            return Ok(());
+        }
+        let count = (MOST_PROFILE / points as u64).max(LEAST_PROFILE).min(self.pulses);
+        let mut loud = Vec::with_capacity(count as usize);
+        // Most power of each point, and its mean.
+        let mut of_each = vec![(0.0f64, 0.0); points];
+        let mut contacts = self.no_points();
+        let deviations = self.deviations();
+        for index in spread_over(self.pulses, count) {
+            let (opens_s, _) = self.points_at(index, &mut contacts)?;
+            let mut all = 0.0;
+            for (pair, channels) in self.channels.iter().enumerate() {
+                let delays_s = &contacts.delay_s[pair];
+                let line = Line::new(delays_s, self.cells_per_s);
+                for &channel in channels {
+                    let amplitude = &contacts.amplitude[channel];
+                    let power = line.power(|n| {
+                        let heard = self.illumination.heard_share(index, opens_s, delays_s[n]).sqrt();
+                        amplitude[n] * heard * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
+                    });
+                    self.points.power[channel] += power / count as f64;
+                    all += power;
+                    let each: f64 = amplitude.iter().map(Complex64::norm_sqr).sum();
+                    self.points.coherence = self.points.coherence.max(power / each.max(f64::MIN_POSITIVE));
+                    let most = line.most([deviations, self.points.coherence], |n| amplitude[n].norm());
+                    self.points.highest[channel] = self.points.highest[channel].max(most);
+                    for ((most, mean), a) in of_each.iter_mut().zip(amplitude) {
+                        (*most, *mean) = (most.max(a.norm_sqr()), *mean + a.norm_sqr());
+                    }
+                }
+            }
+            loud.push((all, index));
+            let rates = contacts.delay_rate.iter().flatten();
+            self.points.fastest = rates.fold(self.points.fastest, |most, rate| most.max(rate.abs()));
+        }
+        loud.sort_by(|a, b| b.0.total_cmp(&a.0));
+        self.points.loudest = loud.first().map_or(0, |(_, index)| *index);
+        self.points.stretches = stretches(self.pulses, points as u64, &loud);
+        (self.points.followed, self.points.all_of_followed) = loudest(&of_each, MOST_POINTS);
+        Ok(())
+    }
+
+    /// Follows the points through the stretches with gains every so many pulses.
+    pub fn follow_points(&mut self, gain_pulses: &[u64]) -> Result<(), RadarError> {
+        let mut swept: Vec<_> = gain_pulses.iter().map(|step| (*step, vec![0.0; self.power.len()])).collect();
+        let bounds = [self.deviations(), self.points.coherence];
+        for n in 0..self.points.stretches.len() {
+            let stretch = self.stretch(n)?;
+            for (own, lines) in stretch.exact.iter().zip(&stretch.lines) {
+                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+                    let most = lines[*pair].most(bounds, |n| own.amplitude[channel][n].norm());
+                    self.points.highest[channel] = self.points.highest[channel].max(most);
+                }
+            }
+            for (step, worst) in &mut swept {
+                let length = usize::try_from(3 * *step).unwrap_or(usize::MAX).max(1);
+                for (exact, lines) in stretch.exact.chunks(length).zip(stretch.lines.chunks(length)) {
+                    self.add_part(exact, lines, worst);
+                }
+            }
+        }
+        self.points.swept = swept;
+        Ok(())
+    }
+
+    /// The most that Doppler within a pulse leaves of points in the worst pulse of blocks of so many pulses each, over the mean power of all.
+    pub fn doppler_of_points(&mut self, law: &Law, blocks: &[u64]) -> Result<Vec<(u64, f64)>, RadarError> {
+        // Of all facets, the mean of the places: power, and its sum with delay rates.
+        let share = self.sampled() * self.places.len().max(1) as f64;
+        let mut of_facets = vec![(0.0, 0.0); self.channels.len()];
+        for (pair, hz, w) in &self.dopplers {
+            let (power, sum) = &mut of_facets[*pair];
+            (*power, *sum) = (*power + w / share, *sum + w * hz / self.radar.carrier_hz / share);
+        }
+        of_facets.iter_mut().for_each(|(power, sum)| *sum /= power.max(f64::MIN_POSITIVE));
+        let mut worst: Vec<(u64, Powers)> =
+            blocks.iter().map(|block| (*block, vec![0.0; self.power.len()])).collect();
+        for n in 0..self.points.stretches.len() {
+            let stretch = self.stretch(n)?;
+            for (block, worst) in &mut worst {
+                self.add_doppler(&stretch, *block, law, &of_facets, worst);
+            }
+        }
+        Ok(worst.iter().map(|(block, of)| (*block, self.sampled() * self.worst_ratio(of))).collect())
+    }
+
+    /// Doppler of the points of a stretch off the mean of their blocks.
+    fn add_doppler(
+        &self,
+        stretch: &Stretch,
+        block: u64,
+        law: &Law,
+        of_facets: &[(f64, f64)],
+        worst: &mut Powers,
+    ) {
+        let (carrier_hz, bounds) = (self.radar.carrier_hz, [self.deviations(), self.points.coherence]);
+        let block = block.max(1);
+        let mut from = 0;
+        while from < stretch.exact.len() {
+            // Blocks of the run; of those that begin before the stretch or end after it, their part.
+            let within = (block - (stretch.first + from as u64) % block) as usize;
+            let pulses = from..(from + within).min(stretch.exact.len());
+            for (pair, channels) in self.channels.iter().enumerate() {
+                let sum = |which: usize| {
+                    let of = of_points(pulses.len()).map(|n| stretch.rates[from + n][pair][which]);
+                    of.iter().fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
+                };
+                let mean = mean_rate(of_facets[pair], sum(0), sum(1));
+                for pulse in pulses.clone() {
+                    let own = &stretch.exact[pulse];
+                    for &channel in channels {
+                        let left = |n: usize| {
+                            let off_hz = carrier_hz * (own.delay_rate[pair][n] - mean);
+                            own.amplitude[channel][n].norm() * law.root(off_hz.abs())
+                        };
+                        worst[channel] = worst[channel].max(stretch.lines[pulse][pair].most(bounds, left));
+                    }
+                }
+            }
+            from = pulses.end;
+        }
+    }
+
+    /// Adds the points of a pulse to what the mean Doppler is taken of.
+    pub(super) fn add_points_at(&mut self, index: u64) -> Result<(), RadarError> {
+        let (weight, carrier_hz) = (self.sampled(), self.radar.carrier_hz);
+        let mut contacts = self.no_points();
+        let (_, rates) = self.points_at(index, &mut contacts)?;
+        for ((power, weighted), [heard, _]) in self.dopplers_of_points.iter_mut().zip(rates) {
+            (*power, *weighted) = (*power + weight * heard.0, *weighted + weight * heard.1 * carrier_hz);
+        }
+        Ok(())
+    }
+
+    /// Room for the points of a pulse.
+    fn no_points(&self) -> Contacts {
+        Contacts::new(self.channels.len(), self.radar.channels.len(), self.illumination.point_count())
+    }
+
+    /// Points that are followed, at all pulses of a stretch.
+    fn stretch(&mut self, n: usize) -> Result<Stretch, RadarError> {
+        let first = self.points.stretches[n];
+        let mut all = self.no_points();
+        let scale = self.points.all_of_followed.sqrt();
+        let mut stretch = Stretch { first, exact: Vec::new(), lines: Vec::new(), rates: Vec::new() };
+        for index in first..first.saturating_add(LONGEST).min(self.pulses) {
+            let (_, rates) = self.points_at(index, &mut all)?;
+            let of =
+                |column: &Vec<f64>| -> Vec<f64> { self.points.followed.iter().map(|n| column[*n]).collect() };
+            let amplitude =
+                |column: &Vec<Complex64>| self.points.followed.iter().map(|n| scale * column[*n]).collect();
+            let delay_s: Vec<Vec<f64>> = all.delay_s.iter().map(of).collect();
+            stretch.lines.push(delay_s.iter().map(|own| Line::new(own, self.cells_per_s)).collect());
+            stretch.exact.push(Contacts {
+                emission_offset_s: of(&all.emission_offset_s),
+                delay_s,
+                delay_rate: all.delay_rate.iter().map(of).collect(),
+                amplitude: all.amplitude.iter().map(amplitude).collect(),
+            });
+            stretch.rates.push(rates);
+        }
+        Ok(stretch)
+    }
+
+    /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does not hear at all, and those without a course.
+    fn points_at(&mut self, index: u64, contacts: &mut Contacts) -> Result<(f64, Vec<Rates>), RadarError> {
+        self.illumination.points(index, &mut self.light, contacts)?;
+        let opens_s = self.illumination.window_start_of(index)?;
+        let share = |delay_s: f64| self.illumination.heard_share(index, opens_s, delay_s);
+        let rates = |pair| {
+            [self.illumination.rates(contacts, pair, share), self.illumination.rates(contacts, pair, |_| 1.0)]
+        };
+        let rates = (0..self.channels.len()).map(rates).collect();
+        for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+            let courses = contacts.delay_s[*pair].iter().zip(&contacts.delay_rate[*pair]);
+            for (a, (delay_s, rate)) in contacts.amplitude[channel].iter_mut().zip(courses) {
+                if !(share(*delay_s) > 0.0 && rate.abs() < 1.0 && a.norm_sqr().is_finite()) {
+                    *a = Complex64::ZERO;
+                }
+            }
+        }
+        for (delays_s, rates) in contacts.delay_s.iter_mut().zip(&mut contacts.delay_rate) {
+            for (delay_s, rate) in delays_s.iter_mut().zip(rates) {
+                if !(delay_s.is_finite() && rate.abs() < 1.0) {
+                    (*delay_s, *rate) = (0.0, 0.0);
+                }
+            }
+        }
+        Ok((opens_s, rates))
+    }
+
+    /// The worst pulse of some that have a cubic in common: three steps of gain.
+    fn add_part(&self, exact: &[Contacts], lines: &[Vec<Line>], worst: &mut Powers) {
+        let turns_per_s = TAU * self.radar.carrier_hz;
+        let bounds = [self.deviations(), self.points.coherence];
+        let (nodes, count) = nodes_within(exact.len());
+        let nodes = &nodes[..count];
+        for (pulse, own) in exact.iter().enumerate().filter(|(pulse, _)| !nodes.contains(pulse)) {
+            let weights = through(nodes, pulse);
+            for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+                let off = |n: usize| {
+                    let (delay_s, a) = (own.delay_s[*pair][n], own.amplitude[channel][n]);
+                    let (mut late_s, mut found) = (0.0, Complex64::ZERO);
+                    for (m, weight) in nodes.iter().zip(weights) {
+                        late_s += weight * (exact[*m].delay_s[*pair][n] - delay_s);
+                        found += exact[*m].amplitude[channel][n] * weight;
+                    }
+                    (found * Complex64::cis(-turns_per_s * late_s) - a).norm()
+                };
+                worst[channel] = worst[channel].max(lines[pulse][*pair].most(bounds, off));
+            }
+        }
+    }
+}
+
+/// Points of the largest power, and the mean power of all over theirs; `(most, mean)` of each.
+fn loudest(of_each: &[(f64, f64)], most: usize) -> (Vec<usize>, f64) {
+    let mut order: Vec<usize> = (0..of_each.len()).collect();
+    order.sort_by(|a, b| of_each[*b].0.total_cmp(&of_each[*a].0));
+    order.truncate(most);
+    order.sort_unstable();
+    let all: f64 = of_each.iter().map(|(_, mean)| mean).sum();
+    let own: f64 = order.iter().map(|n| of_each[*n].1).sum();
+    (order, if own > 0.0 { all / own } else { 1.0 })
+}
+
+/// First pulses of the stretches of a run; `loud` are pulses from the loudest on.
+fn stretches(pulses: u64, points: u64, loud: &[(f64, u64)]) -> Vec<u64> {
+    let most = (MOST_FOLLOWED / (points * LONGEST)).clamp(*STRETCHES.start(), *STRETCHES.end());
+    let all = pulses.div_ceil(LONGEST);
+    if all <= most {
+        return (0..all).map(|n| n * LONGEST).collect();
+    }
+    let mut chosen = std::collections::BTreeSet::new();
+    for (_, index) in loud {
+        if chosen.len() as u64 >= most.div_ceil(2) {
+            break;
+        }
+        chosen.insert(index / LONGEST);
+    }
+    let rest = most - chosen.len() as u64;
+    chosen.extend((0..rest).map(|n| (all - 1) * n / (rest - 1).max(1)));
+    chosen.into_iter().map(|n| n * LONGEST).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loudest_stand_for_all() {
+        let of_each = [(1.0, 1.0), (9.0, 2.0), (4.0, 2.0), (0.0, 0.0)];
+        assert_eq!(loudest(&of_each, 2), (vec![1, 2], 5.0 / 4.0));
+        assert_eq!(loudest(&of_each, 10), (vec![0, 1, 2, 3], 1.0));
+        assert_eq!(loudest(&[(0.0, 0.0)], 1), (vec![0], 1.0));
+    }
+
+    #[test]
+    fn short_runs_are_followed_throughout_and_long_ones_where_they_are_loud() {
+        assert_eq!(stretches(1, 1, &[]), [0]);
+        assert_eq!(stretches(130, 1, &[]), [0, 64, 128]);
+        let loud = [(9.0, 640_000), (8.0, 640_001), (7.0, 3), (6.0, 500_000)];
+        let found = stretches(800_000, 1, &loud);
+        assert!(found.len() <= 64 && found.is_sorted(), "{found:?}");
+        for index in [0, 640_000, 499_968, 799_936] {
+            assert!(found.contains(&index), "{index}: {found:?}");
+        }
+        assert_eq!(stretches(800_000, 1_000_000, &loud), [640_000]);
+        assert!(stretches(u64::MAX, 1, &[]).iter().all(|first| *first < u64::MAX));
+    }
+
+    #[test]
+    fn laws_are_powers_from_knot_to_knot() {
+        let close =
+            |found: f64, wanted: f64| assert!((found / wanted - 1.0).abs() < 1e-9, "{found} {wanted}");
+        let square = Law::new(1e4, |hz| 1e-12 * hz * hz);
+        [10.0, 3e3, 1e4, 2e4].into_iter().for_each(|hz| close(square.root(hz), 1e-6 * hz));
+        // A bin that is lost to one side by the smallest Doppler.
+        let edge = Law::new(1e4, |hz| if hz < 0.0 { 1e-4 } else { 1e-12 * hz * hz });
+        [0.0, 1e-7, 1e3].into_iter().for_each(|hz| close(edge.root(hz), 1e-2));
+        assert!(Law::new(0.0, |_| 0.0).root(0.0) < 1e-100);
+    }
+
+    #[test]
+    fn blocks_have_the_mean_of_what_is_heard() {
+        assert_eq!(of_points(64), [0, 32, 63]);
+        assert_eq!((of_points(1), of_points(0)), ([0; 3], [0; 3]));
+        // Facets of 2 W, and points of 6 W over three pulses; nothing but what is not heard; nothing.
+        assert_eq!(mean_rate((2.0, 1e-6), (6.0, -6e-6), (60.0, 1.0)), 0.0);
+        assert_eq!(mean_rate((0.0, 0.0), (0.0, 0.0), (3.0, 6e-6)), 2e-6);
+        assert_eq!(mean_rate((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)), 0.0);
+    }
+}

@@ -1,0 +1,198 @@
+//! What interpolation between instants of gain leaves.
+
+use std::ops::Range;
+
+use super::{LONGEST, Place, Powers, Sounder, TILES, runs_of, square};
+use crate::fidelity::faint::{Binned, Ladder};
+use crate::fidelity::worst::Sum;
+use crate::geometry::lanes::Row;
+use crate::paths::block::sounding::{Keep, Shadows};
+use crate::paths::block::{
+    Faint, Instants, Tiers, faint_gain_pulses, gain_instants, gain_step, gain_weights,
+};
+use crate::radar::fault::RadarError;
+
+/// What interpolation between instants of gain leaves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swept {
+    /// In the first and last interval of a block.
+    pub end: Powers,
+    /// Between the others.
+    pub inner: Powers,
+}
+
+/// Sums over the sample at the probes of one step, the first of them in the first interval: `[probe][channel]`, by gain.
+type Probed = Vec<Vec<Binned>>;
+
+/// What steps of gain leave at all places, tile by tile looked at closely or as a faint one.
+#[derive(Clone, Debug)]
+pub struct Sweeps {
+    /// Pulses from gain to gain: those of close tiles, and more that faint ones have then.
+    steps: Vec<u64>,
+    /// `[place][close, faint][step]`.
+    sea: Vec<[Vec<Probed>; 2]>,
+    /// Of points, steps and powers.
+    points: Vec<(u64, Powers)>,
+    channels: usize,
+    share: f64,
+    deviations: f64,
+}
+
+impl Sweeps {
+    /// Of close tiles with one of the steps, where tiles are faint at a rung of the gains: worst of all places.
+    pub fn swept(&self, gain_pulses: u64, ladder: &Ladder, rung: usize) -> Swept {
+        let none = vec![0.0f64; self.channels];
+        let mut worst = Swept { end: none.clone(), inner: none };
+        let at = |wanted: u64| self.steps.iter().position(|step| *step == wanted).unwrap_or(0);
+        let (close, rough) = (at(gain_pulses), at(faint_gain_pulses(gain_pulses as usize) as u64));
+        for sea in &self.sea {
+            for channel in 0..self.channels {
+                let of = |step: usize, faint: bool, end: bool| {
+                    let probes = sea[usize::from(faint)][step]
+                        .iter()
+                        .enumerate()
+                        .filter(|(probe, _)| (*probe == 0) == end);
+                    probes
+                        .map(|(_, probe)| self.worst(&probe[channel], ladder, rung, faint))
+                        .fold(0.0, f64::max)
+                };
+                for (worst, end) in [(&mut worst.end, true), (&mut worst.inner, false)] {
+                    let both = of(close, false, end) + of(rough, true, end);
+                    worst[channel] = worst[channel].max(both);
+                }
+            }
+        }
+        if let Some((_, points)) = self.points.iter().find(|(step, _)| *step == gain_pulses) {
+            for worst in [&mut worst.end, &mut worst.inner] {
+                worst.iter_mut().zip(points).for_each(|(worst, own)| *worst += own);
+            }
+        }
+        worst
+    }
+
+    fn worst(&self, of: &Binned, ladder: &Ladder, rung: usize, faint: bool) -> f64 {
+        let mut sum = Sum::default();
+        of.join_into(ladder, rung, faint, &mut sum);
+        sum.worst(self.share, self.deviations)
+    }
+}
+
+/// Gains and what they weigh, of one tile and pair.
+struct Exact {
+    gains: Vec<Row>,
+    factor: Vec<Row>,
+    amplitude: Vec<[Row; 2]>,
+    delay_s: Vec<f64>,
+    /// As [`runs_of`] has them.
+    runs: Vec<(Range<usize>, usize)>,
+}
+
+impl Exact {
+    /// Square of what a facet's factor is off at a pulse with a gain that was found.
+    fn off(&self, pulse: usize, i: usize, found: f32) -> f64 {
+        let exact = self.gains[pulse][i];
+        // Shadows and facets that turn away.
+        let seen = if exact == 0.0 { 1.0 } else { self.factor[pulse][i] / exact };
+        f64::from((found - exact) * seen).powi(2)
+    }
+}
+
+impl Sounder<'_> {
+    /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points. Blocks with less
+    /// than six instants of gain leave more than long ones.
+    pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Sweeps, RadarError> {
+        let mut all = steps.to_vec();
+        all.extend(steps.iter().map(|step| faint_gain_pulses(*step as usize) as u64));
+        all.sort_unstable();
+        all.dedup();
+        let mut sea = Vec::new();
+        for place in 0..self.places.len() {
+            sea.push(self.gains_of_sea(place, &all, block_pulses)?);
+        }
+        let (share, deviations) = (self.sampled(), self.deviations());
+        let of_points = |step: &u64| -> Option<(u64, Powers)> {
+            let left = self.points().swept(*step)?;
+            Some((*step, left.iter().map(|own| share * own).collect()))
+        };
+        let points = steps.iter().filter_map(of_points).collect();
+        Ok(Sweeps { steps: all, sea, points, channels: self.radar.channels.len(), share, deviations })
+    }
+
+    fn gains_of_sea(
+        &mut self,
+        place: usize,
+        steps: &[u64],
+        block_pulses: u64,
+    ) -> Result<[Vec<Probed>; 2], RadarError> {
+        let channels = self.radar.channels.len();
+        let Place { first, patch } = self.places[place].clone();
+        let cells = self.cells_at(first)?;
+        let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else {
+            let none = vec![Vec::new(); steps.len()];
+            return Ok([none.clone(), none]);
+        };
+        let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
+        let ladder = &self.ladder;
+        // Between the first two instants, the second two, and in the middle.
+        let instants_of = |step: u64| -> (usize, Vec<usize>) {
+            let step = gain_step(pulses, step as usize);
+            (step, gain_instants(pulses, step).collect())
+        };
+        let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
+            .iter()
+            .map(|&step| {
+                let (step, places) = instants_of(step);
+                let half = step / 2;
+                let probes = [half, step + half, (pulses / 2).next_multiple_of(step) + half];
+                let weights = |pulse: usize| {
+                    let (from, weights) = gain_weights(&places, pulse);
+                    (pulse, from, weights)
+                };
+                probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
+            })
+            .collect();
+        let none = || -> Vec<Probed> {
+            probes.iter().map(|probes| vec![vec![Binned::new(ladder); channels]; probes.len()]).collect()
+        };
+        let mut sums = [none(), none()];
+        let (pairs, mut exact) = (self.channels.len(), Vec::new());
+        let block = Instants::of_block(first, pulses, 1, 1);
+        for (tier, sums) in sums.iter_mut().enumerate() {
+            // Gains of faint tiles at every pulse, too, but with directions that are straight from end to end of the block.
+            let tiers = Tiers::new(block, (tier == 1).then_some(Faint { below_db: f64::INFINITY, looks: 2 }));
+            let keep =
+                if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
+            self.illumination.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+                if tier == 0 {
+                    exact.push(Exact {
+                        gains: heard.gains.to_vec(),
+                        factor: heard.of.factor.clone(),
+                        amplitude: heard.of.looks()[0].amplitude.clone(),
+                        delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
+                        runs: runs_of(heard, ladder),
+                    });
+                }
+                let (own, exact) = (&self.channels[heard.pair], &exact[heard.tile * pairs + heard.pair]);
+                for ((step, probes), sums) in steps.iter().zip(&probes).zip(sums.iter_mut()) {
+                    let (_, places) = instants_of(*step);
+                    for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
+                        for (lanes, bin) in &exact.runs {
+                            for i in lanes.clone() {
+                                let rows = places[*from..].iter().zip(weights);
+                                let found: f32 =
+                                    rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
+                                let off = exact.off(*pulse, i, found);
+                                let cell = cells.of(exact.delay_s[i]);
+                                for (channel, a) in own.iter().zip(&exact.amplitude) {
+                                    sum[*channel].0[*bin].add(square(a, i) * off, cell);
+                                }
+                            }
+                            own.iter().for_each(|channel| sum[*channel].0[*bin].close());
+                        }
+                    }
+                }
+            })?;
+        }
+        Ok(sums)
+    }
+}

@@ -1,0 +1,440 @@
+//! One tile of facets, lit at every node and pulse of a block.
+
+use num_complex::Complex32;
+
+use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
+use super::gain::{Gains, Sighted, is_real};
+use super::instants::Tier;
+use super::look::{Combine, LaneBasis, OntoPorts, Port, Scale, Sight, Solve, View};
+use super::runs::Gather;
+use super::tile::{Look, Pair, compact};
+use super::{TileWork, Timing};
+use crate::cpu::Variant;
+use crate::frames::Vector;
+use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
+use crate::paths::Illumination;
+use crate::paths::emission::Emission;
+use crate::paths::sea::SeaPlan;
+use crate::radar::polarisation::Axes;
+use crate::scattering::facets::Phases;
+use crate::scattering::lanes::{Batch, Beside};
+use crate::scene::Patch;
+
+impl TileWork {
+    /// Instants of the tile at hand.
+    pub(super) fn timing(&self) -> &Timing {
+        self.timings.of(self.tile.tier)
+    }
+
+    /// The tile at hand is of a tier.
+    fn choose(&mut self, tier: Tier) {
+        self.tile.tier = tier;
+        let timing = self.timings.of(tier);
+        for pair in &mut self.tile.pairs {
+            (pair.node_count, pair.look_count) = (timing.node_count, timing.look_count);
+        }
+    }
+}
+
+impl Illumination {
+    /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
+    pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
+        self.place(patch, work);
+        self.sight(work);
+        self.keep_lit(work);
+        if work.tile.count == 0 {
+            return;
+        }
+        let footprint_m2 = patch.facet_m * patch.facet_m;
+        for pair in 0..self.plans.len() {
+            for place in 0..work.tile.pairs[pair].look_count {
+                self.look(sea, pair, place, footprint_m2, work);
+            }
+            self.factors(pair, work);
+        }
+    }
+
+    /// Paths and gains: at the few instants of a faint tile first, where tiles may be faint, and at all where this one is not.
+    fn sight(&self, work: &mut TileWork) {
+        let mut ends_known = false;
+        if !work.faint_below.is_empty() {
+            work.choose(Tier::Faint);
+            for place in 0..work.timings.faint.node_count {
+                self.find_paths(place, work);
+            }
+            if (0..self.plans.len()).all(|pair| self.gains(pair, work.faint_below.get(pair).copied(), work)) {
+                return;
+            }
+            // The last node of all is known by now.
+            let (second, last) = (work.timings.faint.node_count - 1, work.timings.close.node_count - 1);
+            work.slopes.swap(second, last);
+            work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
+            ends_known = true;
+        }
+        work.choose(Tier::Close);
+        let nodes = work.timings.close.node_count;
+        for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
+            self.find_paths(place, work);
+        }
+        for pair in 0..self.plans.len() {
+            self.gains(pair, None, work);
+        }
+    }
+
+    /// Largest product of the gains of field of a pair, without antennas whose gains stay with the amplitude.
+    pub(super) fn peak_gain(&self, pair: usize) -> f64 {
+        let of = &self.plans[pair].pair;
+        let ahead = Vector::from_raw(glam::DVec3::X);
+        [of.transmitter, self.radar.transmitters.len() + of.receiver]
+            .iter()
+            .map(|antenna| &self.antennas[*antenna])
+            .filter(|antenna| is_real(antenna))
+            .map(|antenna| antenna.field_gain(ahead).re.abs())
+            .product()
+    }
+
+    /// Places of the facets on the mean surface, random phases, visibility.
+    fn place(&self, patch: &Patch, work: &mut TileWork) {
+        let TileWork {
+            variant,
+            runs,
+            phasors,
+            batch,
+            places_m,
+            bounds_m,
+            drop_m,
+            fall,
+            shades,
+            seen,
+            tile,
+            ..
+        } = work;
+        let earth = self.frame.earth();
+        let count = runs.iter().map(|run| run.count).sum();
+        tile.count = count;
+        let nx = patch.facets[0];
+        let [x_m, y_m] = &mut *places_m;
+        let mut places = x_m.iter_mut().zip(y_m);
+        for run in &*runs {
+            let key = [patch.first[0] + (run.first % nx) as i64, patch.first[1] + (run.first / nx) as i64];
+            for ((x_m, y_m), column) in places.by_ref().take(run.count).zip(0..) {
+                [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
+            }
+        }
+        // Lanes that are not in use stay near the others: nobody looks at them.
+        for row in &mut *places_m {
+            let last = row[count - 1];
+            row[count..].fill(last);
+        }
+        *bounds_m = places_m.each_ref().map(|row| {
+            let of = &row[..count];
+            of.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+        });
+        let flat = earth.drop_m(1.0, 1.0) == 0.0;
+        for i in 0..if flat { 0 } else { LANES } {
+            drop_m[i] = earth.drop_m(places_m[0][i], places_m[1][i]);
+            let down = earth.drop_slope(places_m[0][i], places_m[1][i]);
+            (fall[0][i], fall[1][i]) = (down[0] as f32, down[1] as f32);
+        }
+        for (row, column) in batch.phasor.iter_mut().zip(&phasors.ordered) {
+            variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
+            variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
+        }
+        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        seen.resize(shades.len() * ends, [1.0; LANES]);
+        for (row, weights) in seen.iter_mut().zip(shades.iter().flat_map(|shade| &shade.weights)) {
+            if weights.is_empty() {
+                row.fill(1.0);
+            } else {
+                variant.run(Gather { runs, from: weights, to: row });
+            }
+        }
+    }
+
+    /// Leaves out facets that are hidden at every update, turned away at every node, or seen by no gain.
+    fn keep_lit(&self, work: &mut TileWork) {
+        let instants = work.timing().gain_places.len();
+        let TileWork { variant, batch, places_m, whole, kept, slopes, gain_rows, shades, seen, tile, .. } =
+            work;
+        if *whole {
+            return;
+        }
+        let count = tile.count;
+        let mut lit = [0.0f32; LANES];
+        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
+            let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+            let (nodes, gains) = (pair.nodes(), &gains[..instants]);
+            variant.run(Lit { count, nodes, slopes, gains, seen, ends, of, lit: &mut lit });
+        }
+        kept.clear();
+        kept.extend((0..count as u16).filter(|i| lit[usize::from(*i)] > 0.0));
+        // Moving facets together costs something, and what is gained are whole groups.
+        if lanes_for(kept.len()) == lanes_for(count) {
+            return;
+        }
+        for pair in &mut tile.pairs {
+            for node in &mut pair.nodes[..pair.node_count] {
+                let Paths { delay_s, delay_rate, leg_m, incident, scattered, .. } = &mut *node.paths;
+                compact(delay_s, kept);
+                compact(delay_rate, kept);
+                leg_m.iter_mut().chain(incident).chain(scattered).for_each(|row| compact(row, kept));
+            }
+        }
+        slopes.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
+        gain_rows
+            .iter_mut()
+            .flat_map(|rows| &mut rows[..instants])
+            .chain(seen)
+            .for_each(|row| compact(row, kept));
+        batch.phasor.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
+        places_m.iter_mut().for_each(|row| compact(row, kept));
+        tile.count = kept.len();
+    }
+
+    /// Slopes at a node of the tile, and places and paths over every pair.
+    fn find_paths(&self, place: usize, work: &mut TileWork) {
+        let of_block = work.timing().nodes[place];
+        let TileWork { variant, nodes, runs, places_m, drop_m, fall, slopes, tile, .. } = work;
+        let node = &nodes[of_block];
+        let fields = &node.fields;
+        for ((slope, from), fall) in slopes[place].iter_mut().zip(&fields.slope).zip(&*fall) {
+            variant.run(Gather { runs, from, to: slope });
+            slope.iter_mut().zip(fall).for_each(|(slope, fall)| *slope -= fall);
+        }
+        let displaced = !fields.displacement_m[0].is_empty();
+        let mut rise_m = [0.0f32; LANES];
+        for (pair, plan) in tile.pairs.iter_mut().zip(&self.plans) {
+            let paths = &mut *pair.nodes[place].paths;
+            for (axis, places_m) in places_m.iter().enumerate() {
+                paths.position_m[axis] = *places_m;
+                if displaced {
+                    variant.run(Gather { runs, from: &fields.displacement_m[axis], to: &mut rise_m });
+                    for (to, from) in paths.position_m[axis].iter_mut().zip(&rise_m) {
+                        *to += f64::from(*from);
+                    }
+                    variant.run(Gather {
+                        runs,
+                        from: &fields.velocity_mps[axis],
+                        to: &mut paths.velocity_mps[axis],
+                    });
+                } else {
+                    paths.velocity_mps[axis].fill(0.0);
+                }
+            }
+            variant.run(Gather { runs, from: &fields.height_m, to: &mut rise_m });
+            for (to, (from, drop_m)) in paths.position_m[2].iter_mut().zip(rise_m.iter().zip(&*drop_m)) {
+                *to = f64::from(*from) - drop_m;
+            }
+            variant.run(Gather { runs, from: &fields.velocity_mps[2], to: &mut paths.velocity_mps[2] });
+            let centres = &node.emission.centres;
+            let rx = self.radar.transmitters.len() + plan.pair.receiver;
+            let ends = [End::from(&centres[plan.pair.transmitter]), End::from(&centres[rx])];
+            variant.run(Solve { count: tile.count, ends, paths });
+        }
+    }
+
+    /// Axes of an antenna of a pair at an emission, and their change in a second.
+    fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
+        let now = emission.axes(antenna);
+        if self.axes_span_s > 0.0 {
+            let later = emission.axes_after(antenna, self.axes_span_s, self.axes_span_s);
+            (now, (later - now) * (1.0 / self.axes_span_s))
+        } else {
+            (now, Axes::ZERO)
+        }
+    }
+
+    /// Polarisation basis of an antenna of a pair at an emission, and how it changes.
+    fn basis_of(&self, emission: &Emission, antenna: usize) -> LaneBasis {
+        let now = emission.basis(antenna);
+        let span_s = self.axes_span_s;
+        if span_s > 0.0 {
+            let later = emission.basis_after(antenna, span_s, span_s);
+            LaneBasis::new(&now, (later.axes - now.axes) * (1.0 / span_s))
+        } else {
+            LaneBasis::new(&now, Axes::ZERO)
+        }
+    }
+
+    /// Scattering at a look.
+    fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
+        let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
+        let timing = timings.of(tile.tier);
+        let instant = &timing.looks[place];
+        let count = tile.count;
+        let Pair { nodes: paths, node_count, looks: seen, .. } = &mut tile.pairs[pair];
+        let paths = &paths[..*node_count];
+        let out = &mut seen[place];
+        let single = sea.lanes.phases() == Phases::Single;
+        let plan = &self.plans[pair];
+        let transmitters = self.radar.transmitters.len();
+        let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
+        let (tx_axes, _) = self.axes_of(&instant.emission, tx);
+        let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
+        let bases = [tx, rx].map(|antenna| self.basis_of(&instant.emission, antenna));
+        batch.count = count;
+        variant.run(Sight {
+            slopes,
+            nodes: paths,
+            weights: &instant.weights,
+            bases: &bases,
+            single,
+            view,
+            batch,
+        });
+        kinds.clear();
+        if sea.scattering.kinds() > 1 && sea.scattering.kinds_within(*bounds_m, &instant.poses) {
+            kinds.extend((0..count).map(|i| {
+                let (kind, cover) = sea.scattering.kind_at([places_m[0][i], places_m[1][i]], &instant.poses);
+                (kind, cover as f32)
+            }));
+        }
+        let beside = |i: usize, k: [f64; 2]| {
+            sea.scattering.beside_m4([places_m[0][i], places_m[1][i]], k, &instant.poses)
+        };
+        let beside: Option<Beside<'_>> = if sea.scattering.has_short_waves() { Some(&beside) } else { None };
+        self.respond(sea, *variant, kinds, beside, batch);
+        out.cosine = batch.cosine;
+        if single {
+            variant.run(OntoPorts { bases: &bases, view, batch });
+        }
+        let mut scale = [0.0; LANES];
+        let (link, footprint_m2) = (plan.link.in_air(), footprint_m2 as f32);
+        variant.run(Scale { link, footprint_m2, view, batch, out: &mut scale });
+        let isolations_db = [
+            self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
+            self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
+        ];
+        for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
+            let of = [*tx_port, *rx_port];
+            let ports = [0, 1].map(|end| Port::new(of[end], isolations_db[end]));
+            variant.run(Combine { ports: ports.each_ref(), scale: &scale, batch, out: amplitude });
+        }
+        for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
+            if !is_real(&self.antennas[antenna]) {
+                self.complex_gain(antenna, axes, change, end, view, out, count);
+            }
+        }
+    }
+
+    /// Responses of the batch, kind by kind.
+    fn respond(
+        &self,
+        sea: &SeaPlan,
+        variant: Variant,
+        kinds: &[(usize, f32)],
+        beside: Option<Beside<'_>>,
+        batch: &mut Batch,
+    ) {
+        let mut present = [false; 64];
+        for &(kind, _) in kinds {
+            present[kind.min(63)] = true;
+        }
+        for (i, cover) in batch.cover.iter_mut().enumerate() {
+            *cover = kinds.get(i).map_or(0.0, |&(_, cover)| cover);
+        }
+        let several = present.iter().filter(|p| **p).count() > 1 || sea.scattering.kinds() > 64;
+        if !several {
+            let kind = kinds.first().map_or(0, |&(kind, _)| kind);
+            batch.respond(variant, &sea.lanes, kind, beside);
+            return;
+        }
+        let mut whole = [[[[0.0; LANES]; 2]; 2]; 2];
+        for kind in 0..sea.scattering.kinds() {
+            if !kinds.iter().any(|&(own, _)| own == kind) {
+                continue;
+            }
+            batch.respond(variant, &sea.lanes, kind, beside);
+            let rows = whole.as_flattened_mut().as_flattened_mut().iter_mut();
+            for (to, from) in rows.zip(batch.matrix.as_flattened().as_flattened()) {
+                for (i, &(own, _)) in kinds.iter().enumerate() {
+                    if own == kind {
+                        to[i] = from[i];
+                    }
+                }
+            }
+        }
+        batch.matrix = whole;
+    }
+
+    /// Gain of an antenna whose pattern is measured, into the amplitudes.
+    fn complex_gain(
+        &self,
+        antenna: usize,
+        axes: Axes,
+        change_per_s: Axes,
+        end: usize,
+        view: &View,
+        look: &mut Look,
+        count: usize,
+    ) {
+        let directions = if end == 0 { &view.incident } else { &view.scattered };
+        let sign = if end == 0 { 1.0 } else { -1.0 };
+        for i in 0..count {
+            let d = glam::DVec3::from_array([0, 1, 2].map(|c| sign * f64::from(directions[c][i])));
+            let axes = axes + change_per_s * f64::from(view.delay_s[i]);
+            let d = crate::frames::Vector::from_raw(axes.transpose() * d);
+            let gain = self.antennas[antenna].field_gain(d);
+            let gain = Complex32::new(gain.re as f32, gain.im as f32);
+            for [re, im] in &mut look.amplitude {
+                let value = Complex32::new(re[i], im[i]) * gain;
+                (re[i], im[i]) = (value.re, value.im);
+            }
+        }
+    }
+
+    /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given; says whether all were.
+    fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
+        let TileWork { variant, timings, gain_rows, tile, .. } = work;
+        let timing = timings.of(tile.tier);
+        let plan = &self.plans[pair];
+        let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
+        let in_use = timing.gain_places.len();
+        for (instant, out) in timing.gains[..in_use].iter().zip(&mut gain_rows[pair]) {
+            let now = |antenna: usize| {
+                let (axes, change_per_s) = self.axes_of(&instant.emission, antenna);
+                Sighted { antenna: &self.antennas[antenna], axes, change_per_s }
+            };
+            let (nodes, weights, count) = (tile.pairs[pair].nodes(), &instant.weights, tile.count);
+            Gains { count, ends: [now(tx), now(rx)], nodes, weights, out }.find(*variant);
+            if below.is_some_and(|below| out[..count].iter().any(|gain| gain.abs() >= below)) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Factors of every pulse: gains, shadows, facets that turn away.
+    fn factors(&self, pair: usize, work: &mut TileWork) {
+        let TileWork { variant, gain_rows, timings, shades, shares, seen, tile, .. } = work;
+        let timing = timings.of(tile.tier);
+        let points = timing.gain_points();
+        let plan = &self.plans[pair];
+        let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+        let count = tile.count;
+        let Pair { looks, look_count, factor, .. } = &mut tile.pairs[pair];
+        let looks = &looks[..*look_count];
+        let turns = variant.run(Turns { count, looks });
+        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        for (pulse, out) in factor.iter_mut().enumerate() {
+            let (start, weights) = &timing.lagrange[pulse];
+            let (rows, weights) = (&gain_rows[pair][*start..], &weights[..points]);
+            variant.run(Weigh { count, rows, weights, out });
+            let (before, share) = shares[pulse];
+            // Where the next update adds nothing it may not be there.
+            let next = (before + 1).min(shades.len().saturating_sub(1));
+            for antenna in antennas.into_iter().filter(|antenna| *antenna < ends) {
+                let dark = |update: usize| !shades[update].weights[antenna].is_empty();
+                if dark(before) || dark(next) {
+                    let of = |update: usize| &seen[update * ends + antenna];
+                    variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
+                }
+            }
+            if turns {
+                let (start, weights) = &timing.cosines[pulse];
+                variant.run(Turn { count, looks: &looks[*start..], weights, out });
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! The facets of the sea, as one emission and one receive window meet them.
+//!
+//! Facet `(ix, iy)` of the patch scatters from the place `x_grid + D + z up` (lowered on a curved Earth), moving with the
+//! orbital velocity and acceleration while the pulse is under way; delay, rate, directions and legs come from this one path
+//! ([`crate::geometry::light_time`]), so that the carrier phase of a facet is a smooth function of slow time whose
+//! derivative is its Doppler. Tilt and area are those of the grid position, with the slope of the mean surface added on a curved Earth. Its amplitude in a channel is
+//!
+//! `a = K / (R_t R_r)  g_t g_r  v_t v_r  (e_r^T S e_t)`
+//!
+//! with the radar equation's constant and legs ([`crate::radar::link`]), field gains and polarisations
+//! ([`crate::radar::antenna`], [`crate::radar::polarisation`]), the visibility weights of both ends, and the matrix `S` of
+//! [`crate::scattering::water`].
+//!
+//! Facets are visited in chunks, within a chunk ordered by kind of surface. A facet is passed over where its
+//! echo misses the window, where an antenna is dark or hidden, and where it scatters nothing.
+
+use glam::{DMat3, DVec3};
+use num_complex::Complex64;
+
+use super::PairPlan;
+use crate::frames::{Point, Vector};
+use crate::geometry::bistatic::Basis;
+use crate::geometry::light_time::{LightTime, bistatic_over};
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::paths::emission::Emission;
+use crate::radar::antenna::Antenna;
+use crate::radar::polarisation::{PortBasis, field};
+use crate::radar::window::Window;
+use crate::scattering::facets::Facets;
+use crate::scattering::water::WaterScattering;
+use crate::scene::Patch;
+use crate::scene::radar::{Polarisation, Radar};
+use crate::sea::surface::Fields;
+use crate::sea::wake::course::Pose;
+use crate::time::TimeTag;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Facets handled side by side.
+pub(super) const CHUNK: usize = 256;
+/// What one transmitter-receiver pair sees of a chunk.
+#[derive(Clone, Default)]
+pub(super) struct PairColumns {
+    pub delay_s: Vec<f64>,
+    pub delay_rate: Vec<f64>,
+    incident: [Vec<f64>; 3],
+    scattered: [Vec<f64>; 3],
+    /// Everything of the amplitude but the scattering and the polarisations.
+    scale: Vec<Complex64>,
+    /// Polarisation basis of the receive antenna at reception.
+    rx_bases: Vec<PortBasis>,
+}
+
+/// Facets side by side.
+#[derive(Clone, Default)]
+pub(super) struct Chunk {
+    /// Place in the patch.
+    pub index: Vec<usize>,
+    slope: [Vec<f64>; 2],
+    cover: Vec<f64>,
+    phasors: Vec<Complex64>,
+    pub pairs: Vec<PairColumns>,
+    /// `vv, vh, hv, hh`.
+    matrix: [Vec<Complex64>; 4],
+    /// `[channel]`.
+    pub amplitude: Vec<Vec<Complex64>>,
+}
+
+/// The instant and circumstances of an emission.
+#[derive(Clone, Copy)]
+pub(super) struct Lighting<'a> {
+    pub surroundings: Surroundings<'a>,
+    pub radar: &'a Radar,
+    pub antennas: &'a [Antenna],
+    pub plans: &'a [PairPlan],
+    pub emission: &'a Emission,
+    pub t: TimeTag,
+    /// After pulse 0, s.
+    pub elapsed_s: f64,
+    /// After the emission of the window's own pulse, s.
+    pub offset_s: f64,
+    pub tx_pol: Option<Polarisation>,
+    pub axes_span_s: f64,
+    pub window: Window,
+}
+
+/// Motion of a facet about the instant of the fields; `drop_m` is how far the mean surface lies below the plane there.
+pub(super) fn motion(fields: &Fields<f64>, index: usize, [x, y]: [f64; 2], drop_m: f64) -> PhaseCentre {
+    let at = |column: &Vec<f64>| column[index];
+    let z = at(&fields.height_m) - drop_m;
+    let [u, v, w] = fields.velocity_mps.each_ref().map(at);
+    let [_, _, rising] = fields.acceleration_mps2.each_ref();
+    if fields.displacement_m[0].is_empty() {
+        return PhaseCentre {
+            position: Point::new(x, y, z),
+            velocity: Vector::new(0.0, 0.0, w),
+            acceleration: Vector::new(0.0, 0.0, at(rising)),
+        };
+    }
+    let [dx, dy] = fields.displacement_m.each_ref().map(at);
+    let [ax, ay, az] = fields.acceleration_mps2.each_ref().map(at);
+    PhaseCentre {
+        position: Point::new(x + dx, y + dy, z),
+        velocity: Vector::new(u, v, w),
+        acceleration: Vector::new(ax, ay, az),
+    }
+}
+
+impl PairColumns {
+    fn clear(&mut self) {
+        let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
+        delay_s.clear();
+        delay_rate.clear();
+        incident.iter_mut().chain(scattered).for_each(Vec::clear);
+        scale.clear();
+        rx_bases.clear();
+    }
+
+    fn reserve(&mut self) {
+        let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
+        [delay_s, delay_rate].into_iter().chain(incident).chain(scattered).for_each(|c| c.reserve(CHUNK));
+        scale.reserve(CHUNK);
+        rx_bases.reserve(CHUNK);
+    }
+}
+
+impl Chunk {
+    pub fn new(pairs: usize, channels: usize, mechanisms: usize) -> Self {
+        let zeros = || vec![Complex64::ZERO; CHUNK];
+        let mut chunk = Self {
+            index: Vec::with_capacity(CHUNK),
+            slope: [Vec::with_capacity(CHUNK), Vec::with_capacity(CHUNK)],
+            cover: Vec::with_capacity(CHUNK),
+            phasors: Vec::with_capacity(CHUNK * mechanisms),
+            pairs: vec![PairColumns::default(); pairs],
+            matrix: [zeros(), zeros(), zeros(), zeros()],
+            amplitude: vec![zeros(); channels],
+        };
+        chunk.pairs.iter_mut().for_each(PairColumns::reserve);
+        chunk
+    }
+
+    pub fn clear(&mut self) {
+        self.index.clear();
+        self.slope.iter_mut().for_each(Vec::clear);
+        self.cover.clear();
+        self.phasors.clear();
+        self.pairs.iter_mut().for_each(PairColumns::clear);
+    }
+
+    /// Takes in the paths of a facet over every pair; of one that no pair hears nothing is kept. Says whether it was kept.
+    pub fn see(
+        &mut self,
+        lighting: &Lighting,
+        transmitters: usize,
+        scatterer: &PhaseCentre,
+        visible: impl Fn(usize) -> f64,
+    ) -> bool {
+        let mut kept = false;
+        for (plan, columns) in lighting.plans.iter().zip(&mut self.pairs) {
+            let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
+            let centres = &lighting.emission.centres;
+            let path = bistatic_over(LightTime::Exact, &centres[tx], scatterer, &centres[rx]);
+            let mut scale = Complex64::ZERO;
+            let rx_axes = lighting.emission.axes_after(rx, path.delay_s, lighting.axes_span_s);
+            if plan.hears(lighting.tx_pol) && lighting.window.touches(lighting.offset_s + path.delay_s) {
+                let seen = visible(tx) * visible(rx);
+                let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
+                let link = plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s));
+                if seen > 0.0 && link > 0.0 {
+                    let gain = |antenna: usize, axes: &DMat3, d: DVec3| {
+                        lighting.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
+                    };
+                    let tx_axes = lighting.emission.axes(tx);
+                    scale = gain(tx, &tx_axes, path.incident)
+                        * gain(rx, &rx_axes, -path.scattered)
+                        * (link * seen);
+                }
+            }
+            kept |= scale != Complex64::ZERO;
+            columns.delay_s.push(path.delay_s);
+            columns.delay_rate.push(path.delay_rate);
+            for (column, d) in columns.incident.iter_mut().zip(path.incident.to_array()) {
+                column.push(d);
+            }
+            for (column, d) in columns.scattered.iter_mut().zip(path.scattered.to_array()) {
+                column.push(d);
+            }
+            columns.scale.push(scale);
+            let span_s = lighting.axes_span_s;
+            columns.rx_bases.push(lighting.emission.basis_after(rx, path.delay_s, span_s));
+        }
+        if !kept {
+            for columns in &mut self.pairs {
+                columns.delay_s.pop();
+                columns.delay_rate.pop();
+                columns.incident.iter_mut().chain(&mut columns.scattered).for_each(|c| {
+                    c.pop();
+                });
+                columns.scale.pop();
+                columns.rx_bases.pop();
+            }
+        }
+        kept
+    }
+
+    /// Takes in the rest of a facet whose paths are in: its place in the patch, its tilt, the share its kind covers, its
+    /// random phasors.
+    pub fn take(&mut self, index: usize, slope: [f64; 2], cover: f64, phasors: &[Complex64]) {
+        self.index.push(index);
+        self.slope.iter_mut().zip(slope).for_each(|(column, slope)| column.push(slope));
+        self.cover.push(cover);
+        self.phasors.extend_from_slice(phasors);
+    }
+
+    /// Amplitudes of all facets of the chunk, which are of one kind, with ships at these poses.
+    pub fn scatter(
+        &mut self,
+        lighting: &Lighting,
+        (water, poses): (&WaterScattering, &[Pose]),
+        kind: usize,
+        patch: &Patch,
+    ) {
+        let footprint_m2 = patch.facet_m * patch.facet_m;
+        let count = self.index.len();
+        for column in &mut self.amplitude {
+            column.resize(count, Complex64::ZERO);
+            column.fill(Complex64::ZERO);
+        }
+        for (plan, columns) in lighting.plans.iter().zip(&self.pairs) {
+            let facets = Facets {
+                incident: columns.incident.each_ref().map(Vec::as_slice),
+                scattered: columns.scattered.each_ref().map(Vec::as_slice),
+                slope_x: &self.slope[0],
+                slope_y: &self.slope[1],
+                cover: &self.cover,
+                phasors: &self.phasors,
+                footprint_m2,
+            };
+            for entry in &mut self.matrix {
+                entry.resize(count, Complex64::ZERO);
+            }
+            let [vv, vh, hv, hh] = &mut self.matrix;
+            let place_m = |i: usize| patch.centre_m(patch.key(self.index[i]));
+            if water.scatter_at(kind, &facets, place_m, poses, [vv, vh, hv, hh]).is_err() {
+                debug_assert!(false, "columns of a chunk differ in length");
+                continue;
+            }
+            let (tx, rx) = (plan.pair.transmitter, plan.pair.receiver);
+            let tx_basis = lighting.emission.basis(tx);
+            let tx_leak = lighting.radar.transmitters[tx].antenna.cross_pol_isolation_db;
+            let rx_leak = lighting.radar.receivers[rx].antenna.cross_pol_isolation_db;
+            for i in 0..count {
+                let scale = columns.scale[i];
+                if scale == Complex64::ZERO {
+                    continue;
+                }
+                let direction = |d: &[Vec<f64>; 3]| DVec3::new(d[0][i], d[1][i], d[2][i]);
+                let (incident, scattered) = (direction(&columns.incident), direction(&columns.scattered));
+                let (basis_in, basis_out) = (Basis::of(incident), Basis::of(scattered));
+                let mut e_t = Ports::new(|port| field(&tx_basis, port, tx_leak, incident, &basis_in));
+                let mut e_r =
+                    Ports::new(|port| field(&columns.rx_bases[i], port, rx_leak, -scattered, &basis_out));
+                for &(channel, tx_port, rx_port) in &plan.channels {
+                    if lighting.tx_pol.is_some_and(|port| port != tx_port) {
+                        continue;
+                    }
+                    let (t, r) = (e_t.of(tx_port), e_r.of(rx_port));
+                    let heard = r[0] * (vv[i] * t[0] + vh[i] * t[1]) + r[1] * (hv[i] * t[0] + hh[i] * t[1]);
+                    self.amplitude[channel][i] = scale * heard;
+                }
+            }
+        }
+    }
+}
+
+/// Field components of the ports of one antenna, each found once.
+struct Ports<F> {
+    find: F,
+    found: [Option<[Complex64; 2]>; 4],
+}
+
+impl<F: Fn(Polarisation) -> [Complex64; 2]> Ports<F> {
+    fn new(find: F) -> Self {
+        Self { find, found: [None; 4] }
+    }
+
+    fn of(&mut self, port: Polarisation) -> [Complex64; 2] {
+        let place = usize::from(port.code() - 1);
+        *self.found[place].get_or_insert_with(|| (self.find)(port))
+    }
+}

@@ -1,0 +1,645 @@
+//! From the scene to the contacts of every receive window.
+//!
+//! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It hears every
+//! emission `e` of the run whose echo overlaps it, not only its own: where the delay is longer than the
+//! pulse repetition interval (spaceborne, or the direct path of the next pulse) several pulses are in
+//! the air. A contact of emission `e` with delay `tau` is kept when
+//!
+//! `[t_e - t_n + tau, t_e - t_n + tau + T_p]` touches `[w - 32/fs, w + (N + 32)/fs]`
+//!
+//! (`T_p` the pulse length; 32 samples is where the receive filter's response has died out). Emissions
+//! are searched between bounds on their delays: those of emission `n`, widened by the fastest change of
+//! delay, `(|v_T| + |v_R| + 2 |v_s| + 1000 m/s) / c`, the last term for manoeuvres.
+//!
+//! The sea, if there is one, contributes a contact for every facet that the window hears and that returns
+//! anything. It does not count for [`flags::OUTSIDE_WINDOW`]: a patch that reaches beyond the window is the
+//! rule.
+//!
+//! Each emission has its own geometry: platforms, pointing and transmit polarisation at `t_e`, the
+//! receive antenna at reception. When polarisations alternate, a channel hears an emission only if that
+//! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Contacts
+//! without amplitude in any channel (behind the antenna, in an exact null) are left out.
+//!
+//! The gate of `Gate::Follow` is the exact light time over the aim point between the *known* positions
+//! of the first pair, less the lead; it is not rounded to samples.
+//!
+//! [`Illumination::pulse`] depends on nothing but the pulse's index, and does not allocate once the
+//! contact list has its room.
+//!
+//! ```
+//! use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
+//! use nereus::motion::{PlatformTracks, track::Track};
+//! use nereus::pulse::{Layout, Pulse, SampleFormat};
+//! use nereus::paths::Illumination;
+//! use nereus::paths::list::Contacts;
+//! use nereus::scene::{Radar, Scene, Target, radar::*};
+//! use nereus::time::{PulseTimes, TimeTag};
+//!
+//! let mount = AntennaMount {
+//!     platform: 0,
+//!     lever_arm: Vector::ZERO,
+//!     pattern: Pattern::Isotropic { gain_dbi: 30.0 },
+//!     pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
+//!     cross_pol_isolation_db: None,
+//! };
+//! let scene = Scene {
+//!     frame: SceneFrame::plain(Earth::Flat),
+//!     start: TimeTag::default(),
+//!     pulses: 10,
+//!     seed: 1,
+//!     platforms: vec!["tower".into()],
+//!     radar: Radar {
+//!         carrier_hz: 10e9,
+//!         sample_rate_hz: 100e6,
+//!         waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
+//!         emissions: PulseTimes::uniform(222.0)?,
+//!         tx_polarisation: TxPolarisation::Simultaneous,
+//!         window: Window { samples: 256, gate: Gate::Fixed { start_s: 19.5e-6 } },
+//!         losses_db: 0.0,
+//!         atmosphere_db_per_km: 0.0,
+//!         noise_figure_db: None,
+//!         adc: None,
+//!         direct_path: false,
+//!         transmitters: vec![Transmitter { name: "tx".into(), power_w: 1.0, antenna: mount.clone() }],
+//!         receivers: vec![Receiver { name: "rx".into(), antenna: mount }],
+//!         channels: vec![Channel {
+//!             name: "HH".into(), transmitter: 0, receiver: 0, tx: Polarisation::H, rx: Polarisation::H,
+//!         }],
+//!     },
+//!     sea: None,
+//!     ships: Vec::new(),
+//!     targets: vec![Target {
+//!         name: "buoy".into(),
+//!         position: Point::new(3000.0, 0.0, 0.0),
+//!         velocity: Vector::ZERO,
+//!         scattering: Target::sphere(1.0),
+//!     }],
+//! };
+//! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
+//! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
+//! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
+//! let illumination = Illumination::new(&scene, 0.333e-6, tracks)?;
+//! let layout = Layout {
+//!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, antennas: 2, targets: 1, pairs: 1,
+//!     ships: 0, clocks: 0,
+//! };
+//! let (mut workspace, mut contacts) = (illumination.workspace(), Contacts::new(1, 1, 1));
+//! let mut record = Pulse::new(&layout);
+//! illumination.pulse(3, &mut workspace, &mut contacts, &mut record)?;
+//! assert_eq!(contacts.len(), 1);
+//! assert!((record.target_delay_s[0] * 299_792_458.0 - 2.0 * 3000f64.hypot(50.0)).abs() < 1e-8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod facets;
+mod nodes;
+
+mod sea;
+mod emission;
+pub mod list;
+mod partition;
+pub mod snapshot;
+mod survey;
+pub mod block;
+mod truth;
+mod visibility;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::frames::{Earth, Enu, Point, SceneFrame, Vector};
+use crate::geometry::bistatic::Basis;
+use crate::geometry::horizon;
+use crate::geometry::light_time::Path;
+use crate::motion::PlatformTracks;
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::paths::emission::{Circumstances, Emission, TrackFailure};
+use crate::paths::list::Contacts;
+use crate::pulse::costs::{Costs, Stage};
+use crate::pulse::{Pulse, flags};
+use crate::radar::antenna::Antenna;
+use crate::radar::clock::RunningClocks;
+use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_references, mounts};
+use crate::radar::link::Link;
+use crate::radar::polarisation::field;
+use crate::scene::radar::{Aim, Pair, Polarisation};
+use crate::scene::{Radar, Scene, Target};
+use crate::time::TimeTag;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+use crate::radar::window::Window;
+use facets::Lighting;
+use sea::{SeaFailure, SeaPlan, SeaWork};
+pub use survey::BeyondHorizon;
+
+/// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
+const MANOEUVRE_MPS: f64 = 1000.0;
+/// Instants of the run at which its longest delay is sought.
+const SOUNDINGS: u64 = 32;
+
+/// What one transmitter-receiver pair needs.
+#[derive(Clone, Debug)]
+struct PairPlan {
+    pair: Pair,
+    link: Link,
+    /// Channels on this pair: index, transmit and receive polarisation.
+    channels: Vec<(usize, Polarisation, Polarisation)>,
+}
+
+impl PairPlan {
+    /// Whether an emission reaches any channel of the pair.
+    fn hears(&self, tx_pol: Option<Polarisation>) -> bool {
+        tx_pol.is_none_or(|port| self.channels.iter().any(|&(_, tx, _)| tx == port))
+    }
+}
+
+/// Makes the contacts and the truth of any pulse of a run.
+#[derive(Clone, Debug)]
+pub struct Illumination {
+    frame: SceneFrame,
+    start: TimeTag,
+    pulses: u64,
+    platforms: Vec<String>,
+    radar: Radar,
+    targets: Vec<Target>,
+    pulse_length_s: f64,
+    tracks: Vec<PlatformTracks>,
+    /// Transmitters first.
+    antennas: Vec<Antenna>,
+    pairs: Vec<Pair>,
+    plans: Vec<PairPlan>,
+    channel_pairs: Vec<usize>,
+    fastest_target_mps: f64,
+    axes_span_s: f64,
+    hold_pulses: Option<u64>,
+    sea: Option<Arc<SeaPlan>>,
+    clocks: Option<Arc<RunningClocks>>,
+    /// Platforms by whose reports something is aimed, and how late.
+    listeners: Vec<(usize, f64)>,
+}
+
+/// Buffers of [`Illumination::pulse`]; one per thread.
+#[derive(Clone)]
+pub struct Workspace {
+    own: Emission,
+    other: Emission,
+    amplitude: Vec<Complex64>,
+    sea: Option<SeaWork>,
+    /// What this thread has spent.
+    pub costs: Costs,
+}
+
+impl Illumination {
+    /// Prepares a scene: reads pattern files and checks that the tracks cover the run, from the first
+    /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
+    /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
+    pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
+        let radar = &scene.radar;
+        let mut faults = Vec::new();
+        check_numbers(radar, pulse_length_s, &mut faults);
+        check_references(scene, tracks.len(), &mut faults);
+        let antennas = open_antennas(radar, &mut faults);
+        if !faults.is_empty() {
+            return Err(RadarError::Faults(faults));
+        }
+        let pairs = radar.pairs();
+        let channel_pairs: Vec<usize> = radar
+            .channels
+            .iter()
+            .filter_map(|channel| {
+                let wanted = Pair { transmitter: channel.transmitter, receiver: channel.receiver };
+                pairs.iter().position(|&pair| pair == wanted)
+            })
+            .collect();
+        let plans = pairs
+            .iter()
+            .enumerate()
+            .map(|(index, &pair)| PairPlan {
+                pair,
+                link: Link::new(
+                    radar.transmitters[pair.transmitter].power_w,
+                    radar.wavelength_m(),
+                    radar.losses_db,
+                    radar.atmosphere_db_per_km,
+                ),
+                channels: radar
+                    .channels
+                    .iter()
+                    .enumerate()
+                    .filter(|&(channel, _)| channel_pairs[channel] == index)
+                    .map(|(channel, row)| (channel, row.tx, row.rx))
+                    .collect(),
+            })
+            .collect();
+        let fastest_target_mps = scene.targets.iter().map(|t| t.velocity.norm()).fold(0.0, f64::max);
+        let mut built = Self {
+            frame: scene.frame,
+            start: scene.start,
+            pulses: scene.pulses,
+            platforms: scene.platforms.clone(),
+            radar: radar.clone(),
+            targets: scene.targets.clone(),
+            pulse_length_s,
+            tracks,
+            antennas,
+            pairs,
+            plans,
+            channel_pairs,
+            fastest_target_mps,
+            axes_span_s: 0.0,
+            hold_pulses: None,
+            sea: None,
+            clocks: None,
+            listeners: partition::listeners(radar),
+        };
+        built.check_cover(0.0, &mut faults);
+        if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
+            let patch_mps = built.patch_speed_mps(sea)?;
+            let interval_s = 1.0 / built.radar.emissions.mean_prf_hz();
+            built.hold_pulses = sea::hold_pulses(patch_mps, sea.patch.facet_m, interval_s);
+            let hold_s = built.hold_pulses.map_or(f64::INFINITY, |pulses| pulses as f64 * interval_s);
+            let (patches, nears_horizon) = (built.patches(sea)?, built.nears_horizon(sea)?);
+            let run = sea::Run { patches, patch_mps, hold_s, nears_horizon };
+            built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
+        }
+        if faults.is_empty() {
+            match built.longest_delay_s() {
+                Ok(longest_s) => built.check_cover(longest_s, &mut faults),
+                Err(error) => return Err(error),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(RadarError::Faults(faults));
+        }
+        built.axes_span_s = built.longest_delay_s()?;
+        Ok(built)
+    }
+
+    /// The same with clocks that are wrong: windows open when they say.
+    pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
+        Self { clocks, ..self }
+    }
+
+    /// Other tracks, in the order of the platforms, where those that it was prepared with were a rehearsal.
+    pub fn fly(&mut self, tracks: Vec<PlatformTracks>) {
+        self.tracks = tracks;
+    }
+
+    /// The pair of each channel.
+    pub fn channel_pairs(&self) -> &[usize] {
+        &self.channel_pairs
+    }
+
+    /// The transmitter-receiver pairs, in the order of [`Contacts::delay_s`].
+    pub fn pairs(&self) -> &[Pair] {
+        &self.pairs
+    }
+
+    /// The longest delay found when the run was prepared (at a few dozen instants of it), s: how far
+    /// after the last emission tracks are asked.
+    pub fn light_time_s(&self) -> f64 {
+        self.axes_span_s
+    }
+
+    /// Buffers for [`Self::pulse`].
+    pub fn workspace(&self) -> Workspace {
+        let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
+        // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are first asked for.
+        let costs = Costs::default();
+        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
+    }
+
+    /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
+    /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
+    /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
+    /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
+    pub fn pulse(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        contacts: &mut Contacts,
+        record: &mut Pulse,
+    ) -> Result<(), RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, other, amplitude, sea, costs } = workspace;
+        contacts.clear();
+        self.evaluate(index, own)?;
+        self.fill_record(index, own, record)?;
+        let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
+        let audible = self.audible(index, own, &window)?;
+        costs.lap(Stage::Record);
+        for heard in audible.start..audible.end.min(index) {
+            self.evaluate(heard, other)?;
+            let lighting = self.lighting(index, heard, other, window);
+            self.append(&lighting, amplitude, contacts);
+            self.append_sea(heard, &lighting, sea, costs, contacts)?;
+        }
+        let lighting = self.lighting(index, index, own, window);
+        if self.append(&lighting, amplitude, contacts) {
+            record.flags |= flags::OUTSIDE_WINDOW;
+        }
+        if audible.contains(&index) {
+            self.append_sea(index, &lighting, sea, costs, contacts)?;
+        }
+        for heard in audible.start.max(index + 1)..audible.end {
+            self.evaluate(heard, other)?;
+            let lighting = self.lighting(index, heard, other, window);
+            self.append(&lighting, amplitude, contacts);
+            self.append_sea(heard, &lighting, sea, costs, contacts)?;
+        }
+        costs.lap(Stage::Contacts);
+        Ok(())
+    }
+
+    /// What the window of pulse `index` meets of emission `heard`.
+    fn lighting<'a>(
+        &'a self,
+        index: u64,
+        heard: u64,
+        emission: &'a Emission,
+        window: Window,
+    ) -> Lighting<'a> {
+        Lighting {
+            surroundings: self.surroundings(),
+            radar: &self.radar,
+            antennas: &self.antennas,
+            plans: &self.plans,
+            emission,
+            t: self.radar.emissions.emission(self.start, heard),
+            elapsed_s: self.radar.emissions.interval_s(0, heard),
+            offset_s: self.radar.emissions.interval_s(index, heard),
+            tx_pol: self.radar.tx_polarisation.of_pulse(heard),
+            axes_span_s: self.axes_span_s,
+            window,
+        }
+    }
+
+    /// Appends the facets that one emission lights.
+    fn append_sea(
+        &self,
+        heard: u64,
+        lighting: &Lighting,
+        work: &mut Option<SeaWork>,
+        costs: &mut Costs,
+        contacts: &mut Contacts,
+    ) -> Result<(), RadarError> {
+        let Some(sea) = &self.sea else { return Ok(()) };
+        let Some(work) = self.sea_work(sea, work) else { return Ok(()) };
+        let before = contacts.len();
+        let visited = sea.visit(lighting, work, costs, |chunk| {
+            for place in 0..chunk.index.len() {
+                if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
+                    continue;
+                }
+                contacts.emission_offset_s.push(lighting.offset_s);
+                for (pair, columns) in chunk.pairs.iter().enumerate() {
+                    contacts.delay_s[pair].push(columns.delay_s[place]);
+                    contacts.delay_rate[pair].push(columns.delay_rate[place]);
+                }
+                for (column, amplitude) in contacts.amplitude.iter_mut().zip(&chunk.amplitude) {
+                    column.push(amplitude[place]);
+                }
+            }
+        });
+        costs.looked_at(sea.patch.len(), contacts.len() - before, 0);
+        visited.map_err(|failure| self.sea_error(heard, failure))
+    }
+
+    /// The buffers of the sea, made unless they are there.
+    fn sea_work<'a>(&self, sea: &SeaPlan, work: &'a mut Option<SeaWork>) -> Option<&'a mut SeaWork> {
+        if work.is_none() {
+            *work = sea.work(self.pairs.len(), self.radar.channels.len());
+        }
+        work.as_mut()
+    }
+
+    fn sea_error(&self, index: u64, failure: SeaFailure) -> RadarError {
+        match failure {
+            SeaFailure::Track(failure) => self.track_error(index, failure),
+            SeaFailure::Sea(source) => RadarError::Sea { index, source },
+            SeaFailure::Shadow(source) => RadarError::Shadow { index, source },
+        }
+    }
+
+    /// Whether there is a sea whose patch moves.
+    pub fn follows(&self) -> bool {
+        self.sea.as_ref().is_some_and(|sea| sea.moves())
+    }
+
+    /// Facets of the patch, if there is a sea.
+    pub fn facets(&self) -> usize {
+        self.sea.as_ref().map_or(0, |sea| sea.patch.len())
+    }
+
+    fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings { tracks: &self.tracks, frame: &self.frame, start: self.start }
+    }
+
+    fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
+        let of = Circumstances {
+            surroundings: self.surroundings(),
+            radar: &self.radar,
+            pairs: &self.pairs,
+            targets: &self.targets,
+            axes_span_s: self.axes_span_s,
+        };
+        let t = self.radar.emissions.emission(self.start, index);
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        emission.evaluate(&of, t, elapsed_s).map_err(|failure| self.track_error(index, failure))
+    }
+
+    fn track_error(&self, index: u64, failure: TrackFailure) -> RadarError {
+        let TrackFailure { platform, which, source } = failure;
+        RadarError::Track { index, platform: self.platforms[platform].clone(), which, source }
+    }
+
+    /// The emissions that may be heard in the window of pulse `index`.
+    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Result<Range<u64>, RadarError> {
+        let Some((least_s, most_s)) = self.delay_span_s(index, own, *window)? else {
+            return Ok(index..index);
+        };
+        let transmitters = self.radar.transmitters.len();
+        let fastest = |centres: &[PhaseCentre]| centres.iter().map(|c| c.velocity.norm()).fold(0.0, f64::max);
+        let (tx, rx) = own.centres.split_at(transmitters);
+        let closing_mps = fastest(tx) + fastest(rx) + 2.0 * self.fastest_target_mps + MANOEUVRE_MPS;
+        let earliest_s = window.open_s - window.guard_s - self.pulse_length_s - most_s;
+        let latest_s = window.close_s + window.guard_s - least_s;
+        // Twice, because the interval itself widens by what is added.
+        let change_s = 2.0 * closing_mps / SPEED_OF_LIGHT_MPS * earliest_s.abs().max(latest_s.abs());
+        let first = self.first_emission(index, earliest_s - change_s);
+        let after = self.first_emission(index, latest_s + change_s);
+        Ok(first..after)
+    }
+
+    /// Bounds on all delays of an emission, s; `None` where nothing returns it.
+    fn delay_span_s(
+        &self,
+        index: u64,
+        emission: &Emission,
+        window: Window,
+    ) -> Result<Option<(f64, f64)>, RadarError> {
+        let targets = emission.delay_span_s();
+        let Some(sea) = &self.sea else { return Ok(targets) };
+        let lighting = self.lighting(index, index, emission, window);
+        let patch = sea
+            .patch_at(&lighting.surroundings, lighting.elapsed_s)
+            .map_err(|failure| self.track_error(index, failure))?;
+        let facets = sea.delay_span_s(&patch, &lighting);
+        Ok(match (targets, facets) {
+            (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
+            (one, other) => one.or(other),
+        })
+    }
+
+    /// The first emission of the run at least `offset_s` after emission `index` (the number of
+    /// pulses if there is none).
+    fn first_emission(&self, index: u64, offset_s: f64) -> u64 {
+        // No emission is farther away, counted in pulses, than the shortest interval allows.
+        let steps = (offset_s.abs() / self.radar.emissions.shortest_pri_s()).ceil() as u64;
+        let reach = steps.saturating_add(2);
+        let mut low = if offset_s < 0.0 { index.saturating_sub(reach) } else { index };
+        let mut high = if offset_s < 0.0 { index } else { index.saturating_add(reach) }.min(self.pulses);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.radar.emissions.interval_s(index, middle) < offset_s {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// Appends the contacts of one emission; says whether an echo lies partly or wholly outside.
+    fn append(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) -> bool {
+        let mut outside = false;
+        for (contact, paths) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            outside |= self.weigh(lighting, contact, paths, amplitude);
+            if amplitude.iter().any(|a| *a != Complex64::ZERO) {
+                let courses = paths.iter().map(|path| (path.delay_s, path.delay_rate));
+                contacts.push(lighting.offset_s, courses, amplitude);
+            }
+        }
+        outside
+    }
+
+    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; says whether an echo
+    /// lies partly or wholly outside the window.
+    fn weigh(
+        &self,
+        lighting: &Lighting,
+        contact: usize,
+        paths: &[Path],
+        amplitude: &mut [Complex64],
+    ) -> bool {
+        let Lighting { emission, offset_s, tx_pol, window, .. } = *lighting;
+        let mut outside = false;
+        let target = self.targets.get(contact);
+        amplitude.fill(Complex64::ZERO);
+        for (plan, path) in self.plans.iter().zip(paths) {
+            let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
+            let scale = match target {
+                Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
+                None => plan.link.direct(range(path.delay_s)),
+            };
+            let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
+            if scale == 0.0 || !plan.hears(tx_pol) {
+                continue;
+            }
+            let begin_s = offset_s + path.delay_s;
+            outside |= !window.holds(begin_s);
+            if window.touches(begin_s) {
+                self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
+            }
+        }
+        outside
+    }
+
+    /// Share of the field of a path that passes the horizons of its antennas.
+    fn passes_horizon(&self, plan: &PairPlan, emission: &Emission, path: &Path, direct: bool) -> f64 {
+        let earth = self.frame.hiding_earth();
+        if earth == Earth::Flat {
+            return 1.0;
+        }
+        let on = |from: Point<Enu>, along: DVec3, leg_s: f64| {
+            Point::from_raw(from.raw() + along * (leg_s * SPEED_OF_LIGHT_MPS))
+        };
+        let seen = |from: Point<Enu>, to: Point<Enu>| {
+            horizon::weight(horizon::clearance_m(earth, from, to), horizon::POINT_EDGE_M)
+        };
+        let tx = emission.centres[plan.pair.transmitter].position;
+        if direct {
+            return seen(tx, on(tx, path.incident, path.delay_s));
+        }
+        let at = on(tx, path.incident, path.tx_leg_s);
+        seen(tx, at) * seen(on(at, path.scattered, path.rx_leg_s), at)
+    }
+
+    /// Amplitudes of one path in the channels of its pair; `target` is `None` for the direct path.
+    fn amplitudes(
+        &self,
+        plan: &PairPlan,
+        path: &Path,
+        target: Option<&Target>,
+        scale: f64,
+        tx_pol: Option<Polarisation>,
+        emission: &Emission,
+        amplitude: &mut [Complex64],
+    ) {
+        let tx = plan.pair.transmitter;
+        let rx = self.radar.transmitters.len() + plan.pair.receiver;
+        let tx_axes = emission.axes(tx);
+        let rx_axes = emission.axes_after(rx, path.delay_s, self.axes_span_s);
+        let gain = |antenna: usize, axes: &glam::DMat3, d: DVec3| {
+            self.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
+        };
+        let gains = gain(tx, &tx_axes, path.incident) * gain(rx, &rx_axes, -path.scattered) * scale;
+        if gains == Complex64::ZERO {
+            return;
+        }
+        let (basis_in, basis_out) = (Basis::of(path.incident), Basis::of(path.scattered));
+        let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
+        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
+        let tx_basis = emission.basis(tx);
+        let rx_basis = emission.basis_after(rx, path.delay_s, self.axes_span_s);
+        for &(channel, tx_port, rx_port) in &plan.channels {
+            if tx_pol.is_some_and(|port| port != tx_port) {
+                continue;
+            }
+            let e_t = field(&tx_basis, tx_port, tx_leak, path.incident, &basis_in);
+            let e_r = field(&rx_basis, rx_port, rx_leak, -path.scattered, &basis_out);
+            let heard = match target {
+                None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
+                Some(Target { scattering: s, .. }) => {
+                    e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
+                        + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
+                }
+            };
+            amplitude[channel] = gains * heard;
+        }
+    }
+}
+
+/// The platform beside which an aim point lies.
+fn beside(aim: &Aim) -> Option<usize> {
+    match aim {
+        Aim::Beside { platform, .. } => Some(*platform),
+        Aim::Point { .. } => None,
+    }
+}
+
+fn open_antennas(radar: &Radar, faults: &mut Vec<RadarFault>) -> Vec<Antenna> {
+    let mut antennas = Vec::new();
+    for (name, mount) in mounts(radar) {
+        match Antenna::open(&mount.pattern, radar.wavelength_m()) {
+            Ok(antenna) => antennas.push(antenna),
+            Err(source) => faults.push(RadarFault::Pattern { antenna: name.to_owned(), source }),
+        }
+    }
+    antennas
+}

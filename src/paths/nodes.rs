@@ -1,0 +1,158 @@
+//! Pulses of a block: whether they can be made together, their records, and their targets as contacts that can be interpolated.
+
+use num_complex::Complex64;
+
+use super::facets::Lighting;
+use super::{Illumination, Workspace};
+use crate::paths::list::Contacts;
+use crate::pulse::costs::Stage;
+use crate::pulse::{Pulse, flags};
+use crate::radar::fault::RadarError;
+use crate::radar::window::Window;
+use crate::scene::Patch;
+use crate::scene::radar::TxPolarisation;
+
+/// Pulses in the air at once that are looked for where intervals differ.
+const MOST_IN_AIR: u64 = 256;
+
+impl Illumination {
+    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals,
+    /// from facets that keep their phases: then their contacts can be interpolated.
+    pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
+        let even = self.radar.emissions.is_uniform();
+        let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
+        if forgets || !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
+            return Ok(false);
+        }
+        for &index in pulses {
+            self.evaluate(index, &mut workspace.own)?;
+            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+            let audible = self.audible(index, &workspace.own, &window)?;
+            if audible.start < index || audible.end > index + 1 {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Share of the echo of a pulse with such a delay that some window hears, of those that open `opens_s` after their emission: 0 to 1.
+    pub fn heard_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
+        let listens_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let begins_s = delay_s - opens_s;
+        let heard_s = |later_s: f64| {
+            let begins_s = begins_s - later_s;
+            self.pulse_length_s.min(listens_s - begins_s) - (-begins_s).max(0.0)
+        };
+        // Where pulses are in the air a later window hears it, or an earlier one.
+        let emissions = &self.radar.emissions;
+        let mut most_s = heard_s(0.0);
+        if emissions.is_uniform() {
+            let interval_s = emissions.interval_s(0, 1);
+            if interval_s > 0.0 {
+                let later = (begins_s / interval_s).floor();
+                most_s =
+                    [later, later + 1.0].map(|n| heard_s(n * interval_s)).into_iter().fold(most_s, f64::max);
+            }
+        } else {
+            let later = (1..=MOST_IN_AIR).map(|n| emissions.interval_s(index, index.saturating_add(n)));
+            let later = later.take_while(|later_s| *later_s <= begins_s + self.pulse_length_s);
+            let before = (1..=MOST_IN_AIR.min(index)).map(|n| -emissions.interval_s(index - n, index));
+            let before = before.take_while(|later_s| begins_s - *later_s <= listens_s);
+            most_s = later.chain(before).map(heard_s).fold(most_s, f64::max);
+        }
+        (most_s.max(0.0) / self.pulse_length_s).min(1.0)
+    }
+
+    /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay rates.
+    pub fn rates(&self, contacts: &Contacts, pair: usize, share: impl Fn(f64) -> f64) -> (f64, f64) {
+        let (mut power, mut sum) = (0.0, 0.0);
+        for (channel, _) in self.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
+            let courses = contacts.delay_s[pair].iter().zip(&contacts.delay_rate[pair]);
+            for (a, (delay_s, rate)) in contacts.amplitude[channel].iter().zip(courses) {
+                let own = share(*delay_s) * a.norm_sqr();
+                if own.is_finite() && rate.abs() < 1.0 {
+                    (power, sum) = (power + own, sum + own * rate);
+                }
+            }
+        }
+        (power, sum)
+    }
+
+    /// Start of the window of a pulse after its emission by the clocks of the radar, s.
+    pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
+        self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
+    }
+
+    /// Start of the window of a pulse after its emission, s; where clocks are wrong, the true one.
+    pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
+        self.window_start_s(index, self.radar.emissions.emission(self.start, index))
+    }
+
+    /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for good.
+    pub fn hold_pulses(&self) -> Option<u64> {
+        self.hold_pulses
+    }
+
+    /// The patch at a pulse; `None` for a scene without sea.
+    pub fn patch_of(&self, index: u64) -> Result<Option<Patch>, RadarError> {
+        let Some(sea) = &self.sea else { return Ok(None) };
+        let patch = sea.patch_at(&self.surroundings(), self.radar.emissions.interval_s(0, index));
+        Ok(Some(patch.map_err(|failure| self.track_error(index, failure))?))
+    }
+
+    /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its contacts;
+    /// see [`Self::pulse`].
+    pub fn record(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        record: &mut Pulse,
+    ) -> Result<(), RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, amplitude, costs, .. } = workspace;
+        self.evaluate(index, own)?;
+        self.fill_record(index, own, record)?;
+        let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
+        let lighting = self.lighting(index, index, own, window);
+        for (contact, paths) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            if self.weigh(&lighting, contact, paths, amplitude) {
+                record.flags |= flags::OUTSIDE_WINDOW;
+            }
+        }
+        costs.lap(Stage::Record);
+        Ok(())
+    }
+
+    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they sound or not.
+    pub fn points(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        contacts: &mut Contacts,
+    ) -> Result<(), RadarError> {
+        if index >= self.pulses {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        }
+        let Workspace { own, amplitude, .. } = workspace;
+        contacts.clear();
+        self.evaluate(index, own)?;
+        let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
+        self.append_every(&lighting, amplitude, contacts);
+        Ok(())
+    }
+
+    /// How many of them there are.
+    pub fn point_count(&self) -> usize {
+        self.targets.len() + usize::from(self.radar.direct_path)
+    }
+
+    /// Appends targets and direct paths whether they sound or not.
+    fn append_every(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) {
+        for (contact, paths) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            self.weigh(lighting, contact, paths, amplitude);
+            contacts.push(lighting.offset_s, paths.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
+        }
+    }
+}

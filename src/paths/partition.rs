@@ -1,0 +1,134 @@
+//! Where blocks of pulses end because a report changes.
+//!
+//! Antennas and gates that go by reports jump when a report is changed ([`crate::motion::changes`]), and no interpolation knows of a jump. So blocks end
+//! at the first pulse whose emission comes a servo's lag after the change; and, because axes of receive antennas are found over the time of flight,
+//! also at the first that sees it in that time (without a lag that is the same one: blocks are made of pulses of which one flies at a time).
+
+use std::ops::Range;
+
+use super::{Illumination, beside};
+use crate::motion::changes::Change;
+use crate::radar::fault::mounts;
+use crate::radar::window::Window;
+use crate::scene::Radar;
+use crate::scene::radar::{AimFrom, Gate, Pointing};
+use crate::time::TimeTag;
+
+/// Times closer than this are not told apart, s: pulses are a nanosecond apart at least.
+const TIE_S: f64 = 0.5e-9;
+
+/// Platforms by whose reports something is aimed, and how late.
+pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
+    let mut found = Vec::new();
+    let mut note = |platform: Option<usize>, lag_s: f64| {
+        if let Some(platform) = platform.filter(|platform| !found.contains(&(*platform, lag_s))) {
+            found.push((platform, lag_s));
+        }
+    };
+    for (_, mount) in mounts(radar) {
+        if let Pointing::At { aim, aim_from: AimFrom::Reported, lag_s, .. } = &mount.pointing {
+            note(Some(mount.platform), *lag_s);
+            note(beside(aim), *lag_s);
+        }
+    }
+    if let (Gate::Follow { aim, aim_from: AimFrom::Reported, .. }, Some(pair)) =
+        (&radar.window.gate, radar.pairs().first())
+    {
+        note(Some(radar.transmitters[pair.transmitter].antenna.platform), 0.0);
+        note(Some(radar.receivers[pair.receiver].antenna.platform), 0.0);
+        note(beside(aim), 0.0);
+    }
+    found
+}
+
+/// Rounding of windows and emissions, s.
+const GUARD_S: f64 = 1e-3;
+
+impl Illumination {
+    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later emissions, the longest
+    /// light time, and two pulses more.
+    pub fn rests_on(&self, index: u64) -> TimeTag {
+        let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let opens_s = match &self.radar.window.gate {
+            Gate::Fixed { start_s } => start_s.max(0.0),
+            Gate::Follow { .. } => self.axes_span_s,
+        };
+        let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + opens_s + window_s + GUARD_S;
+        self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
+    }
+
+    /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by.
+    pub fn unbroken(&self, block: Range<u64>, index: u64) -> Range<u64> {
+        let mut part = block.clone();
+        let mut cut = |pulse: u64| {
+            if pulse <= index {
+                part.start = part.start.max(pulse);
+            } else {
+                part.end = part.end.min(pulse);
+            }
+        };
+        for &(platform, lag_s) in &self.listeners {
+            let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {
+                continue;
+            };
+            changes.read(|given| {
+                for one in given {
+                    // What a servo sees at once it sees at that very pulse.
+                    if lag_s == 0.0 {
+                        cut(one.pulse);
+                    }
+                    let ends_s = match one.change {
+                        Change::Dropout { seconds } => Some(one.t_s + seconds),
+                        _ => None,
+                    };
+                    let begins_s = (lag_s > 0.0).then_some(one.t_s);
+                    for jump_s in begins_s.into_iter().chain(ends_s) {
+                        // Not told from a pulse a rounding before or after.
+                        for tie_s in [-TIE_S, TIE_S] {
+                            cut(self.first_from(&block, jump_s + lag_s + tie_s));
+                        }
+                        cut(self.first_from(&block, jump_s + lag_s - self.axes_span_s - TIE_S));
+                    }
+                }
+            });
+        }
+        part
+    }
+
+    /// The first pulse of a block that is emitted so long after pulse 0; its end if there is none.
+    fn first_from(&self, block: &Range<u64>, at_s: f64) -> u64 {
+        let (mut low, mut high) = (block.start, block.end);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.radar.emissions.interval_s(0, middle) < at_s {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its window hears was sent that much later at
+    /// most, and antennas are asked where they point a time of flight after that.
+    pub fn asks_ahead_s(&self, index: u64) -> f64 {
+        let opens_s = self.window_start_of(index).unwrap_or(0.0);
+        let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
+        (window.close_s + window.guard_s).max(0.0) + self.axes_span_s
+    }
+
+    /// The first pulse whose reports nothing asks for that has to do with pulses up to `made`.
+    pub fn first_untouched(&self, made: u64) -> u64 {
+        let ahead_s = self.asks_ahead_s(made);
+        let (mut low, mut high) = (made.saturating_add(1), self.pulses.max(made.saturating_add(1)));
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.radar.emissions.interval_s(made, middle) <= ahead_s {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}

@@ -1,0 +1,528 @@
+//! The sea of a run: drawn once, lit emission by emission.
+//!
+//! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch lies at a
+//! time and how long its echoes take, and visits its facets ([`super::facets`]).
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::facets::{CHUNK, Chunk, Lighting, motion};
+use super::visibility::{MOST_ENDS, Updates, Visibility};
+use crate::frames::{Enu, Point};
+use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
+use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::paths::emission::TrackFailure;
+use crate::pulse::costs::{Costs, Stage};
+use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
+use crate::scattering::lanes::LaneWater;
+use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
+use crate::scene::radar::AntennaMount;
+use crate::scene::sea::{LightWinds, PatchPlace, Sea, Shadowing};
+use crate::scene::{Patch, Scene};
+use crate::sea::fleet::{self, Fleet};
+use crate::sea::realise::{RealiseError, Realised, realise};
+use crate::sea::sheet::Sheet;
+use crate::sea::spectrum::light_wind::that_scatters;
+use crate::sea::surface::{Fields, Selection, Surface};
+use crate::sea::wake::course::Pose;
+use crate::sea::wake::{Wake, WakeError};
+use crate::time::TimeTag;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Rows that a patch may always move between updates of its shadows, however small it is.
+const LEAST_MARGIN: usize = 64;
+/// Faster than any water, m/s.
+const FASTEST_WATER_MPS: f64 = 100.0;
+/// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
+const CREST_RMS: f64 = 8.0;
+
+/// The sea of a run, ready to be lit. Immutable, shared by all threads.
+pub(super) struct SeaPlan {
+    pub patch: Patch,
+    place: PatchPlace,
+    hold_s: f64,
+    /// Time of the last emission, s after pulse 0.
+    last_s: f64,
+    pub surface: Surface,
+    pub wakes: Vec<Wake>,
+    pub scattering: WaterScattering,
+    /// The same for facets side by side.
+    pub lanes: LaneWater,
+    pub visibility: Option<Visibility>,
+    pub displacement: bool,
+    /// How far waves may carry a facet from its grid position, m.
+    reach_m: f64,
+}
+
+impl fmt::Debug for SeaPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SeaPlan")
+            .field("patch", &self.patch)
+            .field("place", &self.place)
+            .finish_non_exhaustive()
+    }
+}
+
+/// How the patch moves in a run.
+pub(super) struct Run {
+    /// Where it lies at some times, s after pulse 0: the first and the last emission, and some between.
+    pub patches: Vec<(f64, Patch)>,
+    /// A bound on its speed, m/s.
+    pub patch_mps: f64,
+    /// How long a patch that follows stays where it is, s.
+    pub hold_s: f64,
+    /// Whether the patch comes near the horizon of an antenna.
+    pub nears_horizon: bool,
+}
+
+/// Longest time for which a patch that follows stays, s, and facets that it may jump then.
+const LONGEST_HOLD_S: f64 = 0.5;
+const FACETS_A_JUMP: f64 = 16.0;
+
+/// How many pulses a patch that follows at a speed stays where it is: a choice of the model, which knows no blocks, but a number with
+/// many divisors, so that blocks fit. `None` where it stays for good.
+pub(super) fn hold_pulses(patch_mps: f64, facet_m: f64, interval_s: f64) -> Option<u64> {
+    const ROUND: [u64; 9] = [24, 18, 12, 9, 6, 4, 3, 2, 1];
+    if patch_mps == 0.0 {
+        return None;
+    }
+    let longest_s = LONGEST_HOLD_S.min(FACETS_A_JUMP * facet_m / patch_mps);
+    let most = (longest_s / interval_s).floor() as u64;
+    let held = if most >= 36 { most / 36 * 36 } else { ROUND.into_iter().find(|n| *n <= most).unwrap_or(1) };
+    Some(held)
+}
+
+impl Run {
+    /// How visibility is found: where waves hide nothing, the earth may.
+    fn shadowing(&self, sea: &Sea) -> Option<Shadowing> {
+        let of_earth =
+            || self.nears_horizon.then_some(Shadowing { width_rad: Some(0.0), ..Shadowing::default() });
+        sea.shadow.or_else(of_earth)
+    }
+
+    /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet asked for
+    /// until the next: what the patch moves between the two, and while it is held.
+    fn margin(&self, sea: &Sea) -> Result<usize, SeaFault> {
+        let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, self.shadowing(sea)) else {
+            return Ok(0);
+        };
+        let facet_m = sea.patch.facet_m;
+        let rows = (self.patch_mps * (shadow.update_s + self.hold_s) / facet_m).ceil() as usize + 1;
+        let most = sea.patch.facets[0].max(sea.patch.facets[1]).max(LEAST_MARGIN);
+        if rows > most {
+            let update_ms = 1e3 * ((most - 1) as f64 * facet_m / self.patch_mps - self.hold_s).max(0.0);
+            return Err(SeaFault::SlowUpdates { rows, most, update_ms });
+        }
+        Ok(rows)
+    }
+}
+
+/// Random phasors of the facets at hand. A facet's place is its key modulo the patch, so that what moves is
+/// only what enters.
+#[derive(Clone)]
+struct Phasors {
+    keys: Vec<Option<[i64; 2]>>,
+    phasors: Vec<Complex64>,
+    mechanisms: usize,
+}
+
+/// Buffers of one thread.
+#[derive(Clone)]
+pub(super) struct SeaWork {
+    sheet: Sheet,
+    fields: Fields<f64>,
+    phasors: Phasors,
+    pub updates: Option<Updates>,
+    poses: Vec<Pose>,
+    chunk: Chunk,
+}
+
+/// Why the sea cannot be lit at an instant.
+#[derive(Debug)]
+pub(super) enum SeaFailure {
+    Track(TrackFailure),
+    Sea(WakeError),
+    Shadow(shadow::ShadowError),
+}
+
+impl From<TrackFailure> for SeaFailure {
+    fn from(failure: TrackFailure) -> Self {
+        Self::Track(failure)
+    }
+}
+
+impl From<WakeError> for SeaFailure {
+    fn from(error: WakeError) -> Self {
+        Self::Sea(error)
+    }
+}
+
+impl From<shadow::ShadowError> for SeaFailure {
+    fn from(error: shadow::ShadowError) -> Self {
+        Self::Shadow(error)
+    }
+}
+
+/// A patch at a time, given where it is at pulse 0.
+pub(super) fn patch_at(
+    patch: &Patch,
+    place: &PatchPlace,
+    of: &Surroundings,
+    t: TimeTag,
+) -> Result<Patch, TrackFailure> {
+    match place {
+        PatchPlace::Fixed => Ok(*patch),
+        PatchPlace::Follow { aim, aim_from } => {
+            let (point, _) = of.aim_point(aim, *aim_from, t).map_err(|source| TrackFailure {
+                platform: super::beside(aim).unwrap_or(0),
+                which: TrackUse::from(*aim_from),
+                source,
+            })?;
+            let [x, y, _] = point.to_array();
+            Ok(patch.centred_at([x, y]))
+        }
+    }
+}
+
+/// A bound on the height of ships' waves: every wave at its crest, m.
+fn crest_m(wakes: &[Wake]) -> f64 {
+    wakes.iter().flat_map(Wake::nodes).map(|node| node.amplitude_m.norm()).sum()
+}
+
+impl SeaWork {
+    /// Heights of the facets visited last, `[iy][ix]` over their patch, m.
+    pub fn heights_m(&self) -> &[f64] {
+        &self.fields.height_m
+    }
+}
+
+impl SeaPlan {
+    /// Draws the sea of a scene and prepares its scattering.
+    pub fn new(scene: &Scene, sea: &Sea, run: &Run, faults: &mut Vec<RadarFault>) -> Option<Self> {
+        let realised =
+            realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
+        let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
+        let mut patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
+        // The last update of the shadows comes after the last emission, and ships sail on until then.
+        if let (Some(shadow), Some(&(last_s, patch))) = (run.shadowing(sea), patches.last()) {
+            patches.push((last_s + shadow.update_s, patch));
+        }
+        let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.hold_s)
+            .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))
+            .ok();
+        Self::build(scene, sea, realised?, fleet?, run, margin)
+            .map_err(|fault| faults.push(fault.into()))
+            .ok()
+    }
+
+    fn build(
+        scene: &Scene,
+        sea: &Sea,
+        realised: Realised,
+        fleet: Fleet,
+        run: &Run,
+        margin: usize,
+    ) -> Result<Self, SeaFault> {
+        let last_s = run.patches.last().map_or(0.0, |&(time_s, _)| time_s);
+        let antennas = scene.radar.transmitters.len() + scene.radar.receivers.len();
+        let shadowing = run.shadowing(sea);
+        if shadowing.is_some() && antennas > MOST_ENDS {
+            return Err(SeaFault::Antennas { antennas, most: MOST_ENDS });
+        }
+        let Realised { wind, spectrum, surface } = realised;
+        let carrier_hz = scene.radar.carrier_hz;
+        let sight = Sight { carrier_hz, seed: scene.seed, spectrum: SpectrumPath::Exact };
+        let Fleet { wakes, strips } = fleet;
+        let shortest_radpm = 2.0 * TAU * carrier_hz / SPEED_OF_LIGHT_MPS;
+        let short_waves = fleet::short_waves(&scene.ships, sea.patch.facet_m, shortest_radpm)?;
+        let spectrum = match sea.scattering.light_wind {
+            LightWinds::Threshold => {
+                that_scatters(&sea.water, &wind).map_err(RealiseError::from)?.unwrap_or(spectrum)
+            }
+            LightWinds::AsPublished => spectrum,
+        };
+        let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?
+            .with_short_waves(short_waves);
+        let mut plan = Self {
+            patch: sea.patch,
+            place: sea.place.clone(),
+            hold_s: run.hold_s,
+            last_s,
+            reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes),
+            surface,
+            wakes,
+            lanes: scattering.lanes(),
+            scattering,
+            visibility: None,
+            displacement: sea.scattering.displacement,
+        };
+        if let Some(shadowing) = &shadowing {
+            let width_rad = match shadowing.width_rad {
+                Some(width_rad) => width_rad,
+                None => {
+                    plan.half_slope_change_rad(run.patches.first().map_or(&sea.patch, |(_, patch)| patch))?
+                }
+            };
+            let settings =
+                shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
+            let visibility = Visibility {
+                waves: sea.shadow.is_some(),
+                settings,
+                earth: scene.frame.hiding_earth(),
+                horizon_edge_m: width_rad * sea.patch.facet_m,
+                update_s: shadowing.update_s,
+                margin,
+                ends: antennas,
+            };
+            // Whether its maps are legal shows here and not at the first pulse.
+            visibility.check::<SeaFault>(&plan.wakes, &plan.patch)?;
+            plan.visibility = Some(visibility);
+        }
+        Sheet::<f32>::new(&plan.surface, Selection::HEIGHT).with_wakes(&plan.wakes, &plan.patch)?;
+        Ok(plan)
+    }
+
+    /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
+    fn half_slope_change_rad(&self, patch: &Patch) -> Result<f64, SeaFault> {
+        let mut sheet = Sheet::<f64>::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
+        let mut fields = sheet.fields(patch);
+        sheet.evaluate(0.0, patch, &mut fields)?;
+        let map = Map::new(&fields.height_m, patch.facets, patch.facet_m, [0.0, 0.0])?;
+        Ok(half_slope_change_rad(&map))
+    }
+
+    /// Buffers of one thread for a radar with so many pairs and channels.
+    pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
+        // That they are legal was found out when the plan was made.
+        let sheet =
+            Sheet::<f64>::new(&self.surface, self.selection()).with_wakes(&self.wakes, &self.patch).ok()?;
+        let updates = match &self.visibility {
+            Some(visibility) => {
+                Some(visibility.updates::<f64, SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)
+            }
+            None => None,
+        };
+        let mechanisms = self.scattering.mechanisms();
+        let facets = self.patch.len();
+        let mut poses = Vec::new();
+        self.scattering.poses(0.0, &mut poses);
+        Some(SeaWork {
+            fields: sheet.fields(&self.patch),
+            sheet,
+            phasors: Phasors {
+                keys: vec![None; facets],
+                phasors: vec![Complex64::ZERO; facets * mechanisms],
+                mechanisms,
+            },
+            updates,
+            poses,
+            chunk: Chunk::new(pairs, channels, mechanisms),
+        })
+    }
+
+    /// What the paths and tilts of facets ask of the surface.
+    fn selection(&self) -> Selection {
+        Selection {
+            slopes: true,
+            velocity: true,
+            horizontal_acceleration: self.displacement,
+            displacement: self.displacement,
+            ..Selection::HEIGHT
+        }
+    }
+
+    /// Whether facets forget their phases.
+    pub fn forgets(&self) -> bool {
+        self.scattering.decorrelates()
+    }
+
+    /// Whether the patch moves.
+    pub fn moves(&self) -> bool {
+        matches!(self.place, PatchPlace::Follow { .. })
+    }
+
+    /// When the patch of a time (s after pulse 0) was placed.
+    fn placed_s(&self, elapsed_s: f64) -> f64 {
+        if self.hold_s.is_finite() { (elapsed_s / self.hold_s + 1e-9).floor() * self.hold_s } else { 0.0 }
+    }
+
+    /// The patch at a time, s after pulse 0: where it was placed last.
+    pub fn patch_at(&self, of: &Surroundings, elapsed_s: f64) -> Result<Patch, TrackFailure> {
+        patch_at(&self.patch, &self.place, of, of.start.plus(self.placed_s(elapsed_s.max(0.0))))
+    }
+
+    /// Bounds on the delays of all facets of a patch over all pairs, s.
+    pub fn delay_span_s(&self, patch: &Patch, lighting: &Lighting) -> Option<(f64, f64)> {
+        let transmitters = lighting.radar.transmitters.len();
+        let centres = &lighting.emission.centres;
+        let side = 0.5 * patch.facet_m + self.reach_m;
+        let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+        let (low, high) =
+            (patch.centre_m(patch.first).map(|x| x - side), patch.centre_m(last).map(|x| x + side));
+        // The mean surface is nowhere higher than where the patch is nearest to the origin, nor lower than in a corner.
+        let earth = lighting.surroundings.frame.earth();
+        let inner = [0, 1].map(|i| 0f64.clamp(low[i], high[i]));
+        let corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
+        let deepest = corners.iter().map(|c| earth.drop_m(c[0], c[1])).fold(0.0, f64::max);
+        let (floor, ceiling) = (-deepest - self.reach_m, self.reach_m - earth.drop_m(inner[0], inner[1]));
+        let nearest_m = |p: [f64; 3]| {
+            let d = [
+                p[0] - p[0].clamp(low[0], high[0]),
+                p[1] - p[1].clamp(low[1], high[1]),
+                p[2] - p[2].clamp(floor, ceiling),
+            ];
+            d[0].hypot(d[1]).hypot(d[2])
+        };
+        // The sum of two distances is convex, so it is greatest in a corner of the box.
+        let farthest_m = |tx: [f64; 3], rx: [f64; 3]| {
+            let leg = |p: [f64; 3], c: [f64; 2], z: f64| (p[0] - c[0]).hypot(p[1] - c[1]).hypot(p[2] - z);
+            let both = |c: [f64; 2], z: f64| leg(tx, c, z) + leg(rx, c, z);
+            corners.iter().flat_map(|&c| [both(c, floor), both(c, ceiling)]).fold(0.0, f64::max)
+        };
+        lighting.plans.iter().fold(None, |span: Option<(f64, f64)>, plan| {
+            let tx = centres[plan.pair.transmitter].position.to_array();
+            let rx = centres[transmitters + plan.pair.receiver].position.to_array();
+            let (least, most) = (nearest_m(tx) + nearest_m(rx), farthest_m(tx, rx));
+            let (least, most) = (least / SPEED_OF_LIGHT_MPS, most / SPEED_OF_LIGHT_MPS);
+            // While the pulse is under way the receiver moves, and the water.
+            let receiver_mps = centres[transmitters + plan.pair.receiver].velocity.norm();
+            let change_s = (receiver_mps + FASTEST_WATER_MPS) / SPEED_OF_LIGHT_MPS * most;
+            let (least, most) = (least - change_s, most + change_s);
+            Some(span.map_or((least, most), |(a, b)| (a.min(least), b.max(most))))
+        })
+    }
+
+    /// Visits the facets that one emission lights in a window, chunk by chunk.
+    pub fn visit(
+        &self,
+        lighting: &Lighting,
+        work: &mut SeaWork,
+        costs: &mut Costs,
+        each: impl FnMut(&Chunk),
+    ) -> Result<(), SeaFailure> {
+        let patch = self.patch_at(&lighting.surroundings, lighting.elapsed_s)?;
+        self.light(lighting, &patch, work, costs, each)
+    }
+
+    fn light(
+        &self,
+        lighting: &Lighting,
+        patch: &Patch,
+        work: &mut SeaWork,
+        costs: &mut Costs,
+        mut each: impl FnMut(&Chunk),
+    ) -> Result<(), SeaFailure> {
+        let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
+        costs.lap(Stage::Contacts);
+        sheet.evaluate(lighting.elapsed_s, patch, fields)?;
+        costs.lap(Stage::Surface);
+        self.scattering.poses(lighting.elapsed_s, poses);
+        phasors.prepare(&self.scattering, patch, lighting.elapsed_s);
+        costs.lap(Stage::Contacts);
+        let earth = lighting.surroundings.frame.earth();
+        let mix = match (&self.visibility, updates) {
+            (Some(visibility), Some(updates)) => Some(visibility.at(
+                updates,
+                lighting.elapsed_s,
+                |elapsed_s, places| self.scenery(lighting, elapsed_s, places),
+                |[x, y]| earth.drop_m(x, y),
+            )?),
+            _ => None,
+        };
+        costs.lap(Stage::Shadow);
+        let transmitters = lighting.radar.transmitters.len();
+        let mut first = 0;
+        while first < patch.len() {
+            let end = (first + CHUNK).min(patch.len());
+            let mut kinds = [(0, 0.0); CHUNK];
+            if self.scattering.kinds() > 1 {
+                for (place, index) in (first..end).enumerate() {
+                    kinds[place] = self.scattering.kind_at(patch.centre_m(patch.key(index)), poses);
+                }
+            }
+            for kind in 0..self.scattering.kinds() {
+                chunk.clear();
+                for (index, &(its_kind, cover)) in (first..end).zip(&kinds) {
+                    if its_kind != kind {
+                        continue;
+                    }
+                    let key = patch.key(index);
+                    let place_m = patch.centre_m(key);
+                    let scatterer = motion(fields, index, place_m, earth.drop_m(place_m[0], place_m[1]));
+                    let visible = |antenna: usize| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, key));
+                    if !chunk.see(lighting, transmitters, &scatterer, visible) {
+                        continue;
+                    }
+                    let fall = earth.drop_slope(place_m[0], place_m[1]);
+                    let slope = [fields.slope[0][index] - fall[0], fields.slope[1][index] - fall[1]];
+                    chunk.take(index, slope, cover, phasors.of(patch, key));
+                }
+                if !chunk.index.is_empty() {
+                    chunk.scatter(lighting, (&self.scattering, poses), kind, patch);
+                    each(chunk);
+                }
+            }
+            first = end;
+        }
+        costs.lap(Stage::Contacts);
+        Ok(())
+    }
+
+    /// Patch and antennas at a time after pulse 0. A track that ends before goes straight on from the last emission: the update of the
+    /// shadows after it is asked for, and a recorded track need not reach so far.
+    pub fn scenery(
+        &self,
+        lighting: &Lighting,
+        elapsed_s: f64,
+        places: &mut [Point<Enu>],
+    ) -> Result<Patch, SeaFailure> {
+        let of = &lighting.surroundings;
+        let transmitters = lighting.radar.transmitters.iter().map(|tx| &tx.antenna);
+        let mounts = transmitters.chain(lighting.radar.receivers.iter().map(|rx| &rx.antenna));
+        for (mount, place) in mounts.zip(places) {
+            let AntennaMount { platform, lever_arm, .. } = *mount;
+            let truth = &of.tracks[platform].truth;
+            let beyond_s = elapsed_s - self.last_s;
+            let (state, on_s) = match truth.state(of.start.plus(elapsed_s)) {
+                Err(_) if beyond_s > 0.0 => (truth.state(of.start.plus(self.last_s)), beyond_s),
+                state => (state, 0.0),
+            };
+            let state = state.map_err(|source| {
+                SeaFailure::Track(TrackFailure { platform, which: TrackUse::Truth, source })
+            })?;
+            let centre = PhaseCentre::of(&state, lever_arm);
+            *place = if on_s > 0.0 { centre.position + centre.velocity * on_s } else { centre.position };
+        }
+        match self.patch_at(of, elapsed_s) {
+            Err(_) if elapsed_s > self.last_s => Ok(self.patch_at(of, self.last_s)?),
+            patch => Ok(patch?),
+        }
+    }
+}
+
+impl Phasors {
+    fn place(&self, patch: &Patch, key: [i64; 2]) -> usize {
+        let [nx, ny] = patch.facets;
+        key[1].rem_euclid(ny as i64) as usize * nx + key[0].rem_euclid(nx as i64) as usize
+    }
+
+    fn of(&self, patch: &Patch, key: [i64; 2]) -> &[Complex64] {
+        let place = self.place(patch, key) * self.mechanisms;
+        &self.phasors[place..place + self.mechanisms]
+    }
+
+    fn prepare(&mut self, scattering: &WaterScattering, patch: &Patch, t_s: f64) {
+        for index in 0..patch.len() {
+            let key = patch.key(index);
+            let place = self.place(patch, key);
+            if self.keys[place] != Some(key) || scattering.decorrelates() {
+                self.keys[place] = Some(key);
+                let begin = place * self.mechanisms;
+                scattering.phasors(key, t_s, &mut self.phasors[begin..begin + self.mechanisms]);
+            }
+        }
+    }
+}

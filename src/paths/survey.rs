@@ -1,0 +1,177 @@
+//! What holds for a whole run, found at a few dozen of its instants.
+
+use super::sea;
+use super::{Illumination, SOUNDINGS, beside};
+use crate::frames::Earth;
+use crate::geometry::horizon;
+use crate::paths::emission::Emission;
+use crate::radar::fault::{RadarError, RadarFault, TrackUse, mounts};
+use crate::radar::window::Window;
+use crate::scattering::target::Scatterer;
+use crate::scene::radar::{Aim, AimFrom, Pointing};
+use crate::scene::sea::PatchPlace;
+use crate::scene::{Patch, Sea};
+
+/// Share of the distance to the horizon within which a patch is far from it, between the instants that are looked at too.
+const NEAR_HORIZON: f64 = 0.9;
+
+/// A target that the earth hides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeyondHorizon {
+    /// Its name.
+    pub target: String,
+    /// The transmitter or receiver.
+    pub antenna: String,
+    /// The pulse.
+    pub pulse: u64,
+    /// How far they are apart, m.
+    pub distance_m: f64,
+    /// How far they would see each other at their heights, m.
+    pub horizon_m: f64,
+}
+
+impl Illumination {
+    /// The longest delay at a few dozen instants spread over the run, s.
+    pub(super) fn longest_delay_s(&self) -> Result<f64, RadarError> {
+        let mut emission = Emission::default();
+        let mut longest_s = 0f64;
+        if self.pulses == 0 {
+            return Ok(0.0);
+        }
+        for index in self.soundings() {
+            self.evaluate(index, &mut emission)?;
+            let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
+            let span = self.delay_span_s(index, &emission, window)?;
+            longest_s = longest_s.max(span.map_or(0.0, |(_, most)| most));
+        }
+        Ok(longest_s)
+    }
+
+    /// Where the patch lies at a few dozen instants spread over the run, with their times after pulse 0, s.
+    pub(super) fn patches(&self, sea: &Sea) -> Result<Vec<(f64, Patch)>, RadarError> {
+        self.soundings()
+            .map(|index| {
+                let t = self.radar.emissions.emission(self.start, index);
+                let patch = sea::patch_at(&sea.patch, &sea.place, &self.surroundings(), t);
+                let elapsed_s = self.radar.emissions.interval_s(0, index);
+                Ok((elapsed_s, patch.map_err(|failure| self.track_error(index, failure))?))
+            })
+            .collect()
+    }
+
+    /// Whether the patch comes near the horizon of an antenna, at any of a few dozen instants spread over the run.
+    pub(super) fn nears_horizon(&self, sea: &Sea) -> Result<bool, RadarError> {
+        let earth = self.frame.hiding_earth();
+        if earth == Earth::Flat {
+            return Ok(false);
+        }
+        let mut emission = Emission::default();
+        let patches = self.patches(sea)?;
+        for (index, (_, patch)) in self.soundings().zip(patches) {
+            self.evaluate(index, &mut emission)?;
+            let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+            let corners = [patch.centre_m(patch.first), patch.centre_m(last)];
+            if !emission.centres.iter().all(|c| horizon::holds(earth, c.position, corners, NEAR_HORIZON)) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Targets that the earth hides from an antenna at a pulse.
+    pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
+        let earth = self.frame.hiding_earth();
+        let mut hidden = Vec::new();
+        if earth == Earth::Flat || index >= self.pulses {
+            return Ok(hidden);
+        }
+        let mut emission = Emission::default();
+        self.evaluate(index, &mut emission)?;
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        for target in &self.targets {
+            let at = Scatterer::at(target, elapsed_s).position;
+            for ((antenna, _), centre) in mounts(&self.radar).zip(&emission.centres) {
+                let from = centre.position;
+                if horizon::clearance_m(earth, from, at) < 0.0 {
+                    let heights_m = [from, at].map(|point| horizon::height_m(earth, point));
+                    hidden.push(BeyondHorizon {
+                        target: target.name.clone(),
+                        antenna: antenna.to_owned(),
+                        pulse: index,
+                        distance_m: horizon::apart_m(from, at),
+                        horizon_m: horizon::distance_m(earth, heights_m),
+                    });
+                }
+            }
+        }
+        Ok(hidden)
+    }
+
+    /// A few dozen pulses spread over the run, the first and the last among them.
+    fn soundings(&self) -> impl Iterator<Item = u64> + use<> {
+        let last = self.pulses.saturating_sub(1);
+        let count = SOUNDINGS.min(last);
+        (0..=count)
+            .map(move |sounding| (u128::from(last) * u128::from(sounding) / u128::from(count.max(1))) as u64)
+    }
+
+    /// A bound on how fast the patch moves, m/s: 0 where it stays; of a point beside a platform, twice the greatest speed of that
+    /// platform at a few dozen instants spread over the run (in a turn the point is faster than the platform).
+    pub(super) fn patch_speed_mps(&self, sea: &Sea) -> Result<f64, RadarError> {
+        let platform = match &sea.place {
+            PatchPlace::Fixed => return Ok(0.0),
+            PatchPlace::Follow { aim: Aim::Point { velocity, .. }, .. } => return Ok(velocity.norm()),
+            PatchPlace::Follow { aim: Aim::Beside { platform, .. }, .. } => *platform,
+        };
+        let mut emission = Emission::default();
+        let mut fastest_mps = 0f64;
+        for index in self.soundings() {
+            self.evaluate(index, &mut emission)?;
+            fastest_mps = fastest_mps.max(emission.states[platform].velocity.norm());
+        }
+        Ok(2.0 * fastest_mps)
+    }
+
+    /// Whether all tracks reach from the first emission, less what servos look back, to the last plus
+    /// `after_s`.
+    pub(super) fn check_cover(&self, after_s: f64, faults: &mut Vec<RadarFault>) {
+        if self.pulses == 0 {
+            return;
+        }
+        let first = self.start;
+        let last = self.radar.emissions.emission(first, self.pulses - 1);
+        for (platform, tracks) in self.tracks.iter().enumerate() {
+            for (which, track) in [(TrackUse::Truth, &tracks.truth), (TrackUse::Reported, &tracks.reported)] {
+                let (from, to) = (first.plus(-self.looks_back_s(platform, which)), last.plus(after_s));
+                if let Err(source) = track.covers(from, to) {
+                    let platform = self.platforms[platform].clone();
+                    faults.push(RadarFault::Track { platform, which, from, to, source });
+                }
+            }
+        }
+    }
+
+    /// Whether an antenna is aimed by a report that jumps: gains then jump as well, at any pulse.
+    pub fn aim_jumps(&self) -> bool {
+        mounts(&self.radar).any(|(_, mount)| match &mount.pointing {
+            Pointing::At { aim, aim_from: AimFrom::Reported, .. } => {
+                let known = [Some(mount.platform), beside(aim)];
+                known.into_iter().flatten().any(|platform| self.tracks[platform].reported.jumps())
+            }
+            _ => false,
+        })
+    }
+
+    /// The longest servo lag with which a track is asked, s.
+    fn looks_back_s(&self, platform: usize, which: TrackUse) -> f64 {
+        mounts(&self.radar)
+            .filter_map(|(_, mount)| match &mount.pointing {
+                Pointing::At { aim, aim_from, lag_s, .. } => {
+                    let asked = mount.platform == platform || beside(aim) == Some(platform);
+                    (asked && TrackUse::from(*aim_from) == which).then_some(*lag_s)
+                }
+                Pointing::Fixed { .. } => None,
+            })
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,121 @@
+//! What a pulse records beside its samples: navigation, antennas, truth, and where its window opens.
+
+use std::time::Instant;
+
+use glam::{DMat3, DQuat};
+
+use super::{Illumination, beside};
+use crate::geometry::light_time::{LightTime, bistatic};
+use crate::motion::pointing::PhaseCentre;
+use crate::motion::track::State;
+use crate::paths::emission::{Emission, TrackFailure};
+use crate::pulse::{PlatformRecord, Pulse};
+use crate::radar::fault::{RadarError, TrackUse, mounts};
+use crate::scene::radar::{AntennaMount, Gate, Polarisation};
+use crate::time::TimeTag;
+
+impl Illumination {
+    pub(super) fn fill_record(
+        &self,
+        index: u64,
+        own: &Emission,
+        record: &mut Pulse,
+    ) -> Result<(), RadarError> {
+        let t = self.radar.emissions.emission(self.start, index);
+        record.index = index;
+        record.time = t;
+        record.flags = 0;
+        record.tx_pol = self.radar.tx_polarisation.of_pulse(index).map_or(0, Polarisation::code);
+        record.nav_arrived = None;
+        for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
+            *slot = navigation(state);
+            if let Some(live) = tracks.truth.as_live() {
+                let told = live.told(t);
+                (slot.age_s, slot.flags) = (told.age_s, told.flags);
+                record.flags |= told.flags;
+                let earlier = |before: Instant| told.arrived.map_or(before, |arrived| arrived.min(before));
+                record.nav_arrived = record.nav_arrived.map_or(told.arrived, |before| Some(earlier(before)));
+            }
+        }
+        for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {
+            let which = TrackUse::Reported;
+            let report = self.tracks[platform].reported.report(t);
+            let report =
+                report.map_err(|source| self.track_error(index, TrackFailure { platform, which, source }))?;
+            *slot = PlatformRecord { age_s: report.age_s, flags: report.flags, ..navigation(&report.state) };
+            record.flags |= report.flags;
+            for (antenna, (_, mount)) in record.antennas.iter_mut().zip(mounts(&self.radar)) {
+                if mount.platform == platform {
+                    let centre = PhaseCentre::of(&report.state, mount.lever_arm);
+                    antenna.reported_phase_centre_m = centre.position.to_array();
+                }
+            }
+        }
+        for (antenna, (slot, centre)) in record.antennas.iter_mut().zip(&own.centres).enumerate() {
+            slot.phase_centre_m = centre.position.to_array();
+            slot.boresight_quat = quaternion(&own.axes(antenna));
+        }
+        let (pairs, targets) = (self.pairs.len(), self.targets.len());
+        for pair in 0..pairs {
+            let delays = record.target_delay_s.iter_mut().skip(pair * targets);
+            let dopplers = record.target_doppler_hz.iter_mut().skip(pair * targets);
+            for (target, (delay_s, doppler_hz)) in delays.zip(dopplers).take(targets).enumerate() {
+                let path = &own.paths[target * pairs + pair];
+                *delay_s = path.delay_s;
+                *doppler_hz = path.doppler_hz(self.radar.carrier_hz);
+            }
+        }
+        if let Some(clocks) = &self.clocks {
+            for (clock, x_s) in record.clock_x_s.iter_mut().enumerate() {
+                *x_s = clocks.reading(clock, index)[0];
+            }
+        }
+        record.window_start_s = self.window_start_s(index, t)?;
+        Ok(())
+    }
+
+    /// Start of the window after the emission at `t`, s: earlier than nominal by what the clocks are wrong.
+    pub(super) fn window_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
+        let nominal_s = self.nominal_start_s(index, t)?;
+        let Some(clocks) = &self.clocks else { return Ok(nominal_s) };
+        Ok(nominal_s - clocks.window_shift_s(index, nominal_s))
+    }
+
+    /// The same by the clocks of the radar: what is recorded.
+    pub(super) fn nominal_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
+        let (aim, lead_s, aim_from) = match &self.radar.window.gate {
+            Gate::Fixed { start_s } => return Ok(*start_s),
+            Gate::Follow { aim, lead_s, aim_from } => (aim, *lead_s, *aim_from),
+        };
+        let Some(pair) = self.pairs.first() else { return Ok(-lead_s) };
+        let failed = |platform| {
+            move |source| self.track_error(index, TrackFailure { platform, which: aim_from.into(), source })
+        };
+        let end = |mount: &AntennaMount| {
+            let state =
+                self.tracks[mount.platform].known(aim_from).state(t).map_err(failed(mount.platform))?;
+            Ok(PhaseCentre::of(&state, mount.lever_arm))
+        };
+        let tx = end(&self.radar.transmitters[pair.transmitter].antenna)?;
+        let rx = end(&self.radar.receivers[pair.receiver].antenna)?;
+        let beside = beside(aim).unwrap_or(0);
+        let (position, velocity) = self.surroundings().aim_point(aim, aim_from, t).map_err(failed(beside))?;
+        Ok(bistatic(LightTime::Exact, &tx, position, velocity, &rx).delay_s - lead_s)
+    }
+}
+
+fn navigation(state: &State) -> PlatformRecord {
+    PlatformRecord {
+        position_m: state.position.to_array(),
+        velocity_mps: state.velocity.to_array(),
+        attitude_quat: state.attitude.to_wxyz(),
+        ..PlatformRecord::default()
+    }
+}
+
+/// Axes as a quaternion, scalar first and not negative.
+fn quaternion(axes: &DMat3) -> [f64; 4] {
+    let q = DQuat::from_mat3(axes);
+    let q = if q.w < 0.0 { -q } else { q };
+    [q.w, q.x, q.y, q.z]
+}

@@ -1,0 +1,17 @@
+//! What a processor makes of recorded pulses: complex images and their quality.
+//!
+//! | page | holds |
+//! | --- | --- |
+//! | [`range_compress`] | pulse compression with the recorded replica |
+//! | [`taper`] | weights over a band or an aperture |
+//! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
+//! | [`point_target`] | what an image makes of a point: width, side lobes, place |
+//! | [`degradation`] | what wrong navigation makes of a point: predicted from the paths, closed forms |
+//! | [`multilook`] | means of power, percentiles |
+
+pub mod taper;
+pub mod range_compress;
+pub mod backproject;
+pub mod point_target;
+pub mod degradation;
+pub mod multilook;

@@ -1,0 +1,490 @@
+//! Reads recordings for processing: HDF5 files and plain folders ([`crate::sinks`]).
+//!
+//! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before the first and after the
+//! last pulse of a part. Samples are read in blocks of rows, and only the channels asked for are kept: 8 bytes a sample.
+//!
+//! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one, `reported_phase_centre_m` what the platform's reports make of it with the
+//! lever arm as designed.
+//!
+//! ```no_run
+//! use nereus::recording::Recording;
+//! let recording = Recording::open("calibration.h5".as_ref(), Some(0..500))?;
+//! let path = recording.true_path("airborne")?;
+//! println!("{} pulses, receiver at {:?} m", recording.pulses(), path.at(0.5));
+//! # Ok::<(), nereus::recording::RecordingError>(())
+//! ```
+
+pub mod ground;
+pub mod image_file;
+pub mod map_file;
+pub mod output;
+pub mod path_file;
+mod plain;
+pub mod verify;
+
+pub use plain::plain_header;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use glam::{DQuat, DVec3};
+use num_complex::Complex32;
+
+use crate::geometry::phase_path::{PhasePath, PhasePathError};
+use crate::scene::radar::Polarisation;
+use crate::sinks::columns::{Column, Rows, columns};
+use crate::sinks::sink::{Header, SinkError};
+
+/// Rows read beyond those asked for.
+const AROUND: usize = 64;
+/// Longest recording, and farthest window from its emission, s.
+const LONGEST_S: f64 = 1e8;
+/// Samples of all channels that are read at a time, bytes in the file.
+const BLOCK_BYTES: usize = 4 << 20;
+
+/// Why a recording cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// It cannot be read.
+    #[error(transparent)]
+    File(#[from] SinkError),
+    /// An HDF5 file asked of a build without HDF5.
+    #[error("{}: this build has no HDF5 (feature `hdf5`) and reads plain folders only", path.display())]
+    NoHdf5 {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Not a recording of this program.
+    #[error("{}: {detail}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        detail: String,
+    },
+    /// No pulse asked for is there.
+    #[error("{}: holds pulses {first}..{end}, none of {}..{}", path.display(), asked.start, asked.end)]
+    NoPulses {
+        /// The recording.
+        path: PathBuf,
+        /// First pulse there.
+        first: u64,
+        /// One past the last.
+        end: u64,
+        /// Pulses asked for.
+        asked: Range<u64>,
+    },
+    /// Samples that do not fit in memory.
+    #[error(
+        "{}: {channels} channels of {pulses} pulses are {needed_mib} MiB of samples, {available_mib} MiB are free; \
+         fewer channels or pulses (--channel, --pulses)",
+        path.display()
+    )]
+    Memory {
+        /// The recording.
+        path: PathBuf,
+        /// Channels asked for.
+        channels: usize,
+        /// Pulses asked for.
+        pulses: usize,
+        /// What their samples take.
+        needed_mib: u64,
+        /// What may be taken.
+        available_mib: u64,
+    },
+    /// A column that is not there.
+    #[error("{}: /{column} is not in the recording", path.display())]
+    Missing {
+        /// The recording.
+        path: PathBuf,
+        /// The column.
+        column: String,
+    },
+    /// Positions or times that are none.
+    #[error("{}: {source}", path.display())]
+    Path {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong.
+        source: PhasePathError,
+    },
+}
+
+/// A part of a recording in memory.
+pub struct Recording {
+    path: PathBuf,
+    /// What holds for the whole recording.
+    pub header: Header,
+    /// Number of each pulse in use.
+    pub index: Vec<u64>,
+    /// Emission of each pulse in use, s after [`Self::path_s`]'s zero.
+    pub emission_s: Vec<f64>,
+    /// First sample after the emission, s.
+    pub window_start_s: Vec<f64>,
+    /// Code of the polarisation that left, 0 for all.
+    pub tx_pol: Vec<u8>,
+    /// Emissions of all rows that paths know, s.
+    pub path_s: Vec<f64>,
+    /// Place of the pulses in use among those rows.
+    rows: Range<usize>,
+    numbers: BTreeMap<String, (usize, Vec<f64>)>,
+    /// Channels whose samples are held.
+    channels: Vec<usize>,
+    samples: Vec<Complex32>,
+}
+
+/// Where rows come from.
+enum Source {
+    #[cfg(feature = "hdf5")]
+    Hdf5(crate::sinks::hdf5::file::Recorded),
+    Plain(plain::Plain),
+}
+
+impl Source {
+    fn open(path: &Path) -> Result<Self, RecordingError> {
+        if path.is_dir() {
+            return plain::Plain::open(path).map(Self::Plain);
+        }
+        let data = std::fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
+        if !data.is_file() {
+            let detail = "is no regular file; recordings are files or folders".to_owned();
+            return Err(RecordingError::Foreign { path: path.to_owned(), detail });
+        }
+        #[cfg(feature = "hdf5")]
+        {
+            use crate::sinks::hdf5::file::{Fault, Recorded};
+            let recorded = Recorded::open(path).map_err(Fault::at(path, "reading the recording"))?;
+            Ok(Self::Hdf5(recorded))
+        }
+        #[cfg(not(feature = "hdf5"))]
+        Err(RecordingError::NoHdf5 { path: path.to_owned() })
+    }
+
+    fn header(&self) -> &Header {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => &recorded.header,
+            Self::Plain(plain) => &plain.header,
+        }
+    }
+
+    fn pulses(&self) -> usize {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => recorded.pulses,
+            Self::Plain(plain) => plain.pulses,
+        }
+    }
+
+    fn has(&self, column: &Column) -> bool {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => recorded.has(column),
+            Self::Plain(plain) => plain.has(column),
+        }
+    }
+
+    /// Whole rows of a column, and bytes beyond them.
+    fn length(&self, column: &Column) -> Result<(u64, u64), RecordingError> {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => {
+                use crate::sinks::hdf5::file::Fault;
+                let rows =
+                    recorded.length(column).map_err(Fault::at(column.path.as_ref(), "reading its size"))?;
+                Ok((rows, 0))
+            }
+            Self::Plain(plain) => plain.length(column),
+        }
+    }
+
+    /// Whether a changed byte is seen.
+    fn has_checksums(&self) -> bool {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => recorded.has_checksums(),
+            Self::Plain(_) => false,
+        }
+    }
+
+    /// Whether these rows of a column are there, before anything is allocated for them.
+    fn holds(&self, path: &Path, column: &Column, rows: &Range<usize>) -> Result<(), RecordingError> {
+        match self {
+            // Looked at when it was opened.
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(_) => Ok(()),
+            Self::Plain(plain) => plain.holds(path, column, rows),
+        }
+    }
+
+    fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(recorded) => {
+                use crate::sinks::hdf5::file::Fault;
+                let read = recorded.column(column, rows.start, rows.end);
+                Ok(read.map_err(Fault::at(path, "reading the recording"))?)
+            }
+            Self::Plain(plain) => plain.rows(path, column, rows),
+        }
+    }
+}
+
+/// Samples of some channels, pulse by pulse.
+fn samples(
+    path: &Path,
+    source: &Source,
+    list: &[Column],
+    rows: Range<usize>,
+    channels: &[usize],
+    most_bytes: Option<u64>,
+) -> Result<Vec<Complex32>, RecordingError> {
+    let header = source.header();
+    let count = rows.len().saturating_mul(channels.len()).saturating_mul(header.layout.samples);
+    let needed = (count as u64).saturating_mul(size_of::<Complex32>() as u64);
+    let too_many = |available: u64| RecordingError::Memory {
+        path: path.to_owned(),
+        channels: channels.len(),
+        pulses: rows.len(),
+        needed_mib: needed.div_ceil(1 << 20),
+        available_mib: available >> 20,
+    };
+    if let Some(available) = most_bytes.filter(|most| needed > *most) {
+        return Err(too_many(available));
+    }
+    let Some(column) = list.iter().find(|column| column.path == "iq") else {
+        return Err(RecordingError::Missing { path: path.to_owned(), column: "iq".to_owned() });
+    };
+    source.holds(path, column, &rows)?;
+    // Mid-rise: a code stands for the middle of its step.
+    let step = header.adc.map_or(1.0, |adc| adc.step) as f32;
+    let level = |code: i16| (f32::from(code) + 0.5) * step;
+    let mut samples = Vec::new();
+    samples.try_reserve_exact(count).map_err(|_| too_many(most_bytes.unwrap_or(0)))?;
+    let block = (BLOCK_BYTES / column.row_bytes().max(1)).max(1);
+    for first in rows.clone().step_by(block) {
+        let read = source.rows(path, column, first..(first + block).min(rows.end))?;
+        let row = header.layout.samples * header.layout.channels;
+        let windows = |pulse: usize| {
+            channels.iter().map(move |channel| {
+                let at = pulse * row + channel * header.layout.samples;
+                at..at + header.layout.samples
+            })
+        };
+        for place in (0..(first + block).min(rows.end) - first).flat_map(windows) {
+            match &read {
+                Rows::Cf32(values) => samples.extend_from_slice(values.get(place).unwrap_or_default()),
+                Rows::Ci16(codes) => {
+                    let codes = codes.get(place).unwrap_or_default();
+                    samples.extend(codes.iter().map(|code| Complex32::new(level(code.re), level(code.im))));
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(samples)
+}
+
+impl Recording {
+    /// Reads the pulses of a recording (by their numbers), or all of them, in all channels.
+    pub fn open(path: &Path, pulses: Option<Range<u64>>) -> Result<Self, RecordingError> {
+        Self::open_channels(path, pulses, None, |header| Ok((0..header.channels.len()).collect()))
+    }
+
+    /// The same with the samples of some channels only, which the header may tell, as long as they take no more bytes than that.
+    pub fn open_channels<E: From<RecordingError>>(
+        path: &Path,
+        pulses: Option<Range<u64>>,
+        most_bytes: Option<u64>,
+        choose: impl FnOnce(&Header) -> Result<Vec<usize>, E>,
+    ) -> Result<Self, E> {
+        let source = Source::open(path)?;
+        let channels = choose(source.header())?;
+        Ok(Self::read(path, &source, pulses, most_bytes, channels)?)
+    }
+
+    fn read(
+        path: &Path,
+        source: &Source,
+        pulses: Option<Range<u64>>,
+        most_bytes: Option<u64>,
+        channels: Vec<usize>,
+    ) -> Result<Self, RecordingError> {
+        let header = source.header().clone();
+        let list = columns(&header);
+        let all = source.pulses();
+        let read = |column: &str, rows: Range<usize>| match list.iter().find(|c| c.path == column) {
+            Some(column) => source.rows(path, column, rows),
+            None => Err(RecordingError::Missing { path: path.to_owned(), column: column.to_owned() }),
+        };
+        let index = match read("pulse/index", 0..all)? {
+            Rows::U64(index) => index,
+            _ => Vec::new(),
+        };
+        if let Some(pair) = index.windows(2).find(|pair| pair[1] <= pair[0]) {
+            let detail =
+                format!("pulse {} comes after pulse {}; a recording's pulses ascend", pair[1], pair[0]);
+            return Err(RecordingError::Foreign { path: path.to_owned(), detail });
+        }
+        let asked = pulses.unwrap_or(0..u64::MAX);
+        let used = index.partition_point(|i| *i < asked.start)..index.partition_point(|i| *i < asked.end);
+        if used.is_empty() {
+            let first = index.first().copied().unwrap_or(0);
+            let end = index.last().map_or(first, |last| last.saturating_add(1));
+            return Err(RecordingError::NoPulses { path: path.to_owned(), first, end, asked });
+        }
+        let known = used.start.saturating_sub(AROUND)..(used.end + AROUND).min(all);
+        let mut numbers = BTreeMap::new();
+        let (mut time_ns, mut tx_pol) = (Vec::new(), Vec::new());
+        for column in list.iter().filter(|c| c.path != "iq") {
+            if column.may_be_missing() && !source.has(column) {
+                continue;
+            }
+            match source.rows(path, column, known.clone())? {
+                Rows::F64(values) => {
+                    numbers.insert(column.path.clone(), (column.width(), values));
+                }
+                Rows::I64(values) if column.path == "pulse/time_ns" => time_ns = values,
+                Rows::U8(values) if column.path == "pulse/tx_pol" => tx_pol = values,
+                _ => {}
+            }
+        }
+        let samples = samples(path, source, &list, used.clone(), &channels, most_bytes)?;
+        let rows = used.start - known.start..used.end - known.start;
+        let scalar = |name: &str| numbers.get(name).map(|(_, values)| values.clone()).unwrap_or_default();
+        // Whole nanoseconds are taken apart as integers: seconds since 1970 in f64 would be rounded to 2e-7 s.
+        let zero_ns = time_ns.first().copied().unwrap_or(0);
+        let path_s: Vec<f64> = time_ns
+            .iter()
+            .zip(scalar("pulse/time_frac_ns"))
+            .map(|(ns, part)| (ns.saturating_sub(zero_ns) as f64 + part) * 1e-9)
+            .collect();
+        let window_start_s = scalar("pulse/window_start_s");
+        let foreign = |detail: String| RecordingError::Foreign { path: path.to_owned(), detail };
+        if path_s.len() < rows.end || window_start_s.len() < rows.end || tx_pol.len() < rows.end {
+            return Err(foreign("columns of /pulse have too few rows".to_owned()));
+        }
+        for row in rows.clone() {
+            let number = index[known.start + row];
+            let ascends = row == 0 || path_s[row - 1] < path_s[row];
+            if !(ascends && (0.0..=LONGEST_S).contains(&path_s[row])) {
+                let detail = format!(
+                    "pulse {number} leaves {} s after those before it were read; allowed: ascending, within {LONGEST_S} s",
+                    path_s[row]
+                );
+                return Err(foreign(detail));
+            }
+            if !(-LONGEST_S..=LONGEST_S).contains(&window_start_s[row]) {
+                let detail = format!(
+                    "pulse/window_start_s of pulse {number} is {}; allowed: within {LONGEST_S} s of the emission",
+                    window_start_s[row]
+                );
+                return Err(foreign(detail));
+            }
+        }
+        Ok(Self {
+            index: index[used].to_vec(),
+            emission_s: path_s[rows.clone()].to_vec(),
+            window_start_s: window_start_s[rows.clone()].to_vec(),
+            tx_pol: tx_pol[rows.clone()].to_vec(),
+            path: path.to_owned(),
+            header,
+            path_s,
+            rows,
+            numbers,
+            channels,
+            samples,
+        })
+    }
+
+    /// Pulses in use.
+    pub fn pulses(&self) -> usize {
+        self.index.len()
+    }
+
+    /// Places of the channels whose samples were read.
+    pub fn channels(&self) -> &[usize] {
+        &self.channels
+    }
+
+    /// Samples of a channel in a pulse in use; none of a channel that was not read.
+    pub fn window(&self, pulse: usize, channel: usize) -> &[Complex32] {
+        let Some(place) = self.channels.iter().position(|held| *held == channel) else { return &[] };
+        let samples = self.header.layout.samples;
+        let at = (pulse * self.channels.len() + place) * samples;
+        self.samples.get(at..at + samples).unwrap_or_default()
+    }
+
+    /// Whether what left with a pulse is what a channel listens to.
+    pub fn is_lit(&self, pulse: usize, channel: usize) -> bool {
+        let radiated = self.tx_pol[pulse];
+        let letter = self.header.channels.get(channel).and_then(|c| c.polarisations.chars().nth(1));
+        radiated == 0 || letter.and_then(Polarisation::from_letter).is_none_or(|p| p.code() == radiated)
+    }
+
+    /// Path of an antenna's true phase centre.
+    pub fn true_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
+        self.phase_path(self.points(&format!("nav/{antenna}/phase_centre_m"))?)
+    }
+
+    /// Path of an antenna's phase centre as its platform reports it.
+    pub fn reported_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
+        self.phase_path(self.points(&format!("nav/{antenna}/reported_phase_centre_m"))?)
+    }
+
+    /// Where an antenna truly looks in each pulse in use: unit vectors, ENU.
+    pub fn boresights(&self, antenna: &str) -> Result<Vec<[f64; 3]>, RecordingError> {
+        let (_, axes) = self.column(&format!("nav/{antenna}/boresight_quat"))?;
+        let ahead = |q: &[f64; 4]| {
+            let [w, x, y, z] = *q;
+            (DQuat::from_xyzw(x, y, z, w).normalize() * DVec3::X).to_array()
+        };
+        let all: Vec<[f64; 3]> = axes.as_chunks::<4>().0.iter().map(ahead).collect();
+        Ok(all.get(self.rows.clone()).map(<[_]>::to_vec).unwrap_or_default())
+    }
+
+    /// Position and velocity that a platform reports at a pulse in use, ENU, m and m/s.
+    pub fn reported_state(
+        &self,
+        platform: &str,
+        pulse: usize,
+    ) -> Result<([f64; 3], [f64; 3]), RecordingError> {
+        let row = self.rows.start + pulse;
+        let at = |name: &str| {
+            let points = self.points(&format!("nav/{platform}/reported/{name}"))?;
+            Ok::<_, RecordingError>(points.get(row).copied().unwrap_or([f64::NAN; 3]))
+        };
+        Ok((at("position_m")?, at("velocity_mps")?))
+    }
+
+    /// True delays of a target of a pair in the pulses in use, s; none where the recording has none.
+    pub fn delays_s(&self, transmitter: &str, receiver: &str, target: usize) -> Option<Vec<f64>> {
+        let pair = self
+            .header
+            .pairs
+            .iter()
+            .position(|pair| pair.transmitter == transmitter && pair.receiver == receiver)?;
+        let (width, values) = self.numbers.get("truth/delay_s")?;
+        let place = pair * self.header.targets.len() + target;
+        let all: Vec<f64> = values.chunks_exact(*width).filter_map(|row| row.get(place).copied()).collect();
+        all.get(self.rows.clone()).map(<[f64]>::to_vec)
+    }
+
+    fn column(&self, name: &str) -> Result<(usize, &[f64]), RecordingError> {
+        match self.numbers.get(name) {
+            Some((width, values)) => Ok((*width, values)),
+            None => Err(RecordingError::Missing { path: self.path.clone(), column: name.to_owned() }),
+        }
+    }
+
+    fn points(&self, name: &str) -> Result<Vec<[f64; 3]>, RecordingError> {
+        let (_, values) = self.column(name)?;
+        Ok(values.as_chunks::<3>().0.to_vec())
+    }
+
+    fn phase_path(&self, points_m: Vec<[f64; 3]>) -> Result<PhasePath, RecordingError> {
+        PhasePath::new(self.path_s.clone(), points_m)
+            .map_err(|source| RecordingError::Path { path: self.path.clone(), source })
+    }
+}

@@ -1,0 +1,209 @@
+//! The contacts of one pulse in an HDF5 file, for whoever wants to make its echo by other means.
+//!
+//! ```text
+//! s_c(t) = sum_n a_cn exp(-j 2 pi f0 tau_n) p(u_n) exp(-j 2 pi f0 r_n u_n),   u_n = (t - o_n - tau_n)/(1 + r_n)
+//! ```
+//!
+//! `t` after the emission of the pulse; the first of the samples is taken at `window_start_s`. Before it is sampled, `s_c` passes
+//! the [receive filter](crate::radar::filter).
+//!
+//! | dataset | symbol | what | unit |
+//! | --- | --- | --- | --- |
+//! | `/emission_offset_s` `[n]` | `o` | emission of the contact after that of the pulse; zero unless several pulses are in the air | s |
+//! | `/delay_s` `[pair, n]` | `tau` | delay | s |
+//! | `/delay_rate` `[pair, n]` | `r` | its rate, negative when closing | 1 |
+//! | `/amplitude` `[channel, n]` | `a` | complex amplitude without carrier phase | sqrt(W) |
+//! | `/channel_pair` `[channel]` | | the pair whose delays are those of a channel | |
+//!
+//! All in f64, each with the attributes `unit` and `meaning`. Root attributes: `format = "nereus-contacts"`, `version` (1),
+//! `channels` and `pairs` (names, pairs as `transmitter/receiver`), and those of the caller. HDF5 format bounds 1.10.
+//!
+//! ```
+//! use nereus::recording::path_file::ContactFile;
+//! use nereus::paths::list::Contacts;
+//! use num_complex::Complex64;
+//! let mut contacts = Contacts::new(1, 1, 1);
+//! contacts.push(0.0, [(28.3e-6, -1e-7)], &[Complex64::new(1e-8, 0.0)]);
+//! let file = ContactFile {
+//!     attributes: &[],
+//!     pairs: &["tx/rx".to_owned()],
+//!     channels: &["VV".to_owned()],
+//!     channel_pairs: &[0],
+//!     contacts: &contacts,
+//! };
+//! file.check()?;
+//! # Ok::<(), nereus::recording::path_file::ContactFileError>(())
+//! ```
+
+use std::path::{Path, PathBuf};
+
+use super::map_file::Attribute;
+use crate::paths::list::Contacts;
+
+/// Version of the structure.
+pub const VERSION: u32 = 1;
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactFile<'a> {
+    /// Further root attributes.
+    pub attributes: &'a [(&'a str, Attribute<'a>)],
+    /// Name of each pair.
+    pub pairs: &'a [String],
+    /// Name of each channel.
+    pub channels: &'a [String],
+    /// The pair of each channel.
+    pub channel_pairs: &'a [usize],
+    /// The contacts.
+    pub contacts: &'a Contacts,
+}
+
+/// Why contacts cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ContactFileError {
+    /// Names that are not those of the list.
+    #[error("{names} {what} are named; the contact list has {columns}")]
+    Names {
+        /// Pairs or channels.
+        what: &'static str,
+        /// So many names.
+        names: usize,
+        /// So many columns.
+        columns: usize,
+    },
+    /// A channel on a pair that is not there.
+    #[error("channel {channel} lies on pair {pair}; there are {pairs}")]
+    Pair {
+        /// The channel.
+        channel: usize,
+        /// Its pair.
+        pair: usize,
+        /// Pairs of the list.
+        pairs: usize,
+    },
+    /// The HDF5 library refused.
+    #[error("{}: {detail}", path.display())]
+    Hdf5 {
+        /// The file.
+        path: PathBuf,
+        /// What the library said.
+        detail: String,
+    },
+    /// Built without HDF5.
+    #[error("{}: this build has no HDF5 (feature `hdf5`)", path.display())]
+    NoHdf5 {
+        /// The file asked for.
+        path: PathBuf,
+    },
+}
+
+impl ContactFile<'_> {
+    /// Whether names and list agree.
+    pub fn check(&self) -> Result<(), ContactFileError> {
+        let pairs = self.contacts.delay_s.len();
+        let tables = [
+            ("pairs", self.pairs.len(), pairs),
+            ("channels", self.channels.len(), self.contacts.amplitude.len()),
+            ("channels", self.channel_pairs.len(), self.contacts.amplitude.len()),
+        ];
+        for (what, names, columns) in tables {
+            if names != columns {
+                return Err(ContactFileError::Names { what, names, columns });
+            }
+        }
+        match self.channel_pairs.iter().position(|pair| *pair >= pairs) {
+            Some(channel) => {
+                Err(ContactFileError::Pair { channel, pair: self.channel_pairs[channel], pairs })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the file, which must not exist.
+    #[cfg(feature = "hdf5")]
+    pub fn write(&self, path: &Path) -> Result<(), ContactFileError> {
+        self.check()?;
+        self.fill(path)
+            .map_err(|fault| ContactFileError::Hdf5 { path: path.to_owned(), detail: fault.to_string() })
+    }
+
+    /// Says that this build has no HDF5.
+    #[cfg(not(feature = "hdf5"))]
+    pub fn write(&self, path: &Path) -> Result<(), ContactFileError> {
+        self.check()?;
+        Err(ContactFileError::NoHdf5 { path: path.to_owned() })
+    }
+
+    #[cfg(feature = "hdf5")]
+    fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::file::Fault> {
+        use super::map_file::create;
+        use crate::sinks::hdf5::header::{list, text};
+        let file = create(path, "nereus-contacts", VERSION, self.attributes)?;
+        for (name, values) in [("channels", self.channels), ("pairs", self.pairs)] {
+            let values = values.iter().map(|value| text(value)).collect::<Result<Vec<_>, _>>()?;
+            if !values.is_empty() {
+                list(&file, name, &values)?;
+            }
+        }
+        let Self { contacts, channel_pairs, .. } = self;
+        let n = contacts.len();
+        let offset_meaning = "emission of the contact after that of the pulse";
+        columns(&file, "emission_offset_s", (n,), &contacts.emission_offset_s, "s", offset_meaning)?;
+        let (delay_s, rate) = (contacts.delay_s.concat(), contacts.delay_rate.concat());
+        let shape = (contacts.delay_s.len(), n);
+        columns(&file, "delay_s", shape, &delay_s, "s", "delay after the emission of the contact")?;
+        columns(&file, "delay_rate", shape, &rate, "1", "rate of the delay, negative when closing")?;
+        let (shape, meaning) = ((contacts.amplitude.len(), n), "amplitude without carrier phase");
+        columns(&file, "amplitude", shape, &contacts.amplitude.concat(), "sqrt(W)", meaning)?;
+        let pairs: Vec<u64> = channel_pairs.iter().map(|pair| *pair as u64).collect();
+        columns(&file, "channel_pair", (pairs.len(),), &pairs, "1", "row of delay_s of each channel")?;
+        // A full disk shows when the file is closed.
+        file.flush()?;
+        Ok(file.close()?)
+    }
+}
+
+/// A dataset with its unit and meaning.
+#[cfg(feature = "hdf5")]
+fn columns<T: ::hdf5::H5Type>(
+    file: &::hdf5::File,
+    name: &str,
+    shape: impl Into<::hdf5::Extents>,
+    values: &[T],
+    unit: &str,
+    meaning: &str,
+) -> Result<(), crate::sinks::hdf5::file::Fault> {
+    use crate::sinks::hdf5::header::{attribute, text};
+    let dataset = file.new_dataset::<T>().shape(shape).create(name)?;
+    if !values.is_empty() {
+        dataset.write_raw(values)?;
+    }
+    attribute(&dataset, "unit", &text(unit)?)?;
+    attribute(&dataset, "meaning", &text(meaning)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(pairs: usize, channel_pairs: &[usize]) -> String {
+        let contacts = Contacts::new(2, 3, 0);
+        let names = |n: usize| (0..n).map(|k| k.to_string()).collect::<Vec<_>>();
+        let (pairs, channels) = (names(pairs), names(3));
+        let file = ContactFile {
+            attributes: &[],
+            pairs: &pairs,
+            channels: &channels,
+            channel_pairs,
+            contacts: &contacts,
+        };
+        file.write(Path::new("never.h5")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn names_are_those_of_the_list() {
+        assert_eq!(refused(1, &[0, 0, 1]), "1 pairs are named; the contact list has 2");
+        assert_eq!(refused(2, &[0, 1]), "2 channels are named; the contact list has 3");
+        assert_eq!(refused(2, &[0, 1, 2]), "channel 2 lies on pair 2; there are 2");
+    }
+}
