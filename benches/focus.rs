@@ -5,11 +5,11 @@
 use std::f64::consts::PI;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nereus::processor::backproject::{Aperture, PulseEcho, fast, reference};
-use nereus::recording::ground::Ground;
 use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::backproject::{Aperture, PulseEcho, fast, reference};
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter};
 use nereus::processor::taper::Taper;
+use nereus::recording::ground::Ground;
 use num_complex::Complex32;
 
 const PULSES: usize = 500;

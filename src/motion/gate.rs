@@ -17,8 +17,8 @@
 
 use glam::DVec3;
 
-use super::fit::{position, to_local_axes};
 use crate::frames::SceneFrame;
+use crate::motion::track::fit::{position, to_local_axes};
 use crate::nav::Fix;
 use crate::nav::live::MotionBounds;
 use crate::time::TimeTag;

@@ -1,30 +1,24 @@
 //! Where everything is at an instant.
 //!
-//! [`Track`] is the trajectory of a platform; [`fit`] makes one from recorded fixes with [`outliers`] and
-//! [`smoother`], [`hermite`] interpolates, [`attitude`] derives what a recording does not say. [`pointing`]
-//! puts antennas on the body and turns them. [`live`] grows while it is flown, by fixes that pass a [`gate`]. [`turbulence`] shakes a track, [`report`] says of it what its platform says.
+//! [`Track`] is the trajectory of a platform: recorded, straight, live, in turbulence, or as the platform reports it. [`track`] makes
+//! one from recorded fixes with [`outliers`] and [`smoother`]; [`hermite`] interpolates, [`attitude`] derives what a recording leaves
+//! out. [`pointing`] mounts antennas on the body and turns them. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are what is
+//! wrong with a report, and what changes of it in mid-run.
 
 pub mod attitude;
 pub mod changes;
-mod deviation;
 pub mod errors;
-pub mod fit;
 pub mod gate;
 pub mod gusts;
 pub mod hermite;
-pub mod live;
 pub mod outliers;
 pub mod pointing;
-pub mod report;
 pub mod smoother;
 mod source;
 pub mod track;
-pub mod turbulence;
 
-pub use fit::FitReport;
-pub use report::Report;
 pub use source::{PlatformNav, TrackSource};
-pub use track::{SourceError, SourceReport, State, Track, TrackError};
+pub use track::{FitReport, Report, SourceError, SourceReport, State, Track, TrackError};
 
 use std::sync::Arc;
 

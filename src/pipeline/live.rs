@@ -29,7 +29,7 @@ use crate::config::Run;
 use crate::motion::Track;
 use crate::motion::TrackSource;
 use crate::motion::gate::{MotionGate, Verdict};
-use crate::motion::live::LiveTrack;
+use crate::motion::track::live::LiveTrack;
 use crate::nav::Place;
 use crate::nav::live::{Feed, FeedCounts, FeedError};
 use crate::nav::live::{Heard, LiveSource, Origin};

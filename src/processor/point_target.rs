@@ -40,10 +40,10 @@ use glam::{DMat2, DVec2};
 use num_complex::Complex32;
 
 use super::backproject::{Aperture, PulseEcho, fast};
-use crate::recording::ground::Ground;
 use super::multilook::percentile;
-use crate::geometry::phase_path::{PhasePath, delay_gradient, delay_s};
 use super::taper::Taper;
+use crate::geometry::phase_path::{PhasePath, delay_gradient, delay_s};
+use crate::recording::ground::Ground;
 
 /// Points of the search to either side, and in a cell.
 const SEARCH: [usize; 2] = [30, 5];

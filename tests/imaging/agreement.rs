@@ -2,11 +2,11 @@
 
 use num_complex::Complex32;
 
-use nereus::processor::backproject::{Aperture, PulseEcho, difference_db, fast, reference};
-use nereus::recording::ground::Ground;
 use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::backproject::{Aperture, PulseEcho, difference_db, fast, reference};
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter, interpolation_error_db};
 use nereus::processor::taper::Taper;
+use nereus::recording::ground::Ground;
 
 use crate::geometries::{BAND_HZ, GEOMETRIES, PHASE_RAD, TARGET_M, aperture, compressor};
 

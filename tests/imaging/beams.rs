@@ -3,10 +3,10 @@
 use num_complex::Complex32;
 
 use nereus::processor::backproject::{Gate, difference_db, fast, reference};
-use nereus::recording::ground::Ground;
 use nereus::processor::point_target::analyse;
 use nereus::processor::range_compress::{RangeFilter, interpolation_error_db};
 use nereus::processor::taper::Taper;
+use nereus::recording::ground::Ground;
 
 use crate::geometries::{BAND_HZ, C_MPS, CARRIER_HZ, GEOMETRIES, TARGET_M, aperture, compressor, record};
 

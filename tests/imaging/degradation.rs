@@ -1,17 +1,17 @@
 //! What wrong navigation makes of a point: predictions against closed forms, and against images.
 
+use nereus::geometry::phase_path::PhasePath;
 use nereus::motion::errors::{AxisErrors, Circumstances, ErrorModel, Errors};
 use nereus::processor::backproject::{Aperture, fast};
 use nereus::processor::degradation::laws::{
     gauss_markov_db, paired_echoes, ramp_cells, step_amplitude, step_peak, white_db,
 };
 use nereus::processor::degradation::{Look, PhaseTerms, Prediction, Response, respond};
-use nereus::recording::ground::Ground;
-use nereus::geometry::phase_path::PhasePath;
 use nereus::processor::point_target::Support;
 use nereus::processor::range_compress::RangeFilter;
 use nereus::processor::taper::Taper;
 use nereus::recording::Recording;
+use nereus::recording::ground::Ground;
 use nereus::time::PulseTimes;
 use num_complex::Complex64;
 

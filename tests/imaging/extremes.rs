@@ -1,11 +1,11 @@
 //! Any legal recording gives numbers.
 
-use nereus::processor::backproject::{Aperture, PulseEcho, fast, reference};
-use nereus::recording::ground::Ground;
 use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::backproject::{Aperture, PulseEcho, fast, reference};
 use nereus::processor::point_target::{analyse, locate};
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter};
 use nereus::processor::taper::Taper;
+use nereus::recording::ground::Ground;
 use num_complex::Complex32;
 use proptest::prelude::*;
 

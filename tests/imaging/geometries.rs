@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use nereus::config;
+use nereus::geometry::phase_path::PhasePath;
 use nereus::pipeline::build;
 use nereus::processor::backproject::{Aperture, PulseEcho};
-use nereus::geometry::phase_path::PhasePath;
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter, oversampling};
 use nereus::processor::taper::Taper;
 use nereus::recording::Recording;

@@ -1,10 +1,10 @@
 //! Images by reported navigation.
 
-use nereus::processor::backproject::{difference_db, fast};
-use nereus::recording::ground::Ground;
 use nereus::geometry::phase_path::PhasePath;
+use nereus::processor::backproject::{difference_db, fast};
 use nereus::processor::range_compress::RangeFilter;
 use nereus::processor::taper::Taper;
+use nereus::recording::ground::Ground;
 use num_complex::Complex64;
 
 use crate::geometries::{GEOMETRIES, TARGET_M, aperture, compressor};

@@ -1,10 +1,10 @@
 //! Width, side lobes, place and phase of points, against closed forms.
 
 use nereus::processor::backproject::fast;
-use nereus::recording::ground::Ground;
 use nereus::processor::point_target::{PointTarget, analyse, locate};
 use nereus::processor::range_compress::RangeFilter;
 use nereus::processor::taper::Taper;
+use nereus::recording::ground::Ground;
 
 use crate::geometries::{
     BAND_HZ, C_MPS, CARRIER_HZ, GEOMETRIES, Geometry, PHASE_RAD, PULSE_S, TARGET_M, aperture, compressor,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use nereus::frames::{Body, Earth, Enu, Geodetic, Point, Rotation, SceneFrame};
 use nereus::motion::Track;
-use nereus::motion::live::{LiveTrack, Unusable};
+use nereus::motion::track::live::{LiveTrack, Unusable};
 use nereus::nav::{AttitudeSource, FileFormat, FileSource, Fix, Place, Smoothing, VerticalDatum, load};
 use nereus::pulse::flags::{NAV_EXTRAPOLATED, NAV_STALE};
 use nereus::time::TimeTag;
@@ -87,7 +87,7 @@ fn fly(
     live: &LiveTrack,
     late_s: f64,
     silent: std::ops::Range<f64>,
-) -> Vec<(f64, nereus::motion::live::Told)> {
+) -> Vec<(f64, nereus::motion::track::live::Told)> {
     let mut told = Vec::new();
     let mut next = 0;
     for tick in 0..3000 {

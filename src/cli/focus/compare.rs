@@ -20,10 +20,10 @@ use crate::pipeline::build::available_bytes;
 use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
 use crate::processor::backproject::{Aperture, fast};
 use crate::processor::degradation::{CUT, Lobe, Look, PhaseTerms, Prediction, Response, respond};
-use crate::recording::ground::Ground;
 use crate::processor::point_target::Support;
 use crate::processor::range_compress::Compressor;
 use crate::recording::Recording;
+use crate::recording::ground::Ground;
 use crate::recording::output::{FileKind, Output};
 
 /// Cells about a point that are no sea.

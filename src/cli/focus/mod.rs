@@ -22,18 +22,18 @@ use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
 use crate::clutter::SampleFault;
+use crate::geometry::phase_path::PhasePath;
 use crate::pipeline::build::available_bytes;
 use crate::plot::canvas::Canvas;
 use crate::plot::picture::{Axis, Limits, Picture, Reduction};
 use crate::processor::backproject::{Aperture, PulseEcho, fast};
-use crate::recording::ground::{Ground, GroundError};
 use crate::processor::multilook::{multilook, percentile};
-use crate::geometry::phase_path::PhasePath;
 use crate::processor::point_target::{PointTarget, Support, analyse, locate};
 use crate::processor::range_compress::{
     CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
 use crate::processor::taper::Taper;
+use crate::recording::ground::{Ground, GroundError};
 use crate::recording::image_file::{ImageFile, ImageFileError};
 use crate::recording::map_file::Attribute;
 use crate::recording::output::{FileKind, Output, OutputError};

@@ -8,13 +8,13 @@ use crate::bench::gather::Gathered;
 use crate::cli::focus::watched;
 use crate::clutter::trend;
 use crate::config::Run;
-use crate::processor::backproject::{Aperture, PulseEcho};
-use crate::recording::ground::Ground;
 use crate::geometry::phase_path::PhasePath;
+use crate::processor::backproject::{Aperture, PulseEcho};
 use crate::processor::point_target::Support;
 use crate::processor::range_compress::{Compressor, PulseShape, RangeFilter, oversampling};
 use crate::processor::taper::Taper;
 use crate::radar::waveform;
+use crate::recording::ground::Ground;
 use crate::scene::Sea;
 use crate::units::SPEED_OF_LIGHT_MPS;
 

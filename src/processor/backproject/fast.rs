@@ -25,8 +25,8 @@ use rayon::prelude::*;
 use super::Aperture;
 use super::gate::{Table, closing};
 use crate::cpu::{Task, Variant};
-use crate::recording::ground::Ground;
 use crate::geometry::phase_path::delay_s;
+use crate::recording::ground::Ground;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Most pulses that are compressed at a time.
@@ -421,8 +421,8 @@ fn sine(turns: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::processor::backproject::PulseEcho;
     use crate::geometry::phase_path::PhasePath;
+    use crate::processor::backproject::PulseEcho;
     use crate::processor::range_compress::{Compressor, PulseShape, RangeFilter};
     use crate::processor::taper::Taper;
 

@@ -26,9 +26,9 @@ mod reference;
 use glam::DVec3;
 use num_complex::Complex32;
 
-use crate::recording::ground::Ground;
-use crate::geometry::phase_path::{PhasePath, delay_rate, delay_s};
 use super::range_compress::Compressor;
+use crate::geometry::phase_path::{PhasePath, delay_rate, delay_s};
+use crate::recording::ground::Ground;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 pub use fast::fast;

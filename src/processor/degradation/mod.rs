@@ -52,10 +52,10 @@ use std::sync::OnceLock;
 
 use num_complex::Complex64;
 
-use crate::recording::ground::Ground;
-use crate::geometry::phase_path::{PhasePath, delay_gradient, delay_s};
 use super::point_target::{Support, brightest, locate, measure_lobe};
 use super::taper::Taper;
+use crate::geometry::phase_path::{PhasePath, delay_gradient, delay_s};
+use crate::recording::ground::Ground;
 
 /// Points of the search to either side, and in a cell.
 const SEARCH: [usize; 2] = [30, 5];

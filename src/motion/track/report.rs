@@ -9,10 +9,10 @@
 use std::sync::Arc;
 
 use super::deviation::tilted;
-use super::track::{State, Track, TrackError};
 use crate::frames::{Enu, Point, Rotation, Vector};
 use crate::motion::changes::{self, Given, PlatformChanges, Standing};
 use crate::motion::errors::{ATTITUDE, Between, Errors, VELOCITY};
+use crate::motion::track::{State, Track, TrackError};
 use crate::pulse::flags;
 use crate::time::TimeTag;
 

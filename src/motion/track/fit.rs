@@ -1,10 +1,10 @@
 //! From fixes to the nodes of a smooth track.
 //!
 //! [`Smoothing::Off`] takes the fixes as exact; velocity and acceleration at a node are those of the
-//! polynomial through its seven nearest fixes ([`super::hermite`]).
+//! polynomial through its seven nearest fixes ([`crate::motion::hermite`]).
 //!
-//! [`Smoothing::Rts`] runs the smoother of [`super::smoother`] on East, North and up of the middle fix, without the
-//! outliers ([`super::outliers`]; a wrong height does not cost the position, nor the other way round). The jerk
+//! [`Smoothing::Rts`] runs the smoother of [`crate::motion::smoother`] on East, North and up of the middle fix, without the
+//! outliers ([`crate::motion::outliers`]; a wrong height does not cost the position, nor the other way round). The jerk
 //! densities, one horizontal and one vertical, are the most likely ones for the stated standard deviations. Where
 //! the path would then exceed the acceleration bound, they are lowered to the largest values (to 2 %) that keep it below:
 //! the vertical one until the vertical alone keeps half the bound, then the horizontal one until the whole does. The bound holds between the nodes as well: the acceleration of a segment stays
@@ -17,11 +17,11 @@ use std::fmt;
 use glam::{DMat3, DVec3};
 use serde::Serialize;
 
-use super::hermite::{acceleration_controls, derivative_weights, stencil};
-use super::outliers;
-use super::smoother::{Series, likeliest_density, smooth};
-use super::track::TrackError;
 use crate::frames::{Earth, Enu, SceneFrame, Vector};
+use crate::motion::hermite::{acceleration_controls, derivative_weights, stencil};
+use crate::motion::outliers;
+use crate::motion::smoother::{Series, likeliest_density, smooth};
+use crate::motion::track::TrackError;
 use crate::nav::{FileSource, Fix, Place, Smoothing};
 use crate::time::TimeTag;
 
@@ -102,7 +102,7 @@ impl fmt::Display for FitReport {
 
 /// Position, velocity and acceleration at a fix, along ENU.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub time: TimeTag,
     pub p: DVec3,
     pub v: DVec3,
@@ -110,7 +110,7 @@ pub(super) struct Node {
 }
 
 /// Rotation from the scene's axes to East, North and up of a fix; the identity for a local fix.
-pub(super) fn to_local_axes(place: &Place, frame: &SceneFrame) -> DMat3 {
+pub(crate) fn to_local_axes(place: &Place, frame: &SceneFrame) -> DMat3 {
     let Place::Geodetic(geodetic) = place else { return DMat3::IDENTITY };
     let local = SceneFrame::at(*geodetic, Earth::Flat);
     let turned = |axis: DVec3| {
@@ -124,7 +124,7 @@ pub(super) fn to_local_axes(place: &Place, frame: &SceneFrame) -> DMat3 {
 }
 
 /// Where a fix is in the scene; `None` if that lies nowhere on Earth and the fix does.
-pub(super) fn position(fix: &Fix, frame: &SceneFrame) -> Option<DVec3> {
+pub(crate) fn position(fix: &Fix, frame: &SceneFrame) -> Option<DVec3> {
     match fix.place {
         Place::Local(point) => Some(point.raw()),
         Place::Geodetic(geodetic) => frame.from_geodetic(geodetic).map(|point| point.raw()),
@@ -132,7 +132,7 @@ pub(super) fn position(fix: &Fix, frame: &SceneFrame) -> Option<DVec3> {
 }
 
 /// The nodes of the track through these fixes.
-pub(super) fn nodes(
+pub(crate) fn nodes(
     fixes: &[Fix],
     frame: &SceneFrame,
     source: &FileSource,
@@ -191,13 +191,13 @@ fn exact(fixes: &[Fix], positions: &[DVec3]) -> Vec<Node> {
 }
 
 /// The node of a fix that is taken as exact, from the fixes of its stencil.
-pub(super) fn exact_node(
+pub(crate) fn exact_node(
     index: usize,
     stencil: std::ops::Range<usize>,
     fix: impl Fn(usize) -> (TimeTag, DVec3),
 ) -> Node {
     let (time, p) = fix(index);
-    let mut t_s = [0.0; super::hermite::STENCIL];
+    let mut t_s = [0.0; crate::motion::hermite::STENCIL];
     for (t_s, near) in t_s.iter_mut().zip(stencil.clone()) {
         *t_s = fix(near).0.since(time);
     }

@@ -1,10 +1,10 @@
 //! A trajectory that grows: fixes come while the run goes on.
 //!
 //! What has been told once never changes: the path is a chain of nodes to which more are added and of which none is altered, joined by
-//! quintic segments as in a recorded track ([`super::track`]).
+//! quintic segments as in a recorded track ([`crate::motion::track`]).
 //!
 //! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven nearest fixes
-//!   ([`super::hermite`]); it is told once the three fixes after it have come (six where the attitude follows the motion), and is
+//!   ([`crate::motion::hermite`]); it is told once the three fixes after it have come (six where the attitude follows the motion), and is
 //!   then, bit for bit, the node of a file with the same fixes. The **support** of the interpolant is thus four fixes
 //!   (seven) after the instant.
 //! * **Extrapolated** ([`LiveTrack::extend`]). Where an instant cannot wait: fixes at hand become nodes with derivatives from the three
@@ -29,7 +29,7 @@
 //! ```
 //! use std::time::Instant;
 //! use nereus::frames::{Earth, Point, Rotation, SceneFrame};
-//! use nereus::motion::live::LiveTrack;
+//! use nereus::motion::track::live::LiveTrack;
 //! use nereus::nav::{AttitudeSource, Fix, Place};
 //! use nereus::time::TimeTag;
 //!
@@ -42,7 +42,7 @@
 //! // Fix 6 has three after it.
 //! assert_eq!(track.end(), Some(at(6)));
 //! assert!((track.told(at(3)).state.velocity.norm() - 50.0).abs() < 1e-9);
-//! # Ok::<(), nereus::motion::live::Unusable>(())
+//! # Ok::<(), nereus::motion::track::live::Unusable>(())
 //! ```
 
 use std::collections::VecDeque;
@@ -52,11 +52,12 @@ use std::time::Instant;
 use glam::{DVec3, DVec4};
 use thiserror::Error;
 
-use super::attitude::{Turn, turn};
 use super::fit::{Node, exact_node, position, to_local_axes};
-use super::hermite::{Basis, STENCIL, stencil};
-use super::track::{NoAttitude, State, attitude_of, between};
 use crate::frames::{Enu, Point, Rotation, SceneFrame, Vector};
+use crate::motion::attitude::{Turn, turn};
+use crate::motion::hermite::{Basis, STENCIL, stencil};
+use crate::motion::track::State;
+use crate::motion::track::recorded::{NoAttitude, attitude_of, between};
 use crate::nav::{AttitudeSource, Fix};
 use crate::pulse::flags;
 use crate::time::TimeTag;

@@ -30,7 +30,7 @@
 //! stands for an aircraft, not for a certain one.
 //!
 //! ```
-//! use nereus::motion::turbulence::{strength, FOOT_M};
+//! use nereus::motion::track::turbulence::{strength, FOOT_M};
 //! // Moderate turbulence at 500 ft: 0.1 of 30 knots upwards, more along the track.
 //! let scales = strength(500.0 * FOOT_M, 15.43);
 //! assert!((scales.sigma_mps[2] - 1.543).abs() < 1e-12 && (scales.length_m[2] - 152.4).abs() < 1e-9);
@@ -45,11 +45,11 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::deviation::Deviation;
-use super::track::{State, Track, TrackError};
 use crate::frames::SceneFrame;
 use crate::motion::errors::Circumstances;
 use crate::motion::gusts::Gusts;
 use crate::motion::gusts::LEVELS_MPS;
+use crate::motion::track::{State, Track, TrackError};
 use crate::time::TimeTag;
 
 pub use system::{Axis, Chain};
