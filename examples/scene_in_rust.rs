@@ -14,8 +14,9 @@ use std::sync::atomic::AtomicBool;
 
 use nereus::config::Run;
 use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
-use nereus::motion::{PlatformNav, TrackSource};
+use nereus::motion::PlatformNav;
 use nereus::nav::Place;
+use nereus::nav::TrackSource;
 use nereus::pipeline::build;
 use nereus::pulse::{Pulse, Samples};
 use nereus::scene::radar::{

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use super::{Outlook, SeaWarning, View};
-use crate::pipeline::build::{BuildError, BuildErrors};
+use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::scene::{Patch, Ship};
 use crate::sea::fleet::{self, FleetError, ShipError};

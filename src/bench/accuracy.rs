@@ -18,6 +18,7 @@
 //! The figures are held within [`LEAST_DB`] and its opposite: samples are f32, and -150 dB is what that leaves to tell apart; samples
 //! that are the same bit for bit are told as [`LEAST_DB`].
 
+use crate::pipeline::power::{mean_of, of_channel, powers};
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -30,10 +31,12 @@ use rayon::prelude::*;
 use crate::config::Run;
 use crate::echo::{Asked, Fidelity};
 use crate::fidelity::sounding::spread_over;
-use crate::pipeline::build::{BuildErrors, available_bytes};
 use crate::pipeline::changing;
+use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::fault::PulseError;
+use crate::pipeline::memory::available_bytes;
 use crate::pipeline::memory::sea_bytes;
-use crate::pipeline::stages::{PulseError, PulseFactory};
+use crate::pipeline::stages::PulseFactory;
 use crate::pulse::Samples;
 use crate::rng::{Room, stream};
 
@@ -122,10 +125,6 @@ fn decibels(ratio: f64) -> f64 {
     (10.0 * ratio.log10()).clamp(LEAST_DB, -LEAST_DB)
 }
 
-pub(crate) fn power(samples: &[Complex32]) -> f64 {
-    samples.iter().map(|s| f64::from(s.re).powi(2) + f64::from(s.im).powi(2)).sum()
-}
-
 impl Judge {
     /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed` is told how many are done.
     pub fn new(
@@ -187,21 +186,6 @@ impl Judge {
     pub(crate) fn apart(&self, found: &[Vec<Complex32>], from: &[Vec<Complex32>]) -> Accuracy {
         compare(&self.pulses, &self.means, found, from)
     }
-}
-
-/// Power of each channel of a pulse.
-pub(crate) fn powers(samples: &[Complex32], channels: usize) -> Vec<f64> {
-    (0..channels).map(|channel| power(&samples[of_channel(channel, channels, samples.len())])).collect()
-}
-
-fn of_channel(channel: usize, channels: usize, samples: usize) -> std::ops::Range<usize> {
-    let len = samples / channels;
-    channel * len..(channel + 1) * len
-}
-
-/// Mean power of a channel over pulses, `[pulse][channel]`.
-pub(crate) fn mean_of(powers: &[Vec<f64>], channel: usize) -> f64 {
-    powers.iter().map(|pulse| pulse[channel]).sum::<f64>() / powers.len().max(1) as f64
 }
 
 /// Powers of pulses spread over a run, `[pulse][channel]`; `None` where only the reference can make them.

@@ -9,10 +9,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use crate::fidelity::cost::Prices;
-use crate::fidelity::settle::{Plan, Settled};
+use crate::fidelity::echo_settings::Settled;
+use crate::fidelity::settle::Plan;
 use crate::pipeline::block::BlockEcho;
-use crate::pipeline::build::{BuildErrors, PulseStream};
-use crate::pipeline::stages::{Echo, PulseError, PulseFactory, Workspace};
+use crate::pipeline::build::PulseStream;
+use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::fault::PulseError;
+use crate::pipeline::stages::{Echo, PulseFactory, Workspace};
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 

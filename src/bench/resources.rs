@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::pipeline::build::{PulseStream, sum_of};
+use crate::pipeline::fault::PulseError;
 use crate::pipeline::plausible::ConverterReport;
-use crate::pipeline::stages::PulseError;
 use crate::scene::Radar;
 
 /// How long the trial lasts.

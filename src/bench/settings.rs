@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::echo::synth::Precision;
 use crate::echo::synth::doppler::Doppler;
-use crate::fidelity::settle::Settled;
+use crate::fidelity::echo_settings::Settled;
 
 /// A key of the scenario and values to try.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,7 +13,8 @@ use crossbeam_channel::Sender;
 use thiserror::Error;
 
 use crate::fidelity::settle::Plan;
-use crate::pipeline::build::{BuildErrors, PulseStream, RunFailure};
+use crate::pipeline::build::{PulseStream, RunFailure};
+use crate::pipeline::fault::BuildErrors;
 use crate::pulse::costs::Costs;
 use crate::transport::pacer::Status;
 

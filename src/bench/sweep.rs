@@ -17,9 +17,10 @@ use super::accuracy::{Judge, noiseless};
 use crate::bench::settings::{ERROR_KEY, KNOBS, Knob, MODELS, settings};
 use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
+use crate::fidelity::echo_settings::Settled;
 use crate::fidelity::faint::NONE_DB;
-use crate::fidelity::settle::Settled;
-use crate::pipeline::build::{self, BuildErrors};
+use crate::pipeline::build;
+use crate::pipeline::fault::BuildErrors;
 
 /// How long the speed of a setting is tried.
 pub const TRIAL: Duration = Duration::from_millis(600);

@@ -9,7 +9,7 @@ use super::args::ReceiveArgs;
 use super::error::CliError;
 use super::run::names_hdf5;
 use super::{counted, say};
-use crate::pipeline::build::BuildErrors;
+use crate::pipeline::fault::BuildErrors;
 use crate::receive::Listener;
 use crate::receive::listener::{Opener, Senders, Until, senders};
 use crate::receive::report::Report;

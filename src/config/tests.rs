@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::frames::{Geodetic, SceneFrame};
-use crate::motion::TrackSource;
+use crate::nav::TrackSource;
 use crate::nav::{AttitudeSource, Place, Smoothing, VerticalDatum};
 use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, TxPolarisation};
 

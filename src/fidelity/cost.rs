@@ -27,7 +27,7 @@ use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
-use super::settle::Settled;
+use crate::fidelity::echo_settings::Settled;
 
 /// Pieces of work.
 pub const PIECES: usize = 13;

@@ -28,6 +28,7 @@
 //! ```
 
 pub mod cost;
+pub mod echo_settings;
 pub mod faint;
 pub mod gain;
 pub mod interpolation;

@@ -5,6 +5,7 @@
 //! contacts in f64, and so does a scene that no rung serves. Facets may be left out while all of them together stay
 //! [`CULLED_DB`] below the budget.
 
+use super::echo_settings::{Settled, block_length, block_pulses};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -50,50 +51,6 @@ const WORST_BOUNCE_DB: f64 = 5.0;
 /// Rounding of the samples to f32, those of the reference too: uniform within a unit of `2^-23` where the mantissa is 1, on the whole half the
 /// power of that, `2 x 2^-46/24`.
 const OF_SAMPLES: f64 = 1.2e-15;
-
-/// What the fast echo is set to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settled {
-    /// Pulses from node to node; 1: every pulse by itself.
-    pub node_pulses: u64,
-    /// Looks from node to node.
-    pub looks_per_node: usize,
-    /// Pulses from gain to gain.
-    pub gain_pulses: u64,
-    /// Tiles that are looked at less often, if any are.
-    pub faint: Option<Faint>,
-    /// Share of the facets that then are faint, mean over the run.
-    pub faint_share: f64,
-    /// Power of a facet over the mean below which it is left out.
-    pub least_power: f64,
-    /// Word length.
-    pub precision: Precision,
-    /// The knobs of the echo.
-    pub echo: Settings,
-}
-
-impl Settled {
-    /// Pulses of a block, where a patch that follows is held for some pulses.
-    pub fn block_pulses(&self, hold_pulses: Option<u64>) -> u64 {
-        if self.precision == Precision::Double { 1 } else { block_length(self.node_pulses, hold_pulses) }
-    }
-
-    /// Pulses from look to look.
-    pub fn scatter_pulses(&self) -> u64 {
-        self.node_pulses.div_ceil(self.looks_per_node.max(1) as u64)
-    }
-}
-
-/// Pulses of a block whose nodes are so many pulses apart.
-pub fn block_pulses(spacing: u64) -> u64 {
-    (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
-}
-
-/// Pulses of a block whose nodes are about so many pulses apart, where a patch that follows is held for some pulses: a divisor of these.
-pub fn block_length(spacing: u64, hold_pulses: Option<u64>) -> u64 {
-    let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
-    hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1))
-}
 
 /// The spacing that nodes then have, pulses.
 fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {

@@ -37,10 +37,10 @@ mod sweep;
 use std::ops::Range;
 
 use super::faint::Ladder;
-use super::settle::block_pulses;
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
+use crate::fidelity::echo_settings::block_pulses;
 use crate::geometry::lanes::Row;
 use crate::paths::block::sounding::{Heard, Keep, Shadows};
 use crate::paths::block::{FEW, Instants, TileWork};

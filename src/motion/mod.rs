@@ -17,7 +17,7 @@ pub mod smoother;
 mod source;
 pub mod track;
 
-pub use source::{PlatformNav, TrackSource};
+pub use source::PlatformNav;
 pub use track::{FitReport, Report, SourceError, SourceReport, State, Track, TrackError};
 
 use std::sync::Arc;

@@ -29,7 +29,8 @@ use ::csv::ByteRecord;
 
 use super::csv::{line_of, read_iso, read_number, reader_of};
 use super::faults::{FaultKind, Faults, NavError};
-use super::replay::{MAX_FIXES, read_bytes};
+use super::replay::read_bytes;
+use crate::nav::recording::MAX_FIXES;
 use crate::time::TimeTag;
 
 const NEEDED: [&str; 6] =

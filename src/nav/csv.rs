@@ -37,9 +37,11 @@
 use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 
 use super::faults::{FaultKind, Faults, NavError, quote};
-use super::replay::{self, LoadReport, MAX_FIXES, Recording};
+use super::recording;
 use super::{FileSource, Fix, Place};
 use crate::frames::{Geodetic, Point};
+use crate::nav::load_report::LoadReport;
+use crate::nav::recording::{MAX_FIXES, Recording};
 use crate::time::TimeTag;
 
 const COLUMNS: [&str; 11] = [
@@ -99,7 +101,7 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
             break;
         }
         if let Some(fix) = layout.fix(&record, line, source, &mut faults)
-            && replay::follows(&fixes, &fix, line, source, &mut faults)
+            && recording::follows(&fixes, &fix, line, source, &mut faults)
         {
             fixes.push(fix);
         }
@@ -108,7 +110,7 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
         faults.push(1, FaultKind::Empty);
     }
     report.lines = report.lines.max(1);
-    replay::finish(fixes, report, faults, source)
+    recording::finish(fixes, report, faults, source)
 }
 
 /// A reader of lines with fields of any number, comments left out. Without quotes a record is a line, whatever the bytes.
@@ -237,7 +239,7 @@ impl Layout {
                 let lon = number(lon, "lon_deg", (-180.0, 180.0));
                 let height = number(height, "height_m", HEIGHT_RANGE_M);
                 lat.zip(lon).zip(height).map(|((lat, lon), height)| {
-                    let h_m = replay::ellipsoidal_height_m(height, source);
+                    let h_m = recording::ellipsoidal_height_m(height, source);
                     Place::Geodetic(Geodetic::from_deg(lat, lon, h_m))
                 })
             }

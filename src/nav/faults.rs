@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::replay::LoadReport;
+use crate::nav::load_report::LoadReport;
 use crate::time::TimeTag;
 
 /// Faults kept in full; the rest are only counted.

@@ -24,8 +24,10 @@
 use super::decode::{Content, Decoder};
 use super::epoch::Assembler;
 use super::faults::{FaultKind, Faults, NavError, NoFix};
-use super::replay::{self, LoadReport, MAX_FIXES, Recording};
+use super::recording;
 use super::{FileSource, Fix, VerticalDatum};
+use crate::nav::load_report::LoadReport;
+use crate::nav::recording::{MAX_FIXES, Recording};
 
 /// Reads fixes from the bytes of a log.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
@@ -52,7 +54,7 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
         }
         assembler.push(&message, &mut |epoch| {
             if let Some(fix) = epoch.fix(VerticalDatum::Ellipsoid, 0.0)
-                && replay::follows(&fixes, &fix, messages, source, &mut faults)
+                && recording::follows(&fixes, &fix, messages, source, &mut faults)
             {
                 fixes.push(fix);
             }
@@ -74,5 +76,5 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
         let report = Box::new(report);
         return Err(NavError::NoFix { path: source.path.clone(), reason: NoFix::NoInspvax, report });
     }
-    replay::finish(fixes, report, faults, source)
+    recording::finish(fixes, report, faults, source)
 }

@@ -18,20 +18,49 @@ pub mod epoch;
 pub mod faults;
 pub mod inspvax;
 pub mod live;
+pub mod load_report;
 pub mod nmea;
 pub mod pcap;
+pub mod recording;
 pub mod replay;
 pub mod sbet;
 pub mod solution;
 
 use std::path::PathBuf;
 
-use crate::frames::{Body, Enu, Geodetic, Point, Rotation};
+use crate::frames::{Body, Enu, Geodetic, Point, Rotation, Vector};
 use crate::time::TimeTag;
 
 pub use faults::{Fault, FaultKind, Faults, NavError};
 pub use live::{LiveSource, MotionBounds};
-pub use replay::{LoadReport, Recording, load};
+pub use load_report::LoadReport;
+pub use recording::Recording;
+pub use replay::load;
+
+/// A source of one trajectory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrackSource {
+    /// Stays where it is.
+    Fixed {
+        /// Where.
+        place: Place,
+        /// Attitude.
+        attitude: Rotation<Body, Enu>,
+    },
+    /// Straight line at constant speed.
+    Straight {
+        /// Position at the emission of pulse 0.
+        place: Place,
+        /// Velocity, m/s.
+        velocity: Vector<Enu>,
+        /// Attitude; `None`: nose along the velocity, wings level.
+        attitude: Option<Rotation<Body, Enu>>,
+    },
+    /// A recorded track.
+    File(FileSource),
+    /// What a receiver says while the run goes on.
+    Live(LiveSource),
+}
 
 /// A position, as given.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -51,8 +51,10 @@ use super::completion::{Completer, Told};
 use super::decode::{Content, Decoder, Message};
 use super::epoch::Assembler;
 use super::faults::{FaultKind, Faults, NavError, NoFix};
-use super::replay::{self, LoadReport, MAX_FIXES, Recording};
+use super::recording;
 use super::{FileSource, Fix};
+use crate::nav::load_report::LoadReport;
+use crate::nav::recording::{MAX_FIXES, Recording};
 
 /// Bytes that are handed to the decoder at once.
 const PIECE_BYTES: usize = 1 << 20;
@@ -120,7 +122,7 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     if epochs > MAX_FIXES {
         faults.push(report.lines, FaultKind::TooManyFixes { allowed: MAX_FIXES });
     }
-    replay::finish(fixes, report, faults, source)
+    recording::finish(fixes, report, faults, source)
 }
 
 impl Reading<'_> {

@@ -33,9 +33,11 @@
 //! ```
 
 use super::faults::{FaultKind, Faults, NavError};
-use super::replay::{self, LoadReport, MAX_FIXES, Recording};
+use super::recording;
 use super::{FileSource, Fix, Place};
 use crate::frames::Geodetic;
+use crate::nav::load_report::LoadReport;
+use crate::nav::recording::{MAX_FIXES, Recording};
 use crate::time::TimeTag;
 
 /// Bytes of a record.
@@ -148,10 +150,15 @@ pub fn parse(bytes: &[u8], gps_week: u32, source: &FileSource) -> Result<Recordi
             climb_mps: Some(up),
             ..Fix::at(time, place)
         };
-        if replay::follows(&fixes, &fix, number, source, &mut faults) {
+        if recording::follows(&fixes, &fix, number, source, &mut faults) {
             fixes.push(fix);
         }
     }
     let path = source.path.display().to_string();
-    replay::finish(fixes, LoadReport { path, lines: lines.max(1), ..LoadReport::default() }, faults, source)
+    recording::finish(
+        fixes,
+        LoadReport { path, lines: lines.max(1), ..LoadReport::default() },
+        faults,
+        source,
+    )
 }

@@ -15,13 +15,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use num_complex::Complex64;
 
-use super::stages::PulseError;
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockContacts, Fill, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
-use crate::fidelity::settle::{Settled, block_length, block_pulses};
+use crate::fidelity::echo_settings::{Settled, block_length, block_pulses};
 use crate::fidelity::sounding::points::{mean_rate, of_points};
 use crate::paths::block::{
     Borders, Faint, Instants, LOOKS, NODES, Sample, ShareBorders, Tier, Tiers, TileWork, looks_about,
@@ -29,6 +28,7 @@ use crate::paths::block::{
 };
 use crate::paths::list::Contacts;
 use crate::paths::{Illumination, Workspace};
+use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 

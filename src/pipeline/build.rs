@@ -7,9 +7,10 @@
 //! Claims are bookkeeping only: a pulse depends on its number alone, so neither their length nor the
 //! thread count changes a bit of it.
 
-use std::fs;
+use super::factory::factory_by;
+use super::fault::{BuildError, BuildErrors};
+use super::memory::available_bytes;
 use std::ops::Range;
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 use std::thread;
@@ -18,50 +19,38 @@ use std::time::Instant;
 use crossbeam_channel::Sender;
 use num_complex::Complex32;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use thiserror::Error;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use thread_priority::ThreadPriority;
 
 use crate::config::Run;
-use crate::echo::Fidelity;
-use crate::echo::synth::SynthError;
-use crate::fidelity::PlanError;
-use crate::motion::TrackSource;
-use crate::motion::changes::{ChangeFault, Changes};
-use crate::motion::track::TrackError;
-use crate::motion::{PlatformTracks, SourceError};
-use crate::paths::Illumination;
+use crate::motion::PlatformTracks;
+use crate::motion::changes::Changes;
+use crate::nav::TrackSource;
+use crate::pulse::Pulse;
 use crate::pulse::converter::Level;
 use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
-use crate::pulse::{Layout, Pulse};
-use crate::radar::calibration::CalibrationFault;
-use crate::radar::clock::{ClockFault, RunningClocks};
 use crate::radar::fault::{RadarError, RadarFault};
-use crate::radar::receiver::Receiver;
-use crate::radar::waveform::{self, WaveformError};
-use crate::scene::Scene;
-use crate::scene::clock::Clocks;
-use crate::sea::fleet::{self, FleetError, FleetErrors};
-use crate::sea::realise::{RealiseError, realise};
+use crate::sea::fleet::{self, FleetError};
+use crate::sea::realise::realise;
 use crate::sinks;
 use crate::sinks::sink::{Header, SinkError, SinkReport, drain};
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
-use crate::transport::{self, StreamError};
+use crate::transport::{self};
 
-use super::aboard::{self, ShipTracks};
+use super::aboard::{self};
 use super::changing;
 use super::control::{Control, Desk, control};
-use super::dry_run;
-use super::live::{LiveFault, LiveNav};
+use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{header, open_all, placed, same_kind};
 use super::plausible;
-use super::stages::{Echo, PulseError, PulseFactory, Workspace};
+use super::stages::{PulseFactory, Workspace};
 use super::tracks::flown;
+use crate::pipeline::fault::PulseError;
 
 pub use super::tracks::{TrackNote, tracks};
 
@@ -70,234 +59,6 @@ const RING_BYTES: usize = 256 << 20;
 
 /// Priority of a worker from 0 to 99, where 50 is that of an ordinary thread: nice 9.
 const WORKER_PRIORITY: u8 = 23;
-
-/// Why a run cannot be started. Each entry is one fault of the input.
-#[derive(Debug, Error)]
-pub enum BuildError {
-    /// A platform's track.
-    #[error("platform '{platform}', {role} track: {source}")]
-    Track {
-        /// The platform.
-        platform: String,
-        /// `true` or `reported`.
-        role: &'static str,
-        /// What is wrong.
-        source: SourceError,
-    },
-    /// A track that ends early, met while looking ahead.
-    #[error("platform '{platform}', at pulse {pulse}: {source}")]
-    Lost {
-        /// The platform.
-        platform: String,
-        /// The pulse.
-        pulse: u64,
-        /// Why.
-        source: TrackError,
-    },
-    /// A track that does not reach to a time that was asked for.
-    #[error("platform '{platform}', {time_s} s after pulse 0: {source}")]
-    Away {
-        /// The platform.
-        platform: String,
-        /// The time, s.
-        time_s: f64,
-        /// Why.
-        source: TrackError,
-    },
-    /// The sea, told beside faults of other parts.
-    #[error("sea: {0}")]
-    Sea(#[from] RealiseError),
-    /// A ship, told beside faults of other parts.
-    #[error(transparent)]
-    Ship(#[from] FleetError),
-    /// The waveform.
-    #[error(transparent)]
-    Waveform(#[from] WaveformError),
-    /// The instrument or its way through the scene.
-    #[error(transparent)]
-    Radar(#[from] RadarError),
-    /// A clock.
-    #[error(transparent)]
-    Clock(#[from] ClockFault),
-    /// The fast echo.
-    #[error(transparent)]
-    Echo(#[from] SynthError),
-    /// Live navigation.
-    #[error("platform '{platform}', live navigation: {source}")]
-    Live {
-        /// The platform.
-        platform: String,
-        /// What is wrong.
-        source: LiveFault,
-    },
-    /// An antenna in the water.
-    #[error(
-        "antenna \"{antenna}\" of platform '{platform}' is {depth_m:.2} m below mean sea level at pulse {pulse}; allowed: on or \
-         above it (look at the track, its datum, scene.origin_h_m and lever_arm_m)"
-    )]
-    BelowSea {
-        /// The transmitter or receiver.
-        antenna: String,
-        /// Its platform.
-        platform: String,
-        /// Depth, m.
-        depth_m: f64,
-        /// Where it is deepest.
-        pulse: u64,
-    },
-    /// A pulse from a file that lasts too long.
-    #[error(
-        "the pulse of {}, {pulse_us} us, is longer than the shortest pulse interval, {pri_us} us: two pulses would leave at once; \
-         allowed: a lower radar.prf_hz, or a shorter pulse",
-        path.display()
-    )]
-    LongPulse {
-        /// The file.
-        path: PathBuf,
-        /// Its length, us.
-        pulse_us: f64,
-        /// The shortest interval, us.
-        pri_us: f64,
-    },
-    /// A pulse of the trial.
-    #[error(transparent)]
-    Pulse(PulseError),
-    /// A sink's output.
-    #[error(transparent)]
-    Sink(#[from] SinkError),
-    /// Pulses that the run does not have.
-    #[error("pulses {from}..{to} are not part of the run; allowed: at least one pulse within 0..{pulses}")]
-    Range {
-        /// First pulse asked.
-        from: u64,
-        /// One past the last pulse asked.
-        to: u64,
-        /// Pulses of the run.
-        pulses: u64,
-    },
-    /// More than the machine has.
-    #[error(
-        "a sea of {facets} facets takes about {needed_mib} MiB with {threads} threads, {available_mib} MiB are available; \
-         allowed: fewer facets (scene.patch_size_m, scene.facet_m) or fewer stream.threads"
-    )]
-    Memory {
-        /// Facets of the patch.
-        facets: usize,
-        /// Workers, each with a sea of its own.
-        threads: usize,
-        /// What they need.
-        needed_mib: u64,
-        /// What is free.
-        available_mib: u64,
-    },
-    /// A calibration channel.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationFault),
-    /// A change of the scenario.
-    #[error("event: {0}")]
-    Change(#[from] ChangeFault),
-    /// The worker threads.
-    #[error("worker threads: {0}")]
-    Pool(#[from] ThreadPoolBuildError),
-    /// The stream.
-    #[error(transparent)]
-    Stream(#[from] StreamError),
-}
-
-/// Every fault found while building a run.
-#[derive(Debug, Error)]
-#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-pub struct BuildErrors(pub Vec<BuildError>);
-
-impl From<PulseError> for BuildError {
-    fn from(error: PulseError) -> Self {
-        match error {
-            PulseError::Radar(error) => error.into(),
-            PulseError::Echo(error) => error.into(),
-            PulseError::Unplaced { .. } => Self::Pulse(error),
-        }
-    }
-}
-
-impl From<PlanError> for BuildError {
-    fn from(error: PlanError) -> Self {
-        match error {
-            PlanError::Radar(error) => error.into(),
-            PlanError::Echo(error) => error.into(),
-        }
-    }
-}
-
-impl<E: Into<BuildError>> From<E> for BuildErrors {
-    fn from(error: E) -> Self {
-        Self(vec![error.into()])
-    }
-}
-
-impl From<FleetErrors> for BuildErrors {
-    fn from(errors: FleetErrors) -> Self {
-        Self(errors.0.into_iter().map(BuildError::Ship).collect())
-    }
-}
-
-/// What makes the pulses of a scene whose platforms move on the given tracks.
-///
-/// This is the way in for a scene built in Rust; see `examples/scene_in_rust.rs`.
-pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
-    factory_of(scene, tracks, &Fidelity::Reference)
-}
-
-/// The same with a choice of how echoes are made.
-pub fn factory_of(
-    scene: &Scene,
-    tracks: Vec<PlatformTracks>,
-    fidelity: &Fidelity,
-) -> Result<PulseFactory, BuildErrors> {
-    factory_by(scene, tracks, fidelity, &Clocks::default())
-}
-
-/// The same with clocks that are wrong.
-pub fn factory_by(
-    scene: &Scene,
-    tracks: Vec<PlatformTracks>,
-    fidelity: &Fidelity,
-    clocks: &Clocks,
-) -> Result<PulseFactory, BuildErrors> {
-    let scene = &*aboard::with_scatterers(scene)?;
-    let waveform = waveform::from_description(&scene.radar.waveform)?;
-    let radar = &scene.radar;
-    let sample_rate_hz = radar.sample_rate_hz;
-    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
-    let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
-    let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
-    let clocks = clocks.map(Arc::new);
-    let illumination = illumination.with_clocks(clocks.clone());
-    let plan = match fidelity {
-        Fidelity::Reference => None,
-        Fidelity::Fast(asked) => Some(dry_run::plan(scene, &illumination, &waveform, asked)?),
-    };
-    let echo = Echo::of(plan.as_ref(), radar, scene.pulses, &illumination, &waveform)?;
-    let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
-    let ships = ShipTracks::of(scene);
-    let layout = Layout {
-        ships: scene.ships.len(),
-        clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
-        ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
-    };
-    let generators = None;
-    Ok(PulseFactory {
-        illumination,
-        echo,
-        sample_rate_hz,
-        receiver,
-        waveform,
-        layout,
-        ships,
-        plan,
-        clocks,
-        generators,
-    })
-}
 
 /// A run that is ready to start.
 pub struct PulseStream {
@@ -459,13 +220,6 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
             .map(|changes| control(changes, range.end - range.start)),
         changes,
     })
-}
-
-/// Memory that the system says it can give, bytes; `None` where it does not say.
-pub(crate) fn available_bytes() -> Option<u64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }
 
 impl PulseStream {

@@ -1,14 +1,15 @@
 //! A run whose reports change: its events, and a list for those that come while it goes on.
 
+use super::{factory, tracks};
 use std::sync::Arc;
 
-use super::build::{self, BuildError, BuildErrors};
 use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::motion::changes::{ChangeFault, Changes, Event};
 use crate::motion::errors::Circumstances;
 use crate::motion::{PlatformTracks, SourceError};
+use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pulse::log::Origin;
 use crate::scene::Scene;
 
@@ -48,9 +49,9 @@ pub(super) fn enter(events: &[Event], changes: Option<&Arc<Changes>>) -> Result<
 /// What makes the pulses of a run with its events, by clocks that are right.
 pub fn factory(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
     let changes = list(run);
-    let (both, _) = build::tracks(&run.nav, &run.scene)?;
+    let (both, _) = tracks::tracks(&run.nav, &run.scene)?;
     let both = tracks(both, &run.scene, changes.as_ref())?;
-    let factory = build::factory_of(&run.scene, both, fidelity)?;
+    let factory = factory::factory_of(&run.scene, both, fidelity)?;
     enter(&run.events, changes.as_ref())?;
     Ok(factory)
 }

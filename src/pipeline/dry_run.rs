@@ -19,14 +19,15 @@ use std::sync::Arc;
 use num_complex::Complex32;
 
 use super::aboard::ShipTracks;
-use super::build::BuildErrors;
-use super::stages::{Echo, PulseError, PulseFactory};
-use crate::bench::accuracy::{mean_of, power, powers};
+use super::stages::{Echo, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
 use crate::fidelity::settle::{EXACT_DB, Plan, settle};
 use crate::fidelity::sounding::spread_over;
 use crate::paths::Illumination;
+use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::fault::PulseError;
+use crate::pipeline::power::{mean_of, power, powers};
 use crate::pulse::{Layout, Samples};
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;

@@ -17,22 +17,22 @@
 //! * Where the scenario asks for no latency, it is what the interval between the first fixes makes necessary (`LiveNav::needed_latency_s`).
 //! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left, and counted.
 
+use super::fault::LiveFault;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use thiserror::Error;
 
-use super::build::{BuildError, BuildErrors};
 use crate::config::Run;
 use crate::motion::Track;
-use crate::motion::TrackSource;
 use crate::motion::gate::{MotionGate, Verdict};
 use crate::motion::track::live::LiveTrack;
 use crate::nav::Place;
-use crate::nav::live::{Feed, FeedCounts, FeedError};
+use crate::nav::TrackSource;
+use crate::nav::live::{Feed, FeedCounts};
 use crate::nav::live::{Heard, LiveSource, Origin};
+use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::time::TimeTag;
 use crate::transport::{Pace, Policy};
 
@@ -48,56 +48,6 @@ const LEAST_LEAD: Duration = Duration::from_millis(2);
 const MARGIN_S: f64 = 0.3;
 /// From the last fix to the first pulse of a run that begins with its navigation, s: what making it ready may take.
 const READY_S: f64 = 3.0;
-
-/// Why a run cannot fly by its live navigation.
-#[derive(Debug, Error)]
-pub enum LiveFault {
-    /// The source.
-    #[error(transparent)]
-    Feed(#[from] FeedError),
-    /// Nothing usable came.
-    #[error(
-        "no navigation from {origin} within {patience_s} s ({good} messages, {unusable} fixes that cannot be used); \
-         allowed: a sender of GGA, RMC, PASHR or INSPVAX, or a longer track.patience_s"
-    )]
-    Silent {
-        /// Where it was to come from.
-        origin: Origin,
-        /// How long was waited.
-        patience_s: f64,
-        /// Messages read.
-        good: u64,
-        /// Fixes that were left.
-        unusable: u64,
-    },
-    /// It begins after the run.
-    #[error(
-        "navigation from {origin} begins at {begins}, after the first pulse at {first}; \
-         allowed: a later scene.start_utc, or \"live\""
-    )]
-    Begun {
-        /// Where it comes from.
-        origin: Origin,
-        /// Its begin.
-        begins: TimeTag,
-        /// The first pulse.
-        first: TimeTag,
-    },
-    /// A schedule that cannot be kept with live navigation.
-    #[error(
-        "live navigation goes on in real time: {what}; allowed: pace = \"realtime\" with policy \"stop\" or \"drop\""
-    )]
-    Schedule {
-        /// What is asked.
-        what: &'static str,
-    },
-    /// Something that must know the whole flight.
-    #[error("{what} must know the whole flight; allowed: a recorded track, or live navigation without it")]
-    Beforehand {
-        /// What.
-        what: &'static str,
-    },
-}
 
 /// What became of the navigation of a platform.
 #[derive(Clone, Debug, Serialize)]

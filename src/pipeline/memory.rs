@@ -15,6 +15,7 @@
 use crate::echo::Fidelity;
 use crate::scene::Scene;
 use crate::scene::sea::PatchPlace;
+use std::fs;
 
 /// The program, its libraries, stacks, tables.
 pub const PROGRAM_BYTES: u64 = 26 << 20;
@@ -36,4 +37,11 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
     let worker = WORKER_FACET_BYTES[n] + if follows && n == 1 { FOLLOW_FACET_BYTES } else { 0 };
     let each = SHARED_FACET_BYTES[n].saturating_add(worker.saturating_mul(threads as u64));
     facets.saturating_mul(each)
+}
+
+/// Memory that the system says it can give, bytes; `None` where it does not say.
+pub(crate) fn available_bytes() -> Option<u64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::navigation;
-use super::stages::{PulseError, PulseFactory};
+use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::motion::changes::Changes;
+use crate::pipeline::fault::PulseError;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};

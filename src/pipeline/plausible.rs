@@ -10,12 +10,13 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use super::build::{BuildError, BuildErrors, tracks};
 use crate::config::Run;
 use crate::frames::{Enu, Point};
 use crate::motion::PlatformTracks;
-use crate::motion::TrackSource;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::nav::TrackSource;
+use crate::pipeline::fault::{BuildError, BuildErrors};
+use crate::pipeline::tracks::tracks;
 use crate::pulse::converter::Level;
 use crate::radar::waveform;
 use crate::scene::Scene;

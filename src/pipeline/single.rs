@@ -2,12 +2,12 @@
 
 use num_complex::Complex64;
 
-use super::stages::PulseError;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockContacts, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
 use crate::paths::list::Contacts;
 use crate::paths::{Illumination, Workspace};
+use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 

@@ -8,10 +8,10 @@
 //!
 //! A pulse depends on its number alone, so any thread may make any pulse and the bits are the same.
 
+use super::fault::PulseError;
 use std::sync::Arc;
 
 use num_complex::{Complex32, Complex64};
-use thiserror::Error;
 
 use super::aboard::ShipTracks;
 use super::block::{BlockEcho, BlockWork};
@@ -46,26 +46,6 @@ pub struct PulseFactory {
     pub(crate) plan: Option<Plan>,
     pub(crate) clocks: Option<Arc<RunningClocks>>,
     pub(crate) generators: Option<Generators>,
-}
-
-/// Why a pulse cannot be made.
-#[derive(Debug, Error)]
-pub enum PulseError {
-    /// Its contacts.
-    #[error(transparent)]
-    Radar(#[from] RadarError),
-    /// Its echo.
-    #[error(transparent)]
-    Echo(#[from] SynthError),
-    /// Contacts that cannot be followed from node to node.
-    #[error(
-        "{unplaced} contacts cannot be followed through a block of pulses (no delay at a node, or one that changes by a \
-         million cells); allowed: fidelity.echo = \"reference\""
-    )]
-    Unplaced {
-        /// How many.
-        unplaced: usize,
-    },
 }
 
 /// From contacts to spectra.

@@ -1,9 +1,10 @@
 //! From what the scenario says of platforms to the tracks on which they move and report.
 
-use super::build::{BuildError, BuildErrors};
+use crate::motion::PlatformNav;
 use crate::motion::errors::Circumstances;
-use crate::motion::{PlatformNav, TrackSource};
 use crate::motion::{PlatformTracks, SourceReport, Track};
+use crate::nav::TrackSource;
+use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::scene::Scene;
 use crate::scene::radar::Pointing;
 

@@ -10,6 +10,7 @@ pub mod lanes;
 pub mod permittivity;
 pub mod slope_pdf;
 pub mod speckle;
+pub mod splitting;
 pub mod spectrum_table;
 pub mod spm;
 pub mod tilt;

@@ -42,7 +42,8 @@
 //! assert!(sigma0[0][0] > sigma0[1][1] && sigma0[1][1] > 0.0);
 //! ```
 
-use std::f64::consts::{PI, TAU};
+use super::splitting::high_pass;
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -386,25 +387,6 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
 #[inline]
 fn scaled(matrix: ScatterMatrix, factor: f64) -> ScatterMatrix {
     matrix.map(|row| row.map(|s| s * factor))
-}
-
-/// `H(K)`: 0 below the octave centred on the cut, 1 above it, a raised cosine in `log K` between.
-///
-/// ```
-/// use nereus::scattering::two_scale::high_pass;
-/// assert_eq!((high_pass(7.0, 10.0), high_pass(15.0, 10.0)), (0.0, 1.0));
-/// assert!((high_pass(10.0, 10.0) - 0.5).abs() < 1e-15);
-/// ```
-#[inline]
-pub fn high_pass(wavenumber_radpm: f64, cut_radpm: f64) -> f64 {
-    const HALF_OCTAVE: f64 = std::f64::consts::SQRT_2;
-    if wavenumber_radpm >= cut_radpm * HALF_OCTAVE {
-        1.0
-    } else if wavenumber_radpm * HALF_OCTAVE <= cut_radpm {
-        0.0
-    } else {
-        0.5 * (1.0 + (PI * (wavenumber_radpm / cut_radpm).log2()).sin())
-    }
 }
 
 /// Slope variances of `resolved < K < cut` and height variance of `K > cut`, of `psi * factor`.

@@ -5,7 +5,8 @@ use std::fs;
 use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::paths::list::Contacts;
-use nereus::pipeline::build::{self, factory_by};
+use nereus::pipeline::build;
+use nereus::pipeline::factory::factory_by;
 
 const RADIUS_M: f64 = 4.0 / 3.0 * 6_371_000.0;
 

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use nereus::config::{self, Run};
-use nereus::pipeline::build::{self, factory_by};
+use nereus::pipeline::build;
+use nereus::pipeline::factory::factory_by;
 use nereus::pulse::{Pulse, Samples, flags};
 
 const C: f64 = 299_792_458.0;

@@ -90,7 +90,7 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
             &[(case.target, rcs_m2)],
         );
         let factory =
-            nereus::pipeline::build::factory(&scene, scenes::tracks(&scene, case.tx, case.rx)).unwrap();
+            nereus::pipeline::factory::factory(&scene, scenes::tracks(&scene, case.tx, case.rx)).unwrap();
         let mut work = factory.workspace();
         let mut pulse = factory.slot();
         factory.make(case.pulse, &mut pulse, &mut work).unwrap();

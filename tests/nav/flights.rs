@@ -1,8 +1,8 @@
 //! Recorded flights: how far the fixes are from a motion, and what smoothing makes of them.
 
 use nereus::frames::{Earth, Geodetic, SceneFrame};
-use nereus::motion::TrackSource;
 use nereus::motion::{FitReport, SourceReport, Track};
+use nereus::nav::TrackSource;
 use nereus::nav::{FileSource, Fix, load};
 use nereus::time::TimeTag;
 

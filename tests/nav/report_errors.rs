@@ -1,12 +1,13 @@
 //! Errors of reports: what is drawn is what was asked, known errors are exact, and which report is at hand.
 
 use nereus::frames::{Point, Rotation, Vector};
+use nereus::motion::PlatformNav;
 use nereus::motion::errors::preset::Class;
 use nereus::motion::errors::{
     ATTITUDE, AXES, Between, Circumstances, Dropouts, ErrorModel, Errors, ErrorsFault, Recorded, VELOCITY,
 };
-use nereus::motion::{PlatformNav, TrackSource};
 use nereus::motion::{PlatformTracks, Track};
+use nereus::nav::TrackSource;
 use nereus::pulse::flags;
 use nereus::time::{PulseTimes, TimeTag};
 use proptest::prelude::*;

@@ -2,8 +2,8 @@
 
 use insta::assert_snapshot;
 use nereus::frames::{Earth, Geodetic, Point, Rotation, SceneFrame, Vector};
-use nereus::motion::TrackSource;
 use nereus::motion::{State, Track, TrackError};
+use nereus::nav::TrackSource;
 use nereus::nav::{AttitudeSource, FileSource, Fix, Place, Smoothing};
 use nereus::time::TimeTag;
 use proptest::prelude::*;

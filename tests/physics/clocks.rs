@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nereus::config;
-use nereus::pipeline::build::{factory_by, tracks};
+use nereus::pipeline::factory::factory_by;
+use nereus::pipeline::tracks::tracks;
 use nereus::pulse::{Pulse, Samples};
 use nereus::radar::clock::{ClockFault, RunningClocks, adev, preset};
 use nereus::scene::clock::{Clock, Clocks, NamedClock};
@@ -191,7 +192,7 @@ fn pairs_with_clocks_of_their_own_are_apart_by_them() {
     assert!(worst < 1e-3 / TAU, "{worst}");
     // Farther apart than half the guard of 32 samples: refused.
     let run = scenario("", &with.replace("45.6e-9", "161e-9"), "");
-    let (tracks, _) = nereus::pipeline::build::tracks(&run.nav, &run.scene).unwrap();
+    let (tracks, _) = nereus::pipeline::tracks::tracks(&run.nav, &run.scene).unwrap();
     let error = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).err().unwrap().to_string();
     assert!(error.contains("half the guard"), "{error}");
 }

@@ -16,7 +16,7 @@ use super::{
     compressor, expected, ground, one, outputs, paths, pictures, table, values,
 };
 use crate::cli::sea::{SeaError, save_canvas};
-use crate::pipeline::build::available_bytes;
+use crate::pipeline::memory::available_bytes;
 use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
 use crate::processor::backproject::{Aperture, fast};
 use crate::processor::degradation::{CUT, Lobe, Look, PhaseTerms, Prediction, Response, respond};

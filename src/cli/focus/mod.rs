@@ -23,7 +23,7 @@ use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
 use crate::clutter::SampleFault;
 use crate::geometry::phase_path::PhasePath;
-use crate::pipeline::build::available_bytes;
+use crate::pipeline::memory::available_bytes;
 use crate::plot::canvas::Canvas;
 use crate::plot::picture::{Axis, Limits, Picture, Reduction};
 use crate::processor::backproject::{Aperture, PulseEcho, fast};

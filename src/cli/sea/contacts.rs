@@ -3,7 +3,7 @@
 use super::super::error::CliError;
 use super::SeaError;
 use crate::config::Run;
-use crate::pipeline::build::{BuildError, BuildErrors};
+use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pipeline::stages::PulseFactory;
 use crate::recording::map_file::Attribute;
 use crate::recording::output::Output;

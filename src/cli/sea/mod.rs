@@ -27,7 +27,7 @@ use super::run::overrides;
 use super::{say, warn};
 use crate::adequacy::patch_at;
 use crate::config;
-use crate::pipeline::build::BuildErrors;
+use crate::pipeline::fault::BuildErrors;
 use crate::plot::canvas::Canvas;
 use crate::plot::picture::{Axis, Picture};
 use crate::recording::map_file::{Attribute, Layer, MapFile};

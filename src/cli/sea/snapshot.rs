@@ -22,7 +22,7 @@ use super::{SeaError, axes, contacts, outputs, save_png};
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;
-use crate::pipeline::{build, changing};
+use crate::pipeline::{changing, fault};
 use crate::plot::colours::ColourMap;
 use crate::plot::picture::{Limits, Picture, Reduction};
 use crate::recording::map_file::{Attribute, Layer, MapFile};
@@ -108,7 +108,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let factory = changing::factory(&run, &Fidelity::Reference)?;
     let made = factory.snapshot(args.pulse, &mut factory.workspace());
     // The pulse is in the run and the tracks cover it.
-    let snapshot = made.map_err(|error| build::BuildErrors::from(build::BuildError::Radar(error)))?;
+    let snapshot = made.map_err(|error| fault::BuildErrors::from(fault::BuildError::Radar(error)))?;
     let mut report = report(args, &names, snapshot.as_ref());
     if let Some(snapshot) = &snapshot {
         tell(&report);

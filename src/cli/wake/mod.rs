@@ -20,7 +20,7 @@ use super::sea::{Field, SeaError, axes, field, outputs, save_png};
 use super::{say, warn};
 use crate::adequacy::{ShipOutlook, patch_at};
 use crate::config;
-use crate::pipeline::build::BuildErrors;
+use crate::pipeline::fault::BuildErrors;
 use crate::plot::picture::Picture;
 use crate::recording::map_file::{Attribute, Layer, MapFile};
 use crate::recording::output::{FileKind, Output};

@@ -7,10 +7,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use super::ship::turbulent;
 use super::{Ground, Names};
 use crate::config::error::Problem;
 use crate::config::keys;
+use crate::config::resolve::turbulent::turbulent;
 use crate::config::section::Section;
 use crate::frames::Geodetic;
 use crate::nav::ais::{self, Report};

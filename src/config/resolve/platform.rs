@@ -5,7 +5,8 @@ use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
 use crate::frames::{Body, Enu, Rotation, Vector};
-use crate::motion::{PlatformNav, TrackSource};
+use crate::motion::PlatformNav;
+use crate::nav::TrackSource;
 use crate::nav::{
     AttitudeSource, FileFormat, FileSource, LiveSource, MotionBounds, Smoothing, VerticalDatum,
 };

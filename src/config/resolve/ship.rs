@@ -3,12 +3,13 @@
 use super::ais;
 use super::place;
 use super::target::name;
+use super::turbulent::turbulent;
 use super::{Ground, Names};
 use crate::config::error::Problem;
 use crate::config::keys::{self, MOST_SHIPS};
 use crate::config::section::Section;
 use crate::scene::Ship;
-use crate::scene::ship::{HullGiven, KelvinWake, TurbulentWake};
+use crate::scene::ship::{HullGiven, KelvinWake};
 use crate::time::TimeTag;
 
 /// Carrier below which short waves of ships scatter unless it is said that they do not.
@@ -101,17 +102,4 @@ fn hull(section: &Section<'_>) -> Option<HullGiven> {
             None
         }
     }
-}
-
-pub(super) fn turbulent(section: Section<'_>) -> Option<TurbulentWake> {
-    use keys::turbulent::{DECAY_LENGTHS, SPREAD_EXPONENT, WIND_RATIO};
-    let spread_exponent = section.number(&SPREAD_EXPONENT);
-    let decay_lengths = section.number(&DECAY_LENGTHS);
-    let wind_ratio = section.number(&WIND_RATIO);
-    section.finish();
-    Some(TurbulentWake {
-        spread_exponent: spread_exponent?,
-        decay_lengths: decay_lengths?,
-        wind_ratio: wind_ratio?,
-    })
 }

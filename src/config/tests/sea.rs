@@ -12,7 +12,7 @@ use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindProfile, WindStrength,
 };
 use crate::scene::{Patch, Sea};
-use crate::sea::spectrum::jonswap::FETCH_RANGE_M;
+use crate::sea::spectrum::FETCH_RANGE_M;
 use crate::sea::{dispersion, spectrum::spreading, surface, wind};
 
 const SEA: &str = include_str!("../../../configs/sea.toml");

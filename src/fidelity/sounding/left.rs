@@ -6,8 +6,8 @@ use std::ops::Range;
 use num_complex::{Complex32, Complex64};
 
 use super::{Powers, Sounder, TILES, Truth, runs_of, through};
+use crate::fidelity::echo_settings::block_pulses;
 use crate::fidelity::faint::{Binned, Ladder};
-use crate::fidelity::settle::block_pulses;
 use crate::fidelity::worst::{Cells, Sum};
 use crate::paths::block::sounding::{Heard, Keep, Shadows};
 use crate::paths::block::{

@@ -5,8 +5,6 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::fit::MAX_MISFIT_SIGMAS;
-use super::turbulence::TurbulenceFault;
 use crate::motion::attitude::{MAX_STEP_DEG, MIN_SPEED_MPS};
 use crate::motion::errors::ErrorsFault;
 use crate::nav::NavError;
@@ -221,3 +219,51 @@ pub enum SourceError {
     #[error(transparent)]
     Turbulence(#[from] TurbulenceFault),
 }
+
+/// Residual of a smooth track, in stated standard deviations (rms), beyond which it is refused: it would not be the
+/// recorded motion any more.
+pub const MAX_MISFIT_SIGMAS: f64 = 5.0;
+
+/// Why there is no turbulence.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TurbulenceFault {
+    /// A platform that does not fly.
+    #[error(
+        "turbulence of a platform at {airspeed_mps:.2} m/s; allowed: at least {LEAST_AIRSPEED_MPS} m/s, \
+         or a turbulence.airspeed_mps"
+    )]
+    Slow {
+        /// Its speed, m/s.
+        airspeed_mps: f64,
+    },
+    /// A run of too many steps.
+    #[error(
+        "turbulence takes {steps} steps of {step_s:.4} s; allowed: at most {MOST_STEPS}; \
+         a shorter run, or a turbulence.height_m or cutoff_hz of slower gusts"
+    )]
+    TooLong {
+        /// Steps needed.
+        steps: u64,
+        /// Their length, s.
+        step_s: f64,
+    },
+    /// A setting that has no meaning.
+    #[error("turbulence: {name} = {value} is not allowed: {allowed}")]
+    Value {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A track that says nothing about pulse 0.
+    #[error("turbulence: {0}")]
+    Track(#[from] TrackError),
+}
+
+/// Airspeed below which a platform does not fly, m/s.
+pub const LEAST_AIRSPEED_MPS: f64 = 5.0;
+
+/// Most steps of a run (150 MiB).
+pub const MOST_STEPS: u64 = 1 << 20;

@@ -12,6 +12,7 @@
 //! the two decided, and the residuals, which show the price; a track that misses its fixes by more than
 //! [`MAX_MISFIT_SIGMAS`] standard deviations (rms) is refused, since a bound below what was really flown cuts corners.
 
+use super::fault::MAX_MISFIT_SIGMAS;
 use std::fmt;
 
 use glam::{DMat3, DVec3};
@@ -25,9 +26,6 @@ use crate::motion::track::TrackError;
 use crate::nav::{FileSource, Fix, Place, Smoothing};
 use crate::time::TimeTag;
 
-/// Residual of a smooth track, in stated standard deviations (rms), beyond which it is refused: it would not be the
-/// recorded motion any more.
-pub const MAX_MISFIT_SIGMAS: f64 = 5.0;
 /// Rounds of outlier rejection at most.
 const ROUNDS: usize = 4;
 /// Decades of the jerk density that are tried to meet the acceleration bound.

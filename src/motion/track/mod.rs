@@ -43,10 +43,10 @@ use serde::Serialize;
 
 use super::attitude;
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
-use crate::motion::TrackSource;
 use crate::motion::changes::PlatformChanges;
 use crate::motion::errors::{AxisErrors, Circumstances, ErrorModel, Errors};
 use crate::motion::gusts::Gusts;
+use crate::nav::TrackSource;
 use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, Place};
 use crate::time::TimeTag;
 use deviation::Deviation;

@@ -19,7 +19,7 @@ pub use ear::Ear;
 pub use feed::{Feed, FeedCounts, FeedError};
 
 use super::{AttitudeSource, Fix, VerticalDatum};
-use crate::motion::TrackSource;
+use crate::nav::TrackSource;
 
 /// Navigation that comes while the run goes on.
 #[derive(Clone, Debug, PartialEq)]

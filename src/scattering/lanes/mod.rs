@@ -27,10 +27,10 @@ use num_complex::Complex32;
 
 use super::facets::Phases;
 use super::slope_pdf::{GramCharlier, MeanSquareSlope};
-use super::two_scale::high_pass;
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{GROUP, Held, group, group_mut, groups, lane};
 pub use crate::geometry::lanes::{LANES, Row, lanes_for};
+use crate::scattering::splitting::high_pass;
 pub use go::exponential;
 use table::{BraggTable, Damping};
 

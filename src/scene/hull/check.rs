@@ -1,15 +1,10 @@
 //! Whether numbers are a hull.
 
 use super::fault::{HullFault, Place, What};
+use super::limits::{LENGTH_RANGE_M, MOST_STATIONS, MOST_WATERLINES};
 use super::panel::{self, Panel};
 use super::{Hull, Particulars};
 
-/// Lengths that are hulls, m: the smallest models to beyond the largest ships.
-pub const LENGTH_RANGE_M: [f64; 2] = [0.05, 1000.0];
-/// Most stations.
-pub const MOST_STATIONS: usize = 2001;
-/// Most waterlines.
-pub const MOST_WATERLINES: usize = 1001;
 /// Flattest beam and draught, as parts of the length.
 const FLATTEST: f64 = 1e-4;
 

@@ -36,9 +36,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::fault::{HullError, HullFault, Place, What};
 use super::particulars::QUANTITIES;
-use super::table::{self, MOST_BYTES, quote};
+use super::table::{self, quote};
 use super::{Facts, Hull, Particulars, Scatterer, Stated, check};
 use crate::frames::Point;
+use crate::scene::hull::limits::MOST_BYTES;
 
 const KEYS: [&str; 7] = ["name", "offsets", "source", "licence", "draught_m", "stated", "scatterer"];
 const SCATTERER_KEYS: [&str; 5] = ["name", "forward_m", "starboard_m", "up_m", "rcs_m2"];

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::check::{LENGTH_RANGE_M, MOST_STATIONS, MOST_WATERLINES};
-use super::table::MOST_BYTES;
+use crate::scene::hull::limits::MOST_BYTES;
+use crate::scene::hull::limits::{LENGTH_RANGE_M, MOST_STATIONS, MOST_WATERLINES};
 
 /// Faults that are listed; the rest are counted.
 const LISTED: usize = 50;

@@ -30,6 +30,7 @@
 mod check;
 pub mod description;
 mod fault;
+mod limits;
 mod panel;
 mod particulars;
 pub mod table;
@@ -38,8 +39,8 @@ use std::path::Path;
 
 use crate::frames::{Body, Point};
 
-pub use check::{LENGTH_RANGE_M, MOST_STATIONS, MOST_WATERLINES};
 pub use fault::{HullError, HullFault, Place, What};
+pub use limits::{LENGTH_RANGE_M, MOST_STATIONS, MOST_WATERLINES};
 pub use panel::Panel;
 pub use particulars::{Particulars, QUANTITIES, Stated};
 

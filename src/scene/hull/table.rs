@@ -28,8 +28,6 @@ use std::path::Path;
 use super::fault::{HullError, HullFault, Place, What};
 use super::{Facts, Hull, check};
 
-/// Longest file that is read, bytes.
-pub const MOST_BYTES: u64 = 16 << 20;
 const HEADER: &str = "x_m/z_m";
 /// Characters of a foreign text that are repeated.
 const QUOTED: usize = 40;
@@ -84,7 +82,7 @@ pub(super) fn read(path: &Path, text: &str, faults: &mut Vec<HullFault>) -> Opti
     }
     let (mut stations_m, mut half_breadths_m, mut station_lines) = (Vec::new(), Vec::new(), Vec::new());
     for (line, content) in rows {
-        if waterlines_m.is_empty() || stations_m.len() > check::MOST_STATIONS {
+        if waterlines_m.is_empty() || stations_m.len() > super::limits::MOST_STATIONS {
             break;
         }
         station_lines.push(line);

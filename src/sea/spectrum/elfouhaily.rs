@@ -26,14 +26,12 @@
 //! ```
 
 use super::spreading::Heading;
-use super::{Spectrum, SpectrumError, WaveVector, in_range, sampling};
-use crate::scene::water::{Development, Dispersion};
+use super::spreading::{SLOWEST_MPS, delta, phase_speed_mps};
+use super::{Spectrum, SpectrumError, WaveVector, cells, in_range};
+use crate::scene::water::Development;
 use crate::sea::GRAVITY_MPS2;
 use crate::sea::dispersion::CAPILLARY_PEAK_RAD_M;
 use crate::sea::wind::Wind;
-
-/// Phase speed at km as the authors round it, m/s.
-const SLOWEST_MPS: f64 = 0.23;
 
 /// Elfouhaily's spectrum for one wind.
 #[derive(Clone, Debug)]
@@ -54,31 +52,6 @@ pub struct Elfouhaily {
     peak_rad_m: f64,
 }
 
-/// Phase speed with surface tension, m/s.
-pub fn phase_speed_mps(k_rad_m: f64) -> f64 {
-    Dispersion { capillary: true, depth_m: None }.phase_speed_mps(k_rad_m)
-}
-
-/// Elfouhaily's crosswind parameter Delta at K, for a friction velocity and a peak phase speed.
-pub fn delta(k_rad_m: f64, ustar_mps: f64, peak_speed_mps: f64) -> f64 {
-    let c = phase_speed_mps(k_rad_m);
-    (0.25 * std::f64::consts::LN_2
-        + 4.0 * power(c / peak_speed_mps)
-        + 0.13 * (ustar_mps / SLOWEST_MPS) * power(SLOWEST_MPS / c))
-    .tanh()
-}
-
-/// `ratio^2.5`.
-fn power(ratio: f64) -> f64 {
-    ratio * ratio * ratio.sqrt()
-}
-
-/// What the hyperbolic tangent of [`delta`] is of without the term of the long waves.
-pub(super) fn short_wave_spread(k_rad_m: f64, ustar_mps: f64) -> f64 {
-    let c = phase_speed_mps(k_rad_m);
-    0.25 * std::f64::consts::LN_2 + 0.13 * (ustar_mps / SLOWEST_MPS) * power(SLOWEST_MPS / c)
-}
-
 /// Inverse wave age of a fetch, m, at a wind, m/s.
 pub fn inverse_wave_age(fetch_m: f64, u10_mps: f64) -> f64 {
     let fetch = GRAVITY_MPS2 * fetch_m / (u10_mps * u10_mps);
@@ -97,7 +70,7 @@ impl Elfouhaily {
                 return Err(SpectrumError::InverseWaveAge { inverse_wave_age });
             }
             Development::Fetch(fetch_m) => {
-                let [shortest, longest] = super::jonswap::FETCH_RANGE_M;
+                let [shortest, longest] = crate::sea::spectrum::FETCH_RANGE_M;
                 if !(shortest..=longest).contains(&fetch_m) {
                     return Err(SpectrumError::Fetch { fetch_m });
                 }
@@ -132,7 +105,7 @@ impl Elfouhaily {
         };
         if !calm {
             let around = [0.2 * enhancement_rad_m, 5.0 * enhancement_rad_m];
-            spectrum.peak_rad_m = sampling::peak_rad_m(|k| spectrum.omnidirectional_m3(k), around);
+            spectrum.peak_rad_m = cells::peak_rad_m(|k| spectrum.omnidirectional_m3(k), around);
         }
         Ok(spectrum)
     }

@@ -18,14 +18,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use super::FETCH_RANGE_M;
 use super::spreading::{Exponent, Heading};
-use super::{Spectrum, SpectrumError, WaveVector, in_range, sampling};
+use super::{Spectrum, SpectrumError, WaveVector, cells, in_range};
 use crate::scene::water::Spreading;
 use crate::sea::GRAVITY_MPS2;
 use crate::sea::wind::Wind;
 
-/// Fetches that may be given, m.
-pub const FETCH_RANGE_M: [f64; 2] = [100.0, 1e7];
 const PEAK_ENHANCEMENT: f64 = 3.3;
 
 /// JONSWAP's shape `(w/wp)^-5 exp[-1.25 (wp/w)^4] gamma^r` at the ratio `w/wp`.
@@ -76,7 +75,7 @@ impl Jonswap {
         };
         if !calm {
             let around = [0.5 * nominal_rad_m, 2.0 * nominal_rad_m];
-            spectrum.peak_rad_m = sampling::peak_rad_m(|k| spectrum.omnidirectional_m3(k), around);
+            spectrum.peak_rad_m = cells::peak_rad_m(|k| spectrum.omnidirectional_m3(k), around);
         }
         Ok(spectrum)
     }

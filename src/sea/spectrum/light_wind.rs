@@ -32,11 +32,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::elfouhaily::phase_speed_mps;
 use super::spreading::Heading;
 use super::{Combined, Spectrum, SpectrumError, SwellTrain, WaveVector, of_kind};
 use crate::scene::water::{SpectrumKind, Water, WindProfile};
 use crate::sea::dispersion::CAPILLARY_PEAK_RAD_M;
+use crate::sea::spectrum::spreading::phase_speed_mps;
 use crate::sea::wind::{CALM_BELOW_MPS, Wind};
 
 /// Viscosity of water at 18 degrees Celsius, m^2/s.

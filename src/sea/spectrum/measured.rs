@@ -22,7 +22,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::{Spectrum, WaveVector, in_range, sampling};
+use super::{Spectrum, WaveVector, cells, in_range};
 
 /// Most nodes of a grid.
 pub const MAX_NODES: usize = 1 << 22;
@@ -471,7 +471,7 @@ impl Spectrum for Measured {
     }
 
     fn cell_mean_m4(&self, k: WaveVector, dk_rad_m: [f64; 2]) -> f64 {
-        sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, self.cell_divisions(dk_rad_m))
+        cells::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, self.cell_divisions(dk_rad_m))
     }
 
     fn smooth_from_rad_m(&self) -> f64 {

@@ -14,7 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Elfouhaily, FungLee, Spectrum, SpectrumError, WaveVector, sampling};
+use super::{Elfouhaily, FungLee, Spectrum, SpectrumError, WaveVector, cells};
 use crate::scene::water::Development;
 use crate::sea::wind::Wind;
 
@@ -70,7 +70,7 @@ impl Combined {
         for part in &parts {
             let near = part.peak_rad_m();
             if near > 0.0 {
-                let peak_rad_m = sampling::peak_rad_m(total, [0.7 * near, 1.4 * near]);
+                let peak_rad_m = cells::peak_rad_m(total, [0.7 * near, 1.4 * near]);
                 let value = total(peak_rad_m);
                 if value > best[1] {
                     best = [peak_rad_m, value];

@@ -34,6 +34,7 @@
 //!
 //! Limits: K up to 1e8 rad/m; zero outside.
 
+mod cells;
 pub mod elfouhaily;
 pub mod fung_lee;
 pub mod jonswap;
@@ -61,6 +62,7 @@ pub use light_wind::LightWind;
 pub use measured::Measured;
 pub use mix::{Combined, Mix};
 pub use pierson_moskowitz::PiersonMoskowitz;
+pub use spreading::FETCH_RANGE_M;
 pub use swell::SwellTrain;
 pub use tail::Tailed;
 
@@ -146,7 +148,7 @@ pub trait Spectrum: Debug + Send + Sync {
 
     /// The wave numbers nearest to the peak, below and above, where S is half its peak, rad/m.
     fn half_power_band_rad_m(&self) -> [f64; 2] {
-        sampling::half_power_band_rad_m(|k| self.omnidirectional_m3(k), self.peak_rad_m())
+        cells::half_power_band_rad_m(|k| self.omnidirectional_m3(k), self.peak_rad_m())
     }
 
     /// Wave number from which on it follows a law over wave numbers and directions, rad/m: values from a file have a kink at each, and
@@ -157,7 +159,7 @@ pub trait Spectrum: Debug + Send + Sync {
 
     /// Mean of [`Spectrum::wave_m4`] over the cell of sides `dk` centred on K, m^4.
     fn cell_mean_m4(&self, k: WaveVector, dk_rad_m: [f64; 2]) -> f64 {
-        sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, sampling::divisions(k, dk_rad_m))
+        cells::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, cells::divisions(k, dk_rad_m))
     }
 
     /// Whether values at points `dk` apart misrepresent the energy, so that means over cells must be
@@ -178,7 +180,7 @@ pub enum SpectrumError {
         inverse_wave_age: f64,
     },
     /// Fetch out of range.
-    #[error("fetch of {fetch_m} m: allowed are {} to {} m", jonswap::FETCH_RANGE_M[0], jonswap::FETCH_RANGE_M[1])]
+    #[error("fetch of {fetch_m} m: allowed are {} to {} m", FETCH_RANGE_M[0], FETCH_RANGE_M[1])]
     Fetch {
         /// The fetch given, m.
         fetch_m: f64,

@@ -22,6 +22,7 @@
 //! ```
 
 use super::{SpectrumError, WaveVector};
+use crate::scene::water::Dispersion;
 use crate::scene::water::Spreading;
 use crate::sea::GRAVITY_MPS2;
 
@@ -104,7 +105,9 @@ pub(super) enum Exponent {
 /// Exponent of waves that only the wind of the moment raises: `s = 1 + log2[(1+Delta)/(1-Delta)]` with
 /// `Delta = tanh[ln 2/4 + 0.13 (u*/cm) (cm/c)^2.5]`, and `(1 + tanh x)/(1 - tanh x) = e^2x`.
 fn of_short_waves(k_rad_m: f64, ustar_mps: f64) -> f64 {
-    1.0 + 2.0 * std::f64::consts::LOG2_E * super::elfouhaily::short_wave_spread(k_rad_m, ustar_mps)
+    1.0 + 2.0
+        * std::f64::consts::LOG2_E
+        * crate::sea::spectrum::spreading::short_wave_spread(k_rad_m, ustar_mps)
 }
 
 impl Exponent {
@@ -126,7 +129,7 @@ impl Exponent {
                 Ok(Self::Mitsuyasu { largest: largest.clamp(0.0, MAX_EXPONENT), peak_rad_m, ustar_mps })
             }
             Spreading::LikeElfouhaily => {
-                let peak_speed_mps = super::elfouhaily::phase_speed_mps(peak_rad_m);
+                let peak_speed_mps = crate::sea::spectrum::spreading::phase_speed_mps(peak_rad_m);
                 Ok(Self::LikeElfouhaily { ustar_mps, peak_speed_mps })
             }
         }
@@ -143,9 +146,40 @@ impl Exponent {
                 measured.max(of_short_waves(k_rad_m, ustar_mps)).min(MAX_EXPONENT)
             }
             Self::LikeElfouhaily { ustar_mps, peak_speed_mps } => {
-                let delta = super::elfouhaily::delta(k_rad_m, ustar_mps, peak_speed_mps);
+                let delta = crate::sea::spectrum::spreading::delta(k_rad_m, ustar_mps, peak_speed_mps);
                 (1.0 + ((1.0 + delta) / (1.0 - delta)).log2()).clamp(0.0, MAX_EXPONENT)
             }
         }
     }
+}
+
+/// Fetches that may be given, m.
+pub const FETCH_RANGE_M: [f64; 2] = [100.0, 1e7];
+
+/// Phase speed with surface tension, m/s.
+pub fn phase_speed_mps(k_rad_m: f64) -> f64 {
+    Dispersion { capillary: true, depth_m: None }.phase_speed_mps(k_rad_m)
+}
+
+/// Elfouhaily's crosswind parameter Delta at K, for a friction velocity and a peak phase speed.
+pub fn delta(k_rad_m: f64, ustar_mps: f64, peak_speed_mps: f64) -> f64 {
+    let c = phase_speed_mps(k_rad_m);
+    (0.25 * std::f64::consts::LN_2
+        + 4.0 * power(c / peak_speed_mps)
+        + 0.13 * (ustar_mps / SLOWEST_MPS) * power(SLOWEST_MPS / c))
+    .tanh()
+}
+
+/// What the hyperbolic tangent of [`delta`] is of without the term of the long waves.
+pub(super) fn short_wave_spread(k_rad_m: f64, ustar_mps: f64) -> f64 {
+    let c = phase_speed_mps(k_rad_m);
+    0.25 * std::f64::consts::LN_2 + 0.13 * (ustar_mps / SLOWEST_MPS) * power(SLOWEST_MPS / c)
+}
+
+/// Phase speed at km as the authors round it, m/s.
+pub(super) const SLOWEST_MPS: f64 = 0.23;
+
+/// `ratio^2.5`.
+fn power(ratio: f64) -> f64 {
+    ratio * ratio * ratio.sqrt()
 }

@@ -24,7 +24,7 @@
 
 use super::jonswap::shape;
 use super::spreading::Heading;
-use super::{Spectrum, SpectrumError, WaveVector, in_range, sampling};
+use super::{Spectrum, SpectrumError, WaveVector, cells, in_range};
 use crate::scene::water::{Dispersion, Swell, SwellShape};
 
 /// One swell train.
@@ -87,7 +87,7 @@ impl SwellTrain {
         };
         if variance_m2 > 0.0 {
             let around = [0.5 * centre_rad_m, 1.5 * centre_rad_m];
-            train.peak_rad_m = sampling::peak_rad_m(|k| train.omnidirectional_m3(k), around);
+            train.peak_rad_m = cells::peak_rad_m(|k| train.omnidirectional_m3(k), around);
         }
         Ok(train)
     }
@@ -138,7 +138,7 @@ impl Spectrum for SwellTrain {
     }
 
     fn cell_mean_m4(&self, k: WaveVector, dk_rad_m: [f64; 2]) -> f64 {
-        let mut divisions = sampling::divisions(k, dk_rad_m);
+        let mut divisions = cells::divisions(k, dk_rad_m);
         // A narrow train may lie within one cell: cells that can hold part of it are cut finely enough.
         let side = dk_rad_m[0].max(dk_rad_m[1]);
         if (k.magnitude() - self.centre_rad_m).abs()
@@ -146,6 +146,6 @@ impl Spectrum for SwellTrain {
         {
             divisions = divisions.max((side / self.scale_rad_m).ceil().clamp(1.0, 32.0) as usize);
         }
-        sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, divisions)
+        cells::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, divisions)
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! Limits: a calm adds nothing.
 
-use super::{LightWind, Measured, Spectrum, SpectrumError, WaveVector, sampling};
+use super::{LightWind, Measured, Spectrum, SpectrumError, WaveVector, cells};
 use crate::scene::water::{Development, SpectrumKind};
 use crate::sea::wind::Wind;
 
@@ -112,11 +112,11 @@ impl Spectrum for Tailed {
             return self.measured.cell_mean_m4(k, dk_rad_m);
         }
         let divisions = if k.magnitude() - reach > self.extent_rad_m() {
-            sampling::divisions(k, dk_rad_m)
+            cells::divisions(k, dk_rad_m)
         } else {
             self.measured.cell_divisions(dk_rad_m)
         };
-        sampling::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, divisions)
+        cells::cell_mean(|k| self.wave_m4(k), k, dk_rad_m, divisions)
     }
 
     fn needs_cell_means(&self, dk_rad_m: f64) -> bool {

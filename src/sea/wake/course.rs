@@ -19,15 +19,10 @@
 //! assert!((ship.heading_rad(100.0) - 0.1).abs() < 1e-15);
 //! ```
 
-use super::free_waves::WakeError;
+use super::fault::{MAX_SPEED_MPS, MAX_TIME_S};
 use crate::scene::Patch;
+use crate::sea::wake::fault::WakeError;
 
-/// Most turn over the age of the wake, radians.
-pub const MOST_TURN_RAD: f64 = 0.05;
-/// Speeds up to this are ships', m/s.
-pub const MAX_SPEED_MPS: f64 = 100.0;
-/// Furthest time from t = 0, s.
-pub const MAX_TIME_S: f64 = 1e9;
 /// Furthest place from the origin, m.
 const MAX_PLACE_M: f64 = 1e12;
 

@@ -36,145 +36,24 @@
 //! # Ok::<(), nereus::sea::wake::WakeError>(())
 //! ```
 
+use super::fault::{LENGTH_RANGE_M, WakeError};
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::course::{Course, MAX_SPEED_MPS, MAX_TIME_S, MOST_TURN_RAD, Pose, Reach};
-use super::nodes::{self, Band, MAX_NODES, Node};
+use super::course::{Course, Pose, Reach};
+use super::nodes::{self, Band, Node};
 use super::upstream::{Upstream, Window};
 use crate::sea::GRAVITY_MPS2;
+use crate::sea::surface::Sample;
 use crate::sea::surface::grid::FACET_RANGE_M;
-use crate::sea::surface::{Sample, SurfaceError};
+use crate::sea::wake::fault::MAX_TIME_S;
+use crate::sea::wake::fault::MOST_TURN_RAD;
 
 /// Slowest ship with a wake, m/s.
 pub const LEAST_SPEED_MPS: f64 = 0.1;
 /// Facets in the longest wave, at least.
 pub const LEAST_FACETS_A_WAVE: f64 = 4.0;
-/// Lengths a ship may have, m.
-pub const LENGTH_RANGE_M: [f64; 2] = [1e-3, 1e4];
-
-/// What is wrong with a wake.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum WakeError {
-    /// Speed out of range.
-    #[error("ship at {speed_mps} m/s: allowed are 0 to {MAX_SPEED_MPS} m/s")]
-    Speed {
-        /// The speed given, m/s.
-        speed_mps: f64,
-    },
-    /// A course that is not a number.
-    #[error("course of a ship: position (within 1e12 m), heading and rate of turn must be finite")]
-    Course,
-    /// Length out of range.
-    #[error("ship of {length_m} m: allowed are {} to {} m", LENGTH_RANGE_M[0], LENGTH_RANGE_M[1])]
-    Length {
-        /// The length given, m.
-        length_m: f64,
-    },
-    /// Not a length.
-    #[error("{what} of a turbulent wake is {value}: it must be {allowed}")]
-    Strip {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        allowed: &'static str,
-    },
-    /// Facet size out of range.
-    #[error("facet of {facet_m} m: allowed are {} to {} m", FACET_RANGE_M[0], FACET_RANGE_M[1])]
-    Facet {
-        /// The size given, m.
-        facet_m: f64,
-    },
-    /// Band limit out of range.
-    #[error("band limit of {cutoff_rad_m} rad/m: it must be finite and above 0")]
-    Cutoff {
-        /// The limit given, rad/m.
-        cutoff_rad_m: f64,
-    },
-    /// Not a reach.
-    #[error(
-        "reach of a wake of {along_m} m along and {across_m} m across: both must be finite and at least 0"
-    )]
-    Reach {
-        /// Along the course, m.
-        along_m: f64,
-        /// To the sides, m.
-        across_m: f64,
-    },
-    /// Too many nodes.
-    #[error(
-        "wake up to {along_m} m along and {across_m} m across needs {needed} waves, {MAX_NODES} are allowed: \
-         a shorter reach, a lower band limit or larger facets need fewer"
-    )]
-    Nodes {
-        /// Waves needed.
-        needed: f64,
-        /// Reach along the course, m.
-        along_m: f64,
-        /// Reach to the sides, m.
-        across_m: f64,
-    },
-    /// The hull's amplitude is not a number.
-    #[error("amplitude of the ship's waves at tan(theta) = {tan_theta} is not finite")]
-    Amplitude {
-        /// Where.
-        tan_theta: f64,
-    },
-    /// The ship turns too fast for its wake to count as straight.
-    #[error(
-        "ship turns by {turn_rad} rad over the age of its wake of {along_m} m: at most {MOST_TURN_RAD} rad is modelled"
-    )]
-    Turn {
-        /// Turn over the age of the wake, radians.
-        turn_rad: f64,
-        /// Reach along the course, m.
-        along_m: f64,
-    },
-    /// Asked further away than the nodes were made for.
-    #[error(
-        "wake asked {astern_m} m astern and {starboard_m} m to starboard: it was made for {along_m} m along and {across_m} m across"
-    )]
-    BeyondReach {
-        /// Distance astern, m.
-        astern_m: f64,
-        /// Distance to starboard, m.
-        starboard_m: f64,
-        /// Reach along the course, m.
-        along_m: f64,
-        /// Reach to the sides, m.
-        across_m: f64,
-    },
-    /// Time out of range.
-    #[error("wake at {time_s} s: allowed are times within {MAX_TIME_S} s of t = 0")]
-    Time {
-        /// The time asked, s.
-        time_s: f64,
-    },
-    /// Accuracy out of range.
-    #[error(
-        "error of {error_db} dB: allowed are {} to {} dB",
-        super::nonuniform::ERROR_RANGE_DB[0],
-        super::nonuniform::ERROR_RANGE_DB[1]
-    )]
-    ErrorBudget {
-        /// The error asked, dB.
-        error_db: f64,
-    },
-    /// A wake made for other facets.
-    #[error("wake made for facets of {wake_m} m on a map of facets of {map_m} m")]
-    FacetsDiffer {
-        /// Facet of the wake, m.
-        wake_m: f64,
-        /// Facet of the map, m.
-        map_m: f64,
-    },
-    /// The rectangle of facets, or the buffers for it.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-}
 
 /// What a map asks of a wake.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -25,7 +25,7 @@
 use num_complex::{Complex, Complex64};
 
 use super::course::{Pose, corners_m};
-use super::free_waves::{Wake, WakeError};
+use super::free_waves::Wake;
 use super::nonuniform::NonUniform;
 use super::upstream::Edge;
 use crate::cpu::{Task, Variant};
@@ -33,6 +33,7 @@ use crate::scene::Patch;
 use crate::sea::GRAVITY_MPS2;
 use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Grid, Sample, SurfaceError};
+use crate::sea::wake::fault::WakeError;
 
 /// Evaluates wakes on a rectangle of facets, in f32 or f64.
 #[derive(Clone)]

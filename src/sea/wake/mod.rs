@@ -37,6 +37,7 @@
 //! ```
 
 pub mod course;
+pub mod fault;
 pub mod free_waves;
 pub mod kochin;
 pub mod map;
@@ -48,7 +49,8 @@ pub mod upstream;
 pub mod wigley;
 
 pub use course::{Course, Reach};
-pub use free_waves::{Presence, Settings, Wake, WakeError};
+pub use fault::WakeError;
+pub use free_waves::{Presence, Settings, Wake};
 pub use map::Map;
 pub use nodes::Band;
 pub use short_waves::ShortWaves;

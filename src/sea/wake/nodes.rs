@@ -31,15 +31,14 @@
 //! assert_eq!(band.most_tan_theta(6.0), None);
 //! ```
 
+use super::fault::MAX_NODES;
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
 use super::course::Reach;
-use super::free_waves::WakeError;
+use crate::sea::wake::fault::WakeError;
 
-/// Most nodes of one wake: a sum of this many takes about a second.
-pub const MAX_NODES: usize = 1 << 18;
 /// Fewest nodes on either side of t = 0.
 const LEAST_A_SIDE: f64 = 64.0;
 /// Step in t that resolves `1/(1 + t^2)`.

@@ -32,8 +32,8 @@ use std::sync::Arc;
 use num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use super::free_waves::WakeError;
 use crate::sea::surface::fields::Real;
+use crate::sea::wake::fault::WakeError;
 
 /// Cells of the wave-number grid per cell of a critically sampled one, at least.
 pub const OVERSAMPLING: f64 = 1.5;

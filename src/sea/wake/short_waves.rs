@@ -59,9 +59,10 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use super::course::Course;
-use super::free_waves::{LEAST_FACETS_A_WAVE, LEAST_SPEED_MPS, LENGTH_RANGE_M, Settings, WakeError};
+use super::free_waves::{LEAST_FACETS_A_WAVE, LEAST_SPEED_MPS, Settings};
 use super::upstream::Window;
 use crate::sea::GRAVITY_MPS2;
+use crate::sea::wake::fault::{LENGTH_RANGE_M, WakeError};
 
 /// Steepness (wave number times amplitude) of the steepest wave: Stokes' limit, `0.141 pi`.
 pub const STEEPEST: f64 = 0.443;

@@ -28,11 +28,13 @@
 
 use std::f64::consts::PI;
 
-use super::course::{Course, MAX_TIME_S, MOST_TURN_RAD};
-use super::free_waves::{LENGTH_RANGE_M, WakeError};
+use super::course::Course;
 use crate::scene::Patch;
 use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Grid, SurfaceError};
+use crate::sea::wake::fault::MAX_TIME_S;
+use crate::sea::wake::fault::MOST_TURN_RAD;
+use crate::sea::wake::fault::{LENGTH_RANGE_M, WakeError};
 
 /// Width over beam, `x0` lengths astern.
 pub const WIDTH_IN_BEAMS: f64 = 4.0;

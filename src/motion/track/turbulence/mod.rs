@@ -39,10 +39,11 @@
 
 mod system;
 
+use super::fault::TurbulenceFault;
+use super::fault::{LEAST_AIRSPEED_MPS, MOST_STEPS};
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use thiserror::Error;
 
 use super::deviation::Deviation;
 use crate::frames::SceneFrame;
@@ -64,48 +65,6 @@ const LEAD_S: f64 = 128.0;
 const AFTER_S: f64 = 1.0;
 /// Steps in the shortest correlation time and in a period of the cut-off.
 const STEPS: f64 = 20.0;
-/// Most steps of a run (150 MiB).
-pub const MOST_STEPS: u64 = 1 << 20;
-/// Airspeed below which a platform does not fly, m/s.
-pub const LEAST_AIRSPEED_MPS: f64 = 5.0;
-
-/// Why there is no turbulence.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum TurbulenceFault {
-    /// A platform that does not fly.
-    #[error(
-        "turbulence of a platform at {airspeed_mps:.2} m/s; allowed: at least {LEAST_AIRSPEED_MPS} m/s, \
-         or a turbulence.airspeed_mps"
-    )]
-    Slow {
-        /// Its speed, m/s.
-        airspeed_mps: f64,
-    },
-    /// A run of too many steps.
-    #[error(
-        "turbulence takes {steps} steps of {step_s:.4} s; allowed: at most {MOST_STEPS}; \
-         a shorter run, or a turbulence.height_m or cutoff_hz of slower gusts"
-    )]
-    TooLong {
-        /// Steps needed.
-        steps: u64,
-        /// Their length, s.
-        step_s: f64,
-    },
-    /// A setting that has no meaning.
-    #[error("turbulence: {name} = {value} is not allowed: {allowed}")]
-    Value {
-        /// Which.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// A track that says nothing about pulse 0.
-    #[error("turbulence: {0}")]
-    Track(#[from] TrackError),
-}
 
 /// Lengths and strengths of gusts along the track, to starboard, up.
 #[derive(Clone, Copy, Debug, PartialEq)]

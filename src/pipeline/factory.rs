@@ -1,0 +1,76 @@
+//! From a scene to what makes its pulses.
+
+use std::sync::Arc;
+
+use super::aboard::{self, ShipTracks};
+use super::dry_run;
+use super::fault::BuildErrors;
+use super::stages::{Echo, PulseFactory};
+use crate::echo::Fidelity;
+use crate::motion::PlatformTracks;
+use crate::paths::Illumination;
+use crate::pulse::Layout;
+use crate::radar::clock::RunningClocks;
+use crate::radar::receiver::Receiver;
+use crate::radar::waveform;
+use crate::scene::Scene;
+use crate::scene::clock::Clocks;
+
+/// What makes the pulses of a scene whose platforms move on the given tracks.
+///
+/// This is the way in for a scene built in Rust; see `examples/scene_in_rust.rs`.
+pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
+    factory_of(scene, tracks, &Fidelity::Reference)
+}
+
+/// The same with a choice of how echoes are made.
+pub fn factory_of(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    fidelity: &Fidelity,
+) -> Result<PulseFactory, BuildErrors> {
+    factory_by(scene, tracks, fidelity, &Clocks::default())
+}
+
+/// The same with clocks that are wrong.
+pub fn factory_by(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    fidelity: &Fidelity,
+    clocks: &Clocks,
+) -> Result<PulseFactory, BuildErrors> {
+    let scene = &*aboard::with_scatterers(scene)?;
+    let waveform = waveform::from_description(&scene.radar.waveform)?;
+    let radar = &scene.radar;
+    let sample_rate_hz = radar.sample_rate_hz;
+    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
+    let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
+    let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
+    let clocks = clocks.map(Arc::new);
+    let illumination = illumination.with_clocks(clocks.clone());
+    let plan = match fidelity {
+        Fidelity::Reference => None,
+        Fidelity::Fast(asked) => Some(dry_run::plan(scene, &illumination, &waveform, asked)?),
+    };
+    let echo = Echo::of(plan.as_ref(), radar, scene.pulses, &illumination, &waveform)?;
+    let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
+    let ships = ShipTracks::of(scene);
+    let layout = Layout {
+        ships: scene.ships.len(),
+        clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
+        ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
+    };
+    let generators = None;
+    Ok(PulseFactory {
+        illumination,
+        echo,
+        sample_rate_hz,
+        receiver,
+        waveform,
+        layout,
+        ships,
+        plan,
+        clocks,
+        generators,
+    })
+}

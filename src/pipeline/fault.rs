@@ -1,0 +1,258 @@
+//! Why a run cannot be built, or a pulse not made.
+
+use crate::echo::synth::SynthError;
+use crate::fidelity::PlanError;
+use crate::motion::changes::ChangeFault;
+use crate::motion::track::{SourceError, TrackError};
+use crate::nav::live::{FeedError, Origin};
+use crate::radar::calibration::CalibrationFault;
+use crate::radar::clock::ClockFault;
+use crate::radar::fault::RadarError;
+use crate::radar::waveform::WaveformError;
+use crate::sea::fleet::{FleetError, FleetErrors};
+use crate::sea::realise::RealiseError;
+use crate::sinks::sink::SinkError;
+use crate::time::TimeTag;
+use crate::transport::StreamError;
+use rayon::ThreadPoolBuildError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a run cannot be started. Each entry is one fault of the input.
+#[derive(Debug, Error)]
+pub enum BuildError {
+    /// A platform's track.
+    #[error("platform '{platform}', {role} track: {source}")]
+    Track {
+        /// The platform.
+        platform: String,
+        /// `true` or `reported`.
+        role: &'static str,
+        /// What is wrong.
+        source: SourceError,
+    },
+    /// A track that ends early, met while looking ahead.
+    #[error("platform '{platform}', at pulse {pulse}: {source}")]
+    Lost {
+        /// The platform.
+        platform: String,
+        /// The pulse.
+        pulse: u64,
+        /// Why.
+        source: TrackError,
+    },
+    /// A track that does not reach to a time that was asked for.
+    #[error("platform '{platform}', {time_s} s after pulse 0: {source}")]
+    Away {
+        /// The platform.
+        platform: String,
+        /// The time, s.
+        time_s: f64,
+        /// Why.
+        source: TrackError,
+    },
+    /// The sea, told beside faults of other parts.
+    #[error("sea: {0}")]
+    Sea(#[from] RealiseError),
+    /// A ship, told beside faults of other parts.
+    #[error(transparent)]
+    Ship(#[from] FleetError),
+    /// The waveform.
+    #[error(transparent)]
+    Waveform(#[from] WaveformError),
+    /// The instrument or its way through the scene.
+    #[error(transparent)]
+    Radar(#[from] RadarError),
+    /// A clock.
+    #[error(transparent)]
+    Clock(#[from] ClockFault),
+    /// The fast echo.
+    #[error(transparent)]
+    Echo(#[from] SynthError),
+    /// Live navigation.
+    #[error("platform '{platform}', live navigation: {source}")]
+    Live {
+        /// The platform.
+        platform: String,
+        /// What is wrong.
+        source: LiveFault,
+    },
+    /// An antenna in the water.
+    #[error(
+        "antenna \"{antenna}\" of platform '{platform}' is {depth_m:.2} m below mean sea level at pulse {pulse}; allowed: on or \
+         above it (look at the track, its datum, scene.origin_h_m and lever_arm_m)"
+    )]
+    BelowSea {
+        /// The transmitter or receiver.
+        antenna: String,
+        /// Its platform.
+        platform: String,
+        /// Depth, m.
+        depth_m: f64,
+        /// Where it is deepest.
+        pulse: u64,
+    },
+    /// A pulse from a file that lasts too long.
+    #[error(
+        "the pulse of {}, {pulse_us} us, is longer than the shortest pulse interval, {pri_us} us: two pulses would leave at once; \
+         allowed: a lower radar.prf_hz, or a shorter pulse",
+        path.display()
+    )]
+    LongPulse {
+        /// The file.
+        path: PathBuf,
+        /// Its length, us.
+        pulse_us: f64,
+        /// The shortest interval, us.
+        pri_us: f64,
+    },
+    /// A pulse of the trial.
+    #[error(transparent)]
+    Pulse(PulseError),
+    /// A sink's output.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+    /// Pulses that the run does not have.
+    #[error("pulses {from}..{to} are not part of the run; allowed: at least one pulse within 0..{pulses}")]
+    Range {
+        /// First pulse asked.
+        from: u64,
+        /// One past the last pulse asked.
+        to: u64,
+        /// Pulses of the run.
+        pulses: u64,
+    },
+    /// More than the machine has.
+    #[error(
+        "a sea of {facets} facets takes about {needed_mib} MiB with {threads} threads, {available_mib} MiB are available; \
+         allowed: fewer facets (scene.patch_size_m, scene.facet_m) or fewer stream.threads"
+    )]
+    Memory {
+        /// Facets of the patch.
+        facets: usize,
+        /// Workers, each with a sea of its own.
+        threads: usize,
+        /// What they need.
+        needed_mib: u64,
+        /// What is free.
+        available_mib: u64,
+    },
+    /// A calibration channel.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationFault),
+    /// A change of the scenario.
+    #[error("event: {0}")]
+    Change(#[from] ChangeFault),
+    /// The worker threads.
+    #[error("worker threads: {0}")]
+    Pool(#[from] ThreadPoolBuildError),
+    /// The stream.
+    #[error(transparent)]
+    Stream(#[from] StreamError),
+}
+
+/// Every fault found while building a run.
+#[derive(Debug, Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct BuildErrors(pub Vec<BuildError>);
+
+impl From<PulseError> for BuildError {
+    fn from(error: PulseError) -> Self {
+        match error {
+            PulseError::Radar(error) => error.into(),
+            PulseError::Echo(error) => error.into(),
+            PulseError::Unplaced { .. } => Self::Pulse(error),
+        }
+    }
+}
+
+impl From<PlanError> for BuildError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Radar(error) => error.into(),
+            PlanError::Echo(error) => error.into(),
+        }
+    }
+}
+
+impl<E: Into<BuildError>> From<E> for BuildErrors {
+    fn from(error: E) -> Self {
+        Self(vec![error.into()])
+    }
+}
+
+impl From<FleetErrors> for BuildErrors {
+    fn from(errors: FleetErrors) -> Self {
+        Self(errors.0.into_iter().map(BuildError::Ship).collect())
+    }
+}
+
+/// Why a pulse cannot be made.
+#[derive(Debug, Error)]
+pub enum PulseError {
+    /// Its contacts.
+    #[error(transparent)]
+    Radar(#[from] RadarError),
+    /// Its echo.
+    #[error(transparent)]
+    Echo(#[from] SynthError),
+    /// Contacts that cannot be followed from node to node.
+    #[error(
+        "{unplaced} contacts cannot be followed through a block of pulses (no delay at a node, or one that changes by a \
+         million cells); allowed: fidelity.echo = \"reference\""
+    )]
+    Unplaced {
+        /// How many.
+        unplaced: usize,
+    },
+}
+
+/// Why a run cannot fly by its live navigation.
+#[derive(Debug, Error)]
+pub enum LiveFault {
+    /// The source.
+    #[error(transparent)]
+    Feed(#[from] FeedError),
+    /// Nothing usable came.
+    #[error(
+        "no navigation from {origin} within {patience_s} s ({good} messages, {unusable} fixes that cannot be used); \
+         allowed: a sender of GGA, RMC, PASHR or INSPVAX, or a longer track.patience_s"
+    )]
+    Silent {
+        /// Where it was to come from.
+        origin: Origin,
+        /// How long was waited.
+        patience_s: f64,
+        /// Messages read.
+        good: u64,
+        /// Fixes that were left.
+        unusable: u64,
+    },
+    /// It begins after the run.
+    #[error(
+        "navigation from {origin} begins at {begins}, after the first pulse at {first}; \
+         allowed: a later scene.start_utc, or \"live\""
+    )]
+    Begun {
+        /// Where it comes from.
+        origin: Origin,
+        /// Its begin.
+        begins: TimeTag,
+        /// The first pulse.
+        first: TimeTag,
+    },
+    /// A schedule that cannot be kept with live navigation.
+    #[error(
+        "live navigation goes on in real time: {what}; allowed: pace = \"realtime\" with policy \"stop\" or \"drop\""
+    )]
+    Schedule {
+        /// What is asked.
+        what: &'static str,
+    },
+    /// Something that must know the whole flight.
+    #[error("{what} must know the whole flight; allowed: a recorded track, or live navigation without it")]
+    Beforehand {
+        /// What.
+        what: &'static str,
+    },
+}
