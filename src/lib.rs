@@ -37,7 +37,7 @@
 //! SI units throughout, angles in radians, time convention `exp(+j w t)`.
 //! Degrees appear at the scenario file and the command line only.
 
-// The order is the order of the modules (tests/layout.rs reads it), not the alphabet's.
+// The order is the order of the modules (tests/layout reads it), not the alphabet's.
 pub mod cpu;
 pub mod units;
 pub mod frames;

@@ -3,7 +3,7 @@
 use crate::scene::Radar;
 
 /// Samples at both ends of the window whose contacts still reach into it through the receive filter.
-pub(crate) const GUARD_SAMPLES: usize = 32;
+pub const GUARD_SAMPLES: usize = 32;
 
 /// What is heard: from when to when, after the emission of the window's own pulse.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nereus::frames::{Earth, Point, SceneFrame, Vector};
 use nereus::motion::errors::Circumstances;
 use nereus::motion::gusts::Gusts;
-use nereus::motion::track::fault::TurbulenceFault;
+use nereus::motion::track::TurbulenceFault;
 use nereus::motion::track::turbulence::{Axis, Chain, FOOT_M, strength};
 use nereus::motion::{SourceError, Track};
 use nereus::time::{PulseTimes, TimeTag};

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use nereus::config::{self, Run};
-use nereus::pipeline::build;
 use nereus::pipeline::stages::PulseFactory;
+use nereus::pipeline::{build, factory};
 use nereus::pulse::{Pulse, Samples, flags};
 use nereus::radar::calibration::turns;
 use nereus::time::PulseTimes;
@@ -29,7 +29,7 @@ fn scenario(settings: &[(&str, &str)]) -> Run {
 
 fn factory(run: &Run) -> PulseFactory {
     let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
-    let made = build::factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
+    let made = factory::factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
     made.with_calibration(&run.calibration, &run.scene.radar).unwrap()
 }
 

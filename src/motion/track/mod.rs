@@ -32,7 +32,9 @@ mod recorded;
 mod report;
 pub mod turbulence;
 
-pub use fault::{SourceError, TrackError};
+pub use fault::{
+    LEAST_AIRSPEED_MPS, MAX_MISFIT_SIGMAS, MOST_STEPS, SourceError, TrackError, TurbulenceFault,
+};
 pub use fit::FitReport;
 pub use report::Report;
 

@@ -105,8 +105,8 @@ pub enum WakeError {
     /// Accuracy out of range.
     #[error(
         "error of {error_db} dB: allowed are {} to {} dB",
-        super::nonuniform::ERROR_RANGE_DB[0],
-        super::nonuniform::ERROR_RANGE_DB[1]
+        ERROR_RANGE_DB[0],
+        ERROR_RANGE_DB[1]
     )]
     ErrorBudget {
         /// The error asked, dB.
@@ -139,3 +139,6 @@ pub const MAX_TIME_S: f64 = 1e9;
 
 /// Most turn over the age of the wake, radians.
 pub const MOST_TURN_RAD: f64 = 0.05;
+
+/// Errors that may be asked for, dB.
+pub const ERROR_RANGE_DB: [f64; 2] = [-220.0, -20.0];

@@ -26,6 +26,7 @@
 //! # Ok::<(), nereus::sea::wake::WakeError>(())
 //! ```
 
+use super::fault::ERROR_RANGE_DB;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
@@ -37,8 +38,7 @@ use crate::sea::wake::fault::WakeError;
 
 /// Cells of the wave-number grid per cell of a critically sampled one, at least.
 pub const OVERSAMPLING: f64 = 1.5;
-/// Errors that may be asked for, dB.
-pub const ERROR_RANGE_DB: [f64; 2] = [-220.0, -20.0];
+
 /// What one more cell of kernel width gains, dB.
 pub const DB_A_CELL: f64 = 15.0;
 /// Rows transformed before their results are turned: a cache line of f32 pairs.
