@@ -1,5 +1,5 @@
-//! The inner loop of the fast echo, one thread: million contact-pulses per second, by variant and width, with the error against
-//! the f64 reference on a part of the same contacts.
+//! The inner loop of the fast echo, one thread: million scatterer path-pulses per second, by variant and width, with the error against
+//! the f64 reference on a part of the same scatterer paths.
 //!
 //! `cargo bench --bench kernel [-- CONTACTS]` (default 262144). A patch of 512 m x 512 m seen from 3 km at 45 degrees, 64 pulses at 222 Hz, four
 //! channels. Figures are medians of five runs, in time of the thread on its core where Linux tells (other work on the machine
@@ -13,7 +13,7 @@ use nereus::echo::reference::ReferenceEcho;
 use nereus::echo::synth::block::Node;
 use nereus::echo::synth::doppler::Doppler;
 use nereus::echo::synth::{Settings, Synth, Variant};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::radar::waveform::Lfm;
 use nereus::rng::{Room, stream};
 use nereus::scene::radar::Sweep;
@@ -32,14 +32,14 @@ const WINDOW: usize = 320;
 const WINDOW_START_S: f64 = 26.6e-6;
 /// Spectra that are timed: the kernel counts a thread's time in ticks of up to 4 ms, and one takes some 6 us.
 const SPECTRA: usize = 20_000;
-/// Contacts on which the error is measured, in pulses `CHECKED`.
+/// Scatterer paths on which the error is measured, in pulses `CHECKED`.
 const SUBSET: usize = 2048;
 const CHECKED: [usize; 3] = [0, 32, 63];
 
 /// Facets at a pulse, every `side / n`-th of the patch in rows along the flight, amplitudes fixed.
-fn facets(count: usize, pulse: usize) -> Contacts {
+fn facets(count: usize, pulse: usize) -> ScattererPaths {
     let side = (count as f64).sqrt().ceil() as usize;
-    let mut contacts = Contacts::new(1, 4, count);
+    let mut paths = ScattererPaths::new(1, 4, count);
     let mut numbers = stream(5, Room::ReceiverNoise, 0, 0);
     let mut gauss = || -> f64 { StandardNormal.sample(&mut numbers) };
     let x_radar = SPEED_MPS * (pulse as f64 - 31.5) / PRF_HZ;
@@ -50,14 +50,14 @@ fn facets(count: usize, pulse: usize) -> Contacts {
         let z = gauss();
         let (dx, dy, dz) = (x - x_radar, y + 3000.0, z - 3000.0);
         let range_m = (dx * dx + dy * dy + dz * dz).sqrt();
-        contacts.emission_offset_s.push(0.0);
-        contacts.delay_s[0].push(2.0 * range_m / C);
-        contacts.delay_rate[0].push(-2.0 * SPEED_MPS * dx / range_m / C);
-        for channel in &mut contacts.amplitude {
+        paths.emission_offset_s.push(0.0);
+        paths.delay_s[0].push(2.0 * range_m / C);
+        paths.delay_rate[0].push(-2.0 * SPEED_MPS * dx / range_m / C);
+        for channel in &mut paths.amplitude {
             channel.push(Complex64::new(gauss(), gauss()));
         }
     }
-    contacts
+    paths
 }
 
 fn main() {
@@ -66,10 +66,10 @@ fn main() {
     let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
     let reference = ReferenceEcho::new(pulse.clone(), CARRIER_HZ, RATE_HZ, WINDOW, vec![0; 4]);
     let windows_s = [WINDOW_START_S; PULSES];
-    let whole: Vec<Contacts> = NODES.iter().map(|p| facets(count, *p)).collect();
-    let part: Vec<Contacts> = NODES.iter().map(|p| facets(SUBSET, *p)).collect();
-    let nodes = |lists: &'static [Contacts]| -> Vec<Node<'static>> {
-        NODES.iter().zip(lists).map(|(pulse, contacts)| Node { pulse: *pulse, contacts }).collect()
+    let whole: Vec<ScattererPaths> = NODES.iter().map(|p| facets(count, *p)).collect();
+    let part: Vec<ScattererPaths> = NODES.iter().map(|p| facets(SUBSET, *p)).collect();
+    let nodes = |lists: &'static [ScattererPaths]| -> Vec<Node<'static>> {
+        NODES.iter().zip(lists).map(|(pulse, paths)| Node { pulse: *pulse, paths }).collect()
     };
     let (whole, part) = (nodes(whole.leak()), nodes(part.leak()));
     let len = reference.fft_len();
@@ -82,7 +82,7 @@ fn main() {
         })
         .collect();
     println!(
-        "{count} contacts x {PULSES} pulses x 4 channels, {nodes_per_block} nodes (cubic amplitudes), f32, one thread"
+        "{count} paths x {PULSES} pulses x 4 channels, {nodes_per_block} nodes (cubic amplitudes), f32, one thread"
     );
     println!(
         "variant    width  Mcontact-pulse/s  ns each  cycles*  fill ms  spectra us/pulse  error dB (predicted)"

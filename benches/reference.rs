@@ -1,4 +1,4 @@
-//! Cost of the reference echo: one call of a pulse's spectrum, and one contact in all bins and channels.
+//! Cost of the reference echo: one call of a pulse's spectrum, and one scatterer path in all bins and channels.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::hint::black_box;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nereus::echo::reference::ReferenceEcho;
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::pulse::{Layout, Pulse};
 use nereus::radar::phasor::phasor;
 use nereus::radar::receiver::Receiver;
@@ -44,16 +44,16 @@ fn echo(c: &mut Criterion) {
     for channels in [1, 4] {
         let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
         let echo = ReferenceEcho::with_period(pulse, 10e9, 100e6, 286, vec![0; channels], BINS);
-        let mut contacts = Contacts::new(1, channels, 1);
-        contacts.emission_offset_s.push(0.0);
-        contacts.delay_s[0].push(24.123_456e-6);
-        contacts.delay_rate[0].push(-4.3e-8);
-        contacts.amplitude.iter_mut().for_each(|a| a.push(Complex64::new(1e-6, 2e-6)));
+        let mut paths = ScattererPaths::new(1, channels, 1);
+        paths.emission_offset_s.push(0.0);
+        paths.delay_s[0].push(24.123_456e-6);
+        paths.delay_rate[0].push(-4.3e-8);
+        paths.amplitude.iter_mut().for_each(|a| a.push(Complex64::new(1e-6, 2e-6)));
         let mut out = vec![Complex64::ZERO; channels * BINS];
-        // Throughput in contact-bins: the inverse is ns per contact and bin.
+        // Throughput in scatterer path-bins: the inverse is ns per scatterer path and bin.
         group.throughput(Throughput::Elements(BINS as u64));
         group.bench_function(format!("1_contact_384_bins_{channels}_channels"), |b| {
-            b.iter(|| echo.spectrum(black_box(&contacts), 23.6e-6, &mut out));
+            b.iter(|| echo.spectrum(black_box(&paths), 23.6e-6, &mut out));
         });
     }
     group.finish();

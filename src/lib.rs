@@ -19,7 +19,7 @@
 //! | [`scattering`] | what each target and facet returns;  |
 //! | [`radar`] | waveform, antenna, link budget, receiver |
 //! | [`paths`] | every scatterer's path of a pulse: exact, and by block |
-//! | [`echo`] | contacts to samples |
+//! | [`echo`] | scatterer paths to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
 //! | [`sinks`] | where pulses go |
 //! | [`recording`] | files of pulses, maps and images, read |

@@ -22,7 +22,7 @@ pub mod flags {
     pub const AFTER_GAP: u32 = 1 << 1;
     /// At least one sample of the pulse saturated the ADC.
     pub const ADC_SATURATED: u32 = 1 << 2;
-    /// At least one contact's echo fell partly or wholly outside the receive window.
+    /// At least one scatterer path's echo fell partly or wholly outside the receive window.
     pub const OUTSIDE_WINDOW: u32 = 1 << 3;
     /// The true motion of a platform rests on navigation that had to be extrapolated.
     pub const NAV_EXTRAPOLATED: u32 = 1 << 4;

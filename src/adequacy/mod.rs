@@ -60,7 +60,7 @@ const LONGEST_RAD_M: f64 = 1e-4;
 
 /// A sea in figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Outlook {
+pub struct Adequacy {
     /// Wind at 10 m, m/s.
     pub u10_mps: f64,
     /// Wind at 12.5 m, m/s.
@@ -274,7 +274,7 @@ pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors>
 }
 
 /// The outlook of a run's sea; `None` without one.
-pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
+pub fn outlook(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     let scene = &run.scene;
     let Some(sea) = &scene.sea else { return Ok(None) };
     let wind = Wind::resolve(&sea.water.wind).map_err(RealiseError::from)?;
@@ -283,7 +283,7 @@ pub fn outlook(run: &Run) -> Result<Option<Outlook>, BuildErrors> {
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let moments = Moments::of(spectrum.as_ref(), [LONGEST_RAD_M, MAX_WAVE_NUMBER_RAD_M]);
     let peak_rad_m = spectrum.peak_rad_m();
-    let mut outlook = Outlook {
+    let mut outlook = Adequacy {
         u10_mps: wind.u10_mps,
         u12_5_mps: wind.u12_5_mps,
         u19_5_mps: wind.u19_5_mps,
@@ -340,7 +340,7 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn look(&self, bandwidth_hz: f64, pulse_s: f64, outlook: &mut Outlook) -> Result<(), BuildErrors> {
+    fn look(&self, bandwidth_hz: f64, pulse_s: f64, outlook: &mut Adequacy) -> Result<(), BuildErrors> {
         let radar = &self.scene.radar;
         let patch = self.patch()?;
         let pairs = radar.pairs();
@@ -376,7 +376,7 @@ impl View<'_> {
             }
         }
         let share = held as f64 / (ends.len() * points.len()) as f64;
-        let said = |what: fn(&SeaWarning) -> bool, outlook: &Outlook| outlook.warnings.iter().any(what);
+        let said = |what: fn(&SeaWarning) -> bool, outlook: &Adequacy| outlook.warnings.iter().any(what);
         if held == 0 && !said(|w| matches!(w, SeaWarning::OutsideWindow { .. }), outlook) {
             let us = |times_s: [f64; 2]| times_s.map(|s| (s * 1e8).round() / 1e2);
             let (window_us, patch_us) = (us([opens_s, closes_s]), us(patch_s));
@@ -387,7 +387,7 @@ impl View<'_> {
     }
 
     /// Which antennas do not see all of the patch: each is named once.
-    fn horizons(&self, points: &[Point<Enu>], outlook: &mut Outlook) -> Result<(), BuildErrors> {
+    fn horizons(&self, points: &[Point<Enu>], outlook: &mut Adequacy) -> Result<(), BuildErrors> {
         let earth = self.scene.frame.earth();
         if earth == Earth::Flat {
             return Ok(());

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::{Outlook, SeaWarning, View};
+use super::{Adequacy, SeaWarning, View};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::scene::{Patch, Ship};
@@ -128,7 +128,7 @@ fn furthest_particular(hull: &Hull) -> Option<(&'static str, f64)> {
 }
 
 /// Adds ships to an outlook; `instants` are views of the patch.
-pub(super) fn ships(instants: &[View<'_>], outlook: &mut Outlook) -> Result<(), BuildErrors> {
+pub(super) fn ships(instants: &[View<'_>], outlook: &mut Adequacy) -> Result<(), BuildErrors> {
     let Some(first) = instants.first() else { return Ok(()) };
     let facet_m = first.sea.patch.facet_m;
     let mut faults = Vec::new();

@@ -9,7 +9,7 @@
 //!
 //! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`] pulses spread evenly over it, or
 //! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within -40 dB of the reference (0.1 dB of the mean), and at least
-//! what the pulses of the reference add to a run that is silent otherwise. Where contacts cannot be followed, and only the reference makes
+//! what the pulses of the reference add to a run that is silent otherwise. Where scatterer paths cannot be followed, and only the reference makes
 //! them, the mean is that of the pulses drawn.
 //!
 //! Pulses are drawn from the seed of the scene, one from each of so many equal parts of the run, by turns the first, the last and the
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 
 use crate::config::Run;
 use crate::echo::{Asked, Fidelity};
-use crate::fidelity::sounding::spread_over;
+use crate::fidelity::probe::spread_over;
 use crate::pipeline::changing;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;

@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use crate::fidelity::choose::Plan;
 use crate::fidelity::cost::Prices;
-use crate::fidelity::echo_settings::Settled;
-use crate::fidelity::settle::Plan;
+use crate::fidelity::echo_settings::EchoSettings;
 use crate::pipeline::block::BlockEcho;
 use crate::pipeline::build::PulseStream;
 use crate::pipeline::fault::BuildErrors;
@@ -23,7 +23,7 @@ use crate::pulse::costs::{Costs, Stage};
 pub const ROUNDS: usize = 5;
 /// Stages with prices.
 const PRICED: [Stage; 6] =
-    [Stage::Surface, Stage::Shadow, Stage::Contacts, Stage::Spread, Stage::Transform, Stage::Receive];
+    [Stage::Surface, Stage::Shadow, Stage::ScattererPaths, Stage::Spread, Stage::Transform, Stage::Receive];
 
 /// Speed as predicted.
 #[derive(Clone, Copy, Debug)]
@@ -38,11 +38,11 @@ pub struct Priced {
 
 impl PulseFactory {
     /// The same with other nodes; `None` where pulses are made one by one.
-    fn with_nodes(&self, settled: &Settled) -> Option<Self> {
+    fn with_nodes(&self, chosen: &EchoSettings) -> Option<Self> {
         let Echo::Fast(echo) = &self.echo else { return None };
         Some(Self {
-            illumination: self.illumination.clone(),
-            echo: Echo::Fast(Box::new(BlockEcho::like(echo, settled)?)),
+            generator: self.generator.clone(),
+            echo: Echo::Fast(Box::new(BlockEcho::like(echo, chosen)?)),
             sample_rate_hz: self.sample_rate_hz,
             receiver: self.receiver.clone(),
             waveform: self.waveform.clone(),
@@ -75,18 +75,18 @@ impl PulseStream {
 
     /// Prices of this machine.
     fn calibrated(&self, plan: &Plan) -> Result<Prices, BuildErrors> {
-        let settled = Settled { node_pulses: (plan.settled.node_pulses / 2).max(2), ..plan.settled };
+        let chosen = EchoSettings { node_pulses: (plan.chosen.node_pulses / 2).max(2), ..plan.chosen };
         let interpolates = plan.work.0[10] == 0.0;
-        let other = if interpolates { self.factory().with_nodes(&settled) } else { None };
+        let other = if interpolates { self.factory().with_nodes(&chosen) } else { None };
         let (factory, work) = match &other {
-            Some(other) => (other, plan.size.work(&settled, true)),
+            Some(other) => (other, plan.size.work(&chosen, true)),
             None => (self.factory(), plan.work),
         };
         let mut hands: Vec<(Pulse, Workspace)> =
             (0..self.threads()).map(|_| (factory.slot(), factory.workspace())).collect();
         let block = factory.block_pulses();
         let blocks = (self.schedule().count / block).max(1);
-        let consecutive = factory.illumination.hold_pulses().is_some();
+        let consecutive = factory.generator.hold_pulses().is_some();
         let workers = hands.len() as u64;
         let counted = (ROUNDS as u64 * workers).max(1);
         let turns = AtomicU64::new(0);
@@ -125,8 +125,8 @@ impl PulseStream {
             let found = match stage {
                 // Single pulses from all over the run make updates that would serve many of their neighbours.
                 Stage::Shadow if !interpolates => continue,
-                // Exact contacts have their surface in their price.
-                Stage::Contacts if !interpolates => mean(n) + mean(0),
+                // Exact scatterer paths have their surface in their price.
+                Stage::ScattererPaths if !interpolates => mean(n) + mean(0),
                 _ => mean(n),
             };
             let table = Prices::TABLE.stage_seconds(&work, stage);

@@ -18,7 +18,7 @@ pub const TRIAL: Duration = Duration::from_millis(300);
 
 /// A forecast.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Forecast {
+pub struct Resources {
     /// Pulses of the run.
     pub pulses: u64,
     /// Length of the run, emission of the first pulse to one interval after the last, s.
@@ -49,12 +49,12 @@ pub struct Forecast {
 
 impl PulseStream {
     /// Makes pulses for a moment and tells what the run will take.
-    pub fn forecast(&self, radar: &Radar) -> Result<Forecast, PulseError> {
+    pub fn forecast(&self, radar: &Radar) -> Result<Resources, PulseError> {
         self.forecast_over(radar, TRIAL)
     }
 
     /// The same over a longer or shorter trial; every worker makes a block at least.
-    pub fn forecast_over(&self, radar: &Radar, trial: Duration) -> Result<Forecast, PulseError> {
+    pub fn forecast_over(&self, radar: &Radar, trial: Duration) -> Result<Resources, PulseError> {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();
@@ -107,7 +107,7 @@ impl PulseStream {
         }
         let pulse_bytes = factory.layout().slot_bytes();
         let prf_hz = schedule.times.mean_prf_hz();
-        Ok(Forecast {
+        Ok(Resources {
             pulses: schedule.count,
             duration_s: schedule.times.interval_s(schedule.first, schedule.end()),
             threads,

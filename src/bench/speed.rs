@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::Sender;
 use thiserror::Error;
 
-use crate::fidelity::settle::Plan;
+use crate::fidelity::choose::Plan;
 use crate::pipeline::build::{PulseStream, RunFailure};
 use crate::pipeline::fault::BuildErrors;
 use crate::pulse::costs::Costs;
@@ -35,7 +35,7 @@ pub struct Speed {
     /// Facets of the patch; 0 without a sea.
     pub facets: usize,
     /// Facets, targets and direct path.
-    pub contacts: usize,
+    pub paths: usize,
     /// Channels.
     pub channels: usize,
     /// Pulses made per second of generation.
@@ -78,7 +78,7 @@ pub fn speed(
     status: Option<Sender<Status>>,
 ) -> Result<Speed, SpeedError> {
     let factory = stream.factory();
-    let (facets, contacts, layout) = (factory.facets(), factory.contacts(), *factory.layout());
+    let (facets, paths, layout) = (factory.facets(), factory.paths(), *factory.layout());
     let (block_pulses, threads) = (factory.block_pulses(), stream.threads());
     let plan = factory.plan().copied();
     let prf_hz = stream.schedule().times.mean_prf_hz();
@@ -100,7 +100,7 @@ pub fn speed(
         block_pulses,
         threads,
         facets,
-        contacts,
+        paths,
         channels: layout.channels,
         pulses_per_s: real_time_factor * prf_hz,
         real_time_factor,

@@ -1,4 +1,4 @@
-//! Error and speed over the knobs of `[fidelity]`, on one run.
+//! Error and speed over the settings of `[fidelity]`, on one run.
 //!
 //! The pulses of the reference are made once ([`Judge`]); each setting is built, its error found at the same pulses, and its speed by
 //! a trial of [`TRIAL`] with all threads, without noise and recording. Pulses are drawn for the blocks of the settings as
@@ -14,11 +14,11 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::accuracy::{Judge, noiseless};
-use crate::bench::settings::{ERROR_KEY, KNOBS, Knob, MODELS, settings};
+use crate::bench::settings::{ERROR_KEY, MODELS, SETTINGS, Setting, settings};
 use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
-use crate::fidelity::echo_settings::Settled;
-use crate::fidelity::faint::NONE_DB;
+use crate::fidelity::echo_settings::EchoSettings;
+use crate::fidelity::sidelobe::NONE_DB;
 use crate::pipeline::build;
 use crate::pipeline::fault::BuildErrors;
 
@@ -71,16 +71,16 @@ pub struct Refused {
     pub why: String,
 }
 
-fn changed(knob: &Knob, value: &str) -> (String, String) {
+fn changed(knob: &Setting, value: &str) -> (String, String) {
     (knob.key.to_owned(), value.to_owned())
 }
 
-/// What to try: each knob by itself, or all their combinations. The first one changes nothing.
+/// What to try: each setting by itself, or all their combinations. The first one changes nothing.
 pub fn trials(grid: bool) -> Vec<Overrides> {
     let mut trials = vec![Vec::new()];
     if grid {
-        // An error that is asked decides nothing where all knobs are given.
-        for knob in KNOBS.iter().filter(|knob| knob.key != ERROR_KEY) {
+        // An error that is asked decides nothing where all settings are given.
+        for knob in SETTINGS.iter().filter(|knob| knob.key != ERROR_KEY) {
             trials = trials
                 .iter()
                 .flat_map(|before: &Overrides| {
@@ -91,7 +91,7 @@ pub fn trials(grid: bool) -> Vec<Overrides> {
         }
         trials.insert(0, Vec::new());
     } else {
-        for knob in KNOBS {
+        for knob in SETTINGS {
             trials.extend(knob.values.iter().map(|value| vec![changed(knob, value)]));
         }
     }
@@ -119,7 +119,7 @@ pub fn point(
     let run = noiseless(run);
     let stream = build::rehearse(&run, 0..run.scene.pulses)?;
     let plan = stream.factory().plan();
-    let settings = settings(plan.map(|plan| &plan.settled));
+    let settings = settings(plan.map(|plan| &plan.chosen));
     if known.iter().any(|point| point.settings == settings) {
         return Ok(None);
     }
@@ -138,15 +138,15 @@ pub fn point(
     }))
 }
 
-/// The run with the knobs that it leaves open set as they were settled for another: so one knob changes at a time.
-fn filled(mut run: Run, settled: &Settled) -> Run {
+/// The run with the settings that it leaves open set as they were settled for another: so one setting changes at a time.
+fn filled(mut run: Run, chosen: &EchoSettings) -> Run {
     if let Fidelity::Fast(asked) = &mut run.fidelity {
-        asked.node_pulses.get_or_insert(settled.node_pulses);
-        asked.scatter_pulses.get_or_insert(settled.scatter_pulses());
-        asked.gain_pulses.get_or_insert(settled.gain_pulses);
-        asked.faint_db.get_or_insert(settled.faint.map_or(NONE_DB, |faint| faint.below_db));
-        asked.kernel_width.get_or_insert(settled.echo.width);
-        asked.doppler.get_or_insert(settled.echo.doppler);
+        asked.node_pulses.get_or_insert(chosen.node_pulses);
+        asked.scatter_pulses.get_or_insert(chosen.scatter_pulses());
+        asked.gain_pulses.get_or_insert(chosen.gain_pulses);
+        asked.faint_db.get_or_insert(chosen.faint.map_or(NONE_DB, |faint| faint.below_db));
+        asked.kernel_width.get_or_insert(chosen.echo.width);
+        asked.doppler.get_or_insert(chosen.echo.doppler);
     }
     run
 }
@@ -224,9 +224,9 @@ pub fn sweep(
     let (trials, models) = (trials(grid), models());
     let all = trials.len() + models.len();
     let mut sweep = Sweep::default();
-    let settled = {
+    let chosen = {
         let run = noiseless(written_run);
-        build::rehearse(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.settled)
+        build::rehearse(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.chosen)
     };
     for (done, change) in trials.iter().enumerate() {
         progress(done, all, &sweep);
@@ -234,8 +234,8 @@ pub fn sweep(
         let run = if change.is_empty() { Ok(written_run.clone()) } else { load(change) };
         let measured = match run {
             Ok(run) => {
-                let run = match &settled {
-                    Some(settled) if !open => filled(run, settled),
+                let run = match &chosen {
+                    Some(chosen) if !open => filled(run, chosen),
                     _ => run,
                 };
                 point(judge, &run, change, &sweep.points).map_err(|errors| errors.to_string())
@@ -304,11 +304,11 @@ mod tests {
     #[test]
     fn a_grid_has_every_combination_once() {
         let one_by_one = trials(false);
-        let values: usize = KNOBS.iter().map(|knob| knob.values.len()).sum();
+        let values: usize = SETTINGS.iter().map(|knob| knob.values.len()).sum();
         assert_eq!(one_by_one.len(), 1 + values);
         let grid = trials(true);
         let product: usize =
-            KNOBS.iter().filter(|knob| knob.key != ERROR_KEY).map(|knob| knob.values.len()).product();
+            SETTINGS.iter().filter(|knob| knob.key != ERROR_KEY).map(|knob| knob.values.len()).product();
         assert_eq!(grid.len(), 1 + product);
         let names: std::collections::BTreeSet<String> = grid.iter().map(name).collect();
         assert_eq!(names.len(), grid.len());

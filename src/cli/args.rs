@@ -34,7 +34,7 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure speed, start, memory, what the stages take, and the error against the reference echo
     Bench(BenchArgs),
-    /// Measure error and speed over the knobs of the fast echo: table, CSV, picture
+    /// Measure error and speed over the settings of the fast echo: table, CSV, picture
     Tradeoff(TradeoffArgs),
     /// Print a commented scenario to start from, or the list of keys
     New(NewArgs),
@@ -157,7 +157,7 @@ pub struct TradeoffArgs {
     /// Folder for tradeoff.csv and tradeoff.png
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Every combination of the knobs, instead of one knob at a time
+    /// Every combination of the settings, instead of one setting at a time
     #[arg(long)]
     pub grid: bool,
     /// Pulses, spread over the run, at which errors are measured

@@ -28,14 +28,14 @@ use crate::transport::pacer::Status;
 struct Report {
     scenario: String,
     facets: usize,
-    contacts: usize,
+    paths: usize,
     /// Mean share of the facets that is lit, times the facets.
     lit: f64,
     /// Those of them that were left out as too weak.
     culled: f64,
     /// In tiles that are looked at less often.
     faint: f64,
-    /// Contacts accumulated in a pulse, over all pairs.
+    /// Scatterer paths accumulated in a pulse, over all pairs.
     accumulated: f64,
     channels: usize,
     pulses: u64,
@@ -157,7 +157,7 @@ fn report(
     Report {
         scenario: run.path.display().to_string(),
         facets: speed.facets,
-        contacts: speed.contacts,
+        paths: speed.paths,
         lit: facets * speed.costs.lit_share(),
         faint: facets * speed.costs.faint_share(),
         culled: facets * speed.costs.culled_share(),
@@ -200,7 +200,7 @@ fn report(
             .flat_map(|priced| priced.stages_s)
             .map(|(stage, seconds)| (stage.name().to_owned(), Value::from(seconds)))
             .collect(),
-        settings: settings::settings(speed.plan.as_ref().map(|plan| &plan.settled)),
+        settings: settings::settings(speed.plan.as_ref().map(|plan| &plan.chosen)),
     }
 }
 
@@ -221,11 +221,11 @@ fn text(report: &Report) -> String {
     };
     row("settings", settings_text(&report.settings));
     row(
-        "contacts",
+        "paths",
         format!(
             "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse; {:.0} facets \
              in faint tiles",
-            report.contacts, report.facets, report.lit, report.culled, report.accumulated, report.faint
+            report.paths, report.facets, report.lit, report.culled, report.accumulated, report.faint
         ),
     );
     row("channels", report.channels.to_string());

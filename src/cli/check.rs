@@ -17,8 +17,8 @@ use super::error::CliError;
 use super::run::overrides;
 use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
-use crate::adequacy::{EDGE_BUDGET_DB, Outlook, SeaWarning, edge_db, outlook};
-use crate::bench::resources::Forecast;
+use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
+use crate::bench::resources::Resources;
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
 use crate::fidelity::cost::Prices;
@@ -64,8 +64,8 @@ pub(super) struct Report {
     /// How the recorded tracks were made.
     tracks: Vec<Described>,
     /// The sea in figures.
-    sea: Option<Outlook>,
-    forecast: Option<Forecast>,
+    sea: Option<Adequacy>,
+    forecast: Option<Resources>,
     /// What is chosen for the error that is asked; none for the reference.
     plan: Option<plan::PlanReport>,
     #[serde(skip)]
@@ -196,7 +196,7 @@ fn digits(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-fn forecast_rows(forecast: &Forecast) -> Vec<Described> {
+fn forecast_rows(forecast: &Resources) -> Vec<Described> {
     let mut rows = vec![
         described(
             "speed",
@@ -485,7 +485,7 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
     with.push(described(
         "echo",
         match run.fidelity {
-            Fidelity::Reference => "the reference: every pulse from its own contacts, f64".to_owned(),
+            Fidelity::Reference => "the reference: every pulse from its own paths, f64".to_owned(),
             Fidelity::Fast(asked) => {
                 format!("fast, within {} dB of the reference; settings below", asked.error_db)
             }

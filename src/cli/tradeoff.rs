@@ -1,4 +1,4 @@
-//! `nereus tradeoff`: error and speed over the knobs of `[fidelity]`, as a table, as CSV and as a picture.
+//! `nereus tradeoff`: error and speed over the settings of `[fidelity]`, as a table, as CSV and as a picture.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,7 +15,7 @@ use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
 use crate::bench::accuracy;
-use crate::bench::settings::{ERROR_KEY, KNOBS, settings};
+use crate::bench::settings::{ERROR_KEY, SETTINGS, settings};
 use crate::bench::sweep::{Overrides, Point, Sweep, sweep, taken};
 use crate::config::Run;
 use crate::echo::Fidelity;
@@ -100,7 +100,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         reference_pulses_per_s: judge.pulses_per_s(),
         sweep: &swept,
         taken: best,
-        plan: settings(plan.as_ref().map(|plan| &plan.settled)),
+        plan: settings(plan.as_ref().map(|plan| &plan.chosen)),
         predicted_rel_rms_db: plan.as_ref().map(|plan| plan.prediction.total_db()),
         out: paths,
     };
@@ -255,7 +255,7 @@ fn text(report: &Report) -> String {
     text
 }
 
-/// Error over speed: a colour for each knob, a line through what nothing beats.
+/// Error over speed: a colour for each setting, a line through what nothing beats.
 fn draw(run: &Run, sweep: &Sweep, error_db: f64) -> Result<crate::plot::canvas::Canvas, SeaError> {
     let at = |point: &Point| [point.real_time_factor, 10f64.powf(0.1 * point.rel_rms_db)];
     let of = |key: &str| -> Vec<[f64; 2]> {
@@ -272,7 +272,7 @@ fn draw(run: &Run, sweep: &Sweep, error_db: f64) -> Result<crate::plot::canvas::
     let wanted = slow_fast.map(|speed| [speed, 10f64.powf(0.1 * error_db)]);
     let mut named = vec![("wanted", wanted.to_vec(), Mark::Line), ("front", front, Mark::Line)];
     named.push(("as written", of("as written"), Mark::Dots));
-    for knob in KNOBS {
+    for knob in SETTINGS {
         let name = knob.key.rsplit('.').next().unwrap_or(knob.key);
         named.push((name, of(knob.key), Mark::Dots));
     }

@@ -1,4 +1,4 @@
-//! Contacts to samples.
+//! Scatterer paths to samples.
 //!
 //! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`] says which one a run
 //! takes.
@@ -9,7 +9,7 @@ pub mod synth;
 /// How echoes are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Fidelity {
-    /// Every pulse from its own contacts, in f64, by [`mod@reference`]: slow, and without error of its own.
+    /// Every pulse from its own scatterer paths, in f64, by [`mod@reference`]: slow, and without error of its own.
     #[default]
     Reference,
     /// By [`mod@synth`], with what was asked; the rest is chosen for the scene.
@@ -21,7 +21,7 @@ pub enum Fidelity {
 pub struct Asked {
     /// Error against the reference that is allowed, worst pulse and channel, dB.
     pub error_db: f64,
-    /// Pulses from node to node; 1: every pulse by itself, from exact contacts.
+    /// Pulses from node to node; 1: every pulse by itself, from exact scatterer paths.
     pub node_pulses: Option<u64>,
     /// Pulses from scattering to scattering: as the nodes, or about half or a third of it.
     pub scatter_pulses: Option<u64>,
@@ -29,7 +29,7 @@ pub struct Asked {
     pub gain_pulses: Option<u64>,
     /// Two-way gain of every antenna pair over its peak below which tiles are looked at less often, dB.
     pub faint_db: Option<f64>,
-    /// Cells that each contact is spread over.
+    /// Cells that each scatterer path is spread over.
     pub kernel_width: Option<usize>,
     /// Doppler within a pulse.
     pub doppler: Option<synth::doppler::Doppler>,

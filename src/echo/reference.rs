@@ -13,7 +13,7 @@
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
-//! | `a_n` | amplitude of contact `n` in this channel, no carrier phase | sqrt(W) |
+//! | `a_n` | amplitude of scatterer path `n` in this channel, no carrier phase | sqrt(W) |
 //! | `tau_n`, `r_n` | its delay and delay rate by the time of emission, for the channel's pair | s, - |
 //! | `o_n` | its emission after the window's own emission | s |
 //! | `t_w` | first sample after the emission | s |
@@ -47,19 +47,19 @@
 //! use std::sync::Arc;
 //! use nereus::echo::reference::ReferenceEcho;
 //! use nereus::radar::waveform::Lfm;
-//! use nereus::paths::list::Contacts;
+//! use nereus::paths::list::Scatterer paths;
 //! use nereus::scene::radar::Sweep;
 //! use num_complex::Complex64;
 //!
 //! let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up)?);
 //! let echo = ReferenceEcho::new(pulse, 10e9, 100e6, 256, vec![0]);
-//! let mut contacts = Contacts::new(1, 1, 1);
-//! contacts.emission_offset_s.push(0.0);
-//! contacts.delay_s[0].push(24.1e-6);
-//! contacts.delay_rate[0].push(0.0);
-//! contacts.amplitude[0].push(Complex64::new(1e-6, 0.0));
+//! let mut scatterer paths = Scatterer paths::new(1, 1, 1);
+//! scatterer paths.emission_offset_s.push(0.0);
+//! scatterer paths.delay_s[0].push(24.1e-6);
+//! scatterer paths.delay_rate[0].push(0.0);
+//! scatterer paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
 //! let mut spectrum = vec![Complex64::ZERO; echo.fft_len()];
-//! let coverage = echo.spectrum(&contacts, 23.6e-6, &mut spectrum);
+//! let coverage = echo.spectrum(&scatterer paths, 23.6e-6, &mut spectrum);
 //! assert_eq!(coverage.outside, 0);
 //! # Ok::<(), nereus::radar::waveform::WaveformError>(())
 //! ```
@@ -68,7 +68,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 use crate::radar::filter::{RINGING_SAMPLES, ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
@@ -76,7 +76,7 @@ use crate::radar::waveform::Waveform;
 /// Samples between the window and the nearest image of a pulse, on either side.
 pub const GUARD_SAMPLES: usize = RINGING_SAMPLES;
 
-/// How the echoes of a pulse lie in its window. Counted per contact and pair, silent ones not.
+/// How the echoes of a pulse lie in its window. Counted per scatterer path and pair, silent ones not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     /// Echoes of which a part lies before or after the window.
@@ -128,7 +128,7 @@ impl ReferenceEcho {
         echo
     }
 
-    /// On a transform of exactly `fft_len` samples, whatever wraps: the periodic form of the equation. No contact
+    /// On a transform of exactly `fft_len` samples, whatever wraps: the periodic form of the equation. No scatterer path
     /// is left out.
     pub fn with_period(
         waveform: Arc<dyn Waveform>,
@@ -181,17 +181,16 @@ impl ReferenceEcho {
     }
 
     /// `S[k]` of every channel, `[channel][bin]`, overwritten; `sqrt(W) s`.
-    pub fn spectrum(&self, contacts: &Contacts, window_start_s: f64, out: &mut [Complex64]) -> Coverage {
+    pub fn spectrum(&self, paths: &ScattererPaths, window_start_s: f64, out: &mut [Complex64]) -> Coverage {
         out.fill(Complex64::ZERO);
         let mut coverage = Coverage::default();
         let pulse_s = self.waveform.duration_s();
         for (pair, channels) in self.channels_of_pair.iter().enumerate() {
-            for n in 0..contacts.len() {
-                let delay_s = contacts.delay_s[pair][n];
-                let place_s = contacts.emission_offset_s[n] + delay_s - window_start_s;
-                // A contact that this pair does not see has no delay (NaN), or no amplitude.
-                if !place_s.is_finite()
-                    || channels.iter().all(|&c| contacts.amplitude[c][n] == Complex64::ZERO)
+            for n in 0..paths.len() {
+                let delay_s = paths.delay_s[pair][n];
+                let place_s = paths.emission_offset_s[n] + delay_s - window_start_s;
+                // A scatterer path that this pair does not see has no delay (NaN), or no amplitude.
+                if !place_s.is_finite() || channels.iter().all(|&c| paths.amplitude[c][n] == Complex64::ZERO)
                 {
                     continue;
                 }
@@ -204,14 +203,14 @@ impl ReferenceEcho {
                     coverage.cut += 1;
                 }
                 let carrier = phasor(-self.carrier_hz * delay_s);
-                let rate = contacts.delay_rate[pair][n] * self.rate_factor;
+                let rate = paths.delay_rate[pair][n] * self.rate_factor;
                 let (shift_hz, stretch) = (self.carrier_hz * rate, 1.0 + rate);
                 let factor = carrier * stretch;
                 for &(k, f_hz, response) in &self.bins {
                     let pulse = self.waveform.spectrum(stretch * f_hz + shift_hz) * phasor(-f_hz * place_s);
                     let common = factor * pulse * response;
                     for &channel in channels {
-                        out[channel * self.fft_len + k] += contacts.amplitude[channel][n] * common;
+                        out[channel * self.fft_len + k] += paths.amplitude[channel][n] * common;
                     }
                 }
             }
@@ -220,28 +219,28 @@ impl ReferenceEcho {
     }
 }
 
-/// Reference A of one channel of one pair: `out[j]` is the sum over contacts of `a e^{-j 2 pi f0 tau} p(u) e^{-j 2 pi f0 r u}`,
+/// Reference A of one channel of one pair: `out[j]` is the sum over scatterer paths of `a e^{-j 2 pi f0 tau} p(u) e^{-j 2 pi f0 r u}`,
 /// `u = (t_w + j/fs - o - tau)/(1 + r)`, overwritten.
 pub fn raw_samples(
     waveform: &dyn Waveform,
     carrier_hz: f64,
     sample_rate_hz: f64,
     window_start_s: f64,
-    contacts: &Contacts,
+    paths: &ScattererPaths,
     pair: usize,
     channel: usize,
     out: &mut [Complex64],
 ) {
     out.fill(Complex64::ZERO);
-    for n in 0..contacts.len() {
-        let delay_s = contacts.delay_s[pair][n];
-        let amplitude = contacts.amplitude[channel][n] * phasor(-carrier_hz * delay_s);
+    for n in 0..paths.len() {
+        let delay_s = paths.delay_s[pair][n];
+        let amplitude = paths.amplitude[channel][n] * phasor(-carrier_hz * delay_s);
         if !delay_s.is_finite() || amplitude == Complex64::ZERO {
             continue;
         }
-        let rate = contacts.delay_rate[pair][n];
+        let rate = paths.delay_rate[pair][n];
         let shift_hz = carrier_hz * rate;
-        let place_s = contacts.emission_offset_s[n] + delay_s - window_start_s;
+        let place_s = paths.emission_offset_s[n] + delay_s - window_start_s;
         for (j, sample) in out.iter_mut().enumerate() {
             let t_s = (j as f64 / sample_rate_hz - place_s) / (1.0 + rate);
             *sample += amplitude * waveform.sample(t_s) * phasor(-shift_hz * t_s);
@@ -289,16 +288,16 @@ mod tests {
     fn a_pulse_longer_than_the_window_shows_its_part() {
         // 1 us of pulse, 16 samples of window; the same part of a window that holds it all.
         let pulse = Arc::new(Lfm::new(60e6, 1e-6, Sweep::Up).unwrap());
-        let mut contacts = Contacts::new(1, 1, 1);
-        contacts.emission_offset_s.push(0.0);
-        contacts.delay_s[0].push(20.1e-6);
-        contacts.delay_rate[0].push(-1e-6);
-        contacts.amplitude[0].push(Complex64::ONE);
+        let mut paths = ScattererPaths::new(1, 1, 1);
+        paths.emission_offset_s.push(0.0);
+        paths.delay_s[0].push(20.1e-6);
+        paths.delay_rate[0].push(-1e-6);
+        paths.amplitude[0].push(Complex64::ONE);
         let samples = |start_s: f64, window: usize| {
             let echo = ReferenceEcho::new(pulse.clone(), 10e9, 100e6, window, vec![0]);
             let n = echo.fft_len();
             let mut out = vec![Complex64::ZERO; n];
-            let coverage = echo.spectrum(&contacts, start_s, &mut out);
+            let coverage = echo.spectrum(&paths, start_s, &mut out);
             rustfft::FftPlanner::new().plan_fft_inverse(n).process(&mut out);
             out.truncate(window);
             (out.iter().map(|s| s * 100e6 / n as f64).collect::<Vec<_>>(), coverage)
@@ -317,7 +316,7 @@ mod tests {
     fn coverage_counts_what_the_window_does_not_hold() {
         let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
         let echo = ReferenceEcho::new(pulse, 10e9, 100e6, 256, vec![0]);
-        let mut contacts = Contacts::new(1, 1, 8);
+        let mut paths = ScattererPaths::new(1, 1, 8);
         // Window of 2.56 us. Wholly in; cut at either end; outside near; outside far; silent; unseen.
         for (place_s, amplitude) in [
             (1e-6, 1.0),
@@ -329,18 +328,18 @@ mod tests {
             (9e-3, 0.0),
             (f64::NAN, 1.0),
         ] {
-            contacts.emission_offset_s.push(0.0);
-            contacts.delay_s[0].push(20e-6 + place_s);
-            contacts.delay_rate[0].push(0.0);
-            contacts.amplitude[0].push(Complex64::new(amplitude, 0.0));
+            paths.emission_offset_s.push(0.0);
+            paths.delay_s[0].push(20e-6 + place_s);
+            paths.delay_rate[0].push(0.0);
+            paths.amplitude[0].push(Complex64::new(amplitude, 0.0));
         }
         let mut out = vec![Complex64::new(f64::NAN, 0.0); echo.fft_len()];
-        let coverage = echo.spectrum(&contacts, 20e-6, &mut out);
+        let coverage = echo.spectrum(&paths, 20e-6, &mut out);
         assert_eq!(coverage, Coverage { cut: 2, outside: 3 });
         assert!(!coverage.is_complete());
         assert!(out.iter().all(|s| s.is_finite()));
-        contacts.clear();
-        assert!(echo.spectrum(&contacts, 20e-6, &mut out).is_complete());
+        paths.clear();
+        assert!(echo.spectrum(&paths, 20e-6, &mut out).is_complete());
         assert!(out.iter().all(|s| *s == Complex64::ZERO));
     }
 }

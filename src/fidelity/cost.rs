@@ -4,30 +4,30 @@
 //! | --- | --- | --- |
 //! | surface | facets x 4 nodes / block | surface |
 //! | shadow | facets x antennas x updates in a block / block | shadow |
-//! | path | facets x pairs x 4 / block, and those of the block's sample once more | contacts |
-//! | look | facets x pairs x looks / block, likewise | contacts |
-//! | combine | facets x channels x looks / block, likewise | contacts |
-//! | gain | facets x pairs x gain instants / block, likewise | contacts |
-//! | factor | facets x pairs, likewise | contacts |
-//! | fill | contacts kept x 3 / block | spread |
-//! | spread | contacts kept x (4 + w cells of each channel) | spread |
+//! | path | facets x pairs x 4 / block, and those of the block's sample once more | scatterer paths |
+//! | look | facets x pairs x looks / block, likewise | scatterer paths |
+//! | combine | facets x channels x looks / block, likewise | scatterer paths |
+//! | gain | facets x pairs x gain instants / block, likewise | scatterer paths |
+//! | factor | facets x pairs, likewise | scatterer paths |
+//! | fill | scatterer paths kept x 3 / block | spread |
+//! | spread | scatterer paths kept x (4 + w cells of each channel) | spread |
 //! | transform | channels x M log2 M | transform |
-//! | exact | facets x pairs, where every pulse is by itself | contacts |
+//! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
 //!
-//! Faint tiles have 2 nodes, 2 or 3 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's contacts. Everything is spent by one worker: `n` workers make `n` times as
+//! Faint tiles have 2 nodes, 2 or 3 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n` times as
 //! many pulses, as far as they do not wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, Settings};
-use crate::paths::Illumination;
-use crate::paths::block::{FAINT_NODES, NODES, SAMPLED, faint_gain_pulses, gain_instants, gain_step};
+use crate::paths::PathGenerator;
+use crate::paths::block::{NODES, SAMPLED, SIDELOBE_NODES, gain_instants, gain_step, sidelobe_gain_pulses};
 use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
-use crate::fidelity::echo_settings::Settled;
+use crate::fidelity::echo_settings::EchoSettings;
 
 /// Pieces of work.
 pub const PIECES: usize = 13;
@@ -67,15 +67,15 @@ impl Prices {
     pub const STAGES: [Stage; PIECES] = [
         Stage::Surface,
         Stage::Shadow,
-        Stage::Contacts,
-        Stage::Contacts,
-        Stage::Contacts,
-        Stage::Contacts,
-        Stage::Contacts,
+        Stage::ScattererPaths,
+        Stage::ScattererPaths,
+        Stage::ScattererPaths,
+        Stage::ScattererPaths,
+        Stage::ScattererPaths,
         Stage::Spread,
         Stage::Spread,
         Stage::Transform,
-        Stage::Contacts,
+        Stage::ScattererPaths,
         Stage::Receive,
         Stage::Spread,
     ];
@@ -127,7 +127,7 @@ impl Size {
     /// Of a scene, its echo with some settings, of whose facets a share is spread.
     pub fn of(
         scene: &Scene,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         settings: &Settings,
         waveform: &dyn Waveform,
         kept: f64,
@@ -135,16 +135,16 @@ impl Size {
         let radar = &scene.radar;
         let shadow = scene.sea.as_ref().and_then(|sea| sea.shadow.as_ref());
         let reach = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
-        let sampled = illumination.sampled(SAMPLED);
+        let sampled = generator.sampled(SAMPLED);
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
         Self {
-            facets: illumination.facets() as f64,
-            points: illumination.point_count() as f64,
-            pairs: illumination.pairs().len() as f64,
+            facets: generator.facets() as f64,
+            points: generator.point_count() as f64,
+            pairs: generator.pairs().len() as f64,
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
-            hold_pulses: illumination.hold_pulses(),
+            hold_pulses: generator.hold_pulses(),
             cells: reach as f64 * settings.oversampling,
             layers: moments,
             kept,
@@ -154,21 +154,21 @@ impl Size {
     }
 
     /// What settings ask for in a pulse; `interpolates`: in blocks.
-    pub fn work(&self, settled: &Settled, interpolates: bool) -> Work {
+    pub fn work(&self, chosen: &EchoSettings, interpolates: bool) -> Work {
         let Self {
             facets, points, pairs, channels, antennas, update_pulses, cells, layers, kept, again, ..
         } = *self;
-        let width = settled.echo.width as f64;
-        let wide = if settled.precision == Precision::Double { 2.0 } else { 1.0 };
-        let faint = settled.faint_share;
+        let width = chosen.echo.width as f64;
+        let wide = if chosen.precision == Precision::Double { 2.0 } else { 1.0 };
+        let faint = chosen.faint_share;
         // Amplitudes through two looks are straight lines.
-        let straight = settled.faint.is_some_and(|faint| faint.looks <= 2);
+        let straight = chosen.faint.is_some_and(|faint| faint.looks <= 2);
         let amplitude = if straight { 4.0 - 2.0 * faint } else { 4.0 };
         let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
         let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();
-        let block = settled.block_pulses(self.hold_pulses).min(self.pulses.max(1));
-        if !interpolates || block <= 1 || settled.node_pulses <= 1 {
+        let block = chosen.block_pulses(self.hold_pulses).min(self.pulses.max(1));
+        if !interpolates || block <= 1 || chosen.node_pulses <= 1 {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
@@ -179,16 +179,16 @@ impl Size {
         let per_block = |times: f64| facets * times / pulses;
         let ends = if self.hold_pulses.is_some() { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
-        let looks = (3 * settled.looks_per_node + 1) as f64;
-        let step = gain_step(block as usize, settled.gain_pulses as usize);
-        let step_of_faint = gain_step(block as usize, faint_gain_pulses(step));
+        let looks = (3 * chosen.looks_per_node + 1) as f64;
+        let step = gain_step(block as usize, chosen.gain_pulses as usize);
+        let step_of_faint = gain_step(block as usize, sidelobe_gain_pulses(step));
         let [instants, of_faint] =
             [step, step_of_faint].map(|step| gain_instants(block as usize, step).count() as f64);
         // What all tiles are looked at for to tell the faint ones.
-        let told = if settled.faint.is_some() { of_faint } else { 0.0 };
+        let told = if chosen.faint.is_some() { of_faint } else { 0.0 };
         let either = |close: f64, few: f64| (1.0 - faint) * close + faint * few;
-        let few_looks = settled.faint.map_or(0.0, |faint| faint.looks as f64);
-        let [nodes, few] = [NODES, FAINT_NODES].map(|n| n as f64);
+        let few_looks = chosen.faint.map_or(0.0, |faint| faint.looks as f64);
+        let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
         Work([
             per_block(nodes),
             per_block(updates * antennas),

@@ -1,11 +1,11 @@
 //! Settings of the fast echo: what is chosen for an error that is asked for.
 
 use crate::echo::synth::{Precision, Settings};
-use crate::paths::block::{Faint, NODES};
+use crate::paths::block::{NODES, Sidelobe};
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settled {
+pub struct EchoSettings {
     /// Pulses from node to node; 1: every pulse by itself.
     pub node_pulses: u64,
     /// Looks from node to node.
@@ -13,18 +13,18 @@ pub struct Settled {
     /// Pulses from gain to gain.
     pub gain_pulses: u64,
     /// Tiles that are looked at less often, if any are.
-    pub faint: Option<Faint>,
+    pub faint: Option<Sidelobe>,
     /// Share of the facets that then are faint, mean over the run.
     pub faint_share: f64,
     /// Power of a facet over the mean below which it is left out.
     pub least_power: f64,
     /// Word length.
     pub precision: Precision,
-    /// The knobs of the echo.
+    /// The settings of the echo.
     pub echo: Settings,
 }
 
-impl Settled {
+impl EchoSettings {
     /// Pulses of a block, where a patch that follows is held for some pulses.
     pub fn block_pulses(&self, hold_pulses: Option<u64>) -> u64 {
         if self.precision == Precision::Double { 1 } else { block_length(self.node_pulses, hold_pulses) }

@@ -8,12 +8,12 @@
 //! | --- | --- | --- |
 //! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
 //! | bounce | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
-//! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`sounding`] |
-//! | tilt | scattering between looks: facets that the waves turn | [`sounding`] |
-//! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`sounding`] |
-//! | culled | facets left out because they are weak | [`sounding`] |
+//! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`probe`] |
+//! | tilt | scattering between looks: facets that the waves turn | [`probe`] |
+//! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`probe`] |
+//! | culled | facets left out because they are weak | [`probe`] |
 //!
-//! of tiles that are looked at closely, and of those that [`faint`] ones are; each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
+//! of tiles that are looked at closely, and of those that [`sidelobe`] ones are; each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
 //! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a
@@ -29,12 +29,12 @@
 
 pub mod cost;
 pub mod echo_settings;
-pub mod faint;
+pub mod sidelobe;
 pub mod gain;
 pub mod interpolation;
 pub mod path;
-pub mod settle;
-pub mod sounding;
+pub mod choose;
+pub mod probe;
 pub mod turning;
 pub mod waves;
 pub mod worst;
@@ -44,7 +44,7 @@ use std::f64::consts::TAU;
 use thiserror::Error;
 
 use crate::echo::synth::{PredictedError, SynthError};
-use crate::paths::Illumination;
+use crate::paths::PathGenerator;
 use crate::radar::fault::RadarError;
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
@@ -126,8 +126,8 @@ impl Prediction {
 
 /// What the acceleration of the water leaves in the phase: `a tau^2/2` along a path of gradient 2 at most. In deep water `w^2 = g K`, so the
 /// rms of `a` is that of the slopes times g, along and up alike.
-fn bounce(scene: &Scene, illumination: &Illumination) -> f64 {
-    let one_way_s = 0.5 * illumination.light_time_s();
-    let path_m = GRAVITY_MPS2 * illumination.rms_slope() * one_way_s * one_way_s;
+fn bounce(scene: &Scene, generator: &PathGenerator) -> f64 {
+    let one_way_s = 0.5 * generator.light_time_s();
+    let path_m = GRAVITY_MPS2 * generator.rms_slope() * one_way_s * one_way_s;
     (TAU / scene.radar.wavelength_m() * path_m).powi(2)
 }

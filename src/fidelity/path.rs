@@ -7,7 +7,7 @@
 //! (the third is `3 V^3 s (1 - s^2)/R^2`, largest at `s = 1/sqrt 3`; the fourth `3 V^4 c (4 - 5 c)/R^3` with `c = 1 - s^2`, largest
 //! at broadside). With n nodes the error is at most `max |d^n R/dt^n| |prod (t - t_i)| / n!`: [`residue_m`] takes the leg itself instead,
 //! for any number of nodes, in the worst of many directions. A path error `x` is a phase error `2 pi x / lambda` of every
-//! contact, and so a relative error of the echo; legs add.
+//! scatterer path, and so a relative error of the echo; legs add.
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |

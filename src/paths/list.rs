@@ -1,6 +1,6 @@
-//! The contact list: the neck through which everything that scatters reaches the echo.
+//! The scatterer path list: the neck through which everything that scatters reaches the echo.
 //!
-//! A contact is one path transmitter - scatterer - receiver of one emission. Per transmitter-receiver
+//! A scatterer path is one path transmitter - scatterer - receiver of one emission. Per transmitter-receiver
 //! **pair** it has a delay `tau` (s) and its rate `r = d tau / dt`; per **channel** a complex amplitude
 //! `a` (sqrt(W)) without the carrier phase. With the carrier `f0` and the baseband pulse `p`, its echo is
 //!
@@ -10,22 +10,22 @@
 
 use num_complex::Complex64;
 
-/// Contacts of one receive window, for every pair and channel.
+/// Scatterer paths of one receive window, for every pair and channel.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Contacts {
-    /// `[contact]`: emission of the contact minus emission of the window's own pulse, s (zero unless
+pub struct ScattererPaths {
+    /// `[path]`: emission of the scatterer path minus emission of the window's own pulse, s (zero unless
     /// several pulses are in the air).
     pub emission_offset_s: Vec<f64>,
-    /// `[pair][contact]`: delay tau, s.
+    /// `[pair][path]`: delay tau, s.
     pub delay_s: Vec<Vec<f64>>,
-    /// `[pair][contact]`: d tau / dt, dimensionless (negative when closing).
+    /// `[pair][path]`: d tau / dt, dimensionless (negative when closing).
     pub delay_rate: Vec<Vec<f64>>,
-    /// `[channel][contact]`: amplitude without carrier phase, sqrt(W).
+    /// `[channel][path]`: amplitude without carrier phase, sqrt(W).
     pub amplitude: Vec<Vec<Complex64>>,
 }
 
-impl Contacts {
-    /// An empty list with room for `capacity` contacts.
+impl ScattererPaths {
+    /// An empty list with room for `capacity` scatterer paths.
     pub fn new(pairs: usize, channels: usize, capacity: usize) -> Self {
         Self {
             emission_offset_s: Vec::with_capacity(capacity),
@@ -35,7 +35,7 @@ impl Contacts {
         }
     }
 
-    /// Appends a contact: delay (s) and rate for each pair, amplitudes for each channel.
+    /// Appends a scatterer path: delay (s) and rate for each pair, amplitudes for each channel.
     pub fn push(
         &mut self,
         emission_offset_s: f64,
@@ -52,14 +52,14 @@ impl Contacts {
         self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
     }
 
-    /// Makes the list `len` contacts long; new ones are silent, without offset.
+    /// Makes the list `len` scatterer paths long; new ones are silent, without offset.
     pub fn resize(&mut self, len: usize) {
         self.emission_offset_s.resize(len, 0.0);
         self.delay_s.iter_mut().chain(&mut self.delay_rate).for_each(|column| column.resize(len, 0.0));
         self.amplitude.iter_mut().for_each(|column| column.resize(len, Complex64::ZERO));
     }
 
-    /// Contacts in the list.
+    /// Scatterer paths in the list.
     pub fn len(&self) -> usize {
         self.emission_offset_s.len()
     }

@@ -1,9 +1,9 @@
-//! From the scene to the contacts of every receive window.
+//! From the scene to the scatterer paths of every receive window.
 //!
 //! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It hears every
 //! emission `e` of the run whose echo overlaps it, not only its own: where the delay is longer than the
 //! pulse repetition interval (spaceborne, or the direct path of the next pulse) several pulses are in
-//! the air. A contact of emission `e` with delay `tau` is kept when
+//! the air. A scatterer path of emission `e` with delay `tau` is kept when
 //!
 //! `[t_e - t_n + tau, t_e - t_n + tau + T_p]` touches `[w - 32/fs, w + (N + 32)/fs]`
 //!
@@ -11,27 +11,27 @@
 //! are searched between bounds on their delays: those of emission `n`, widened by the fastest change of
 //! delay, `(|v_T| + |v_R| + 2 |v_s| + 1000 m/s) / c`, the last term for manoeuvres.
 //!
-//! The sea, if there is one, contributes a contact for every facet that the window hears and that returns
+//! The sea, if there is one, contributes a scatterer path for every facet that the window hears and that returns
 //! anything. It does not count for [`flags::OUTSIDE_WINDOW`]: a patch that reaches beyond the window is the
 //! rule.
 //!
 //! Each emission has its own geometry: platforms, pointing and transmit polarisation at `t_e`, the
 //! receive antenna at reception. When polarisations alternate, a channel hears an emission only if that
-//! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Contacts
+//! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Scatterer paths
 //! without amplitude in any channel (behind the antenna, in an exact null) are left out.
 //!
 //! The gate of `Gate::Follow` is the exact light time over the aim point between the *known* positions
 //! of the first pair, less the lead; it is not rounded to samples.
 //!
-//! [`Illumination::pulse`] depends on nothing but the pulse's index, and does not allocate once the
-//! contact list has its room.
+//! [`PathGenerator::pulse`] depends on nothing but the pulse's index, and does not allocate once the
+//! scatterer path list has its room.
 //!
 //! ```
 //! use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
 //! use nereus::motion::{PlatformTracks, track::Track};
 //! use nereus::pulse::{Layout, Pulse, SampleFormat};
 //! use nereus::paths::Illumination;
-//! use nereus::paths::list::Contacts;
+//! use nereus::paths::list::Scatterer paths;
 //! use nereus::scene::{Radar, Scene, Target, radar::*};
 //! use nereus::time::{PulseTimes, TimeTag};
 //!
@@ -78,15 +78,15 @@
 //! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
 //! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
 //! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
-//! let illumination = Illumination::new(&scene, 0.333e-6, tracks)?;
+//! let path generator = Illumination::new(&scene, 0.333e-6, tracks)?;
 //! let layout = Layout {
 //!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, antennas: 2, targets: 1, pairs: 1,
 //!     ships: 0, clocks: 0,
 //! };
-//! let (mut workspace, mut contacts) = (illumination.workspace(), Contacts::new(1, 1, 1));
+//! let (mut workspace, mut scatterer paths) = (path generator.workspace(), Scatterer paths::new(1, 1, 1));
 //! let mut record = Pulse::new(&layout);
-//! illumination.pulse(3, &mut workspace, &mut contacts, &mut record)?;
-//! assert_eq!(contacts.len(), 1);
+//! path generator.pulse(3, &mut workspace, &mut scatterer paths, &mut record)?;
+//! assert_eq!(scatterer paths.len(), 1);
 //! assert!((record.target_delay_s[0] * 299_792_458.0 - 2.0 * 3000f64.hypot(50.0)).abs() < 1e-8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -117,7 +117,7 @@ use crate::geometry::light_time::Path;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
 use crate::radar::antenna::Antenna;
@@ -156,9 +156,9 @@ impl PairPlan {
     }
 }
 
-/// Makes the contacts and the truth of any pulse of a run.
+/// Makes the scatterer paths and the truth of any pulse of a run.
 #[derive(Clone, Debug)]
-pub struct Illumination {
+pub struct PathGenerator {
     frame: SceneFrame,
     start: TimeTag,
     pulses: u64,
@@ -181,7 +181,7 @@ pub struct Illumination {
     listeners: Vec<(usize, f64)>,
 }
 
-/// Buffers of [`Illumination::pulse`]; one per thread.
+/// Buffers of [`PathGenerator::pulse`]; one per thread.
 #[derive(Clone)]
 pub struct Workspace {
     own: Emission,
@@ -192,7 +192,7 @@ pub struct Workspace {
     pub costs: Costs,
 }
 
-impl Illumination {
+impl PathGenerator {
     /// Prepares a scene: reads pattern files and checks that the tracks cover the run, from the first
     /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
     /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
@@ -293,7 +293,7 @@ impl Illumination {
         &self.channel_pairs
     }
 
-    /// The transmitter-receiver pairs, in the order of [`Contacts::delay_s`].
+    /// The transmitter-receiver pairs, in the order of [`ScattererPaths::delay_s`].
     pub fn pairs(&self) -> &[Pair] {
         &self.pairs
     }
@@ -312,7 +312,7 @@ impl Illumination {
         Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
     }
 
-    /// Fills `contacts` with all that the window of pulse `index` hears, and index, time, window start,
+    /// Fills `paths` with all that the window of pulse `index` hears, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
     /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
@@ -320,14 +320,14 @@ impl Illumination {
         &self,
         index: u64,
         workspace: &mut Workspace,
-        contacts: &mut Contacts,
+        paths: &mut ScattererPaths,
         record: &mut Pulse,
     ) -> Result<(), RadarError> {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
         let Workspace { own, other, amplitude, sea, costs } = workspace;
-        contacts.clear();
+        paths.clear();
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
@@ -336,23 +336,23 @@ impl Illumination {
         for heard in audible.start..audible.end.min(index) {
             self.evaluate(heard, other)?;
             let lighting = self.lighting(index, heard, other, window);
-            self.append(&lighting, amplitude, contacts);
-            self.append_sea(heard, &lighting, sea, costs, contacts)?;
+            self.append(&lighting, amplitude, paths);
+            self.append_sea(heard, &lighting, sea, costs, paths)?;
         }
         let lighting = self.lighting(index, index, own, window);
-        if self.append(&lighting, amplitude, contacts) {
+        if self.append(&lighting, amplitude, paths) {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
         if audible.contains(&index) {
-            self.append_sea(index, &lighting, sea, costs, contacts)?;
+            self.append_sea(index, &lighting, sea, costs, paths)?;
         }
         for heard in audible.start.max(index + 1)..audible.end {
             self.evaluate(heard, other)?;
             let lighting = self.lighting(index, heard, other, window);
-            self.append(&lighting, amplitude, contacts);
-            self.append_sea(heard, &lighting, sea, costs, contacts)?;
+            self.append(&lighting, amplitude, paths);
+            self.append_sea(heard, &lighting, sea, costs, paths)?;
         }
-        costs.lap(Stage::Contacts);
+        costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 
@@ -386,27 +386,27 @@ impl Illumination {
         lighting: &Lighting,
         work: &mut Option<SeaWork>,
         costs: &mut Costs,
-        contacts: &mut Contacts,
+        paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         let Some(sea) = &self.sea else { return Ok(()) };
         let Some(work) = self.sea_work(sea, work) else { return Ok(()) };
-        let before = contacts.len();
+        let before = paths.len();
         let visited = sea.visit(lighting, work, costs, |chunk| {
             for place in 0..chunk.index.len() {
                 if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
                     continue;
                 }
-                contacts.emission_offset_s.push(lighting.offset_s);
+                paths.emission_offset_s.push(lighting.offset_s);
                 for (pair, columns) in chunk.pairs.iter().enumerate() {
-                    contacts.delay_s[pair].push(columns.delay_s[place]);
-                    contacts.delay_rate[pair].push(columns.delay_rate[place]);
+                    paths.delay_s[pair].push(columns.delay_s[place]);
+                    paths.delay_rate[pair].push(columns.delay_rate[place]);
                 }
-                for (column, amplitude) in contacts.amplitude.iter_mut().zip(&chunk.amplitude) {
+                for (column, amplitude) in paths.amplitude.iter_mut().zip(&chunk.amplitude) {
                     column.push(amplitude[place]);
                 }
             }
         });
-        costs.looked_at(sea.patch.len(), contacts.len() - before, 0);
+        costs.looked_at(sea.patch.len(), paths.len() - before, 0);
         visited.map_err(|failure| self.sea_error(heard, failure))
     }
 
@@ -515,14 +515,14 @@ impl Illumination {
         low
     }
 
-    /// Appends the contacts of one emission; says whether an echo lies partly or wholly outside.
-    fn append(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) -> bool {
+    /// Appends the scatterer paths of one emission; says whether an echo lies partly or wholly outside.
+    fn append(&self, lighting: &Lighting, amplitude: &mut [Complex64], paths: &mut ScattererPaths) -> bool {
         let mut outside = false;
-        for (contact, paths) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            outside |= self.weigh(lighting, contact, paths, amplitude);
+        for (target, of_pairs) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            outside |= self.weigh(lighting, target, of_pairs, amplitude);
             if amplitude.iter().any(|a| *a != Complex64::ZERO) {
-                let courses = paths.iter().map(|path| (path.delay_s, path.delay_rate));
-                contacts.push(lighting.offset_s, courses, amplitude);
+                let delays = of_pairs.iter().map(|path| (path.delay_s, path.delay_rate));
+                paths.push(lighting.offset_s, delays, amplitude);
             }
         }
         outside
@@ -533,15 +533,15 @@ impl Illumination {
     fn weigh(
         &self,
         lighting: &Lighting,
-        contact: usize,
-        paths: &[Path],
+        target: usize,
+        of_pairs: &[Path],
         amplitude: &mut [Complex64],
     ) -> bool {
         let Lighting { emission, offset_s, tx_pol, window, .. } = *lighting;
         let mut outside = false;
-        let target = self.targets.get(contact);
+        let target = self.targets.get(target);
         amplitude.fill(Complex64::ZERO);
-        for (plan, path) in self.plans.iter().zip(paths) {
+        for (plan, path) in self.plans.iter().zip(of_pairs) {
             let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
             let scale = match target {
                 Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),

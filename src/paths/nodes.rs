@@ -1,10 +1,10 @@
-//! Pulses of a block: whether they can be made together, their records, and their targets as contacts that can be interpolated.
+//! Pulses of a block: whether they can be made together, their records, and their targets as scatterer paths that can be interpolated.
 
 use num_complex::Complex64;
 
 use super::facets::Lighting;
-use super::{Illumination, Workspace};
-use crate::paths::list::Contacts;
+use super::{PathGenerator, Workspace};
+use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::Stage;
 use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
@@ -15,9 +15,9 @@ use crate::scene::radar::TxPolarisation;
 /// Pulses in the air at once that are looked for where intervals differ.
 const MOST_IN_AIR: u64 = 256;
 
-impl Illumination {
+impl PathGenerator {
     /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals,
-    /// from facets that keep their phases: then their contacts can be interpolated.
+    /// from facets that keep their phases: then their scatterer paths can be interpolated.
     pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
         let even = self.radar.emissions.is_uniform();
         let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
@@ -64,11 +64,11 @@ impl Illumination {
     }
 
     /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay rates.
-    pub fn rates(&self, contacts: &Contacts, pair: usize, share: impl Fn(f64) -> f64) -> (f64, f64) {
+    pub fn rates(&self, paths: &ScattererPaths, pair: usize, share: impl Fn(f64) -> f64) -> (f64, f64) {
         let (mut power, mut sum) = (0.0, 0.0);
         for (channel, _) in self.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
-            let courses = contacts.delay_s[pair].iter().zip(&contacts.delay_rate[pair]);
-            for (a, (delay_s, rate)) in contacts.amplitude[channel].iter().zip(courses) {
+            let courses = paths.delay_s[pair].iter().zip(&paths.delay_rate[pair]);
+            for (a, (delay_s, rate)) in paths.amplitude[channel].iter().zip(courses) {
                 let own = share(*delay_s) * a.norm_sqr();
                 if own.is_finite() && rate.abs() < 1.0 {
                     (power, sum) = (power + own, sum + own * rate);
@@ -100,7 +100,7 @@ impl Illumination {
         Ok(Some(patch.map_err(|failure| self.track_error(index, failure))?))
     }
 
-    /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its contacts;
+    /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its scatterer paths;
     /// see [`Self::pulse`].
     pub fn record(
         &self,
@@ -116,8 +116,8 @@ impl Illumination {
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
         let lighting = self.lighting(index, index, own, window);
-        for (contact, paths) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            if self.weigh(&lighting, contact, paths, amplitude) {
+        for (target, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            if self.weigh(&lighting, target, of_pairs, amplitude) {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
@@ -125,21 +125,21 @@ impl Illumination {
         Ok(())
     }
 
-    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they sound or not.
+    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received or not.
     pub fn points(
         &self,
         index: u64,
         workspace: &mut Workspace,
-        contacts: &mut Contacts,
+        paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
         let Workspace { own, amplitude, .. } = workspace;
-        contacts.clear();
+        paths.clear();
         self.evaluate(index, own)?;
         let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
-        self.append_every(&lighting, amplitude, contacts);
+        self.append_every(&lighting, amplitude, paths);
         Ok(())
     }
 
@@ -148,11 +148,11 @@ impl Illumination {
         self.targets.len() + usize::from(self.radar.direct_path)
     }
 
-    /// Appends targets and direct paths whether they sound or not.
-    fn append_every(&self, lighting: &Lighting, amplitude: &mut [Complex64], contacts: &mut Contacts) {
-        for (contact, paths) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            self.weigh(lighting, contact, paths, amplitude);
-            contacts.push(lighting.offset_s, paths.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
+    /// Appends targets and direct paths whether they are received or not.
+    fn append_every(&self, lighting: &Lighting, amplitude: &mut [Complex64], paths: &mut ScattererPaths) {
+        for (target, of_pairs) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            self.weigh(lighting, target, of_pairs, amplitude);
+            paths.push(lighting.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
         }
     }
 }

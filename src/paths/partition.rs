@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::{Illumination, beside};
+use super::{PathGenerator, beside};
 use crate::motion::changes::Change;
 use crate::radar::fault::mounts;
 use crate::radar::window::Window;
@@ -44,10 +44,10 @@ pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
 /// Rounding of windows and emissions, s.
 const GUARD_S: f64 = 1e-3;
 
-impl Illumination {
+impl PathGenerator {
     /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later emissions, the longest
     /// light time, and two pulses more.
-    pub fn rests_on(&self, index: u64) -> TimeTag {
+    pub fn latest_state_needed(&self, index: u64) -> TimeTag {
         let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let opens_s = match &self.radar.window.gate {
             Gate::Fixed { start_s } => start_s.max(0.0),

@@ -22,9 +22,9 @@ use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
 use crate::scene::sea::{LightWinds, PatchPlace, Sea, Shadowing};
 use crate::scene::{Patch, Scene};
+use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::{self, Fleet};
 use crate::sea::realise::{RealiseError, Realised, realise};
-use crate::sea::sheet::Sheet;
 use crate::sea::spectrum::light_wind::that_scatters;
 use crate::sea::surface::{Fields, Selection, Surface};
 use crate::sea::wake::course::Pose;
@@ -132,7 +132,7 @@ struct Phasors {
 /// Buffers of one thread.
 #[derive(Clone)]
 pub(super) struct SeaWork {
-    sheet: Sheet,
+    sheet: FacetSurface,
     fields: Fields<f64>,
     phasors: Phasors,
     pub updates: Option<Updates>,
@@ -281,13 +281,14 @@ impl SeaPlan {
             visibility.check::<SeaFault>(&plan.wakes, &plan.patch)?;
             plan.visibility = Some(visibility);
         }
-        Sheet::<f32>::new(&plan.surface, Selection::HEIGHT).with_wakes(&plan.wakes, &plan.patch)?;
+        FacetSurface::<f32>::new(&plan.surface, Selection::HEIGHT).with_wakes(&plan.wakes, &plan.patch)?;
         Ok(plan)
     }
 
     /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
     fn half_slope_change_rad(&self, patch: &Patch) -> Result<f64, SeaFault> {
-        let mut sheet = Sheet::<f64>::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
+        let mut sheet =
+            FacetSurface::<f64>::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
         let mut fields = sheet.fields(patch);
         sheet.evaluate(0.0, patch, &mut fields)?;
         let map = Map::new(&fields.height_m, patch.facets, patch.facet_m, [0.0, 0.0])?;
@@ -297,8 +298,9 @@ impl SeaPlan {
     /// Buffers of one thread for a radar with so many pairs and channels.
     pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
         // That they are legal was found out when the plan was made.
-        let sheet =
-            Sheet::<f64>::new(&self.surface, self.selection()).with_wakes(&self.wakes, &self.patch).ok()?;
+        let sheet = FacetSurface::<f64>::new(&self.surface, self.selection())
+            .with_wakes(&self.wakes, &self.patch)
+            .ok()?;
         let updates = match &self.visibility {
             Some(visibility) => {
                 Some(visibility.updates::<f64, SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)
@@ -416,12 +418,12 @@ impl SeaPlan {
         mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
         let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
-        costs.lap(Stage::Contacts);
+        costs.lap(Stage::ScattererPaths);
         sheet.evaluate(lighting.elapsed_s, patch, fields)?;
         costs.lap(Stage::Surface);
         self.scattering.poses(lighting.elapsed_s, poses);
         phasors.prepare(&self.scattering, patch, lighting.elapsed_s);
-        costs.lap(Stage::Contacts);
+        costs.lap(Stage::ScattererPaths);
         let earth = lighting.surroundings.frame.earth();
         let mix = match (&self.visibility, updates) {
             (Some(visibility), Some(updates)) => Some(visibility.at(
@@ -467,7 +469,7 @@ impl SeaPlan {
             }
             first = end;
         }
-        costs.lap(Stage::Contacts);
+        costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 

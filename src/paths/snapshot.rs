@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Illumination, Workspace};
+use super::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
 use crate::scene::Patch;
@@ -64,7 +64,7 @@ impl Snapshot {
     }
 }
 
-impl Illumination {
+impl PathGenerator {
     /// Whether an echo of pulse `index` is heard in a window like `window` of that pulse or a later one.
     fn heard_later(&self, index: u64, window: &Window, delay_s: f64) -> bool {
         let from = self.first_emission(index, delay_s - window.close_s - window.guard_s).max(index);

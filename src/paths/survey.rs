@@ -1,7 +1,7 @@
 //! What holds for a whole run, found at a few dozen of its instants.
 
 use super::sea;
-use super::{Illumination, SOUNDINGS, beside};
+use super::{PathGenerator, SOUNDINGS, beside};
 use crate::frames::Earth;
 use crate::geometry::horizon;
 use crate::paths::emission::Emission;
@@ -30,7 +30,7 @@ pub struct BeyondHorizon {
     pub horizon_m: f64,
 }
 
-impl Illumination {
+impl PathGenerator {
     /// The longest delay at a few dozen instants spread over the run, s.
     pub(super) fn longest_delay_s(&self) -> Result<f64, RadarError> {
         let mut emission = Emission::default();

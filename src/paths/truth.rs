@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::{DMat3, DQuat};
 
-use super::{Illumination, beside};
+use super::{PathGenerator, beside};
 use crate::geometry::light_time::{LightTime, bistatic};
 use crate::motion::pointing::PhaseCentre;
 use crate::motion::track::State;
@@ -14,7 +14,7 @@ use crate::radar::fault::{RadarError, TrackUse, mounts};
 use crate::scene::radar::{AntennaMount, Gate, Polarisation};
 use crate::time::TimeTag;
 
-impl Illumination {
+impl PathGenerator {
     pub(super) fn fill_record(
         &self,
         index: u64,

@@ -11,7 +11,7 @@ use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::scene::Patch;
-use crate::sea::sheet::Sheet;
+use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Selection, Surface};
 use crate::sea::wake::{Wake, WakeError};
@@ -45,7 +45,7 @@ pub(super) struct Update<T: Real = f64> {
 /// The two updates around an instant, and what makes them: in f64, or from heights in f32.
 #[derive(Clone)]
 pub(super) struct Updates<T: Real = f64> {
-    sheet: Sheet<T>,
+    sheet: FacetSurface<T>,
     fields: Fields<T>,
     heights_m: Vec<f64>,
     shadow: Shadow<f64>,
@@ -126,7 +126,7 @@ impl Visibility {
     ) -> Result<Updates<T>, E> {
         let grown = patch.grown(self.margin);
         let shadow = self.shadow(&grown)?;
-        let sheet = Sheet::<T>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
+        let sheet = FacetSurface::<T>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = self.empty(&grown);
         let heights_m = vec![0.0; grown.len()];
         Ok(Updates { fields: sheet.fields(&grown), sheet, heights_m, shadow, held: [update.clone(), update] })

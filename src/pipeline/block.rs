@@ -2,12 +2,12 @@
 //!
 //! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s` the node spacing). The sea comes
 //! tile by tile ([`crate::paths::block`]) and is spread at once ([`crate::echo::synth::lanes`]); targets and the direct path are
-//! contacts at the gain instants, through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]).
+//! scatterer paths at the gain instants, through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]).
 //! A block that the run cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of
-//! its own, and nothing is interpolated. Where a report is changed by which something is aimed, a block ends ([`Illumination::unbroken`]).
+//! its own, and nothing is interpolated. Where a report is changed by which something is aimed, a block ends ([`PathGenerator::unbroken`]).
 //!
-//! A patch that follows stays for some pulses ([`Illumination::hold_pulses`]), and blocks divide these. A block depends on its number and the run alone, so any thread may make
+//! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A block depends on its number and the run alone, so any thread may make
 //! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
 
 use std::ops::Range;
@@ -17,17 +17,17 @@ use num_complex::Complex64;
 
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
-use crate::echo::synth::block::{BlockContacts, Fill, Frame, MAX_PULSES, Node};
+use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node};
 use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
-use crate::fidelity::echo_settings::{Settled, block_length, block_pulses};
-use crate::fidelity::sounding::points::{mean_rate, of_points};
+use crate::fidelity::echo_settings::{EchoSettings, block_length, block_pulses};
+use crate::fidelity::probe::points::{mean_rate, of_points};
 use crate::paths::block::{
-    Borders, Faint, Instants, LOOKS, NODES, Sample, ShareBorders, Tier, Tiers, TileWork, looks_about,
+    Borders, Instants, LOOKS, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, looks_about,
     nodes_within,
 };
-use crate::paths::list::Contacts;
-use crate::paths::{Illumination, Workspace};
+use crate::paths::list::ScattererPaths;
+use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
@@ -51,7 +51,7 @@ pub(crate) struct BlockEcho {
     hold_pulses: Option<u64>,
     gain_pulses: usize,
     looks_per_node: usize,
-    faint: Option<Faint>,
+    faint: Option<Sidelobe>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
@@ -63,10 +63,10 @@ pub(crate) struct BlockWork {
     /// First pulse and the pulse after the last one.
     held: Option<(u64, u64)>,
     tiers: Tiers,
-    nodes: [Contacts; NODES],
+    nodes: [ScattererPaths; NODES],
     windows_s: Vec<f64>,
     frame: Frame,
-    part: BlockContacts<f32>,
+    part: BlockPaths<f32>,
     grids: Grids<f32>,
     scratch: SynthScratch<f32>,
     tiles: Option<Box<TileWork>>,
@@ -75,7 +75,7 @@ pub(crate) struct BlockWork {
     mean_hz: Vec<f64>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
-    /// Contacts of the block at hand that are spread, over all pairs.
+    /// Scatterer paths of the block at hand that are spread, over all pairs.
     spread: usize,
 }
 
@@ -93,35 +93,35 @@ impl BlockEcho {
     /// Blocks longer than the fast echo can hold.
     pub fn new(
         synth: Synth<f32>,
-        settled: &Settled,
+        chosen: &EchoSettings,
         pulses: u64,
         hold_pulses: Option<u64>,
         interval_s: f64,
     ) -> Result<Self, SynthError> {
-        let block = usize::try_from(block_pulses(settled.node_pulses)).unwrap_or(usize::MAX);
+        let block = usize::try_from(block_pulses(chosen.node_pulses)).unwrap_or(usize::MAX);
         if block > MAX_PULSES {
             return Err(SynthError::Pulses { pulses: block });
         }
-        let gain_pulses = usize::try_from(settled.gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
+        let gain_pulses = usize::try_from(chosen.gain_pulses).unwrap_or(1).clamp(1, MAX_PULSES);
         Ok(Self {
             synth: Arc::new(synth),
             borders: Arc::default(),
-            length: block_length(settled.node_pulses, hold_pulses),
+            length: block_length(chosen.node_pulses, hold_pulses),
             hold_pulses,
             gain_pulses,
-            looks_per_node: settled.looks_per_node,
-            faint: settled.faint,
-            least_power: settled.least_power,
+            looks_per_node: chosen.looks_per_node,
+            faint: chosen.faint,
+            least_power: chosen.least_power,
             pulses,
             interval_s,
         })
     }
 
     /// The same echo with other nodes; `None` of blocks that are too long.
-    pub fn like(other: &Self, settled: &Settled) -> Option<Self> {
-        let block = usize::try_from(block_pulses(settled.node_pulses)).ok()?;
+    pub fn like(other: &Self, chosen: &EchoSettings) -> Option<Self> {
+        let block = usize::try_from(block_pulses(chosen.node_pulses)).ok()?;
         let (synth, borders) = (Arc::clone(&other.synth), Arc::default());
-        let length = block_length(settled.node_pulses, other.hold_pulses);
+        let length = block_length(chosen.node_pulses, other.hold_pulses);
         (block <= MAX_PULSES).then_some(Self { synth, borders, length, ..*other })
     }
 
@@ -134,24 +134,18 @@ impl BlockEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(
-        &self,
-        illumination: &Illumination,
-        pairs: usize,
-        channels: usize,
-        contacts: usize,
-    ) -> BlockWork {
+    pub fn work(&self, generator: &PathGenerator, pairs: usize, channels: usize, paths: usize) -> BlockWork {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
         BlockWork {
             held: None,
             tiers: Tiers::default(),
-            nodes: std::array::from_fn(|_| Contacts::new(pairs, channels, contacts)),
+            nodes: std::array::from_fn(|_| ScattererPaths::new(pairs, channels, paths)),
             windows_s: Vec::with_capacity(self.block_pulses() as usize),
             frame: Frame::default(),
             part: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
-            tiles: illumination.tile_work(variant, Some(self.borders.clone())),
+            tiles: generator.tile_work(variant, Some(self.borders.clone())),
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
@@ -163,7 +157,7 @@ impl BlockEcho {
     /// Fills the record of a pulse and the spectrum of its echo.
     pub fn make(
         &self,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
         light: &mut Workspace,
@@ -171,19 +165,19 @@ impl BlockEcho {
         spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
         if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
-            let contacts = &mut work.nodes[0];
-            illumination.pulse(index, light, contacts, pulse)?;
+            let paths = &mut work.nodes[0];
+            generator.pulse(index, light, paths, pulse)?;
             let start_s = pulse.window_start_s;
-            let found = self.synth.pulse_in_bands(contacts, start_s, band_hz, bands, spectrum)?;
+            let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             check(found)?;
             light.costs.lap(Stage::Spread);
             light.costs.accumulated(found.sounding);
             return Ok(());
         }
-        illumination.record(index, light, pulse)?;
+        generator.record(index, light, pulse)?;
         if work.held.is_none_or(|(first, end)| !(first..end).contains(&index)) {
             work.held = None;
-            work.held = Some(self.prepare(illumination, index, pulse, light, work)?);
+            work.held = Some(self.prepare(generator, index, pulse, light, work)?);
         }
         let first = work.held.map_or(index, |(first, _)| first);
         let BlockWork { frame, grids, scratch, .. } = &mut *work;
@@ -201,7 +195,7 @@ impl BlockEcho {
     /// Makes the block that holds a pulse; says which pulses it has.
     fn prepare(
         &self,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
         light: &mut Workspace,
@@ -210,19 +204,19 @@ impl BlockEcho {
         let len = self.block_pulses();
         let first = index / len * len;
         // What is aimed by a report jumps with it: such a block ends there.
-        let Range { start: first, end } = illumination.unbroken(first..(first + len).min(self.pulses), index);
+        let Range { start: first, end } = generator.unbroken(first..(first + len).min(self.pulses), index);
         let pulses = (end - first) as usize;
         let instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
         work.tiers = Tiers::new(instants, self.faint);
         let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.length == 1 || !illumination.hears_itself(&heard, light)? {
-            // A pulse by itself: exact contacts, one node.
-            let contacts = &mut work.nodes[0];
-            illumination.pulse(index, light, contacts, pulse)?;
+        if self.length == 1 || !generator.hears_itself(&heard, light)? {
+            // A pulse by itself: exact scatterer paths, one node.
+            let paths = &mut work.nodes[0];
+            generator.pulse(index, light, paths, pulse)?;
             work.windows_s.push(pulse.window_start_s);
-            let node = Node { pulse: 0, contacts };
+            let node = Node { pulse: 0, paths };
             self.synth.fill(&[node], &work.windows_s, &mut work.part)?;
             check(work.part.found())?;
             light.costs.lap(Stage::Fill);
@@ -233,24 +227,24 @@ impl BlockEcho {
             return Ok((index, index + 1));
         }
         for at in first..end {
-            work.windows_s.push(illumination.window_start_of(at)?);
+            work.windows_s.push(generator.window_start_of(at)?);
         }
-        let patch = illumination.patch_of(first)?;
+        let patch = generator.patch_of(first)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            illumination.open_block(tiers, patch, light, tiles, samples)?;
+            generator.open_block(tiers, patch, light, tiles, samples)?;
         }
-        self.mean_doppler(illumination, (first, windows_s), light, samples, nodes, mean_hz)?;
+        self.mean_doppler(generator, (first, windows_s), light, samples, nodes, mean_hz)?;
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         light.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let looks = [Tier::Close, Tier::Faint].map(|tier| tiers.of(tier).look_count);
+            let looks = [Tier::Close, Tier::Sidelobe].map(|tier| tiers.of(tier).look_count);
             self.synth.make_room(looks[0].max(looks[1]), pulses, lanes);
             let tally =
-                illumination.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
+                generator.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
                     let instants = tiers.of(tile.tier);
                     let from_look = std::array::from_fn(|n| {
                         let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
@@ -284,12 +278,12 @@ impl BlockEcho {
             let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
             light.costs.looked_at(facets, lit, culled);
             light.costs.looked_at_less(tally.faint as usize);
-            work.spread = (lit - culled) * illumination.pairs().len();
+            work.spread = (lit - culled) * generator.pairs().len();
         }
-        if illumination.point_count() > 0 {
+        if generator.point_count() > 0 {
             let step = (NODES - 1) * self.gain_pulses;
             for from in (0..pulses).step_by(step) {
-                self.points(illumination, first, from..(from + step).min(pulses), light, work)?;
+                self.points(generator, first, from..(from + step).min(pulses), light, work)?;
             }
             work.spread += work.part.found().sounding;
         }
@@ -300,29 +294,29 @@ impl BlockEcho {
     /// of them where the window receives nothing).
     fn mean_doppler(
         &self,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         (first, windows_s): (u64, &[f64]),
         light: &mut Workspace,
         samples: &[Sample],
-        points: &mut [Contacts],
+        points: &mut [ScattererPaths],
         mean_hz: &mut Vec<f64>,
     ) -> Result<(), PulseError> {
-        let of_pulses = if illumination.point_count() > 0 { &of_points(windows_s.len())[..] } else { &[] };
+        let of_pulses = if generator.point_count() > 0 { &of_points(windows_s.len())[..] } else { &[] };
         for (pulse, points) in of_pulses.iter().zip(points.iter_mut()) {
-            illumination.points(first + *pulse as u64, light, points)?;
+            generator.points(first + *pulse as u64, light, points)?;
         }
-        let facets = illumination.facets() as f64;
+        let facets = generator.facets() as f64;
         mean_hz.clear();
-        for pair in 0..illumination.pairs().len() {
+        for pair in 0..generator.pairs().len() {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let of_facets = sample.received_power_w * facets;
             let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
-                let share = |delay_s| illumination.heard_share(index, opens_s, delay_s);
+                let share = |delay_s| generator.heard_share(index, opens_s, delay_s);
                 for (sums, own) in [
-                    (&mut heard, illumination.rates(points, pair, share)),
-                    (&mut all, illumination.rates(points, pair, |_| 1.0)),
+                    (&mut heard, generator.rates(points, pair, share)),
+                    (&mut all, generator.rates(points, pair, |_| 1.0)),
                 ] {
                     *sums = (sums.0 + own.0, sums.1 + own.1);
                 }
@@ -336,7 +330,7 @@ impl BlockEcho {
     /// Targets and direct paths of some pulses of the block.
     fn points(
         &self,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         first: u64,
         pulses: Range<usize>,
         light: &mut Workspace,
@@ -345,11 +339,11 @@ impl BlockEcho {
         let BlockWork { nodes, frame, part, grids, .. } = work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
-            illumination.points(first + (pulses.start + place) as u64, light, node)?;
+            generator.points(first + (pulses.start + place) as u64, light, node)?;
         }
-        let mut given = [Node { pulse: 0, contacts: &nodes[0] }; NODES];
-        for ((node, &pulse), contacts) in given.iter_mut().zip(&at).zip(nodes.iter()) {
-            *node = Node { pulse, contacts };
+        let mut given = [Node { pulse: 0, paths: &nodes[0] }; NODES];
+        for ((node, &pulse), paths) in given.iter_mut().zip(&at).zip(nodes.iter()) {
+            *node = Node { pulse, paths };
         }
         self.synth.fill_part(&given[..count], frame, pulses, part)?;
         check(part.found())?;

@@ -41,7 +41,6 @@ use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self};
 
-use super::aboard::{self};
 use super::changing;
 use super::control::{Control, Desk, control};
 use super::live::LiveNav;
@@ -51,6 +50,7 @@ use super::plausible;
 use super::stages::{PulseFactory, Workspace};
 use super::tracks::flown;
 use crate::pipeline::fault::PulseError;
+use crate::pipeline::hull_scatterers;
 
 pub use super::tracks::{TrackNote, tracks};
 
@@ -193,7 +193,7 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
         .build()?;
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
-    let scene = aboard::with_scatterers(scene)?;
+    let scene = hull_scatterers::with_scatterers(scene)?;
     let header = header(run, &scene, &factory, &schedule, changes.as_ref());
     header.check()?;
     // Every worker has a block in hand while one waits to be released.
@@ -357,7 +357,7 @@ impl PulseStream {
         let nav = match live {
             Some(flown) => {
                 flown.nav.took(begun.elapsed());
-                factory.illumination.fly(flown.tracks);
+                factory.generator.fly(flown.tracks);
                 flown.nav.await_begin(first, stop)?;
                 Some(flown.nav)
             }
@@ -450,7 +450,7 @@ fn generate(
             let last = |first: u64| (first - 1) / length * length + length - 1;
             let untouched = || match first {
                 first if first == begin => first,
-                first => factory.illumination.first_untouched(last(first)),
+                first => factory.generator.first_untouched(last(first)),
             };
             desk.serve(untouched, end);
         }
@@ -464,7 +464,7 @@ fn generate(
                 // A block is made whole, whatever part of it was claimed.
                 let block = claim.first - claim.first % length + length;
                 let after = block.max(claim.first + claim.slots.len() as u64);
-                let need = factory.illumination.rests_on(after);
+                let need = factory.generator.latest_state_needed(after);
                 nav.hold(need, due.deadline(claim.first), due.latency, due.stop());
                 Instant::now()
             });

@@ -1,4 +1,4 @@
-//! A dry run of what is planned: pulses as they will be made, against the same pulses from exact contacts.
+//! A dry run of what is planned: pulses as they will be made, against the same pulses from exact scatterer paths.
 //!
 //! What a plan predicts is a statistic of many facets, and it is the worst pulse that is promised. On a small patch few facets decide: one
 //! that turns away between two nodes, one behind a crest, one in a null of its scattering. No sample tells which. But such a patch is cheap:
@@ -9,7 +9,7 @@
 //! error = max over pulses and channels of |planned - exact|^2 / mean |exact|^2  +  finest grid + Doppler within the pulse + rounding
 //! ```
 //!
-//! Exact are contacts found at every pulse, spread in f64 by the widest kernel; Doppler within a pulse is of both alike, so that part stays as
+//! Exact are scatterer paths found at every pulse, spread in f64 by the widest kernel; Doppler within a pulse is of both alike, so that part stays as
 //! the plan predicts it. Where all pulses were made, the error found is the prediction; where there is time for a part of them alone, it
 //! only raises the prediction. How many are made depends on the scene alone: [`FACET_PULSES`].
 
@@ -18,15 +18,15 @@ use std::sync::Arc;
 
 use num_complex::Complex32;
 
-use super::aboard::ShipTracks;
 use super::stages::{Echo, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
-use crate::fidelity::settle::{EXACT_DB, Plan, settle};
-use crate::fidelity::sounding::spread_over;
-use crate::paths::Illumination;
+use crate::fidelity::choose::{EXACT_DB, Plan, settle};
+use crate::fidelity::probe::spread_over;
+use crate::paths::PathGenerator;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;
+use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pipeline::power::{mean_of, power, powers};
 use crate::pulse::{Layout, Samples};
 use crate::radar::receiver::Receiver;
@@ -41,7 +41,7 @@ const LEAST_PULSES: u64 = 8;
 const TRIES: u32 = 5;
 /// How much finer than what was missed the next settings are, dB.
 const CLOSER_DB: f64 = 3.0;
-/// What exact contacts on the finest grid are themselves off the reference, and other instructions round otherwise, dB.
+/// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions round otherwise, dB.
 const MORE_DB: f64 = 1.0;
 /// Heavier tails than this say that too few pulses were made to tell.
 const HEAVIEST_TAIL: f64 = 1.5;
@@ -49,22 +49,22 @@ const HEAVIEST_TAIL: f64 = 1.5;
 /// The settings of a scene, tried where that costs little.
 pub(crate) fn plan(
     scene: &Scene,
-    illumination: &Illumination,
+    generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, BuildErrors> {
     let settle_for = |error_db: f64, node_pulses: Option<u64>| -> Result<Plan, BuildErrors> {
-        let plan = settle(scene, illumination, waveform, &Asked { error_db, node_pulses, ..*asked })?;
+        let plan = settle(scene, generator, waveform, &Asked { error_db, node_pulses, ..*asked })?;
         Ok(Plan { asked: *asked, ..plan })
     };
     let first = settle_for(asked.error_db, asked.node_pulses)?;
-    let chosen = Chosen::of(scene, illumination, first.settled.block_pulses(illumination.hold_pulses()));
-    if first.settled.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
+    let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
+    if first.chosen.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
         return Ok(first);
     }
     let exact = Asked { node_pulses: Some(1), ..Asked::error_db(EXACT_DB) };
-    let exact = settle(scene, illumination, waveform, &exact)?;
-    let Some(trial) = Trial::new(scene, illumination, waveform, chosen, &exact)? else { return Ok(first) };
+    let exact = settle(scene, generator, waveform, &exact)?;
+    let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;
     for tries in 1..=TRIES {
@@ -83,12 +83,12 @@ pub(crate) fn plan(
                 break None;
             }
             let next = settle_for(target_db, asked.node_pulses)?;
-            if next.settled != tried.settled {
+            if next.chosen != tried.chosen {
                 break Some(next);
             }
         };
         match next {
-            Some(next) if next.settled.node_pulses > 1 => tried = next,
+            Some(next) if next.chosen.node_pulses > 1 => tried = next,
             _ => break,
         }
     }
@@ -114,8 +114,8 @@ struct Chosen {
 }
 
 impl Chosen {
-    fn of(scene: &Scene, illumination: &Illumination, block: u64) -> Self {
-        let each = (illumination.facets() * illumination.pairs().len()) as u64;
+    fn of(scene: &Scene, generator: &PathGenerator, block: u64) -> Self {
+        let each = (generator.facets() * generator.pairs().len()) as u64;
         let count = FACET_PULSES.checked_div(each).unwrap_or(0);
         let all = scene.pulses;
         if all <= count {
@@ -130,12 +130,12 @@ impl Chosen {
     }
 }
 
-/// Some pulses from exact contacts, and what makes them otherwise.
+/// Some pulses from exact scatterer paths, and what makes them otherwise.
 struct Trial<'a> {
     scene: &'a Scene,
     /// Without noise and converter.
     radar: Radar,
-    illumination: &'a Illumination,
+    generator: &'a PathGenerator,
     waveform: &'a Arc<dyn Waveform>,
     chosen: Chosen,
     exact: Vec<Vec<Complex32>>,
@@ -146,10 +146,10 @@ struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// `None` where contacts cannot be followed.
+    /// `None` where scatterer paths cannot be followed.
     fn new(
         scene: &'a Scene,
-        illumination: &'a Illumination,
+        generator: &'a PathGenerator,
         waveform: &'a Arc<dyn Waveform>,
         chosen: Chosen,
         exact: &Plan,
@@ -157,7 +157,7 @@ impl<'a> Trial<'a> {
         let radar = Radar { noise_figure_db: None, adc: None, ..scene.radar.clone() };
         let (samples, means) = (Vec::new(), Vec::new());
         let own = exact.prediction.echo.gridding;
-        let mut trial = Self { scene, radar, illumination, waveform, chosen, exact: samples, means, own };
+        let mut trial = Self { scene, radar, generator, waveform, chosen, exact: samples, means, own };
         let Some(samples) = trial.samples(exact)? else { return Ok(None) };
         let channels = trial.radar.channels.len();
         let spread = samples.iter().zip(&trial.chosen.spread).filter(|(_, spread)| **spread);
@@ -170,11 +170,11 @@ impl<'a> Trial<'a> {
     /// The pulses by a plan.
     fn samples(&self, plan: &Plan) -> Result<Option<Vec<Vec<Complex32>>>, BuildErrors> {
         let (scene, radar) = (self.scene, &self.radar);
-        let echo = Echo::of(Some(plan), radar, scene.pulses, self.illumination, self.waveform)?;
+        let echo = Echo::of(Some(plan), radar, scene.pulses, self.generator, self.waveform)?;
         let receiver = Receiver::new(radar, scene.seed, echo.fft_len(), radar.channels.len());
         let layout = radar.layout(scene.platforms.len(), scene.targets.len());
         let factory = PulseFactory {
-            illumination: self.illumination.clone(),
+            generator: self.generator.clone(),
             echo,
             sample_rate_hz: radar.sample_rate_hz,
             receiver,

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::aboard::{self, ShipTracks};
 use super::dry_run;
 use super::fault::BuildErrors;
 use super::stages::{Echo, PulseFactory};
 use crate::echo::Fidelity;
 use crate::motion::PlatformTracks;
-use crate::paths::Illumination;
+use crate::paths::PathGenerator;
+use crate::pipeline::hull_scatterers::{self, ShipTracks};
 use crate::pulse::Layout;
 use crate::radar::clock::RunningClocks;
 use crate::radar::receiver::Receiver;
@@ -39,20 +39,20 @@ pub fn factory_by(
     fidelity: &Fidelity,
     clocks: &Clocks,
 ) -> Result<PulseFactory, BuildErrors> {
-    let scene = &*aboard::with_scatterers(scene)?;
+    let scene = &*hull_scatterers::with_scatterers(scene)?;
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let radar = &scene.radar;
     let sample_rate_hz = radar.sample_rate_hz;
-    let illumination = Illumination::new(scene, waveform.duration_s(), tracks)?;
+    let generator = PathGenerator::new(scene, waveform.duration_s(), tracks)?;
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);
-    let illumination = illumination.with_clocks(clocks.clone());
+    let generator = generator.with_clocks(clocks.clone());
     let plan = match fidelity {
         Fidelity::Reference => None,
-        Fidelity::Fast(asked) => Some(dry_run::plan(scene, &illumination, &waveform, asked)?),
+        Fidelity::Fast(asked) => Some(dry_run::plan(scene, &generator, &waveform, asked)?),
     };
-    let echo = Echo::of(plan.as_ref(), radar, scene.pulses, &illumination, &waveform)?;
+    let echo = Echo::of(plan.as_ref(), radar, scene.pulses, &generator, &waveform)?;
     let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
     let ships = ShipTracks::of(scene);
     let layout = Layout {
@@ -62,7 +62,7 @@ pub fn factory_by(
     };
     let generators = None;
     Ok(PulseFactory {
-        illumination,
+        generator,
         echo,
         sample_rate_hz,
         receiver,

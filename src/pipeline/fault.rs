@@ -190,15 +190,15 @@ impl From<FleetErrors> for BuildErrors {
 /// Why a pulse cannot be made.
 #[derive(Debug, Error)]
 pub enum PulseError {
-    /// Its contacts.
+    /// Its scatterer paths.
     #[error(transparent)]
     Radar(#[from] RadarError),
     /// Its echo.
     #[error(transparent)]
     Echo(#[from] SynthError),
-    /// Contacts that cannot be followed from node to node.
+    /// Scatterer paths that cannot be followed from node to node.
     #[error(
-        "{unplaced} contacts cannot be followed through a block of pulses (no delay at a node, or one that changes by a \
+        "{unplaced} paths cannot be followed through a block of pulses (no delay at a node, or one that changes by a \
          million cells); allowed: fidelity.echo = \"reference\""
     )]
     Unplaced {

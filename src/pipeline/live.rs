@@ -98,7 +98,7 @@ struct Gate {
 #[derive(Default)]
 struct Bell {
     news: Mutex<u64>,
-    rung: Condvar,
+    candidate: Condvar,
 }
 
 /// The live navigation of a run.
@@ -393,7 +393,7 @@ impl Gate {
 impl Bell {
     fn ring(&self) {
         *self.news.lock().unwrap_or_else(PoisonError::into_inner) += 1;
-        self.rung.notify_all();
+        self.candidate.notify_all();
     }
 
     fn heard(&self) -> u64 {
@@ -408,7 +408,7 @@ impl Bell {
             if left.is_zero() {
                 return;
             }
-            news = self.rung.wait_timeout(news, left).unwrap_or_else(PoisonError::into_inner).0;
+            news = self.candidate.wait_timeout(news, left).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 }

@@ -10,7 +10,7 @@
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
 //! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256 and 512 x 512 facets with one and
-//! two workers. Contacts of blocks of single pulses are in the bytes of the reference.
+//! two workers. Scatterer paths of blocks of single pulses are in the bytes of the reference.
 
 use crate::echo::Fidelity;
 use crate::scene::Scene;

@@ -3,7 +3,7 @@
 //! This is the one floor that sees both halves of the house: the physics that makes a pulse
 //! ([`stages`]) and the transport that releases it ([`crate::transport`]).
 
-pub mod aboard;
+pub mod hull_scatterers;
 pub(crate) mod block;
 pub mod build;
 pub mod changing;

@@ -1,12 +1,12 @@
-//! Pulses one by one, in f64: exact contacts, spread and transformed without a digit lost, for budgets that blocks cannot keep.
+//! Pulses one by one, in f64: exact scatterer paths, spread and transformed without a digit lost, for budgets that blocks cannot keep.
 
 use num_complex::Complex64;
 
 use crate::echo::synth::bands::Bands;
-use crate::echo::synth::block::{BlockContacts, Node};
+use crate::echo::synth::block::{BlockPaths, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
-use crate::paths::list::Contacts;
-use crate::paths::{Illumination, Workspace};
+use crate::paths::list::ScattererPaths;
+use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
@@ -18,8 +18,8 @@ pub(crate) struct SingleEcho {
 
 /// Memory of one thread.
 pub(crate) struct SingleWork {
-    contacts: Contacts,
-    block: BlockContacts<f64>,
+    paths: ScattererPaths,
+    block: BlockPaths<f64>,
     grids: Grids<f64>,
     scratch: SynthScratch<f64>,
     bands: Option<Bands<f64>>,
@@ -34,9 +34,9 @@ impl SingleEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(&self, pairs: usize, channels: usize, contacts: usize) -> SingleWork {
+    pub fn work(&self, pairs: usize, channels: usize, paths: usize) -> SingleWork {
         SingleWork {
-            contacts: Contacts::new(pairs, channels, contacts),
+            paths: ScattererPaths::new(pairs, channels, paths),
             block: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
@@ -47,18 +47,18 @@ impl SingleEcho {
     /// Fills the record of a pulse and the spectrum of its echo.
     pub fn make(
         &self,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
         light: &mut Workspace,
         work: &mut SingleWork,
         spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
-        let SingleWork { contacts, block, grids, scratch, bands } = work;
-        illumination.pulse(index, light, contacts, pulse)?;
+        let SingleWork { paths, block, grids, scratch, bands } = work;
+        generator.pulse(index, light, paths, pulse)?;
         if let (Some(band_hz), Some(bands)) = (self.synth.settings().band_hz, bands) {
             let start_s = pulse.window_start_s;
-            let found = self.synth.pulse_in_bands(contacts, start_s, band_hz, bands, spectrum)?;
+            let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             light.costs.lap(Stage::Spread);
             light.costs.accumulated(found.sounding);
             return match found.unplaced {
@@ -66,7 +66,7 @@ impl SingleEcho {
                 unplaced => Err(PulseError::Unplaced { unplaced }),
             };
         }
-        self.synth.fill(&[Node { pulse: 0, contacts }], &[pulse.window_start_s], block)?;
+        self.synth.fill(&[Node { pulse: 0, paths }], &[pulse.window_start_s], block)?;
         if block.found().unplaced > 0 {
             return Err(PulseError::Unplaced { unplaced: block.found().unplaced });
         }

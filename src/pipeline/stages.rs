@@ -1,7 +1,7 @@
 //! Physics dressed as a stage: from a pulse number to a finished pulse.
 //!
 //! ```text
-//! tracks -> illumination -> contacts -> echo -> spectrum -> receiver -> samples
+//! tracks -> path generator -> scatterer paths -> echo -> spectrum -> receiver -> samples
 //! ```
 //!
 //! The echo is the reference, pulse by pulse, or the fast one, block by block ([`Fidelity`](crate::echo::Fidelity)).
@@ -13,16 +13,16 @@ use std::sync::Arc;
 
 use num_complex::{Complex32, Complex64};
 
-use super::aboard::ShipTracks;
 use super::block::{BlockEcho, BlockWork};
 use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
-use crate::fidelity::settle::Plan;
+use crate::fidelity::choose::Plan;
 use crate::paths;
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 use crate::paths::snapshot::Snapshot;
-use crate::paths::{BeyondHorizon, Illumination};
+use crate::paths::{BeyondHorizon, PathGenerator};
+use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pulse::converter::Level;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Layout, Pulse};
@@ -36,7 +36,7 @@ use crate::scene::calibration::Calibration;
 
 /// Makes pulses. Immutable, shared by all threads.
 pub struct PulseFactory {
-    pub(crate) illumination: Illumination,
+    pub(crate) generator: PathGenerator,
     pub(crate) echo: Echo,
     pub(crate) sample_rate_hz: f64,
     pub(crate) receiver: Receiver,
@@ -48,7 +48,7 @@ pub struct PulseFactory {
     pub(crate) generators: Option<Generators>,
 }
 
-/// From contacts to spectra.
+/// From scatterer paths to spectra.
 pub(crate) enum Echo {
     Reference(ReferenceEcho),
     Fast(Box<BlockEcho>),
@@ -61,23 +61,23 @@ impl Echo {
         plan: Option<&Plan>,
         radar: &Radar,
         pulses: u64,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         waveform: &Arc<dyn Waveform>,
     ) -> Result<Self, SynthError> {
-        let of_channels = illumination.channel_pairs();
+        let of_channels = generator.channel_pairs();
         let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
         let waveform = Arc::clone(waveform);
-        let Some(Plan { settled, .. }) = plan else {
+        let Some(Plan { chosen, .. }) = plan else {
             let echo = ReferenceEcho::new(waveform, carrier_hz, rate_hz, samples, of_channels.to_vec());
             return Ok(Self::Reference(echo));
         };
-        if settled.precision == Precision::Double {
-            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, settled.echo)?;
+        if chosen.precision == Precision::Double {
+            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
             return Ok(Self::Single(SingleEcho::new(synth)));
         }
-        let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, settled.echo)?;
-        let (hold_pulses, interval_s) = (illumination.hold_pulses(), radar.emissions.interval_s(0, 1));
-        Ok(Self::Fast(Box::new(BlockEcho::new(synth, settled, pulses, hold_pulses, interval_s)?)))
+        let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
+        let (hold_pulses, interval_s) = (generator.hold_pulses(), radar.emissions.interval_s(0, 1));
+        Ok(Self::Fast(Box::new(BlockEcho::new(synth, chosen, pulses, hold_pulses, interval_s)?)))
     }
 
     pub fn fft_len(&self) -> usize {
@@ -91,8 +91,8 @@ impl Echo {
 
 /// What one thread needs to make pulses without allocating.
 pub struct Workspace {
-    illumination: paths::Workspace,
-    contacts: Contacts,
+    generator: paths::Workspace,
+    paths: ScattererPaths,
     block: Option<BlockWork>,
     single: Option<SingleWork>,
     spectrum: Vec<Complex64>,
@@ -104,7 +104,7 @@ pub struct Workspace {
 impl Workspace {
     /// What its pulses have cost.
     pub fn costs(&self) -> &Costs {
-        &self.illumination.costs
+        &self.generator.costs
     }
 
     /// What the converter of each channel was fed with; empty without one.
@@ -114,7 +114,7 @@ impl Workspace {
 
     /// Keeps the memory it has taken, but neither the block at hand nor what that has cost.
     pub(crate) fn start_anew(&mut self) {
-        self.illumination.costs = Costs::default();
+        self.generator.costs = Costs::default();
         self.receiver.reset_levels();
         self.block.iter_mut().for_each(BlockWork::forget);
     }
@@ -165,12 +165,12 @@ impl PulseFactory {
 
     /// Facets of the patch of sea; 0 without one.
     pub fn facets(&self) -> usize {
-        self.illumination.facets()
+        self.generator.facets()
     }
 
-    /// Facets, targets and, where it is received, the direct path: what a pulse may have contacts of.
-    pub fn contacts(&self) -> usize {
-        self.facets() + self.illumination.point_count()
+    /// Facets, targets and, where it is received, the direct path: what a pulse may have scatterer paths of.
+    pub fn paths(&self) -> usize {
+        self.facets() + self.generator.point_count()
     }
 
     /// An empty slot for a pulse.
@@ -198,50 +198,50 @@ impl PulseFactory {
 
     /// Targets that the earth hides from an antenna at a pulse.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
-        self.illumination.beyond_horizon(index)
+        self.generator.beyond_horizon(index)
     }
 
     /// The facets of the sea as a pulse's emission lights them; `None` for a scene without sea.
     pub fn snapshot(&self, index: u64, work: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
-        self.illumination.snapshot(index, &mut work.illumination)
+        self.generator.snapshot(index, &mut work.generator)
     }
 
-    /// The contacts that the window of a pulse hears, as the reference echo takes them; the rest of the pulse but its samples is
+    /// The scatterer paths that the window of a pulse hears, as the reference echo takes them; the rest of the pulse but its samples is
     /// filled in.
     pub fn contact_list<'a>(
         &self,
         index: u64,
         pulse: &mut Pulse,
         work: &'a mut Workspace,
-    ) -> Result<&'a Contacts, RadarError> {
-        self.illumination.pulse(index, &mut work.illumination, &mut work.contacts, pulse)?;
-        Ok(&work.contacts)
+    ) -> Result<&'a ScattererPaths, RadarError> {
+        self.generator.pulse(index, &mut work.generator, &mut work.paths, pulse)?;
+        Ok(&work.paths)
     }
 
-    /// The pair of each channel, as contacts have them.
+    /// The pair of each channel, as scatterer paths have them.
     pub fn channel_pairs(&self) -> &[usize] {
-        self.illumination.channel_pairs()
+        self.generator.channel_pairs()
     }
 
     /// Whether there is a sea whose patch moves.
     pub fn follows(&self) -> bool {
-        self.illumination.follows()
+        self.generator.follows()
     }
 
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
         // Every target and the direct path, of this pulse and of two neighbours, and, where they are listed, every facet.
         let points = 3 * (self.layout.targets + 1);
-        let contacts = points + self.illumination.facets();
+        let paths = points + self.generator.facets();
         let (pairs, channels) = (self.layout.pairs, self.echo_channels());
-        let (block, single, contacts) = match &self.echo {
-            Echo::Reference(_) => (None, None, contacts),
-            Echo::Fast(echo) => (Some(echo.work(&self.illumination, pairs, channels, points)), None, 0),
-            Echo::Single(echo) => (None, Some(echo.work(pairs, channels, contacts)), 0),
+        let (block, single, paths) = match &self.echo {
+            Echo::Reference(_) => (None, None, paths),
+            Echo::Fast(echo) => (Some(echo.work(&self.generator, pairs, channels, points)), None, 0),
+            Echo::Single(echo) => (None, Some(echo.work(pairs, channels, paths)), 0),
         };
         Workspace {
-            illumination: self.illumination.workspace(),
-            contacts: Contacts::new(pairs, channels, contacts),
+            generator: self.generator.workspace(),
+            paths: ScattererPaths::new(pairs, channels, paths),
             block,
             single,
             spectrum: vec![Complex64::ZERO; channels * self.echo.fft_len()],
@@ -255,24 +255,23 @@ impl PulseFactory {
     }
 
     /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has
-    /// seen the largest contact list. Tracks were checked to cover the run, so an error is a fault of the program or
+    /// seen the largest scatterer path list. Tracks were checked to cover the run, so an error is a fault of the program or
     /// a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { illumination, contacts, block, single, spectrum, receiver, clocks, generators } =
-            work;
-        illumination.costs.begin();
+        let Workspace { generator, paths, block, single, spectrum, receiver, clocks, generators } = work;
+        generator.costs.begin();
         match (&self.echo, block, single) {
             (Echo::Reference(echo), ..) => {
-                self.illumination.pulse(index, illumination, contacts, pulse)?;
-                echo.spectrum(contacts, pulse.window_start_s, spectrum);
-                illumination.costs.lap(Stage::Spread);
-                illumination.costs.accumulated(contacts.len() * self.layout.pairs);
+                self.generator.pulse(index, generator, paths, pulse)?;
+                echo.spectrum(paths, pulse.window_start_s, spectrum);
+                generator.costs.lap(Stage::Spread);
+                generator.costs.accumulated(paths.len() * self.layout.pairs);
             }
             (Echo::Fast(echo), Some(block), _) => {
-                echo.make(&self.illumination, index, pulse, illumination, block, spectrum)?;
+                echo.make(&self.generator, index, pulse, generator, block, spectrum)?;
             }
             (Echo::Single(echo), _, Some(single)) => {
-                echo.make(&self.illumination, index, pulse, illumination, single, spectrum)?;
+                echo.make(&self.generator, index, pulse, generator, single, spectrum)?;
             }
             // A workspace of another factory.
             (Echo::Fast(_) | Echo::Single(_), ..) => spectrum.fill(Complex64::ZERO),
@@ -280,15 +279,15 @@ impl PulseFactory {
         self.ships.record(pulse);
         if let Some(running) = &self.clocks {
             // Echoes were made for the window as it is; recorded is what the clocks say.
-            pulse.window_start_s = self.illumination.nominal_start_of(index)?;
+            pulse.window_start_s = self.generator.nominal_start_of(index)?;
             running.channels(index, pulse.window_start_s, clocks);
         }
         self.receiver.receive_by(clocks, spectrum, pulse, receiver);
         if let Some(made) = &self.generators {
             made.fill(&self.receiver, pulse, generators, receiver);
         }
-        illumination.costs.lap(Stage::Receive);
-        illumination.costs.made();
+        generator.costs.lap(Stage::Receive);
+        generator.costs.made();
         Ok(())
     }
 

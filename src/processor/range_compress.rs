@@ -1,6 +1,6 @@
 //! Range compression with the recorded replica.
 //!
-//! The echo of a contact, mid-pulse at `t_m + Tc/2 + tau`, is
+//! The echo of a scatterer path, mid-pulse at `t_m + Tc/2 + tau`, is
 //! `a e^{-j 2 pi f0 tau} q(u) e^{+j 2 pi f_D (u - Tc/2)}`, `u` after its start. Its correlation with the replica, turned by the
 //! Doppler `f_D` that the middle of the image has in this pulse,
 //!

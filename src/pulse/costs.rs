@@ -1,4 +1,4 @@
-//! What making pulses costs: time by stage, and how many facets and contacts were dealt with.
+//! What making pulses costs: time by stage, and how many facets and scatterer paths were dealt with.
 //!
 //! A stopwatch that always runs and is read between stages: [`Costs::begin`] starts it, [`Costs::lap`] gives the time since the
 //! last reading to a stage. So no time is counted twice and the stages add up to the whole, also where stages take turns
@@ -13,8 +13,8 @@
 //! costs.begin();
 //! // ... heights and slopes of 100 facets ...
 //! costs.lap(Stage::Surface);
-//! // ... contacts; 60 are lit, 10 of them too weak to matter ...
-//! costs.lap(Stage::Contacts);
+//! // ... scatterer paths; 60 are lit, 10 of them too weak to matter ...
+//! costs.lap(Stage::Scatterer paths);
 //! costs.looked_at(100, 60, 10);
 //! costs.accumulated(50);
 //! costs.made();
@@ -34,10 +34,10 @@ pub enum Stage {
     /// Which facet sees which antenna.
     Shadow,
     /// Delays, gains and scattering of facets, targets and direct paths.
-    Contacts,
-    /// From contacts at nodes to what is accumulated.
+    ScattererPaths,
+    /// From scatterer paths at nodes to what is accumulated.
     Fill,
-    /// Accumulation on the grids; for the reference, the sum over contacts.
+    /// Accumulation on the grids; for the reference, the sum over scatterer paths.
     Spread,
     /// From grids to spectra.
     Transform,
@@ -51,7 +51,7 @@ impl Stage {
         Self::Record,
         Self::Surface,
         Self::Shadow,
-        Self::Contacts,
+        Self::ScattererPaths,
         Self::Fill,
         Self::Spread,
         Self::Transform,
@@ -64,7 +64,7 @@ impl Stage {
             Self::Record => "record",
             Self::Surface => "surface",
             Self::Shadow => "shadow",
-            Self::Contacts => "contacts",
+            Self::ScattererPaths => "paths",
             Self::Fill => "fill",
             Self::Spread => "spread",
             Self::Transform => "transform",
@@ -78,7 +78,7 @@ impl Stage {
 pub struct Counts {
     /// Pulses made.
     pub pulses: u64,
-    /// Facets whose illumination was found out, counted again at every instant at which it was.
+    /// Facets whose path generator was found out, counted again at every instant at which it was.
     pub facets: u64,
     /// Those of them that an antenna pair lights and hears, and that return something.
     pub lit: u64,
@@ -86,7 +86,7 @@ pub struct Counts {
     pub culled: u64,
     /// Facets of tiles that were looked at less often, since only side lobes light them.
     pub faint: u64,
-    /// Contacts accumulated, counted again in every pulse and for every pair of antennas.
+    /// Scatterer paths accumulated, counted again in every pulse and for every pair of antennas.
     pub accumulated: u64,
 }
 
@@ -113,7 +113,7 @@ impl Costs {
         self.read = Some(now);
     }
 
-    /// Counts facets whose illumination was found out: how many, how many of them are lit, how many of the lit ones were left out.
+    /// Counts facets whose path generator was found out: how many, how many of them are lit, how many of the lit ones were left out.
     pub fn looked_at(&mut self, facets: usize, lit: usize, culled: usize) {
         self.counts.facets += facets as u64;
         self.counts.lit += lit as u64;
@@ -125,9 +125,9 @@ impl Costs {
         self.counts.faint += facets as u64;
     }
 
-    /// Counts contacts that were accumulated in one pulse.
-    pub fn accumulated(&mut self, contacts: usize) {
-        self.counts.accumulated += contacts as u64;
+    /// Counts scatterer paths that were accumulated in one pulse.
+    pub fn accumulated(&mut self, paths: usize) {
+        self.counts.accumulated += paths as u64;
     }
 
     /// Counts a pulse.
@@ -182,7 +182,7 @@ impl Costs {
         share(self.counts.faint, self.counts.facets)
     }
 
-    /// Contacts accumulated in a pulse, mean.
+    /// Scatterer paths accumulated in a pulse, mean.
     pub fn accumulated_per_pulse(&self) -> f64 {
         share(self.counts.accumulated, self.counts.pulses)
     }

@@ -24,7 +24,7 @@ use crate::sea::realise::RealiseError;
 use crate::sea::wake::WakeError;
 use crate::time::TimeTag;
 
-/// Why the contacts of a scene cannot be made.
+/// Why the scatterer paths of a scene cannot be made.
 #[derive(Debug, Error)]
 pub enum RadarError {
     /// The scene does not hang together.

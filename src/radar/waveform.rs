@@ -6,7 +6,7 @@
 //! P(f) = int p(t) e^{-j 2 pi f t} dt        [s]
 //! ```
 //!
-//! `f` baseband frequency, Hz. The echo of a contact needs `P` off the grid of any transform (intra-pulse Doppler
+//! `f` baseband frequency, Hz. The echo of a scatterer path needs `P` off the grid of any transform (intra-pulse Doppler
 //! shifts it by `f0 dtau/dt`), so [`Waveform::spectrum`] is defined, and exact, at every frequency.
 //!
 //! | waveform | `p(t)` | limits |

@@ -1,4 +1,4 @@
-//! The contacts of one pulse in an HDF5 file, for whoever wants to make its echo by other means.
+//! The scatterer paths of one pulse in an HDF5 file, for whoever wants to make its echo by other means.
 //!
 //! ```text
 //! s_c(t) = sum_n a_cn exp(-j 2 pi f0 tau_n) p(u_n) exp(-j 2 pi f0 r_n u_n),   u_n = (t - o_n - tau_n)/(1 + r_n)
@@ -9,43 +9,43 @@
 //!
 //! | dataset | symbol | what | unit |
 //! | --- | --- | --- | --- |
-//! | `/emission_offset_s` `[n]` | `o` | emission of the contact after that of the pulse; zero unless several pulses are in the air | s |
+//! | `/emission_offset_s` `[n]` | `o` | emission of the scatterer path after that of the pulse; zero unless several pulses are in the air | s |
 //! | `/delay_s` `[pair, n]` | `tau` | delay | s |
 //! | `/delay_rate` `[pair, n]` | `r` | its rate, negative when closing | 1 |
 //! | `/amplitude` `[channel, n]` | `a` | complex amplitude without carrier phase | sqrt(W) |
 //! | `/channel_pair` `[channel]` | | the pair whose delays are those of a channel | |
 //!
-//! All in f64, each with the attributes `unit` and `meaning`. Root attributes: `format = "nereus-contacts"`, `version` (1),
+//! All in f64, each with the attributes `unit` and `meaning`. Root attributes: `format = "nereus-paths"`, `version` (1),
 //! `channels` and `pairs` (names, pairs as `transmitter/receiver`), and those of the caller. HDF5 format bounds 1.10.
 //!
 //! ```
-//! use nereus::recording::path_file::ContactFile;
-//! use nereus::paths::list::Contacts;
+//! use nereus::recording::path_file::PathFile;
+//! use nereus::paths::list::Scatterer paths;
 //! use num_complex::Complex64;
-//! let mut contacts = Contacts::new(1, 1, 1);
-//! contacts.push(0.0, [(28.3e-6, -1e-7)], &[Complex64::new(1e-8, 0.0)]);
-//! let file = ContactFile {
+//! let mut scatterer paths = Scatterer paths::new(1, 1, 1);
+//! scatterer paths.push(0.0, [(28.3e-6, -1e-7)], &[Complex64::new(1e-8, 0.0)]);
+//! let file = PathFile {
 //!     attributes: &[],
 //!     pairs: &["tx/rx".to_owned()],
 //!     channels: &["VV".to_owned()],
 //!     channel_pairs: &[0],
-//!     contacts: &contacts,
+//!     scatterer paths: &scatterer paths,
 //! };
 //! file.check()?;
-//! # Ok::<(), nereus::recording::path_file::ContactFileError>(())
+//! # Ok::<(), nereus::recording::path_file::PathFileError>(())
 //! ```
 
 use std::path::{Path, PathBuf};
 
 use super::map_file::Attribute;
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 
 /// Version of the structure.
 pub const VERSION: u32 = 1;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactFile<'a> {
+pub struct PathFile<'a> {
     /// Further root attributes.
     pub attributes: &'a [(&'a str, Attribute<'a>)],
     /// Name of each pair.
@@ -54,15 +54,15 @@ pub struct ContactFile<'a> {
     pub channels: &'a [String],
     /// The pair of each channel.
     pub channel_pairs: &'a [usize],
-    /// The contacts.
-    pub contacts: &'a Contacts,
+    /// The scatterer paths.
+    pub paths: &'a ScattererPaths,
 }
 
-/// Why contacts cannot be written.
+/// Why scatterer paths cannot be written.
 #[derive(Debug, thiserror::Error)]
-pub enum ContactFileError {
+pub enum PathFileError {
     /// Names that are not those of the list.
-    #[error("{names} {what} are named; the contact list has {columns}")]
+    #[error("{names} {what} are named; the path list has {columns}")]
     Names {
         /// Pairs or channels.
         what: &'static str,
@@ -97,64 +97,62 @@ pub enum ContactFileError {
     },
 }
 
-impl ContactFile<'_> {
+impl PathFile<'_> {
     /// Whether names and list agree.
-    pub fn check(&self) -> Result<(), ContactFileError> {
-        let pairs = self.contacts.delay_s.len();
+    pub fn check(&self) -> Result<(), PathFileError> {
+        let pairs = self.paths.delay_s.len();
         let tables = [
             ("pairs", self.pairs.len(), pairs),
-            ("channels", self.channels.len(), self.contacts.amplitude.len()),
-            ("channels", self.channel_pairs.len(), self.contacts.amplitude.len()),
+            ("channels", self.channels.len(), self.paths.amplitude.len()),
+            ("channels", self.channel_pairs.len(), self.paths.amplitude.len()),
         ];
         for (what, names, columns) in tables {
             if names != columns {
-                return Err(ContactFileError::Names { what, names, columns });
+                return Err(PathFileError::Names { what, names, columns });
             }
         }
         match self.channel_pairs.iter().position(|pair| *pair >= pairs) {
-            Some(channel) => {
-                Err(ContactFileError::Pair { channel, pair: self.channel_pairs[channel], pairs })
-            }
+            Some(channel) => Err(PathFileError::Pair { channel, pair: self.channel_pairs[channel], pairs }),
             None => Ok(()),
         }
     }
 
     /// Writes the file, which must not exist.
     #[cfg(feature = "hdf5")]
-    pub fn write(&self, path: &Path) -> Result<(), ContactFileError> {
+    pub fn write(&self, path: &Path) -> Result<(), PathFileError> {
         self.check()?;
         self.fill(path)
-            .map_err(|fault| ContactFileError::Hdf5 { path: path.to_owned(), detail: fault.to_string() })
+            .map_err(|fault| PathFileError::Hdf5 { path: path.to_owned(), detail: fault.to_string() })
     }
 
     /// Says that this build has no HDF5.
     #[cfg(not(feature = "hdf5"))]
-    pub fn write(&self, path: &Path) -> Result<(), ContactFileError> {
+    pub fn write(&self, path: &Path) -> Result<(), PathFileError> {
         self.check()?;
-        Err(ContactFileError::NoHdf5 { path: path.to_owned() })
+        Err(PathFileError::NoHdf5 { path: path.to_owned() })
     }
 
     #[cfg(feature = "hdf5")]
     fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::file::Fault> {
         use super::map_file::create;
         use crate::sinks::hdf5::header::{list, text};
-        let file = create(path, "nereus-contacts", VERSION, self.attributes)?;
+        let file = create(path, "nereus-paths", VERSION, self.attributes)?;
         for (name, values) in [("channels", self.channels), ("pairs", self.pairs)] {
             let values = values.iter().map(|value| text(value)).collect::<Result<Vec<_>, _>>()?;
             if !values.is_empty() {
                 list(&file, name, &values)?;
             }
         }
-        let Self { contacts, channel_pairs, .. } = self;
-        let n = contacts.len();
-        let offset_meaning = "emission of the contact after that of the pulse";
-        columns(&file, "emission_offset_s", (n,), &contacts.emission_offset_s, "s", offset_meaning)?;
-        let (delay_s, rate) = (contacts.delay_s.concat(), contacts.delay_rate.concat());
-        let shape = (contacts.delay_s.len(), n);
-        columns(&file, "delay_s", shape, &delay_s, "s", "delay after the emission of the contact")?;
+        let Self { paths, channel_pairs, .. } = self;
+        let n = paths.len();
+        let offset_meaning = "emission of the path after that of the pulse";
+        columns(&file, "emission_offset_s", (n,), &paths.emission_offset_s, "s", offset_meaning)?;
+        let (delay_s, rate) = (paths.delay_s.concat(), paths.delay_rate.concat());
+        let shape = (paths.delay_s.len(), n);
+        columns(&file, "delay_s", shape, &delay_s, "s", "delay after the emission of the path")?;
         columns(&file, "delay_rate", shape, &rate, "1", "rate of the delay, negative when closing")?;
-        let (shape, meaning) = ((contacts.amplitude.len(), n), "amplitude without carrier phase");
-        columns(&file, "amplitude", shape, &contacts.amplitude.concat(), "sqrt(W)", meaning)?;
+        let (shape, meaning) = ((paths.amplitude.len(), n), "amplitude without carrier phase");
+        columns(&file, "amplitude", shape, &paths.amplitude.concat(), "sqrt(W)", meaning)?;
         let pairs: Vec<u64> = channel_pairs.iter().map(|pair| *pair as u64).collect();
         columns(&file, "channel_pair", (pairs.len(),), &pairs, "1", "row of delay_s of each channel")?;
         // A full disk shows when the file is closed.
@@ -187,23 +185,18 @@ mod tests {
     use super::*;
 
     fn refused(pairs: usize, channel_pairs: &[usize]) -> String {
-        let contacts = Contacts::new(2, 3, 0);
+        let paths = ScattererPaths::new(2, 3, 0);
         let names = |n: usize| (0..n).map(|k| k.to_string()).collect::<Vec<_>>();
         let (pairs, channels) = (names(pairs), names(3));
-        let file = ContactFile {
-            attributes: &[],
-            pairs: &pairs,
-            channels: &channels,
-            channel_pairs,
-            contacts: &contacts,
-        };
+        let file =
+            PathFile { attributes: &[], pairs: &pairs, channels: &channels, channel_pairs, paths: &paths };
         file.write(Path::new("never.h5")).unwrap_err().to_string()
     }
 
     #[test]
     fn names_are_those_of_the_list() {
-        assert_eq!(refused(1, &[0, 0, 1]), "1 pairs are named; the contact list has 2");
-        assert_eq!(refused(2, &[0, 1]), "2 channels are named; the contact list has 3");
+        assert_eq!(refused(1, &[0, 0, 1]), "1 pairs are named; the path list has 2");
+        assert_eq!(refused(2, &[0, 1]), "2 channels are named; the path list has 3");
         assert_eq!(refused(2, &[0, 1, 2]), "channel 2 lies on pair 2; there are 2");
     }
 }

@@ -1,4 +1,4 @@
-//! What each thing that scatters returns, as one flat list of contacts.
+//! What each thing that scatters returns, as one flat list of scatterer paths.
 
 pub mod clutter_nrl;
 pub mod target;

@@ -29,7 +29,7 @@ pub struct Radar {
     pub noise_figure_db: Option<f64>,
     /// Analogue-to-digital converter; `None` for floating-point samples.
     pub adc: Option<Adc>,
-    /// Whether the direct path from transmitter to receiver is one of the contacts.
+    /// Whether the direct path from transmitter to receiver is one of the scatterer paths.
     pub direct_path: bool,
     /// Transmitters.
     pub transmitters: Vec<Transmitter>,
@@ -45,7 +45,7 @@ impl Radar {
         crate::units::SPEED_OF_LIGHT_MPS / self.carrier_hz
     }
 
-    /// The transmitter-receiver pairs that the channels need, in order of first use. A contact has one
+    /// The transmitter-receiver pairs that the channels need, in order of first use. A scatterer path has one
     /// delay per pair.
     pub fn pairs(&self) -> Vec<Pair> {
         let mut pairs = Vec::new();

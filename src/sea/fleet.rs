@@ -30,7 +30,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::sheet::Wakes;
 use super::surface::{Fields, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
 use super::wake::map;
@@ -38,6 +37,7 @@ use super::wake::{Course, Reach, Settings, ShortWaves, TurbulentStrip, Wake, Wak
 use crate::scene::hull::{Hull, HullError};
 use crate::scene::ship::{HullGiven, KelvinWake};
 use crate::scene::{Patch, Ship};
+use crate::sea::facet_surface::Wakes;
 
 /// Distances astern of midship, in lengths of the ship, over which its waves fade: real ones are lost among others and in
 /// turbulence. It bounds what a patch far from its ships costs.

@@ -7,7 +7,7 @@
 //! | [`dispersion`] | how fast a wave travels |
 //! | [`realise`] | from the description of a sea to all of these |
 //! | [`surface`] | one realisation, at any time |
-//! | [`sheet`] | the same over the patch that is modelled |
+//! | [`facet_surface`] | the same over the patch that is modelled |
 //! | [`wake`] | what ships add to it |
 //! | [`fleet`] | the ships of a scene with their wakes |
 //!
@@ -33,7 +33,7 @@
 pub mod dispersion;
 pub mod fleet;
 pub mod realise;
-pub mod sheet;
+pub mod facet_surface;
 pub mod spectrum;
 pub mod surface;
 pub mod wake;

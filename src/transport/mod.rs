@@ -15,7 +15,7 @@ pub mod schedule;
 pub mod health;
 pub mod fanout;
 pub mod pacer;
-pub mod crew;
+pub mod dispatcher;
 pub mod stage;
 
 /// Why a stream cannot be set up.

@@ -52,7 +52,6 @@ use thiserror::Error;
 
 use crate::pulse::{Layout, Pulse};
 
-use super::crew::Crew;
 use super::fanout::{FanOut, Feed, Outlet, outlet};
 use super::health::{Health, Snapshot};
 use super::pacer::{Pacer, PacerError, Status, Worth};
@@ -60,6 +59,7 @@ use super::rights;
 use super::ring::{Producer, ring};
 use super::schedule::Schedule;
 use super::{Pace, Settings, StreamError};
+use crate::transport::dispatcher::Dispatcher;
 
 /// What a sink's thread does with its feed.
 type SinkBody<'env, R, S> = Box<dyn FnOnce(Feed) -> Result<R, S> + Send + 'env>;
@@ -225,9 +225,9 @@ impl Source {
     }
 
     /// Workers who fill the ring with some pulses, each at its own pace.
-    pub fn crew(&mut self, pulses: Range<u64>, workers: usize) -> Crew<'_> {
+    pub fn crew(&mut self, pulses: Range<u64>, workers: usize) -> Dispatcher<'_> {
         let Self { ring, worth, stop, health, .. } = self;
-        Crew::new(ring, pulses, workers, worth, stop, health)
+        Dispatcher::new(ring, pulses, workers, worth, stop, health)
     }
 
     /// When its pulses are due.

@@ -4,7 +4,7 @@ use std::fs;
 
 use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::pipeline::build;
 use nereus::pipeline::factory::factory_by;
 
@@ -26,8 +26,8 @@ fn scene(text: &str, settings: &[(&str, &str)]) -> Run {
     config::load(&path, &settings).unwrap()
 }
 
-/// Contacts of pulse 0, as the reference takes them.
-fn contacts(text: &str, settings: &[(&str, &str)]) -> Contacts {
+/// Scatterer paths of pulse 0, as the reference takes them.
+fn paths(text: &str, settings: &[(&str, &str)]) -> ScattererPaths {
     let run = scene(text, settings);
     let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
@@ -35,8 +35,8 @@ fn contacts(text: &str, settings: &[(&str, &str)]) -> Contacts {
     factory.contact_list(0, &mut slot, &mut work).unwrap().clone()
 }
 
-fn power(contacts: &Contacts) -> f64 {
-    contacts.amplitude.iter().flatten().map(|a| a.norm_sqr()).sum()
+fn power(paths: &ScattererPaths) -> f64 {
+    paths.amplitude.iter().flatten().map(|a| a.norm_sqr()).sum()
 }
 
 /// Window, patch centre and nothing else at a distance, m.
@@ -58,18 +58,18 @@ fn borrowed<'a>(
 
 #[test]
 fn water_and_buoys_at_60_km_are_dark_and_a_helicopter_is_seen() {
-    let seen = contacts(COAST, &[]);
+    let seen = paths(COAST, &[]);
     assert_eq!(seen.len(), 1);
     // It is the helicopter, 10 m farther and 100 m up.
     let up_m = 100.0 - 60_010f64.powi(2) / (2.0 * RADIUS_M);
     let expected_s = 2.0 * 60_010f64.hypot(up_m - 35.0) / 299_792_458.0;
     assert!((seen.delay_s[0][0] - expected_s).abs() < 1e-12);
-    let all = contacts(COAST, &[("scene.horizon", "false")]);
+    let all = paths(COAST, &[("scene.horizon", "false")]);
     assert!(all.len() > 100, "{}", all.len());
     // Neither the shadows of waves nor how they are found decide.
-    assert_eq!(contacts(COAST, &[("sea.shadow.enabled", "false")]).len(), 1);
-    assert_eq!(contacts(COAST, &[("sea.shadow.edge", "\"sharp\"")]).len(), 1);
-    assert!(contacts(COAST, &[("sea.shadow.enabled", "false"), ("scene.horizon", "false")]).len() > 100);
+    assert_eq!(paths(COAST, &[("sea.shadow.enabled", "false")]).len(), 1);
+    assert_eq!(paths(COAST, &[("sea.shadow.edge", "\"sharp\"")]).len(), 1);
+    assert!(paths(COAST, &[("sea.shadow.enabled", "false"), ("scene.horizon", "false")]).len() > 100);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn targets_vanish_at_the_sum_of_the_two_horizons() {
         let [window, ..] = at_range(range_m);
         let lit = |horizon: &str| {
             let settings = [(window.0, window.1.as_str()), ("target", &target), ("scene.horizon", horizon)];
-            power(&contacts(&dry(), &settings))
+            power(&paths(&dry(), &settings))
         };
         lit("true") / lit("false")
     };
@@ -110,7 +110,7 @@ fn direct_path_is_cut_by_the_earth() {
             ("scene.horizon", horizon),
             ("target", "[]"),
         ];
-        power(&contacts(&dry(), &settings))
+        power(&paths(&dry(), &settings))
     };
     assert_eq!(heard(10.0, "true"), 0.0);
     assert!(heard(10.0, "false") > 0.0);
@@ -122,7 +122,7 @@ fn direct_path_is_cut_by_the_earth() {
 fn before_the_horizon_no_bit_changes() {
     let settings = at_range(20e3);
     let [with, without] =
-        ["true", "false"].map(|on| contacts(COAST, &borrowed(&settings, &[("scene.horizon", on)])));
+        ["true", "false"].map(|on| paths(COAST, &borrowed(&settings, &[("scene.horizon", on)])));
     assert!(with.len() > 100);
     assert_eq!(with.amplitude, without.amplitude);
 }
@@ -132,7 +132,7 @@ fn crests_are_seen_beyond_the_horizon_and_both_echoes_agree() {
     // 2.6 km beyond: the mean surface lies 0.4 m below the ray, waves of 1.6 m significant height stand above it in part.
     let settings = at_range(27e3);
     let [with, without] =
-        ["true", "false"].map(|on| contacts(COAST, &borrowed(&settings, &[("scene.horizon", on)])));
+        ["true", "false"].map(|on| paths(COAST, &borrowed(&settings, &[("scene.horizon", on)])));
     let share = power(&with) / power(&without);
     println!("27 km: {} of {} facets, {share:.3} of the power", with.len(), without.len());
     assert!(with.len() * 10 > without.len() && with.len() * 10 < without.len() * 9, "{}", with.len());

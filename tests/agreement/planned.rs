@@ -5,7 +5,7 @@ use std::path::Path;
 use nereus::bench::accuracy::{Judge, sample};
 use nereus::config::{self, Run};
 use nereus::echo::synth::Precision;
-use nereus::fidelity::settle::Plan;
+use nereus::fidelity::choose::Plan;
 use nereus::pipeline::build;
 
 /// Errors that are asked, dB.
@@ -17,7 +17,7 @@ const PULSES: u64 = 66;
 const WITHIN_DB: f64 = 6.0;
 /// The same of targets alone, of which two may always be in phase, and each be where its images add; down to [`OF_BOUNDS_DB`].
 const TARGETS_WITHIN_DB: f64 = 8.0;
-/// Below it rounding counts, which is told by a bound for many contacts, dB.
+/// Below it rounding counts, which is told by a bound for many scatterer paths, dB.
 const OF_BOUNDS_DB: f64 = -60.0;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
@@ -157,7 +157,7 @@ fn targets_that_cancel() {
     let (predicted_db, measured_db) =
         (plan(&run).prediction.total_db(), judge.judge(&run).unwrap().rel_rms_db);
     println!("predicted {predicted_db:.1}, measured {measured_db:.1} dB");
-    // Rounding is bounded for many contacts.
+    // Rounding is bounded for many scatterer paths.
     assert!(measured_db <= predicted_db && predicted_db < measured_db + 25.0, "{predicted_db} {measured_db}");
 }
 
@@ -216,7 +216,7 @@ fn the_least_error_that_may_be_asked() {
     let settings = [("scene.patch_size_m", "[4, 4]"), ("fidelity.error_db", "-120.0")];
     let run = scene("configs/mars-1.toml", &settings);
     let plan = plan(&run);
-    assert_eq!((plan.settled.node_pulses, plan.settled.precision), (1, Precision::Double));
+    assert_eq!((plan.chosen.node_pulses, plan.chosen.precision), (1, Precision::Double));
     let judge = Judge::new(&run, vec![230, 249, 250, 271], 2, |_| ()).unwrap();
     let measured_db = judge.judge(&run).unwrap().rel_rms_db;
     println!("asked -120, predicted {:.1}, measured {measured_db:.1} dB", plan.prediction.total_db());
@@ -281,8 +281,8 @@ fn hour_ten_is_as_exact_as_second_one() {
     );
     let plan = plan(&run);
     let predicted_db = plan.prediction.total_db();
-    assert!(plan.settled.node_pulses > 1, "{plan:?}");
-    let length = plan.settled.block_pulses(None);
+    assert!(plan.chosen.node_pulses > 1, "{plan:?}");
+    let length = plan.chosen.block_pulses(None);
     let of = |from_s: f64| {
         let first = (from_s * 222.0) as u64 / length * length;
         let pulses: Vec<u64> = (0..12).map(|n| first + n * (2 * length - 1) / 11).collect();
@@ -309,6 +309,6 @@ fn a_sea_that_the_window_does_not_receive_sets_no_doppler() {
     let measured_db =
         Judge::new(&run, (0..run.scene.pulses).collect(), 1, |_| ()).unwrap().judge(&run).unwrap();
     let predicted_db = plan.prediction.total_db();
-    assert!(plan.keeps() && plan.settled.node_pulses > 1, "{plan:?}");
+    assert!(plan.keeps() && plan.chosen.node_pulses > 1, "{plan:?}");
     assert!(measured_db.rel_rms_db <= predicted_db, "{predicted_db} {measured_db:?}");
 }

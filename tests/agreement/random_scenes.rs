@@ -66,10 +66,10 @@ fn measure(seed: u64) -> Result<Found, String> {
         scene.asked_db,
         accuracy.rel_rms_db_mean,
         accuracy.worst_pulse,
-        plan.settled.node_pulses,
-        plan.settled.looks_per_node,
-        plan.settled.gain_pulses,
-        plan.settled.faint.map(|faint| faint.below_db),
+        plan.chosen.node_pulses,
+        plan.chosen.looks_per_node,
+        plan.chosen.gain_pulses,
+        plan.chosen.faint.map(|faint| faint.below_db),
         begun.elapsed().as_secs_f64(),
         if broken {
             " BROKEN"

@@ -5,7 +5,7 @@ use std::path::Path;
 use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::echo::synth::doppler::Envelope;
-use nereus::fidelity::settle::Plan;
+use nereus::fidelity::choose::Plan;
 use nereus::pipeline::build;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
@@ -32,7 +32,7 @@ fn keeps(path: &str, error_db: &str, pulses: Vec<u64>) -> Plan {
 fn sea_and_ship_in_ka_band_from_orbit() {
     for error_db in ["-30.0", "-45.0"] {
         let plan = keeps("tests/data/scenarios/ka-orbit.toml", error_db, vec![0, 5, 17, 35]);
-        assert_eq!(plan.settled.echo.envelope, Envelope::Stretched);
+        assert_eq!(plan.chosen.echo.envelope, Envelope::Stretched);
     }
 }
 
@@ -40,8 +40,8 @@ fn sea_and_ship_in_ka_band_from_orbit() {
 fn long_pulse_of_a_jet_takes_bands_of_doppler() {
     for error_db in ["-45.0", "-60.0", "-75.0"] {
         let plan = keeps("tests/data/scenarios/jet.toml", error_db, (0..22).collect());
-        assert_eq!(plan.settled.echo.envelope, Envelope::Stretched);
-        assert!(plan.settled.echo.band_hz.is_some());
+        assert_eq!(plan.chosen.echo.envelope, Envelope::Stretched);
+        assert!(plan.chosen.echo.band_hz.is_some());
     }
 }
 
@@ -50,5 +50,5 @@ fn short_pulses_keep_rigid_envelopes() {
     let settings = [("scene.patch_size_m", "[64, 64]"), ("scene.duration_s", "0.3")];
     let run = scene("configs/mars-1.toml", &settings);
     let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
-    assert_eq!((plan.settled.echo.envelope, plan.settled.echo.band_hz), (Envelope::Rigid, None));
+    assert_eq!((plan.chosen.echo.envelope, plan.chosen.echo.band_hz), (Envelope::Rigid, None));
 }

@@ -1,10 +1,10 @@
-//! The fast echo against the reference: the error that was predicted, for every variant, width and number of contacts.
+//! The fast echo against the reference: the error that was predicted, for every variant, width and number of scatterer paths.
 
 use std::f64::consts::TAU;
 
 use nereus::echo::synth::doppler::{self, Doppler, Envelope};
 use nereus::echo::synth::{Scalar, Settings, Variant};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use num_complex::Complex64;
 
 use crate::synth_scenes::{End, Patch, error_db, patches, spectra};
@@ -19,9 +19,9 @@ const CHECKED: [usize; 4] = [0, 3, 8, 15];
 fn truth(patch: &Patch, count: usize, channel_pairs: &[usize], pulse: usize) -> Vec<Complex64> {
     let reference = patch.reference(channel_pairs);
     let pairs = channel_pairs.iter().max().unwrap() + 1;
-    let contacts = patch.contacts(count, pairs, channel_pairs.len(), pulse);
+    let paths = patch.paths(count, pairs, channel_pairs.len(), pulse);
     let mut out = vec![Complex64::ZERO; channel_pairs.len() * reference.fft_len()];
-    let coverage = reference.spectrum(&contacts, patch.window_s(pulse), &mut out);
+    let coverage = reference.spectrum(&paths, patch.window_s(pulse), &mut out);
     assert_eq!(coverage.outside, 0, "{}: a scene that its window does not hold", patch.name);
     out
 }
@@ -35,7 +35,7 @@ fn measure<T: Scalar>(
 ) -> (f64, f64) {
     let pairs = channel_pairs.iter().max().unwrap() + 1;
     let synth = patch.synth::<T>(channel_pairs, settings);
-    let block = patch.fill(&synth, PULSES, |pulse| patch.contacts(count, pairs, channel_pairs.len(), pulse));
+    let block = patch.fill(&synth, PULSES, |pulse| patch.paths(count, pairs, channel_pairs.len(), pulse));
     assert_eq!(block.found().unplaced, 0);
     let worst = spectra(&synth, &block, channel_pairs.len(), &CHECKED)
         .iter()
@@ -75,24 +75,24 @@ fn every_variant_and_width_errs_as_predicted_on_three_scenes() {
 fn gridding_alone_errs_as_predicted_from_both_sides() {
     // No Doppler at all: what is left in f64 is the grid.
     let patch = Patch { prf_hz: 1e9, ..patches()[0].clone() };
-    let still = |mut contacts: Contacts| {
-        contacts.delay_rate[0].fill(0.0);
-        contacts
+    let still = |mut paths: ScattererPaths| {
+        paths.delay_rate[0].fill(0.0);
+        paths
     };
     let reference = patch.reference(&CHANNELS);
     let mut exact = vec![Complex64::ZERO; 4 * reference.fft_len()];
-    reference.spectrum(&still(patch.contacts(300, 1, 4, 0)), patch.window_s(0), &mut exact);
+    reference.spectrum(&still(patch.paths(300, 1, 4, 0)), patch.window_s(0), &mut exact);
     for oversampling in [1.5, 2.0, 3.0] {
         for width in 4..=8 {
             let settings = Settings { width, oversampling, ..Settings::default() };
             let synth = patch.synth::<f64>(&CHANNELS, settings);
-            let block = patch.fill(&synth, 1, |p| still(patch.contacts(300, 1, 4, p)));
+            let block = patch.fill(&synth, 1, |p| still(patch.paths(300, 1, 4, p)));
             let measured = error_db(&spectra(&synth, &block, 4, &[0])[0], &exact);
             let predicted = synth.predicted_error(&block).total_db();
             println!(
                 "oversampling {oversampling}, width {width}: {measured:.1} dB, predicted {predicted:.1}"
             );
-            // 300 contacts in some 400 bins: their mean is known to a dB, the coherence of images as above.
+            // 300 scatterer paths in some 400 bins: their mean is known to a dB, the coherence of images as above.
             assert!((measured - predicted).abs() <= IMAGES_TOGETHER_DB, "{measured} dB for {predicted}");
         }
     }
@@ -111,7 +111,7 @@ fn every_number_of_contacts_and_channels_is_whole() {
                 let (error, predicted) = measure::<f32>(patch, count, channel_pairs, settings, &truths);
                 assert!(
                     error <= predicted + IMAGES_TOGETHER_DB,
-                    "{count} contacts, channels {channel_pairs:?}, {variant}: {error} dB for {predicted}"
+                    "{count} paths, channels {channel_pairs:?}, {variant}: {error} dB for {predicted}"
                 );
             }
         }
@@ -119,17 +119,17 @@ fn every_number_of_contacts_and_channels_is_whole() {
     let truths: Vec<_> = CHECKED.iter().map(|p| truth(patch, 4097, &[0], *p)).collect();
     let settings = Settings { doppler: Doppler::Shift, ..Settings::default() };
     let (error, predicted) = measure::<f32>(patch, 4097, &[0], settings, &truths);
-    println!("4097 contacts: {error:.1} dB, predicted {predicted:.1}");
+    println!("4097 paths: {error:.1} dB, predicted {predicted:.1}");
     assert!(error <= predicted + IMAGES_TOGETHER_DB);
     let synth = patch.synth::<f32>(&[0], settings);
-    let block = patch.fill(&synth, 5, |p| patch.contacts(0, 1, 1, p));
+    let block = patch.fill(&synth, 5, |p| patch.paths(0, 1, 1, p));
     assert!(block.is_empty());
     assert!(spectra(&synth, &block, 1, &[4])[0].iter().all(|s| *s == Complex64::ZERO));
 }
 
 #[test]
 fn doppler_off_the_mean_costs_what_is_predicted() {
-    // Two equal contacts, their Doppler as far above the mean as below; far enough apart that the pulses hardly meet.
+    // Two equal scatterer paths, their Doppler as far above the mean as below; far enough apart that the pulses hardly meet.
     let airborne = patches()[0].clone();
     let long = Patch { pulse_s: 1e4 / 60e6, samples: 100, ..airborne.clone() };
     // dB. Mean and Taylor: docs/physics.md section 3.4 and (2 pi nu Tc)^2 / (2 sqrt 80). Shift: impulses, and for the long pulse at
@@ -144,24 +144,24 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
         for (residual_hz, stated_db) in [1000.0, 7400.0, 14_800.0].into_iter().zip(stated_db) {
             let settings = Settings { width: 8, doppler, ..Settings::default() };
             let synth = patch.synth::<f64>(&[0], settings);
-            let mut contacts = Contacts::new(1, 1, 2);
+            let mut paths = ScattererPaths::new(1, 1, 2);
             for (place_s, sign) in [(0.1e-6, 1.0), (0.9e-6, -1.0)] {
-                contacts.emission_offset_s.push(0.0);
-                contacts.delay_s[0].push(patch.window_s(0) + place_s);
-                contacts.delay_rate[0].push((sign * residual_hz - 3000.0) / patch.carrier_hz);
-                contacts.amplitude[0].push(Complex64::new(0.6, -0.8));
+                paths.emission_offset_s.push(0.0);
+                paths.delay_s[0].push(patch.window_s(0) + place_s);
+                paths.delay_rate[0].push((sign * residual_hz - 3000.0) / patch.carrier_hz);
+                paths.amplitude[0].push(Complex64::new(0.6, -0.8));
             }
-            let block = patch.fill(&synth, 1, |_| contacts.clone());
+            let block = patch.fill(&synth, 1, |_| paths.clone());
             assert!((block.found().residual_hz - residual_hz).abs() < 1e-6 * residual_hz);
             let reference = patch.reference(&[0]);
             let mut exact = vec![Complex64::ZERO; reference.fft_len()];
-            reference.spectrum(&contacts, patch.window_s(0), &mut exact);
+            reference.spectrum(&paths, patch.window_s(0), &mut exact);
             let measured = error_db(&spectra(&synth, &block, 1, &[0])[0], &exact);
             // The quadratic term of the envelope's stretch off the mean adds to the Doppler: (2 pi B Tc r')^2 / 180.
             let product = patch.bandwidth_hz * patch.pulse_s;
             let of_envelope = (TAU * product * residual_hz / patch.carrier_hz).powi(2) / 180.0;
             let stated_db = 10.0 * (10f64.powf(0.1 * stated_db) + of_envelope).log10();
-            // One contact lies above the mean, one below.
+            // One scatterer path lies above the mean, one below.
             let of = |residual_hz: f64| {
                 let (waveform, modes) = (patch.waveform(), (doppler, settings.envelope));
                 let n = synth.fft_len();
@@ -222,17 +222,17 @@ fn stretched_envelopes_cost_nothing_and_rigid_ones_what_is_predicted() {
         let reference = patch.reference(&[0]);
         let n = reference.fft_len();
         let measured = |envelope: Envelope, count: usize| {
-            let contacts = patch.contacts(count, 1, 1, 0);
+            let paths = patch.paths(count, 1, 1, 0);
             let mut exact = vec![Complex64::ZERO; n];
-            reference.spectrum(&contacts, patch.window_s(0), &mut exact);
+            reference.spectrum(&paths, patch.window_s(0), &mut exact);
             let settings = Settings { width: 8, doppler: Doppler::Shift, envelope, ..Settings::default() };
             let synth = patch.synth::<f64>(&[0], settings);
-            let block = patch.fill(&synth, 1, |_| contacts.clone());
+            let block = patch.fill(&synth, 1, |_| paths.clone());
             let predicted = synth.predicted_error(&block).total_db();
             (error_db(&spectra(&synth, &block, 1, &[0])[0], &exact), predicted)
         };
-        // Of one contact, which is all of the mean, the law tells it exactly; chirps of such products lose little to the filter.
-        let rate = patch.contacts(1, 1, 1, 0).delay_rate[0][0];
+        // Of one scatterer path, which is all of the mean, the law tells it exactly; chirps of such products lose little to the filter.
+        let rate = patch.paths(1, 1, 1, 0).delay_rate[0][0];
         let (waveform, rate_hz) = (patch.waveform(), patch.rate_hz);
         let law = doppler::rigid_error_power(waveform.as_ref(), patch.carrier_hz, rate_hz, n, rate);
         let law_db = 10.0 * law.log10();

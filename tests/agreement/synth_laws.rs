@@ -1,9 +1,9 @@
 //! What holds for the fast echo whatever the numbers: same bits, variants alike, edges, nothing but finite.
 
-use nereus::echo::synth::block::{BlockContacts, Node};
+use nereus::echo::synth::block::{BlockPaths, Node};
 use nereus::echo::synth::doppler::Doppler;
 use nereus::echo::synth::{Settings, Synth, Variant};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::synth_scenes::{error_db, patches, spectra};
 fn shares_do_not_change_a_bit() {
     let patch = &patches()[0];
     let synth = patch.synth::<f32>(&[0, 0, 0, 0], Settings::default());
-    let block: BlockContacts<f32> = patch.fill(&synth, 61, |p| patch.contacts(300, 1, 4, p));
+    let block: BlockPaths<f32> = patch.fill(&synth, 61, |p| patch.paths(300, 1, 4, p));
     let of = |shares: usize| {
         let (mut grids, mut scratch) = (synth.grids(), synth.scratch());
         synth.clear(&block, &mut grids);
@@ -45,7 +45,7 @@ fn variants_agree() {
         let of = |variant| {
             let settings = Settings { variant: Some(variant), ..Settings::default() };
             let synth = patch.synth::<f32>(&[0, 0, 0, 0], settings);
-            let block = patch.fill(&synth, 64, |p| patch.contacts(1000, 1, 4, p));
+            let block = patch.fill(&synth, 64, |p| patch.paths(1000, 1, 4, p));
             spectra(&synth, &block, 4, &[0, 31, 63])
         };
         let portable = of(Variant::Portable);
@@ -90,16 +90,16 @@ fn contacts_at_and_beyond_the_edges_are_those_of_the_reference() {
         f64::INFINITY,
         f64::NAN,
     ] {
-        let mut contacts = Contacts::new(1, 1, 2);
+        let mut paths = ScattererPaths::new(1, 1, 2);
         for place in [place, 100.0] {
-            contacts.emission_offset_s.push(0.0);
-            contacts.delay_s[0].push(patch.window_s(0) + place / rate_hz);
-            contacts.delay_rate[0].push(-1e-7);
-            contacts.amplitude[0].push(Complex64::ONE);
+            paths.emission_offset_s.push(0.0);
+            paths.delay_s[0].push(patch.window_s(0) + place / rate_hz);
+            paths.delay_rate[0].push(-1e-7);
+            paths.amplitude[0].push(Complex64::ONE);
         }
-        let block = patch.fill(&synth, 1, |_| contacts.clone());
+        let block = patch.fill(&synth, 1, |_| paths.clone());
         let mut exact = vec![Complex64::ZERO; reference.fft_len()];
-        reference.spectrum(&contacts, patch.window_s(0), &mut exact);
+        reference.spectrum(&paths, patch.window_s(0), &mut exact);
         let db = error_db(&spectra(&synth, &block, 1, &[0])[0], &exact);
         println!("place {place}: {db:.1} dB");
         assert!(db < synth.predicted_error(&block).total_db() + 3.02, "{place}: {db}");
@@ -113,13 +113,13 @@ fn a_contact_may_cross_the_whole_window_within_a_block() {
     // 4000 samples in 64 pulses, through a window of 400: in reach for eight of them or so.
     let patch = &patches()[0];
     let at = |pulse: usize| {
-        let mut contacts = Contacts::new(1, 1, 1);
+        let mut paths = ScattererPaths::new(1, 1, 1);
         let place_s = (pulse as f64 - 32.3) * 62.5 / patch.rate_hz;
-        contacts.emission_offset_s.push(0.0);
-        contacts.delay_s[0].push(patch.window_s(pulse) + 200.0 / patch.rate_hz + place_s);
-        contacts.delay_rate[0].push(0.0);
-        contacts.amplitude[0].push(Complex64::ONE);
-        contacts
+        paths.emission_offset_s.push(0.0);
+        paths.delay_s[0].push(patch.window_s(pulse) + 200.0 / patch.rate_hz + place_s);
+        paths.delay_rate[0].push(0.0);
+        paths.amplitude[0].push(Complex64::ONE);
+        paths
     };
     let settings = Settings { width: 7, ..Settings::default() };
     let synth = patch.synth::<f32>(&[0], settings);
@@ -147,9 +147,9 @@ fn blocks_that_make_no_sense_are_refused() {
     let patch = &patches()[0];
     let synth = patch.synth::<f32>(&[0, 0], Settings::default());
     let mut block = synth.block();
-    let (two, three) = (patch.contacts(2, 1, 2, 0), patch.contacts(3, 1, 2, 0));
-    let narrow = patch.contacts(2, 1, 1, 0);
-    let node = |pulse, contacts| Node { pulse, contacts };
+    let (two, three) = (patch.paths(2, 1, 2, 0), patch.paths(3, 1, 2, 0));
+    let narrow = patch.paths(2, 1, 1, 0);
+    let node = |pulse, paths| Node { pulse, paths };
     let mut fault = |nodes: &[Node<'_>], windows: &[f64]| synth.fill(nodes, windows, &mut block).unwrap_err();
     let faults = [
         fault(&[node(0, &two)], &[]),
@@ -169,8 +169,8 @@ fn blocks_that_make_no_sense_are_refused() {
         "0 nodes of a block are not allowed: 1 to 4",
         "node at pulse 1 is not allowed: once each, below 1",
         "node at pulse 1 is not allowed: once each, below 2",
-        "contacts of the node at pulse 1 differ from those of the first in number, pairs or channels",
-        "contacts of the node at pulse 0 differ from those of the first in number, pairs or channels",
+        "paths of the node at pulse 1 differ from those of the first in number, pairs or channels",
+        "paths of the node at pulse 0 differ from those of the first in number, pairs or channels",
     ];
     assert_eq!(faults, expected);
 }
@@ -191,7 +191,7 @@ proptest! {
 
     #[test]
     fn nothing_but_finite_comes_out(
-        contacts in prop::collection::vec(
+        paths in prop::collection::vec(
             (anything(1e-5), anything(1e-5), anything(1e-4), -1e9..1e9f64, anything(1e-2)), 1..40),
         pulses in 1usize..=64,
         start_s in -1.0..1.0f64,
@@ -203,8 +203,8 @@ proptest! {
         let settings = Settings { width, doppler, ..Settings::default() };
         let synth: Synth<f32> = patch.synth(&[0, 0, 1], settings);
         let list = |last: bool| {
-            let mut list = Contacts::new(2, 3, contacts.len());
-            for &(near, far, rate, level, offset) in &contacts {
+            let mut list = ScattererPaths::new(2, 3, paths.len());
+            for &(near, far, rate, level, offset) in &paths {
                 list.emission_offset_s.push(if offset.is_finite() { offset.clamp(-1.0, 1.0) } else { 0.0 });
                 list.delay_s[0].push(start_s + near);
                 list.delay_s[1].push(start_s + if last { far } else { near });
@@ -214,9 +214,9 @@ proptest! {
             list
         };
         let (first, last) = (list(false), list(true));
-        let mut nodes = vec![Node { pulse: 0, contacts: &first }];
+        let mut nodes = vec![Node { pulse: 0, paths: &first }];
         if pulses > 1 {
-            nodes.push(Node { pulse: pulses - 1, contacts: &last });
+            nodes.push(Node { pulse: pulses - 1, paths: &last });
         }
         let windows: Vec<f64> = (0..pulses).map(|p| start_s + step_s * p as f64).collect();
         let mut block = synth.block();

@@ -1,11 +1,11 @@
-//! Contacts of radars and facets in straight motion, for the fast echo and its reference.
+//! Scatterer paths of radars and facets in straight motion, for the fast echo and its reference.
 
 use std::sync::Arc;
 
 use nereus::echo::reference::ReferenceEcho;
-use nereus::echo::synth::block::{BlockContacts, Node};
+use nereus::echo::synth::block::{BlockPaths, Node};
 use nereus::echo::synth::{Scalar, Settings, Synth};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::radar::waveform::{Lfm, Waveform};
 use nereus::scene::radar::Sweep;
 use nereus::units::SPEED_OF_LIGHT_MPS as C;
@@ -109,40 +109,40 @@ impl Patch {
     }
 
     /// `count` facets on pulse `pulse`; pair `p` sees them `p` times 40 m farther. Amplitudes change linearly.
-    pub fn contacts(&self, count: usize, pairs: usize, channels: usize, pulse: usize) -> Contacts {
+    pub fn paths(&self, count: usize, pairs: usize, channels: usize, pulse: usize) -> ScattererPaths {
         let mut numbers = Numbers(77);
         let t_s = pulse as f64 / self.prf_hz;
-        let mut contacts = Contacts::new(pairs, channels, count);
+        let mut paths = ScattererPaths::new(pairs, channels, count);
         for _ in 0..count {
             let half = 0.5 * self.side_m;
             let facet_m = [half * numbers.next(), half * numbers.next(), 2.0 * numbers.next()];
-            contacts.emission_offset_s.push(0.0);
+            paths.emission_offset_s.push(0.0);
             for pair in 0..pairs {
                 let step_s = 1e-3;
-                contacts.delay_s[pair].push(self.delay_s(facet_m, t_s) + 80.0 * pair as f64 / C);
+                paths.delay_s[pair].push(self.delay_s(facet_m, t_s) + 80.0 * pair as f64 / C);
                 let ahead = self.delay_s(facet_m, t_s + step_s) - self.delay_s(facet_m, t_s - step_s);
-                contacts.delay_rate[pair].push(ahead / (2.0 * step_s));
+                paths.delay_rate[pair].push(ahead / (2.0 * step_s));
             }
-            for amplitude in &mut contacts.amplitude {
+            for amplitude in &mut paths.amplitude {
                 let [re, im, slope] = [numbers.next(), numbers.next(), numbers.next()];
                 amplitude.push(Complex64::new(re, im) * (1.0 + 0.01 * slope * pulse as f64));
             }
         }
-        contacts
+        paths
     }
 
-    /// A block of `pulses` from contacts at evenly spread nodes.
+    /// A block of `pulses` from scatterer paths at evenly spread nodes.
     pub fn fill<T: Scalar>(
         &self,
         synth: &Synth<T>,
         pulses: usize,
-        at: impl Fn(usize) -> Contacts,
-    ) -> BlockContacts<T> {
+        at: impl Fn(usize) -> ScattererPaths,
+    ) -> BlockPaths<T> {
         let nodes = 4.min(pulses);
         let places: Vec<usize> = (0..nodes).map(|i| i * (pulses - 1) / (nodes - 1).max(1)).collect();
-        let lists: Vec<Contacts> = places.iter().map(|p| at(*p)).collect();
+        let lists: Vec<ScattererPaths> = places.iter().map(|p| at(*p)).collect();
         let nodes: Vec<Node<'_>> =
-            places.iter().zip(&lists).map(|(pulse, contacts)| Node { pulse: *pulse, contacts }).collect();
+            places.iter().zip(&lists).map(|(pulse, paths)| Node { pulse: *pulse, paths }).collect();
         let windows: Vec<f64> = (0..pulses).map(|p| self.window_s(p)).collect();
         let mut block = synth.block();
         synth.fill(&nodes, &windows, &mut block).unwrap();
@@ -153,7 +153,7 @@ impl Patch {
 /// Spectra of the given pulses by the fast echo.
 pub fn spectra<T: Scalar>(
     synth: &Synth<T>,
-    block: &BlockContacts<T>,
+    block: &BlockPaths<T>,
     channels: usize,
     pulses: &[usize],
 ) -> Vec<Vec<Complex64>> {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use nereus::echo::reference::{ReferenceEcho, raw_samples};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::radar::receiver::thermal_noise_w;
 use nereus::radar::waveform::Lfm;
 use nereus::scene::radar::Sweep;
@@ -69,17 +69,17 @@ fn light_time(scene: &Scene, n: usize, t: f64) -> f64 {
     leg1 + leg2
 }
 
-fn contacts(scene: &Scene, t: f64) -> Contacts {
-    let mut contacts = Contacts::new(1, 1, scene.scat.len());
+fn paths(scene: &Scene, t: f64) -> ScattererPaths {
+    let mut paths = ScattererPaths::new(1, 1, scene.scat.len());
     for (n, (_, _, a)) in scene.scat.iter().enumerate() {
         // Central difference over 2 ms: error tau''' h^2/6 = 1e-15 and rounding 1e-18.
         let h = 1e-3;
-        contacts.emission_offset_s.push(0.0);
-        contacts.delay_s[0].push(light_time(scene, n, t));
-        contacts.delay_rate[0].push((light_time(scene, n, t + h) - light_time(scene, n, t - h)) / (2.0 * h));
-        contacts.amplitude[0].push(Complex64::new(a[0], a[1]));
+        paths.emission_offset_s.push(0.0);
+        paths.delay_s[0].push(light_time(scene, n, t));
+        paths.delay_rate[0].push((light_time(scene, n, t + h) - light_time(scene, n, t - h)) / (2.0 * h));
+        paths.amplitude[0].push(Complex64::new(a[0], a[1]));
     }
-    contacts
+    paths
 }
 
 /// Samples of each pulse of a golden file; every pulse has every sample, once.
@@ -114,8 +114,8 @@ fn raw_samples_match_reference_a_in_every_row() {
     let mut worst = (0.0f64, 0.0f64);
     let mut out = vec![Complex64::ZERO; scene.N];
     for (index, theirs) in pulses("echo_refA_raw.csv", scene.N) {
-        let contacts = contacts(&scene, index as f64 / scene.prf);
-        raw_samples(&pulse, scene.f0, scene.fs, scene.t0, &contacts, 0, 0, &mut out);
+        let paths = paths(&scene, index as f64 / scene.prf);
+        raw_samples(&pulse, scene.f0, scene.fs, scene.t0, &paths, 0, 0, &mut out);
         let (row, rms) = errors(&out, &theirs);
         worst = (worst.0.max(row), worst.1.max(rms));
     }
@@ -133,8 +133,8 @@ fn spectrum_matches_reference_b_in_every_row() {
     let mut worst = (0.0f64, 0.0f64);
     let mut out = vec![Complex64::ZERO; scene.N];
     for (index, theirs) in pulses("echo_refB_filtered.csv", scene.N) {
-        let contacts = contacts(&scene, index as f64 / scene.prf);
-        echo.spectrum(&contacts, scene.t0, &mut out);
+        let paths = paths(&scene, index as f64 / scene.prf);
+        echo.spectrum(&paths, scene.t0, &mut out);
         inverse.process(&mut out);
         out.iter_mut().for_each(|s| *s *= scene.fs / scene.N as f64);
         let (row, rms) = errors(&out, &theirs);

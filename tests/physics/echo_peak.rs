@@ -1,4 +1,4 @@
-//! A contact's echo, received without noise and range-compressed, peaks at its delay with its amplitude and phase.
+//! A scatterer path's echo, received without noise and range-compressed, peaks at its delay with its amplitude and phase.
 //!
 //! Compressed signal at lag `t` after the window's start, from the samples `s` and a replica `q`, both on `M` points:
 //! `c(t) = (1/M) sum_k S[k] conj(Q[k]) e^{j 2 pi f_k t} / sum |q|^2`. Predicted: `a e^{-j 2 pi f0 tau}` at `t = o + tau - t_w`.
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nereus::echo::reference::{ReferenceEcho, raw_samples};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::pulse::SampleFormat;
 use nereus::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use nereus::radar::receiver::Receiver;
@@ -34,19 +34,19 @@ struct Peak {
     value: Complex64,
 }
 
-/// Cf32 samples of one contact.
+/// Cf32 samples of one scatterer path.
 fn received(case: &Case, waveform: &Arc<dyn Waveform>) -> (Receiver, Vec<Complex64>) {
     let mut radar = radar(case.window, None, None);
     radar.sample_rate_hz = case.fs_hz;
     let echo = ReferenceEcho::new(waveform.clone(), F0_HZ, case.fs_hz, case.window, vec![0]);
     let receiver = Receiver::new(&radar, 0, echo.fft_len(), 1);
-    let mut contacts = Contacts::new(1, 1, 1);
-    contacts.emission_offset_s.push(0.0);
-    contacts.delay_s[0].push(case.delay_s);
-    contacts.delay_rate[0].push(case.rate);
-    contacts.amplitude[0].push(case.amplitude);
+    let mut paths = ScattererPaths::new(1, 1, 1);
+    paths.emission_offset_s.push(0.0);
+    paths.delay_s[0].push(case.delay_s);
+    paths.delay_rate[0].push(case.rate);
+    paths.amplitude[0].push(case.amplitude);
     let mut spectrum = vec![Complex64::ZERO; echo.fft_len()];
-    assert!(echo.spectrum(&contacts, case.start_s, &mut spectrum).is_complete());
+    assert!(echo.spectrum(&paths, case.start_s, &mut spectrum).is_complete());
     let mut pulse = slot(1, case.window, SampleFormat::Cf32);
     receiver.receive(&mut spectrum, &mut pulse, &mut receiver.scratch());
     let samples = cf32(&pulse).iter().map(|s| Complex64::new(f64::from(s.re), f64::from(s.im))).collect();
@@ -230,12 +230,12 @@ fn replica_is_the_filtered_pulse() {
     let replica = receiver.replica(&waveform);
     assert_eq!(replica.len(), 1000);
     let mut raw = vec![Complex64::ZERO; 1000];
-    let mut contacts = Contacts::new(1, 1, 1);
-    contacts.emission_offset_s.push(0.0);
-    contacts.delay_s[0].push(0.0);
-    contacts.delay_rate[0].push(0.0);
-    contacts.amplitude[0].push(Complex64::ONE);
-    raw_samples(&waveform, F0_HZ, 100e6, 0.0, &contacts, 0, 0, &mut raw);
+    let mut paths = ScattererPaths::new(1, 1, 1);
+    paths.emission_offset_s.push(0.0);
+    paths.delay_s[0].push(0.0);
+    paths.delay_rate[0].push(0.0);
+    paths.amplitude[0].push(Complex64::ONE);
+    raw_samples(&waveform, F0_HZ, 100e6, 0.0, &paths, 0, 0, &mut raw);
     let middle = 300..700;
     let worst = middle
         .map(|i| (Complex64::new(f64::from(replica[i].re), f64::from(replica[i].im)) - raw[i]).norm())

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use nereus::echo::reference::{GUARD_SAMPLES, ReferenceEcho, raw_samples};
-use nereus::paths::list::Contacts;
+use nereus::paths::list::ScattererPaths;
 use nereus::radar::filter::ReceiveFilter;
 use nereus::radar::waveform::{Lfm, Waveform};
 use nereus::scene::radar::Sweep;
@@ -26,22 +26,22 @@ struct Echo {
     amplitude: Complex64,
 }
 
-fn contacts(echoes: &[Echo]) -> Contacts {
-    let mut contacts = Contacts::new(1, 1, echoes.len());
+fn paths(echoes: &[Echo]) -> ScattererPaths {
+    let mut paths = ScattererPaths::new(1, 1, echoes.len());
     for e in echoes {
-        contacts.emission_offset_s.push(e.offset_s);
-        contacts.delay_s[0].push(e.delay_s);
-        contacts.delay_rate[0].push(e.rate);
-        contacts.amplitude[0].push(e.amplitude);
+        paths.emission_offset_s.push(e.offset_s);
+        paths.delay_s[0].push(e.delay_s);
+        paths.delay_rate[0].push(e.rate);
+        paths.amplitude[0].push(e.amplitude);
     }
-    contacts
+    paths
 }
 
 /// Samples of one channel by way of the reference.
-fn reference(echo: &ReferenceEcho, contacts: &Contacts) -> Vec<Complex64> {
+fn reference(echo: &ReferenceEcho, paths: &ScattererPaths) -> Vec<Complex64> {
     let n = echo.fft_len();
     let mut out = vec![Complex64::ZERO; n];
-    echo.spectrum(contacts, START_S, &mut out);
+    echo.spectrum(paths, START_S, &mut out);
     FftPlanner::new().plan_fft_inverse(n).process(&mut out);
     out.iter().take(WINDOW).map(|s| s * FS_HZ / n as f64).collect()
 }
@@ -108,7 +108,7 @@ fn reference_is_the_integral_it_stands_for() {
     let echo = ReferenceEcho::new(pulse, F0_HZ, FS_HZ, WINDOW, vec![0]);
     for rate in [0.0, -7e-7, 5e-5] {
         let echoes = scene(rate);
-        let ours = reference(&echo, &contacts(&echoes));
+        let ours = reference(&echo, &paths(&echoes));
         let (mut worst, level) = (0.0f64, rms(&ours));
         for j in (0..WINDOW).step_by(5) {
             let theirs = integral(&echoes, b_hz, tc_s, j, |t| periodic_response(t, echo.fft_len()));
@@ -135,7 +135,7 @@ fn nothing_wraps_into_the_window() {
     let guard_s = GUARD_SAMPLES as f64 / FS_HZ;
     for place_s in [-tc_s - 0.99 * guard_s, -0.1e-6, 1e-6, 2.4e-6, 2.56e-6 + 0.99 * guard_s] {
         let one = [Echo { offset_s: 0.0, delay_s: START_S + place_s, rate: 0.0, amplitude: Complex64::ONE }];
-        let ours = reference(&echo, &contacts(&one));
+        let ours = reference(&echo, &paths(&one));
         let mut worst = 0.0f64;
         for (j, sample) in ours.iter().enumerate().step_by(3) {
             worst = worst.max((sample - integral(&one, b_hz, tc_s, j, impulse_response)).norm());
@@ -160,9 +160,9 @@ fn reference_is_the_low_passed_oversampled_pulse() {
     for rate in [0.0, -7e-7, 5e-5] {
         // Whole echoes: the raw pulse does not wrap.
         let echoes = &scene(rate)[..2];
-        let contacts = contacts(echoes);
+        let paths = paths(echoes);
         let mut fine = vec![Complex64::ZERO; n * FINE];
-        raw_samples(pulse.as_ref(), F0_HZ, FS_HZ * FINE as f64, START_S, &contacts, 0, 0, &mut fine);
+        raw_samples(pulse.as_ref(), F0_HZ, FS_HZ * FINE as f64, START_S, &paths, 0, 0, &mut fine);
         let mut planner = FftPlanner::new();
         planner.plan_fft_forward(n * FINE).process(&mut fine);
         let mut coarse = vec![Complex64::ZERO; n];
@@ -172,7 +172,7 @@ fn reference_is_the_low_passed_oversampled_pulse() {
             *bin = fine[from] * filter.response(signed * FS_HZ / n as f64) / (n * FINE) as f64;
         }
         planner.plan_fft_inverse(n).process(&mut coarse);
-        let error = relative_rms(&reference(&echo, &contacts), &coarse[..WINDOW]);
+        let error = relative_rms(&reference(&echo, &paths), &coarse[..WINDOW]);
         println!("rate {rate:e}: oversampled reference A differs by {:.1} dB", 20.0 * error.log10());
         assert!(error <= bound, "{rate}: {error} > {bound}");
     }
@@ -182,14 +182,14 @@ fn reference_is_the_low_passed_oversampled_pulse() {
 fn neglected_doppler_is_no_doppler() {
     let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
     let make = || ReferenceEcho::new(pulse.clone(), F0_HZ, FS_HZ, WINDOW, vec![0]);
-    let still = reference(&make(), &contacts(&scene(0.0)));
-    let neglected = reference(&make().neglect_intra_pulse_doppler(), &contacts(&scene(-7.4e-7)));
+    let still = reference(&make(), &paths(&scene(0.0)));
+    let neglected = reference(&make().neglect_intra_pulse_doppler(), &paths(&scene(-7.4e-7)));
     assert_eq!(still, neglected);
     // 7.4 kHz: without the turn at mid-pulse, f_D Tc = 2.46e-3 turns are lost linearly from 0 to the end:
     // rms phase 2 pi 2.46e-3 / sqrt 3 = 8.9e-3 (-41 dB) for the first echo.
     let one = &scene(-7.4e-7)[..1];
-    let exact = reference(&make(), &contacts(one));
-    let lost = relative_rms(&reference(&make().neglect_intra_pulse_doppler(), &contacts(one)), &exact);
+    let exact = reference(&make(), &paths(one));
+    let lost = relative_rms(&reference(&make().neglect_intra_pulse_doppler(), &paths(one)), &exact);
     let expected = TAU * 7.4e3 * 0.333e-6 / 3f64.sqrt();
     println!("neglecting 7.4 kHz costs {lost:.3e}, expected {expected:.3e}");
     // The filter removes 1 % of the pulse's energy, most of it at the edges.
@@ -202,7 +202,7 @@ fn channels_of_a_pair_share_and_pairs_do_not() {
     let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Down).unwrap());
     let echo = ReferenceEcho::new(pulse.clone(), F0_HZ, FS_HZ, WINDOW, vec![0, 0, 1, 0]);
     let n = echo.fft_len();
-    let mut all = Contacts::new(2, 4, 3);
+    let mut all = ScattererPaths::new(2, 4, 3);
     for i in 0..3 {
         let x = f64::from(i);
         all.emission_offset_s.push(0.0);
@@ -221,23 +221,23 @@ fn channels_of_a_pair_share_and_pairs_do_not() {
     let mut out = vec![Complex64::ZERO; 4 * n];
     echo.spectrum(&all, START_S, &mut out);
     let first = out.clone();
-    echo.spectrum(&Contacts::new(2, 4, 0), 0.0, &mut out);
+    echo.spectrum(&ScattererPaths::new(2, 4, 0), 0.0, &mut out);
     echo.spectrum(&all, START_S, &mut out);
     assert_eq!(first, out);
     for (channel, pair) in [0, 0, 1, 0].into_iter().enumerate() {
         let alone = ReferenceEcho::new(pulse.clone(), F0_HZ, FS_HZ, WINDOW, vec![0]);
-        let mut contacts = Contacts::new(1, 1, 3);
-        contacts.emission_offset_s.clone_from(&all.emission_offset_s);
-        contacts.delay_s[0].clone_from(&all.delay_s[pair]);
-        contacts.delay_rate[0].clone_from(&all.delay_rate[pair]);
-        contacts.amplitude[0].clone_from(&all.amplitude[channel]);
+        let mut paths = ScattererPaths::new(1, 1, 3);
+        paths.emission_offset_s.clone_from(&all.emission_offset_s);
+        paths.delay_s[0].clone_from(&all.delay_s[pair]);
+        paths.delay_rate[0].clone_from(&all.delay_rate[pair]);
+        paths.amplitude[0].clone_from(&all.amplitude[channel]);
         let mut single = vec![Complex64::ZERO; n];
-        alone.spectrum(&contacts, START_S, &mut single);
+        alone.spectrum(&paths, START_S, &mut single);
         assert_eq!(single, out[channel * n..(channel + 1) * n], "channel {channel}");
     }
 }
 
-/// A contact, its radar, and what its echo lacks (dB) where the envelope is not stretched with the carrier.
+/// A scatterer path, its radar, and what its echo lacks (dB) where the envelope is not stretched with the carrier.
 struct Stretched {
     what: &'static str,
     f0_hz: f64,
@@ -292,7 +292,7 @@ fn envelope_is_stretched_with_its_carrier() {
         let echo = ReferenceEcho::new(Arc::new(pulse), f0_hz, fs_hz, window, vec![0]);
         let n = echo.fft_len();
         let mut ours = vec![Complex64::ZERO; n];
-        echo.spectrum(&contacts(&one), START_S, &mut ours);
+        echo.spectrum(&paths(&one), START_S, &mut ours);
         FftPlanner::new().plan_fft_inverse(n).process(&mut ours);
         // Half a turn of pulse, Doppler and filter in a panel.
         let turns = (0.5 * (b_hz + fs_hz) + f0_hz * rate.abs()) * tc_s;

@@ -29,7 +29,7 @@ mod scatter_golden;
 mod scatter_laws;
 mod scatter_options;
 mod scatter_oracle;
-mod sea_contacts;
+mod sea_paths;
 mod sea_extremes;
 mod sea_golden;
 mod sea_ships;

@@ -40,9 +40,9 @@ fn amplitudes(
     let track = same(Track::fixed(point(at), Rotation::from_yaw_pitch_roll(yaw, pitch, roll)));
     scene.targets = vec![Target { scattering, ..target(target_m, [0.0; 3]) }];
     let tracks: Vec<PlatformTracks> = vec![track.clone(), track];
-    let (contacts, _) = pulse(scene, &tracks, 0);
-    assert_eq!(contacts.len(), 1);
-    std::array::from_fn(|channel| contacts.amplitude[channel][0])
+    let (paths, _) = pulse(scene, &tracks, 0);
+    assert_eq!(paths.len(), 1);
+    std::array::from_fn(|channel| paths.amplitude[channel][0])
 }
 
 fn db(a: Complex64, of: Complex64) -> f64 {
@@ -124,8 +124,8 @@ fn the_direct_path_between_isotropic_antennas() {
     let track =
         |at: [f64; 3], yaw: f64| same(Track::fixed(point(at), Rotation::from_yaw_pitch_roll(yaw, 0.3, -0.4)));
     let tracks = [track([0.0, 0.0, 500.0], 0.7), track([4000.0, -3000.0, 2000.0], 2.9)];
-    let (contacts, _) = pulse(&scene, &tracks, 0);
-    let [hh, hv, vh, vv] = std::array::from_fn(|channel| contacts.amplitude[channel][0]);
+    let (paths, _) = pulse(&scene, &tracks, 0);
+    let [hh, hv, vh, vv] = std::array::from_fn(|channel| paths.amplitude[channel][0]);
     // H of both points to the left of the one who looks: against each other.
     assert!((hh + vv).norm() < 1e-14 * hh.norm() && vv.re > 0.0, "{hh} {vv}");
     assert!(hv.norm().max(vh.norm()) < 1e-14 * hh.norm());

@@ -2,7 +2,7 @@
 
 use nereus::frames::{Earth, Rotation, SceneFrame, Vector};
 use nereus::motion::track::Track;
-use nereus::paths::Illumination;
+use nereus::paths::PathGenerator;
 use nereus::scene::Scene;
 use nereus::scene::radar::*;
 use nereus::time::PulseTimes;
@@ -11,16 +11,16 @@ use proptest::prelude::*;
 use crate::radar_scenes::*;
 
 fn all_finite(scene: &Scene, tracks: &[nereus::motion::PlatformTracks], index: u64) -> usize {
-    let (contacts, record) = pulse(scene, tracks, index);
+    let (paths, record) = pulse(scene, tracks, index);
     let finite = |list: &[f64]| list.iter().all(|x| x.is_finite());
-    assert!(finite(&contacts.emission_offset_s) && record.window_start_s.is_finite());
-    assert!(contacts.delay_s.iter().chain(&contacts.delay_rate).all(|column| finite(column)));
-    assert!(contacts.amplitude.iter().flatten().all(|a| a.is_finite()));
+    assert!(finite(&paths.emission_offset_s) && record.window_start_s.is_finite());
+    assert!(paths.delay_s.iter().chain(&paths.delay_rate).all(|column| finite(column)));
+    assert!(paths.amplitude.iter().flatten().all(|a| a.is_finite()));
     assert!(finite(&record.target_delay_s) && finite(&record.target_doppler_hz));
     assert!(record.antennas.iter().all(|a| finite(&a.phase_centre_m)
         && finite(&a.boresight_quat)
         && finite(&a.reported_phase_centre_m)));
-    contacts.len()
+    paths.len()
 }
 
 fn rectangles(scene: &mut Scene) {
@@ -58,8 +58,8 @@ fn nadir_and_the_forward_baseline() {
         let tracks = [straight(&scene, a, [0.0; 3]), straight(&scene, b, [0.0; 3])];
         scene.radar.direct_path = true;
         assert_eq!(all_finite(&scene, &tracks, 0), 2);
-        let (contacts, _) = pulse(&scene, &tracks, 0);
-        assert!((contacts.delay_s[0][0] - contacts.delay_s[0][1]).abs() < 1e-19);
+        let (paths, _) = pulse(&scene, &tracks, 0);
+        assert!((paths.delay_s[0][0] - paths.delay_s[0][1]).abs() < 1e-19);
     }
 }
 
@@ -81,7 +81,7 @@ fn no_channels_no_targets_no_samples() {
     scene.targets.clear();
     assert_eq!(all_finite(&scene, &tracks, 499), 0);
     scene.pulses = 0;
-    assert!(Illumination::new(&scene, PULSE_S, tracks.to_vec()).is_ok());
+    assert!(PathGenerator::new(&scene, PULSE_S, tracks.to_vec()).is_ok());
 }
 
 /// Late in a long run at a high PRF nothing drifts: the truth still obeys the closed form.

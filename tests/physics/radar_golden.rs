@@ -75,7 +75,7 @@ fn echo_delays() {
         straight(&scene, triple(&golden["tx"]), triple(&golden["vtx"])),
         straight(&scene, triple(&golden["rx"]), triple(&golden["vrx"])),
     ];
-    let illumination = nereus::paths::Illumination::new(&scene, value("Tc"), tracks.clone()).unwrap();
+    let generator = nereus::paths::PathGenerator::new(&scene, value("Tc"), tracks.clone()).unwrap();
     let columns = [
         "pulse",
         "scatterer",
@@ -100,7 +100,7 @@ fn echo_delays() {
         let turn = std::f64::consts::TAU;
         let phase_error = (carrier_cycles(f0, path.delay_s) * turn - phase).rem_euclid(turn);
         // The record of the whole way gives the same.
-        let (_, record) = evaluate(&scene, &illumination, pulse);
+        let (_, record) = evaluate(&scene, &generator, pulse);
         assert_eq!(record.target_delay_s[k], path.delay_s);
         assert_eq!(record.target_doppler_hz[k], path.doppler_hz(f0));
         let errors = [

@@ -50,9 +50,9 @@ fn skew_scenes() -> [Scene; 3] {
 }
 
 fn amplitudes(scene: &Scene, tracks: &[PlatformTracks]) -> Vec<Complex64> {
-    let (contacts, _) = pulse(scene, tracks, 0);
-    assert_eq!(contacts.len(), 1);
-    contacts.amplitude.iter().map(|column| column[0]).collect()
+    let (paths, _) = pulse(scene, tracks, 0);
+    assert_eq!(paths.len(), 1);
+    paths.amplitude.iter().map(|column| column[0]).collect()
 }
 
 fn worst(a: &[Complex64], b: &[Complex64]) -> f64 {
@@ -76,22 +76,22 @@ fn free_space_closed_form() {
         straight(&scene, [-4000.0, 0.0, 3000.0], [0.0; 3]),
         straight(&scene, [-500.0, 0.0, 1200.0], [0.0; 3]),
     ];
-    let (contacts, _) = pulse(&scene, &tracks, 0);
-    assert_eq!(contacts.len(), 2);
+    let (paths, _) = pulse(&scene, &tracks, 0);
+    assert_eq!(paths.len(), 2);
     let (r_t, r_r, r) = (5000f64, 1300f64, 3500f64.hypot(1800.0));
     let lambda = 299_792_458.0 / 10e9;
     let common = 4000.0 * 10f64.powf(4.5 - 0.25) * lambda * lambda / (4.0 * PI).powi(2);
     let expected = [common * 7.0 / (4.0 * PI * (r_t * r_r).powi(2)), common / (r * r)];
-    for (contact, expected) in expected.into_iter().enumerate() {
+    for (path, expected) in expected.into_iter().enumerate() {
         for hh_vv in [0, 3] {
-            let power = contacts.amplitude[hh_vv][contact].norm_sqr();
+            let power = paths.amplitude[hh_vv][path].norm_sqr();
             // VV of the bistatic sphere in the plane is as strong; the direct path's V axes are tilted
             // to the line of sight, but projected and scaled they agree too.
             let error = (power / expected - 1.0).abs();
-            assert!(error < 1e-12, "contact {contact} channel {hh_vv}: {error:e}");
+            assert!(error < 1e-12, "path {path} channel {hh_vv}: {error:e}");
         }
         for cross in [1, 2] {
-            assert!(contacts.amplitude[cross][contact].norm_sqr() < 1e-28 * expected);
+            assert!(paths.amplitude[cross][path].norm_sqr() < 1e-28 * expected);
         }
     }
 }
@@ -184,11 +184,11 @@ fn turned(original: &Scene) {
                 same(Track::straight(point(p), scene.start, vector(v), Some(attitude)))
             })
             .collect();
-        let (contacts, record) = pulse(&scene, &tracks, 100);
-        let columns = |c: &nereus::paths::list::Contacts| -> Vec<Complex64> {
+        let (paths, record) = pulse(&scene, &tracks, 100);
+        let columns = |c: &nereus::paths::list::ScattererPaths| -> Vec<Complex64> {
             c.amplitude.iter().map(|column| column[0]).collect()
         };
-        let amplitude = worst(&columns(&reference), &columns(&contacts));
+        let amplitude = worst(&columns(&reference), &columns(&paths));
         let delay = (record.target_delay_s[0] - reference_record.target_delay_s[0]).abs();
         // Coordinates of 4 km round to 5e-13 m, so the off-boresight angles to 1e-16 of a beam whose
         // gain changes by some 50 per radian.
@@ -215,8 +215,8 @@ fn roll_turns_the_polarisation() {
         let attitude = Rotation::from_yaw_pitch_roll(0.0, 0.0, roll);
         let track = same(Track::fixed(Point::new(0.0, 0.0, 1000.0), attitude));
         let other = track.clone();
-        let (contacts, _) = pulse(&scene, &[track, other], 0);
-        let column = |c: usize| contacts.amplitude[c].first().copied().unwrap_or(zero);
+        let (paths, _) = pulse(&scene, &[track, other], 0);
+        let column = |c: usize| paths.amplitude[c].first().copied().unwrap_or(zero);
         [column(0), column(1), column(2), column(3)]
     };
     let [hh, hv, vh, vv] = rolled(0.0);

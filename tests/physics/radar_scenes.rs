@@ -3,8 +3,8 @@
 use nereus::frames::{Body, Earth, Enu, Point, Rotation, SceneFrame, Vector};
 use nereus::motion::PlatformTracks;
 use nereus::motion::track::Track;
-use nereus::paths::Illumination;
-use nereus::paths::list::Contacts;
+use nereus::paths::PathGenerator;
+use nereus::paths::list::ScattererPaths;
 use nereus::pulse::{Layout, Pulse, SampleFormat};
 use nereus::scene::radar::*;
 use nereus::scene::{Radar, Scene, Target};
@@ -105,20 +105,20 @@ pub fn same(track: Track) -> PlatformTracks {
     PlatformTracks { truth: track.clone(), reported: track }
 }
 
-/// The contacts and the record of one pulse.
-pub fn pulse(scene: &Scene, tracks: &[PlatformTracks], index: u64) -> (Contacts, Pulse) {
-    let illumination = Illumination::new(scene, PULSE_S, tracks.to_vec()).unwrap();
-    evaluate(scene, &illumination, index)
+/// The scatterer paths and the record of one pulse.
+pub fn pulse(scene: &Scene, tracks: &[PlatformTracks], index: u64) -> (ScattererPaths, Pulse) {
+    let generator = PathGenerator::new(scene, PULSE_S, tracks.to_vec()).unwrap();
+    evaluate(scene, &generator, index)
 }
 
-pub fn evaluate(scene: &Scene, illumination: &Illumination, index: u64) -> (Contacts, Pulse) {
-    let mut workspace = illumination.workspace();
-    let (mut contacts, mut record) = buffers(scene);
-    illumination.pulse(index, &mut workspace, &mut contacts, &mut record).unwrap();
-    (contacts, record)
+pub fn evaluate(scene: &Scene, generator: &PathGenerator, index: u64) -> (ScattererPaths, Pulse) {
+    let mut workspace = generator.workspace();
+    let (mut paths, mut record) = buffers(scene);
+    generator.pulse(index, &mut workspace, &mut paths, &mut record).unwrap();
+    (paths, record)
 }
 
-pub fn buffers(scene: &Scene) -> (Contacts, Pulse) {
+pub fn buffers(scene: &Scene) -> (ScattererPaths, Pulse) {
     let pairs = scene.radar.pairs().len();
     let layout = Layout {
         channels: scene.radar.channels.len(),
@@ -131,5 +131,5 @@ pub fn buffers(scene: &Scene) -> (Contacts, Pulse) {
         ships: 0,
         clocks: 0,
     };
-    (Contacts::new(pairs, layout.channels, 64), Pulse::new(&layout))
+    (ScattererPaths::new(pairs, layout.channels, 64), Pulse::new(&layout))
 }

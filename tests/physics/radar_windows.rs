@@ -5,8 +5,8 @@ use nereus::geometry::light_time::{LightTime, bistatic, direct};
 use nereus::motion::PlatformTracks;
 use nereus::motion::pointing::{PhaseCentre, Surroundings};
 use nereus::motion::track::Track;
-use nereus::paths::Illumination;
-use nereus::paths::list::Contacts;
+use nereus::paths::PathGenerator;
+use nereus::paths::list::ScattererPaths;
 use nereus::pulse::flags;
 use nereus::radar::antenna::Antenna;
 use nereus::radar::fault::{RadarError, RadarFault};
@@ -74,7 +74,7 @@ fn brute_force(scene: &Scene, tracks: &[PlatformTracks], index: u64, window_star
 
 #[test]
 fn spaceborne_windows_hear_what_overlaps_them() {
-    is_shared::<Illumination>();
+    is_shared::<PathGenerator>();
     let (mut scene, tracks) = from_space();
     for (direct_path, samples, prf_hz) in
         [(false, 4096, 2000.0), (true, 4096, 2000.0), (true, 150_000, 2000.0), (false, 60_000, 17_000.0)]
@@ -83,18 +83,18 @@ fn spaceborne_windows_hear_what_overlaps_them() {
         scene.radar.window.samples = samples;
         scene.radar.emissions = PulseTimes::uniform(prf_hz).unwrap();
         for index in [0, 1, 12, 2000, 3998, 3999] {
-            let (contacts, record) = pulse(&scene, &tracks, index);
+            let (paths, record) = pulse(&scene, &tracks, index);
             let expected = brute_force(&scene, &tracks, index, record.window_start_s);
             let ours: Vec<(f64, f64)> =
-                contacts.emission_offset_s.iter().copied().zip(contacts.delay_s[0].iter().copied()).collect();
+                paths.emission_offset_s.iter().copied().zip(paths.delay_s[0].iter().copied()).collect();
             assert_eq!(ours, expected, "pulse {index}, {samples} samples");
             assert!(!ours.is_empty());
         }
     }
     // The gate lies its lead before the aim point's echo, whatever the sample grid.
     scene.radar.direct_path = false;
-    let (contacts, record) = pulse(&scene, &tracks, 2000);
-    assert!((contacts.delay_s[0][0] - record.window_start_s - 5e-6).abs() < 1e-17);
+    let (paths, record) = pulse(&scene, &tracks, 2000);
+    assert!((paths.delay_s[0][0] - record.window_start_s - 5e-6).abs() < 1e-17);
     assert!(record.target_delay_s[0] > 10.0 / 2000.0);
 }
 
@@ -106,13 +106,13 @@ fn a_folded_window_hears_the_older_pulse() {
     let pri = 1.0 / 2000.0;
     let folds = (record.target_delay_s[0] / pri).floor();
     scene.radar.window.gate = Gate::Fixed { start_s: record.target_delay_s[0] - folds * pri - 5e-6 };
-    let (contacts, record) = pulse(&scene, &tracks, 2000);
-    assert_eq!(contacts.len(), 2);
-    assert!(contacts.emission_offset_s.iter().all(|&o| (o + folds * pri).abs() < 1e-12));
+    let (paths, record) = pulse(&scene, &tracks, 2000);
+    assert_eq!(paths.len(), 2);
+    assert!(paths.emission_offset_s.iter().all(|&o| (o + folds * pri).abs() < 1e-12));
     assert_eq!(record.flags, flags::OUTSIDE_WINDOW);
     // The first pulses of the run have nothing before them.
-    let (contacts, record) = pulse(&scene, &tracks, folds as u64 - 1);
-    assert!(contacts.is_empty() && record.flags == flags::OUTSIDE_WINDOW);
+    let (paths, record) = pulse(&scene, &tracks, folds as u64 - 1);
+    assert!(paths.is_empty() && record.flags == flags::OUTSIDE_WINDOW);
 }
 
 #[test]
@@ -123,8 +123,8 @@ fn flags_tell_partly_and_wholly_outside() {
     let delay = 6000.0 / 299_792_458.0;
     let mut with = |start_s: f64, samples: usize| {
         scene.radar.window = Window { samples, gate: Gate::Fixed { start_s } };
-        let (contacts, record) = pulse(&scene, &tracks, 0);
-        (contacts.len(), record.flags)
+        let (paths, record) = pulse(&scene, &tracks, 0);
+        (paths.len(), record.flags)
     };
     assert_eq!(with(delay - 1e-6, 256), (1, 0));
     assert_eq!(with(delay + 0.1e-6, 256), (1, flags::OUTSIDE_WINDOW));
@@ -143,17 +143,17 @@ fn alternating_polarisations() {
     scene.radar.window.samples = 120_000;
     let (together, _) = pulse(&scene, &tracks, 2000);
     scene.radar.tx_polarisation = TxPolarisation::Alternating(vec![H, V]);
-    let (contacts, record) = pulse(&scene, &tracks, 2000);
+    let (paths, record) = pulse(&scene, &tracks, 2000);
     assert_eq!(record.tx_pol, H.code());
-    assert_eq!(contacts.len(), together.len());
+    assert_eq!(paths.len(), together.len());
     let mut heard = [0; 2];
-    for (contact, &offset) in contacts.emission_offset_s.iter().enumerate() {
+    for (path, &offset) in paths.emission_offset_s.iter().enumerate() {
         let sent = (2000 + (offset * 2000.0).round() as i64) as usize % 2;
         heard[sent] += 1;
         for (channel, row) in scene.radar.channels.iter().enumerate() {
-            let a = contacts.amplitude[channel][contact];
+            let a = paths.amplitude[channel][path];
             if (row.tx == H) == (sent == 0) {
-                assert_eq!(a, together.amplitude[channel][contact]);
+                assert_eq!(a, together.amplitude[channel][path]);
             } else {
                 assert_eq!(a.norm(), 0.0);
             }
@@ -182,13 +182,13 @@ fn the_receive_antenna_is_that_of_the_reception() {
     mount.pattern = Pattern::Rectangle { width_m: 4.0, height_m: 1.0 };
     let Pointing::At { aim: receive_aim, .. } = &mut mount.pointing else { panic!() };
     *receive_aim = aim;
-    let (contacts, record) = pulse(&scene, &tracks, index);
+    let (paths, record) = pulse(&scene, &tracks, index);
     scene.radar.receivers[0].antenna.pattern = Pattern::Isotropic { gain_dbi: 0.0 };
     let (plain, _) = pulse(&scene, &tracks, index);
     // Both ports of the receiver together: their bases differ between the patterns.
-    let power = |c: &Contacts| c.amplitude[0][0].norm_sqr() + c.amplitude[2][0].norm_sqr();
-    let sign = (contacts.amplitude[0][0] / plain.amplitude[0][0]).re.signum();
-    let ours = sign * (power(&contacts) / power(&plain)).sqrt();
+    let power = |c: &ScattererPaths| c.amplitude[0][0].norm_sqr() + c.amplitude[2][0].norm_sqr();
+    let sign = (paths.amplitude[0][0] / plain.amplitude[0][0]).re.signum();
+    let ours = sign * (power(&paths) / power(&plain)).sqrt();
     scene.radar.receivers[0].antenna.pattern = Pattern::Rectangle { width_m: 4.0, height_m: 1.0 };
     let emission = scene.radar.emissions.emission(scene.start, index);
     let around = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
@@ -223,29 +223,29 @@ fn pairs_have_their_own_delays() {
     scene.radar.channels.extend(more);
     let tracks =
         [straight(&scene, [-4e3, 0.0, 3e3], [0.0; 3]), straight(&scene, [0.0, -600.0, 800.0], [0.0; 3])];
-    let illumination = Illumination::new(&scene, PULSE_S, tracks.to_vec()).unwrap();
-    assert_eq!(illumination.channel_pairs(), [0, 0, 0, 0, 1, 1, 1, 1]);
-    let (contacts, record) = evaluate(&scene, &illumination, 3);
-    assert_eq!(contacts.len(), 2);
+    let generator = PathGenerator::new(&scene, PULSE_S, tracks.to_vec()).unwrap();
+    assert_eq!(generator.channel_pairs(), [0, 0, 0, 0, 1, 1, 1, 1]);
+    let (paths, record) = evaluate(&scene, &generator, 3);
+    assert_eq!(paths.len(), 2);
     let c = 299_792_458.0;
     assert!((record.target_delay_s[0] * c - 6e3).abs() < 1e-8);
     assert!((record.target_delay_s[1] * c - 10e3).abs() < 1e-8);
     // A receiver in the transmitter's phase centre has no direct path.
-    assert!(contacts.amplitude[0][1].norm() > 0.0 && contacts.amplitude[4][1].norm() == 0.0);
-    assert_eq!(contacts.delay_s[1][1], 0.0);
+    assert!(paths.amplitude[0][1].norm() > 0.0 && paths.amplitude[4][1].norm() == 0.0);
+    assert_eq!(paths.delay_s[1][1], 0.0);
 }
 
 #[test]
 fn pulses_do_not_depend_on_what_was_asked_before() {
     let (scene, tracks) = from_space();
-    let illumination = Illumination::new(&scene, PULSE_S, tracks).unwrap();
-    let mut workspace = illumination.workspace();
-    let (mut contacts, mut record) = buffers(&scene);
+    let generator = PathGenerator::new(&scene, PULSE_S, tracks).unwrap();
+    let mut workspace = generator.workspace();
+    let (mut paths, mut record) = buffers(&scene);
     for index in [3999, 7, 8, 2500, 0] {
-        illumination.pulse(index, &mut workspace, &mut contacts, &mut record).unwrap();
-        assert_eq!((contacts.clone(), record.clone()), evaluate(&scene, &illumination, index));
+        generator.pulse(index, &mut workspace, &mut paths, &mut record).unwrap();
+        assert_eq!((paths.clone(), record.clone()), evaluate(&scene, &generator, index));
     }
-    let outside = illumination.pulse(4000, &mut workspace, &mut contacts, &mut record);
+    let outside = generator.pulse(4000, &mut workspace, &mut paths, &mut record);
     assert!(matches!(outside, Err(RadarError::NoSuchPulse { index: 4000, pulses: 4000 })));
 }
 
@@ -277,7 +277,7 @@ fn a_scene_that_does_not_hang_together_is_refused_with_all_faults() {
     scene.radar.carrier_hz = f64::NAN;
     scene.radar.tx_polarisation = TxPolarisation::Alternating(vec![]);
     scene.radar.transmitters[0].antenna.pattern = Pattern::File { path: "none.csv".into(), floor_dbi: -60.0 };
-    let Err(RadarError::Faults(faults)) = Illumination::new(&scene, PULSE_S, vec![]) else { panic!() };
+    let Err(RadarError::Faults(faults)) = PathGenerator::new(&scene, PULSE_S, vec![]) else { panic!() };
     let all: Vec<String> = faults.iter().map(ToString::to_string).collect();
     assert_eq!(faults.len(), 6, "{all:#?}");
     assert!(faults.iter().any(|f| matches!(f, RadarFault::Missing { what: "transmitter", index: 4, .. })));

@@ -1,8 +1,8 @@
 //! Ships in the echo at the ends of what is legal, and the narrow V of their short waves.
 
 use nereus::motion::PlatformTracks;
-use nereus::paths::Illumination;
-use nereus::paths::list::Contacts;
+use nereus::paths::PathGenerator;
+use nereus::paths::list::ScattererPaths;
 use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use nereus::scene::Scene;
 use nereus::scene::radar::{Aim, AimFrom};
@@ -13,7 +13,7 @@ use nereus::sea::realise::realise;
 use proptest::prelude::*;
 
 use super::radar_scenes::{PULSE_S, evaluate, point, scene, straight, vector};
-use super::sea_contacts::sea;
+use super::sea_paths::sea;
 
 /// A Wigley hull of the usual proportions along +x, with all that ships have.
 fn ship(length_m: f64, speed_mps: f64, position_m: [f64; 2]) -> Ship {
@@ -42,31 +42,31 @@ fn abeam(scene: &Scene) -> Vec<PlatformTracks> {
     vec![track.clone(), track]
 }
 
-fn contacts_from(scene: &Scene, tracks: Vec<PlatformTracks>, index: u64) -> Contacts {
-    let illumination = Illumination::new(scene, PULSE_S, tracks).unwrap();
-    let list = evaluate(scene, &illumination, index).0;
+fn contacts_from(scene: &Scene, tracks: Vec<PlatformTracks>, index: u64) -> ScattererPaths {
+    let generator = PathGenerator::new(scene, PULSE_S, tracks).unwrap();
+    let list = evaluate(scene, &generator, index).0;
     let finite = |column: &Vec<f64>| column.iter().all(|value| value.is_finite());
     assert!(list.delay_s.iter().all(finite) && list.delay_rate.iter().all(finite));
     assert!(list.amplitude.iter().flatten().all(|a| a.re.is_finite() && a.im.is_finite()));
     list
 }
 
-fn contacts(scene: &Scene) -> Contacts {
+fn paths(scene: &Scene) -> ScattererPaths {
     contacts_from(scene, abeam(scene), 3)
 }
 
 #[test]
 fn a_ship_without_way_changes_nothing() {
-    let empty = contacts(&with_ships(1.0, Vec::new()));
+    let empty = paths(&with_ships(1.0, Vec::new()));
     assert!(!empty.is_empty());
     for speed_mps in [0.0, f64::MIN_POSITIVE, 1e-9, 0.0999] {
-        let still = contacts(&with_ships(1.0, vec![ship(20.0, speed_mps, [12.0, 0.0])]));
+        let still = paths(&with_ships(1.0, vec![ship(20.0, speed_mps, [12.0, 0.0])]));
         assert!(still == empty, "{speed_mps} m/s");
     }
     // Nor does one that is yet to come, one whose waves have faded (its strip is still there then), and one that passes far off.
     for place_m in [[-500.0, 0.0], [20.0 * 42.0, 0.0], [12.0, 2000.0]] {
         let turbulent = Some(TurbulentWake::default()).filter(|_| place_m[0] < 100.0);
-        let away = contacts(&with_ships(1.0, vec![Ship { turbulent, ..ship(20.0, 6.0, place_m) }]));
+        let away = paths(&with_ships(1.0, vec![Ship { turbulent, ..ship(20.0, 6.0, place_m) }]));
         assert_eq!(away.delay_s, empty.delay_s, "{place_m:?}");
         // Where ships have short waves other code asks for the spectrum: a rounding or two are left.
         for (a, b) in away.amplitude.iter().zip(&empty.amplitude) {
@@ -75,7 +75,7 @@ fn a_ship_without_way_changes_nothing() {
             assert!(worst < 1e-14 * level, "{place_m:?}: {worst:e} of {level:e}");
         }
     }
-    assert!(contacts(&with_ships(1.0, vec![ship(20.0, 6.0, [40.0, 0.0])])) != empty);
+    assert!(paths(&with_ships(1.0, vec![ship(20.0, 6.0, [40.0, 0.0])])) != empty);
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn tiny_and_huge_ships_slow_and_fast_ones() {
         for speed_mps in [0.1, 0.5, 5.0, 100.0] {
             for facet_m in [0.1, 1.0, 30.0] {
                 let astern_m = 0.5 * length_m + 4.0 * facet_m;
-                contacts(&with_ships(facet_m, vec![ship(length_m, speed_mps, [astern_m, 0.3])]));
+                paths(&with_ships(facet_m, vec![ship(length_m, speed_mps, [astern_m, 0.3])]));
             }
         }
     }
@@ -105,7 +105,7 @@ fn a_ship_under_the_radar_and_crossing_ships() {
             Ship { name: format!("ship-{n}"), heading_rad, ..ship(30.0, 5.0, place_m) }
         })
         .collect();
-    assert!(!contacts(&scene).is_empty());
+    assert!(!paths(&scene).is_empty());
 }
 
 #[test]
@@ -115,12 +115,12 @@ fn a_following_patch_meets_ships() {
     let aim = Aim::Point { position: point([0.0; 3]), velocity: vector([1500.0, 0.0, 0.0]) };
     sea.place = PatchPlace::Follow { aim, aim_from: AimFrom::True };
     sea.shadow = Some(Shadowing::default());
-    let illumination = Illumination::new(&scene, PULSE_S, abeam(&scene)).unwrap();
+    let generator = PathGenerator::new(&scene, PULSE_S, abeam(&scene)).unwrap();
     let calm = Scene { ships: Vec::new(), ..scene.clone() };
-    let without = Illumination::new(&calm, PULSE_S, abeam(&calm)).unwrap();
+    let without = PathGenerator::new(&calm, PULSE_S, abeam(&calm)).unwrap();
     let mut changed = 0;
     for index in (0..490).step_by(14) {
-        let (a, b) = (evaluate(&scene, &illumination, index).0, evaluate(&calm, &without, index).0);
+        let (a, b) = (evaluate(&scene, &generator, index).0, evaluate(&calm, &without, index).0);
         assert!(a.delay_s[0].iter().all(|delay_s| delay_s.is_finite()));
         changed += usize::from(a.delay_s != b.delay_s);
     }
@@ -171,11 +171,11 @@ fn facets_get_the_spectrum_of_the_short_waves() {
     // Light wind, so that the waves of the ship stand out. Facets are looked at from South, across the track: Bragg waves of
     // 2 k sin 45 deg = 38.5 rad/m run North and South.
     let mut scene = with_ships(1.0, vec![Ship { turbulent: None, ..ship(100.0, 9.0, [300.0, 0.0]) }]);
-    let bright = contacts(&scene);
+    let bright = paths(&scene);
     scene.ships[0].kelvin = Some(KelvinWake::default());
-    let plain = contacts(&scene);
+    let plain = paths(&scene);
     assert_eq!((bright.len(), &bright.delay_s), (plain.len(), &plain.delay_s));
-    let power = |list: &Contacts, i: usize| list.amplitude[0][i].norm_sqr();
+    let power = |list: &ScattererPaths, i: usize| list.amplitude[0][i].norm_sqr();
     let gains_db: Vec<f64> =
         (0..bright.len()).map(|i| 10.0 * (power(&bright, i) / power(&plain, i)).log10()).collect();
     let greatest_db = gains_db.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -42,6 +42,6 @@ pub(super) fn models(run: &Run, without: &mut Vec<Described>) {
     let antennas = run.scene.radar.transmitters.iter().map(|tx| &tx.antenna);
     let mut antennas = antennas.chain(run.scene.radar.receivers.iter().map(|rx| &rx.antenna));
     if antennas.any(|mount| matches!(mount.pattern, Pattern::Rectangle { .. } | Pattern::Ellipse { .. })) {
-        without.push(described("back lobes", "apertures have none but those of their uniform illumination"));
+        without.push(described("back lobes", "apertures have none but those of their uniform generator"));
     }
 }

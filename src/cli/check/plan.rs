@@ -8,7 +8,7 @@ use crate::bench::settings;
 use crate::cli::bench::settings_text;
 use crate::cli::counted;
 use crate::config::keys;
-use crate::fidelity::settle::Plan;
+use crate::fidelity::choose::Plan;
 
 /// A plan in figures; all of it predicted.
 #[derive(Debug, Serialize)]
@@ -45,11 +45,11 @@ pub(in crate::cli) fn parts_db(plan: &Plan) -> Map<String, Value> {
 
 /// Settings that were given and are set otherwise, as given: instants lie where a block has room for them.
 fn set_otherwise(plan: &Plan) -> Map<String, Value> {
-    let (asked, settled) = (&plan.asked, &plan.settled);
+    let (asked, chosen) = (&plan.asked, &plan.chosen);
     let pulses = [
-        ("node_pulses", asked.node_pulses, settled.node_pulses),
-        ("gain_pulses", asked.gain_pulses, settled.gain_pulses),
-        ("scatter_pulses", asked.scatter_pulses, settled.scatter_pulses()),
+        ("node_pulses", asked.node_pulses, chosen.node_pulses),
+        ("gain_pulses", asked.gain_pulses, chosen.gain_pulses),
+        ("scatter_pulses", asked.scatter_pulses, chosen.scatter_pulses()),
     ];
     let other =
         pulses.into_iter().filter_map(|(name, asked, set)| Some((name, asked.filter(|n| *n != set)?)));
@@ -69,7 +69,7 @@ impl PlanReport {
     pub(super) fn new(plan: &Plan, real_time_factor: f64, bytes: u64) -> Self {
         Self {
             error_db: plan.asked.error_db,
-            settings: settings::settings(Some(&plan.settled)),
+            settings: settings::settings(Some(&plan.chosen)),
             asked: set_otherwise(plan),
             predicted_rel_rms_db: plan.prediction.total_db(),
             predicted_error_db: parts_db(plan),

@@ -1,7 +1,7 @@
 //! What `nereus check` says about a sea.
 
 use super::{Described, described, neat};
-use crate::adequacy::{AZIMUTH_M, Outlook};
+use crate::adequacy::{AZIMUTH_M, Adequacy};
 use crate::scene::Scene;
 use crate::scene::sea::{
     Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing,
@@ -76,7 +76,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
 }
 
 /// The figures that follow from the wind and the geometry.
-pub(super) fn rows(outlook: &Outlook) -> Vec<Described> {
+pub(super) fn rows(outlook: &Adequacy) -> Vec<Described> {
     let mut rows = vec![described(
         "wind",
         format!(

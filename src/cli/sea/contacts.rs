@@ -7,7 +7,7 @@ use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pipeline::stages::PulseFactory;
 use crate::recording::map_file::Attribute;
 use crate::recording::output::Output;
-use crate::recording::path_file::ContactFile;
+use crate::recording::path_file::PathFile;
 use crate::scene::radar::{Sweep, Waveform};
 
 /// Writes the file and tells how many contacts it holds.
@@ -52,12 +52,12 @@ pub(super) fn write(
             ("waveform_rate_hz", Attribute::Real(*rate_hz)),
         ]),
     }
-    let file = ContactFile {
+    let file = PathFile {
         attributes: &attributes,
         pairs: &pairs,
         channels: &channels,
         channel_pairs: factory.channel_pairs(),
-        contacts,
+        paths: contacts,
     };
     output.write(|partial| Ok::<_, SeaError>(file.write(partial)?))?;
     Ok(contacts.len())

@@ -9,7 +9,7 @@ use crate::plot::chart::PlotError;
 use crate::plot::picture::PictureError;
 use crate::recording::map_file::MapError;
 use crate::recording::output::OutputError;
-use crate::recording::path_file::ContactFileError;
+use crate::recording::path_file::PathFileError;
 use crate::sea::realise::RealiseError;
 use crate::sea::surface::StateError;
 use crate::sea::wake::WakeError;
@@ -77,7 +77,7 @@ pub enum SeaError {
     Map(#[from] MapError),
     /// The contacts cannot be written.
     #[error(transparent)]
-    Contacts(#[from] ContactFileError),
+    Contacts(#[from] PathFileError),
     /// The state cannot be written.
     #[error(transparent)]
     State(#[from] StateError),

@@ -33,9 +33,9 @@ use crate::plot::picture::{Axis, Picture};
 use crate::recording::map_file::{Attribute, Layer, MapFile};
 use crate::recording::output::{FileKind, Output, OutputError, apart};
 use crate::scene::Patch;
+use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::Fleet;
 use crate::sea::realise::{Realised, realise};
-use crate::sea::sheet::Sheet;
 use crate::sea::surface::{Fields, Selection};
 use summary::Summary;
 
@@ -94,7 +94,7 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     // Ships do not repeat with the waves of the wind: it matters where the patch lies.
     let patch = if ships.is_empty() { sea.patch } else { patch_at(&run, sea, args.time_s)? };
     let fleet = Fleet::muster(ships, &[(args.time_s, patch)]).map_err(BuildErrors::from)?;
-    let sheet = Sheet::new(&realised.surface, selection(args));
+    let sheet = FacetSurface::new(&realised.surface, selection(args));
     let mut sheet = sheet.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
     let mut fields = sheet.fields(&patch);
     sheet.evaluate(args.time_s, &patch, &mut fields).map_err(SeaError::from)?;

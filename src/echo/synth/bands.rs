@@ -1,22 +1,22 @@
-//! One pulse whose contacts are taken in bands of Doppler, each with a replica of its own.
+//! One pulse whose scatterer paths are taken in bands of Doppler, each with a replica of its own.
 //!
-//! Where Doppler or stretch off the mean of a pulse cost more than is allowed ([`super::doppler`]), contacts are sorted by `f0 r` into bands of a given
-//! width, pair by pair, and each band is spread and transformed about its own mean: no contact is farther off it than the width of the band.
+//! Where Doppler or stretch off the mean of a pulse cost more than is allowed ([`super::doppler`]), scatterer paths are sorted by `f0 r` into bands of a given
+//! width, pair by pair, and each band is spread and transformed about its own mean: no scatterer path is farther off it than the width of the band.
 //! Slow (a fill and a transform for each band that holds anything), but as exact as the bands are narrow.
 
 use num_complex::Complex64;
 
-use super::block::{BlockContacts, Fill, Node};
+use super::block::{BlockPaths, Fill, Node};
 use super::{Grids, Scalar, Synth, SynthError, SynthScratch};
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 
 /// Room to work; one per thread.
 #[derive(Debug)]
 pub struct Bands<T: Scalar> {
-    /// Band and contact.
+    /// Band and scatterer path.
     order: Vec<(i64, usize)>,
-    part: Contacts,
-    block: BlockContacts<T>,
+    part: ScattererPaths,
+    block: BlockPaths<T>,
     grids: Grids<T>,
     scratch: SynthScratch<T>,
     spectrum: Vec<Complex64>,
@@ -27,7 +27,7 @@ impl<T: Scalar> Synth<T> {
     pub fn bands(&self) -> Bands<T> {
         Bands {
             order: Vec::new(),
-            part: Contacts::new(self.pairs, self.channels, 0),
+            part: ScattererPaths::new(self.pairs, self.channels, 0),
             block: self.block(),
             grids: self.grids(),
             scratch: self.scratch(),
@@ -35,10 +35,10 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its contacts in bands `band_hz` wide.
+    /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands `band_hz` wide.
     pub fn pulse_in_bands(
         &self,
-        contacts: &Contacts,
+        paths: &ScattererPaths,
         window_s: f64,
         band_hz: f64,
         work: &mut Bands<T>,
@@ -51,28 +51,28 @@ impl<T: Scalar> Synth<T> {
             let of_pair = || self.layers.iter().filter(|layer| layer.pair == pair && !layer.moment);
             let sounds = |n: usize| {
                 let mut channels = of_pair().flat_map(|layer| &layer.channels);
-                channels.any(|channel| contacts.amplitude[*channel][n] != Complex64::ZERO)
+                channels.any(|channel| paths.amplitude[*channel][n] != Complex64::ZERO)
             };
             order.clear();
-            let rates = contacts.delay_rate[pair].iter().enumerate().filter(|(n, _)| sounds(*n));
+            let rates = paths.delay_rate[pair].iter().enumerate().filter(|(n, _)| sounds(*n));
             order.extend(rates.map(|(n, rate)| ((self.carrier_hz * rate / band_hz).floor() as i64, n)));
             order.sort_unstable();
             for band in order.chunk_by(|a, b| a.0 == b.0) {
                 part.clear();
                 for (_, n) in band {
-                    part.emission_offset_s.push(contacts.emission_offset_s[*n]);
+                    part.emission_offset_s.push(paths.emission_offset_s[*n]);
                     for other in 0..self.pairs {
-                        part.delay_s[other].push(contacts.delay_s[other][*n]);
-                        part.delay_rate[other].push(contacts.delay_rate[other][*n]);
+                        part.delay_s[other].push(paths.delay_s[other][*n]);
+                        part.delay_rate[other].push(paths.delay_rate[other][*n]);
                     }
                     part.amplitude.iter_mut().for_each(|column| column.push(Complex64::ZERO));
                     for channel in of_pair().flat_map(|layer| &layer.channels) {
                         if let Some(last) = part.amplitude[*channel].last_mut() {
-                            *last = contacts.amplitude[*channel][*n];
+                            *last = paths.amplitude[*channel][*n];
                         }
                     }
                 }
-                self.fill(&[Node { pulse: 0, contacts: part }], &[window_s], block)?;
+                self.fill(&[Node { pulse: 0, paths: part }], &[window_s], block)?;
                 let fill = block.found();
                 found.sounding += fill.sounding;
                 found.unplaced += fill.unplaced;

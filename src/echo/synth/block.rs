@@ -1,6 +1,6 @@
-//! What a block of pulses holds of its contacts.
+//! What a block of pulses holds of its scatterer paths.
 //!
-//! Over the `M <= 64` pulses of a block, with `m` counted from the middle pulse `M/2` (pulses equally spaced), a contact has
+//! Over the `M <= 64` pulses of a block, with `m` counted from the middle pulse `M/2` (pulses equally spaced), a scatterer path has
 //!
 //! | quantity | form | held as |
 //! | --- | --- | --- |
@@ -23,32 +23,32 @@ use super::grid::Lined;
 use super::scalar::Scalar;
 use super::spread::Courses;
 use super::{Settings, Synth, SynthError};
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 
 /// Most pulses of a block.
 pub const MAX_PULSES: usize = 64;
 /// Most nodes of a block.
 pub const MAX_NODES: usize = 4;
-/// Cells that a contact may move within half a block.
+/// Cells that a scatterer path may move within half a block.
 pub const MAX_DRIFT_CELLS: f64 = 1e6;
 /// Whole cells are held within this, so that sums of two do not overflow; no window is as long.
 pub(super) const FAR_CELLS: f64 = 5e8;
 
-/// Contacts of the block at one of its pulses.
+/// Scatterer paths of the block at one of its pulses.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<'a> {
     /// Pulse within the block.
     pub pulse: usize,
-    /// Its contacts: the same ones, in the same order, at every node.
-    pub contacts: &'a Contacts,
+    /// Its scatterer paths: the same ones, in the same order, at every node.
+    pub paths: &'a ScattererPaths,
 }
 
 /// What filling a block has found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fill {
-    /// Contacts that are spread, counted once for each pair.
+    /// Scatterer paths that are spread, counted once for each pair.
     pub sounding: usize,
-    /// Contacts and pairs left out though they sound: with a delay at one node and none at another, a rate of 1 or more (faster
+    /// Scatterer paths and pairs left out though they sound: with a delay at one node and none at another, a rate of 1 or more (faster
     /// than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
     pub unplaced: usize,
     /// Largest Doppler off its pair's mean at a node, Hz.
@@ -57,7 +57,7 @@ pub struct Fill {
     pub drift_cells: f64,
 }
 
-/// What the pulses of a block have in common, whatever its contacts.
+/// What the pulses of a block have in common, whatever its scatterer paths.
 #[derive(Debug, Default)]
 pub struct Frame {
     /// First sample of each pulse's window.
@@ -90,15 +90,15 @@ impl Frame {
     }
 }
 
-/// Contacts of a block of pulses. Made by [`Synth::block`], filled by [`Synth::fill`].
+/// Scatterer paths of a block of pulses. Made by [`Synth::block`], filled by [`Synth::fill`].
 #[derive(Debug)]
-pub struct BlockContacts<T: Scalar> {
+pub struct BlockPaths<T: Scalar> {
     /// Pulse of the grids at which the block begins.
     pub(super) start: usize,
     pub(super) frame: Frame,
     /// `[pair]`.
     pub(super) courses: Vec<Courses<T>>,
-    /// `[layer][power]`, each `[contact][lane]`.
+    /// `[layer][power]`, each `[path][lane]`.
     pub(super) amplitude: Vec<Vec<Lined<T>>>,
     /// Powers of the amplitudes that are in use: 2 or 4.
     pub(super) powers: usize,
@@ -107,7 +107,7 @@ pub struct BlockContacts<T: Scalar> {
     pub(super) fill: Fill,
 }
 
-impl<T: Scalar> BlockContacts<T> {
+impl<T: Scalar> BlockPaths<T> {
     pub(super) fn new(pairs: usize, layers: usize) -> Self {
         Self {
             start: 0,
@@ -129,7 +129,7 @@ impl<T: Scalar> BlockContacts<T> {
         self.shifts.len()
     }
 
-    /// Contacts, silent ones included.
+    /// Scatterer paths, silent ones included.
     pub fn len(&self) -> usize {
         self.courses.first().map_or(0, |c| c.base.len())
     }
@@ -154,7 +154,7 @@ impl<T: Scalar> BlockContacts<T> {
         (self.pulses() / 2) as i32
     }
 
-    /// Bytes per contact that a pulse reads.
+    /// Bytes per scatterer path that a pulse reads.
     pub fn bytes_per_contact(&self) -> usize {
         let course = 3 * size_of::<T::Turns>() + 5 * size_of::<T>() + size_of::<i32>();
         let amplitude: usize =
@@ -204,17 +204,17 @@ impl Through {
 
 impl<T: Scalar> Synth<T> {
     /// An empty block.
-    pub fn block(&self) -> BlockContacts<T> {
-        BlockContacts::new(self.pairs, self.layers.len())
+    pub fn block(&self) -> BlockPaths<T> {
+        BlockPaths::new(self.pairs, self.layers.len())
     }
 
     /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after its emission, s)
-    /// from its contacts at one to four nodes.
+    /// from its scatterer paths at one to four nodes.
     pub fn fill(
         &self,
         nodes: &[Node<'_>],
         windows_s: &[f64],
-        block: &mut BlockContacts<T>,
+        block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
         self.check(nodes, windows_s)?;
         let means: [f64; 0] = [];
@@ -235,7 +235,7 @@ impl<T: Scalar> Synth<T> {
         nodes: &[Node<'_>],
         frame: &Frame,
         pulses: std::ops::Range<usize>,
-        block: &mut BlockContacts<T>,
+        block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
         let windows_s = frame.windows_s.get(pulses.clone()).unwrap_or_default();
         self.check(nodes, windows_s)?;
@@ -270,7 +270,7 @@ impl<T: Scalar> Synth<T> {
         reference_s
     }
 
-    fn fill_contacts(&self, nodes: &[Node<'_>], windows_s: &[f64], block: &mut BlockContacts<T>) {
+    fn fill_contacts(&self, nodes: &[Node<'_>], windows_s: &[f64], block: &mut BlockPaths<T>) {
         let middle = (windows_s.len() / 2) as f64;
         let reference_s = self.fill_shifts(windows_s, &mut block.shifts);
         let mut places = [0.0; MAX_NODES];
@@ -299,31 +299,31 @@ impl<T: Scalar> Synth<T> {
             if node.pulse >= pulses || nodes[..i].iter().any(|other| other.pulse == node.pulse) {
                 return Err(SynthError::NodePulse { pulse: node.pulse, pulses });
             }
-            let (contacts, first) = (node.contacts, nodes[0].contacts);
+            let (paths, first) = (node.paths, nodes[0].paths);
             let courses =
-                contacts.delay_s.iter().take(self.pairs).chain(contacts.delay_rate.iter().take(self.pairs));
-            let same = contacts.len() == first.len()
-                && contacts.delay_s.len() >= self.pairs
-                && contacts.delay_rate.len() >= self.pairs
-                && contacts.amplitude.len() >= self.channels
+                paths.delay_s.iter().take(self.pairs).chain(paths.delay_rate.iter().take(self.pairs));
+            let same = paths.len() == first.len()
+                && paths.delay_s.len() >= self.pairs
+                && paths.delay_rate.len() >= self.pairs
+                && paths.amplitude.len() >= self.channels
                 && courses.map(Vec::len).all(|len| len == first.len())
-                && contacts.amplitude.iter().take(self.channels).all(|a| a.len() == first.len());
+                && paths.amplitude.iter().take(self.channels).all(|a| a.len() == first.len());
             if !same {
-                return Err(SynthError::Contacts { pulse: node.pulse });
+                return Err(SynthError::ScattererPaths { pulse: node.pulse });
             }
         }
         Ok(())
     }
 
-    /// Mean of `f0 r` over contacts and nodes, weighted by power.
+    /// Mean of `f0 r` over scatterer paths and nodes, weighted by power.
     fn mean_hz(&self, nodes: &[Node<'_>], pair: usize) -> f64 {
         let (mut sum, mut weight) = (0.0, 0.0);
         for node in nodes {
             for layer in self.layers.iter().filter(|l| l.pair == pair && !l.moment) {
                 for channel in &layer.channels {
-                    let amplitudes = &node.contacts.amplitude[*channel];
-                    let delays_s = &node.contacts.delay_s[pair];
-                    let rates = &node.contacts.delay_rate[pair];
+                    let amplitudes = &node.paths.amplitude[*channel];
+                    let delays_s = &node.paths.delay_s[pair];
+                    let rates = &node.paths.delay_rate[pair];
                     for (a, (delay_s, rate)) in amplitudes.iter().zip(delays_s.iter().zip(rates)) {
                         let power = a.norm_sqr();
                         if power > 0.0 && power.is_finite() && is_course(*delay_s, *rate) {
@@ -343,16 +343,16 @@ impl<T: Scalar> Synth<T> {
         through: &Through,
         reference_s: f64,
         pair: usize,
-        block: &mut BlockContacts<T>,
+        block: &mut BlockPaths<T>,
     ) {
-        let contacts = nodes[0].contacts.len();
+        let paths = nodes[0].paths.len();
         let mean_hz = block.frame.mean_hz[pair];
         let correction = self.correction();
         let courses = &mut block.courses[pair];
-        courses.phase.iter_mut().for_each(|p| p.resize(contacts, T::Turns::default()));
-        courses.phase_cubic.resize(contacts, T::default());
-        courses.base.resize(contacts, 0);
-        courses.place.iter_mut().for_each(|p| p.resize(contacts, T::default()));
+        courses.phase.iter_mut().for_each(|p| p.resize(paths, T::Turns::default()));
+        courses.phase_cubic.resize(paths, T::default());
+        courses.base.resize(paths, 0);
+        courses.place.iter_mut().for_each(|p| p.resize(paths, T::default()));
         let powers = if nodes.len() <= 2 { 2 } else { 4 };
         block.powers = powers;
         for (layer, held) in self.layers.iter().zip(&mut block.amplitude) {
@@ -360,20 +360,20 @@ impl<T: Scalar> Synth<T> {
                 // What is not needed keeps its room for the next block.
                 held.resize_with(MAX_NODES, Lined::default);
                 held.iter_mut().enumerate().for_each(|(power, a)| {
-                    a.reset(if power < powers { contacts * layer.lanes } else { 0 });
+                    a.reset(if power < powers { paths * layer.lanes } else { 0 });
                 });
             }
         }
-        for n in 0..contacts {
+        for n in 0..paths {
             let (mut turns, mut cells, mut residual) = ([0.0; 4], [0.0; 4], [0.0; 4]);
             let (mut placed, mut anywhere, mut drift) = (true, false, 0.0f64);
             for (i, node) in nodes.iter().enumerate() {
-                let delay_s = node.contacts.delay_s[pair][n];
-                let rate = node.contacts.delay_rate[pair][n];
+                let delay_s = node.paths.delay_s[pair][n];
+                let rate = node.paths.delay_rate[pair][n];
                 residual[i] = self.carrier_hz * rate - mean_hz;
                 let (extra_turns, extra_s) = correction.of(mean_hz, residual[i]);
                 turns[i] = extra_turns - self.carrier_hz * delay_s;
-                let after_s = node.contacts.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
+                let after_s = node.paths.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
                 cells[i] = (after_s + self.lead_s) * self.cells_per_s + 0.5;
                 let seen = is_course(delay_s, rate) && cells[i].is_finite();
                 placed &= seen;
@@ -419,7 +419,7 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// Amplitudes of contact `n` in the layers of a pair; returns whether it sounds at all.
+    /// Amplitudes of scatterer path `n` in the layers of a pair; returns whether it sounds at all.
     fn fill_amplitude(
         &self,
         nodes: &[Node<'_>],
@@ -438,7 +438,7 @@ impl<T: Scalar> Synth<T> {
             for (at, channel) in layer.channels.iter().enumerate() {
                 let (mut re, mut im) = ([0.0; MAX_NODES], [0.0; MAX_NODES]);
                 for (i, node) in nodes.iter().enumerate() {
-                    let mut a = node.contacts.amplitude[*channel][n];
+                    let mut a = node.paths.amplitude[*channel][n];
                     if layer.moment {
                         a *= residual_hz[i] * self.waveform.duration_s();
                     }
@@ -491,12 +491,12 @@ impl<T: Scalar> Synth<T> {
     }
 }
 
-/// Whether a contact has a delay, and a rate below the speed of light.
+/// Whether a scatterer path has a delay, and a rate below the speed of light.
 fn is_course(delay_s: f64, rate: f64) -> bool {
     delay_s.is_finite() && rate.abs() < 1.0
 }
 
 /// The amplitudes alone, while the rest is borrowed elsewhere.
-fn block_amplitude<T: Scalar>(block: &mut BlockContacts<T>) -> &mut [Vec<Lined<T>>] {
+fn block_amplitude<T: Scalar>(block: &mut BlockPaths<T>) -> &mut [Vec<Lined<T>>] {
     &mut block.amplitude
 }

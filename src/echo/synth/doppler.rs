@@ -1,6 +1,6 @@
 //! Doppler within a pulse.
 //!
-//! The echo of a contact carries `e^{-j 2 pi nu t'}`, `nu = f0 r`, while the pulse `p(t')` passes; in frequency, `P(f + nu)`. A block
+//! The echo of a scatterer path carries `e^{-j 2 pi nu t'}`, `nu = f0 r`, while the pulse `p(t')` passes; in frequency, `P(f + nu)`. A block
 //! and pair have a mean rate: with `nu = nu0 + nu'`, `P(f + nu0)` is in the replica, exact and free. What is left, `nu'`, is done in one
 //! of three ways (`c = Tc/2`, `p0 = p e^{-j 2 pi nu0 t'}`):
 //!
@@ -28,8 +28,8 @@
 //!
 //! It evaluates `sum |H (P(f + nu) - approximation)|^2 / sum |H P|^2` itself, for any waveform. The strips of `|D| fs` above 1 (the last two rows)
 //! tend to `2 |nu'| / B`. A scene whose spread of
-//! Doppler is too wide for its pulse is split: contacts sorted into bands of Doppler, a block each, spectra added.
-//! A contact whose `nu'` changes within the block is followed: its delay and phase are set at every node.
+//! Doppler is too wide for its pulse is split: scatterer paths sorted into bands of Doppler, a block each, spectra added.
+//! A scatterer path whose `nu'` changes within the block is followed: its delay and phase are set at every node.
 //!
 //! # Stretch of the envelope
 //!
@@ -49,7 +49,7 @@ use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
 
-/// What is done about the Doppler of a contact that differs from the mean.
+/// What is done about the Doppler of a scatterer path that differs from the mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doppler {
     /// The right phase in the middle of the pulse.
@@ -69,7 +69,7 @@ pub enum Envelope {
     Stretched,
 }
 
-/// A contact's Doppler off the mean as a delay and a phase; all of them linear in it but for the square of [`Doppler::Shift`].
+/// A scatterer path's Doppler off the mean as a delay and a phase; all of them linear in it but for the square of [`Doppler::Shift`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Correction {
     /// Turns per Hz, the sign reversed: the time from the beginning of the pulse at which its phase is right.
@@ -101,7 +101,7 @@ impl Correction {
         [shifted, shifted + self.centred]
     }
 
-    /// `(turns, delay in s)` to be added to a contact for the part of its Doppler that is not the mean's.
+    /// `(turns, delay in s)` to be added to a scatterer path for the part of its Doppler that is not the mean's.
     pub fn of(&self, mean_hz: f64, residual_hz: f64) -> (f64, f64) {
         let turns = -self.middle_s * residual_hz;
         let shift_s = self.sweep.map_or(0.0, |mu| residual_hz / mu);
@@ -168,7 +168,7 @@ pub(super) fn moment_spectrum(waveform: &dyn Waveform, f_hz: f64) -> Complex64 {
     Complex64::I / (2.0 * PI) * slope / step_hz * phasor(-f_hz * half_s)
 }
 
-/// Expected `|error|^2 / |echo|^2` of a contact `residual_hz` off the mean `mean_hz`, after the receive filter: against an exact echo of the
+/// Expected `|error|^2 / |echo|^2` of a scatterer path `residual_hz` off the mean `mean_hz`, after the receive filter: against an exact echo of the
 /// same [`Envelope`], so that of a rigid one [`rigid_error_power`] is still to be added.
 pub fn error_power(
     (doppler, envelope): (Doppler, Envelope),

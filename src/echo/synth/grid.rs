@@ -2,7 +2,7 @@
 //!
 //! `[pulse][layer][cell][lane]`: a **layer** is what is spread with one set of places and weights, up to four channels of one
 //! pair; a **lane** is the real or imaginary part of one channel. Cells `0 .. period` are the grid, the next `width - 1`
-//! belong to its beginning (a contact at the end spreads over the edge without a branch), and `width` more take
+//! belong to its beginning (a scatterer path at the end spreads over the edge without a branch), and `width` more take
 //! what lies outside the window and is never read.
 //!
 //! Pulses do not share cells, so threads may each take a share of the pulses: no sum depends on how many there are.
@@ -54,7 +54,7 @@ impl<T: Copy + Default> Lined<T> {
 pub(super) struct Shape {
     /// Cells after which the grid repeats.
     pub period: usize,
-    /// Cells that a contact is spread over.
+    /// Cells that a scatterer path is spread over.
     pub width: usize,
     /// Lanes of each layer: 2, 4 or 8.
     pub lanes: Vec<usize>,

@@ -7,7 +7,7 @@
 //! | symbol | meaning |
 //! | --- | --- |
 //! | `u` | distance of a grid cell from the echo's place, cells |
-//! | `w` | width, cells: that many cells get a share of each contact |
+//! | `w` | width, cells: that many cells get a share of each scatterer path |
 //! | `sigma` | cells of the grid per sample |
 //!
 //! An echo at `y + w/2` cells lands on the cells `j0 .. j0 + w`, `j0` the least integer above `y`. With `z = j0 - y - 1/2` in `[-1/2, 1/2]` tap `t`
@@ -16,7 +16,7 @@
 //! What is spread and what is divided out are the *same* polynomials, so their misfit to `phi` costs only the little that it
 //! adds beyond the band.
 //!
-//! **Error.** A contact of random place spread on a grid of `M` cells, seen in bin `k` and divided by
+//! **Error.** A scatterer path of random place spread on a grid of `M` cells, seen in bin `k` and divided by
 //! `phihat(k) = int phi(u) e^{-j 2 pi k u/M} du`, has the images `phihat(k + q M)/phihat(k)`, `q != 0`, with random phases.
 //! Over the band of a pulse `Q(f)` the relative rms error is
 //!

@@ -1,6 +1,6 @@
-//! Contacts side by side, spread without being listed.
+//! Scatterer paths side by side, spread without being listed.
 //!
-//! A [`Batch`] has the contacts of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at its looks, and a
+//! A [`Batch`] has the scatterer paths of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at its looks, and a
 //! factor for every pulse. Between two nodes phase and place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
 //!
 //! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`, `d = f' (t_1 - t_0)`,
@@ -19,7 +19,7 @@ use super::spread::{Courses, Job};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
 
-/// Contacts at a node.
+/// Scatterer paths at a node.
 #[derive(Clone, Copy)]
 pub struct BatchNode<'a> {
     /// Delay, s.
@@ -37,7 +37,7 @@ pub struct BatchLook<'a> {
     pub amplitude: &'a [[Row; 2]],
 }
 
-/// Contacts of one pair side by side.
+/// Scatterer paths of one pair side by side.
 #[derive(Clone, Copy)]
 pub struct Batch<'a> {
     /// The pair.
@@ -62,7 +62,7 @@ pub struct Batch<'a> {
 #[derive(Debug, Default)]
 pub struct LaneWork {
     courses: Courses<f32>,
-    /// `[layer][look]`: amplitudes contact by contact.
+    /// `[layer][look]`: amplitudes scatterer path by scatterer path.
     looks: Vec<Vec<Lined<f32>>>,
     /// `[layer][power]`.
     amplitude: Vec<[Lined<f32>; MAX_NODES]>,
@@ -136,7 +136,7 @@ impl Synth<f32> {
         }
     }
 
-    /// Amplitudes of all looks, contact by contact.
+    /// Amplitudes of all looks, scatterer path by scatterer path.
     fn turn_looks(&self, batch: &Batch<'_>, work: &mut LaneWork) {
         work.looks.resize_with(self.layers.len(), Vec::new);
         for (layer, turned) in self.layers.iter().zip(&mut work.looks) {
@@ -272,7 +272,7 @@ impl Synth<f32> {
     }
 }
 
-/// Amplitudes of a look from channel by channel to contact by contact, `C` lanes each; lanes without a channel are silent.
+/// Amplitudes of a look from channel by channel to scatterer path by scatterer path, `C` lanes each; lanes without a channel are silent.
 struct Turned<'a, const C: usize> {
     amplitude: &'a [[Row; 2]],
     scale: Option<&'a Row>,

@@ -1,4 +1,4 @@
-//! The fast echo: contacts of a block of pulses spread on oversampled delay grids, one transform per channel and pulse.
+//! The fast echo: scatterer paths of a block of pulses spread on oversampled delay grids, one transform per channel and pulse.
 //!
 //! # Equation
 //!
@@ -11,7 +11,7 @@
 //! as
 //!
 //! ```text
-//! g[j]  = sum_n a_n e^{j 2 pi phi_n} phi(j - y_n)                       (1) spread: w cells for each contact
+//! g[j]  = sum_n a_n e^{j 2 pi phi_n} phi(j - y_n)                       (1) spread: w cells for each scatterer path
 //! G[k]  = sum_j g[j] e^{-j 2 pi j k / M}                                (2) one transform of M cells
 //! S[k]  = H(f_k) (1 + r0) P((1 + r0) f_k + f0 r0) e^{-j 2 pi f_k t_0} G[k mod M] / phihat(k)  (3) |k| < N/2
 //! ```
@@ -19,18 +19,18 @@
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
 //! | `M`, `N` | cells of the grid, bins of the spectrum, `sigma = M/N` about 2 | - |
-//! | `y_n` | place of contact `n` on the grid, cell `M fs/N` per second | cells |
+//! | `y_n` | place of scatterer path `n` on the grid, cell `M fs/N` per second | cells |
 //! | `t_0` | time of cell 0 after the first sample | s |
 //! | `phi`, `phihat` | spreading kernel and its transform ([`kernel`]) | - |
 //! | `phi_n` | carrier phase `-f0 tau_n`, and what Doppler off the mean adds | turns |
 //! | `r0` | mean rate of delays of the pair in the block ([`doppler`]) | - |
 //!
-//! Phase and place are polynomials over the block, held so that stepping loses nothing ([`block`]). Contacts farther from the window than the
+//! Phase and place are polynomials over the block, held so that stepping loses nothing ([`block`]). Scatterer paths farther from the window than the
 //! reference's guard go to cells that nobody reads; within a cell of that limit either may happen.
 //!
 //! # Threads
 //!
-//! This room knows none. [`Grids::shares`] hands out pulses; each share sees all contacts in one order, so that the result has
+//! This room knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one order, so that the result has
 //! the same bits however many shares there are. [`Variant`]s round differently: they agree to 1e-6 or better.
 //!
 //! # Limits
@@ -42,20 +42,20 @@
 //! use std::sync::Arc;
 //! use nereus::echo::synth::{Settings, Synth, block::Node};
 //! use nereus::radar::waveform::Lfm;
-//! use nereus::paths::list::Contacts;
+//! use nereus::paths::list::Scatterer paths;
 //! use nereus::scene::radar::Sweep;
 //! use num_complex::Complex64;
 //!
 //! let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up)?);
 //! let synth = Synth::<f32>::new(pulse, 10e9, 100e6, 256, &[0], Settings::default())?;
-//! let mut contacts = Contacts::new(1, 1, 1);
-//! contacts.emission_offset_s.push(0.0);
-//! contacts.delay_s[0].push(24.1e-6);
-//! contacts.delay_rate[0].push(0.0);
-//! contacts.amplitude[0].push(Complex64::new(1e-6, 0.0));
+//! let mut scatterer paths = Scatterer paths::new(1, 1, 1);
+//! scatterer paths.emission_offset_s.push(0.0);
+//! scatterer paths.delay_s[0].push(24.1e-6);
+//! scatterer paths.delay_rate[0].push(0.0);
+//! scatterer paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
 //! // A block of four pulses in which nothing moves: one node says it all.
 //! let mut block = synth.block();
-//! synth.fill(&[Node { pulse: 0, contacts: &contacts }], &[23.6e-6; 4], &mut block)?;
+//! synth.fill(&[Node { pulse: 0, scatterer paths: &scatterer paths }], &[23.6e-6; 4], &mut block)?;
 //! let mut grids = synth.grids();
 //! synth.spread(&block, &mut grids);
 //! let mut spectrum = vec![Complex64::ZERO; synth.fft_len()];
@@ -82,7 +82,7 @@ use num_complex::{Complex, Complex64};
 use rustfft::{Fft, FftPlanner};
 use thiserror::Error;
 
-use self::block::{BlockContacts, Frame};
+use self::block::{BlockPaths, Frame};
 use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::Job;
@@ -107,10 +107,10 @@ pub enum Precision {
     Double,
 }
 
-/// The knobs of the fast echo.
+/// The settings of the fast echo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Cells that each contact is spread over, 4 to 8.
+    /// Cells that each scatterer path is spread over, 4 to 8.
     pub width: usize,
     /// Least number of cells per sample, 1.5 to 8.
     pub oversampling: f64,
@@ -191,11 +191,9 @@ pub enum SynthError {
         /// Pulses of the block.
         pulses: usize,
     },
-    /// Contacts of a node are not those of the first, or lack pairs or channels.
-    #[error(
-        "contacts of the node at pulse {pulse} differ from those of the first in number, pairs or channels"
-    )]
-    Contacts {
+    /// Scatterer paths of a node are not those of the first, or lack pairs or channels.
+    #[error("paths of the node at pulse {pulse} differ from those of the first in number, pairs or channels")]
+    ScattererPaths {
         /// Where.
         pulse: usize,
     },
@@ -303,7 +301,7 @@ impl<T: Scalar> Synth<T> {
             lanes: layers.iter().map(|layer| layer.lanes).collect(),
         };
         let filter = ReceiveFilter::new(sample_rate_hz);
-        // A contact at y = 0 has its middle w/2 cells on.
+        // A scatterer path at y = 0 has its middle w/2 cells on.
         let origin_s = -lead_s - 0.5 * settings.width as f64 / cells_per_s;
         let bins = (0..fft_len)
             .map(|k| {
@@ -379,8 +377,8 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// Spreads all contacts of a block on `grids`, which are emptied before, in this thread.
-    pub fn spread(&self, block: &BlockContacts<T>, grids: &mut Grids<T>) {
+    /// Spreads all scatterer paths of a block on `grids`, which are emptied before, in this thread.
+    pub fn spread(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
         self.clear(block, grids);
         for mut share in grids.shares(1) {
             self.spread_share(block, &mut share);
@@ -388,7 +386,7 @@ impl<T: Scalar> Synth<T> {
     }
 
     /// Makes room in `grids` for a block, and empties them.
-    pub fn clear(&self, block: &BlockContacts<T>, grids: &mut Grids<T>) {
+    pub fn clear(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
         grids.reset(block.pulses());
     }
 
@@ -397,15 +395,15 @@ impl<T: Scalar> Synth<T> {
         grids.reset(pulses);
     }
 
-    /// Adds the contacts of a block that was filled as a part ([`Synth::fill_part`]) to the grids of its pulses.
-    pub fn spread_part(&self, block: &BlockContacts<T>, grids: &mut Grids<T>) {
+    /// Adds the scatterer paths of a block that was filled as a part ([`Synth::fill_part`]) to the grids of its pulses.
+    pub fn spread_part(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
         let mut share = grids.share(block.start, block.pulses());
         share.first = 0;
         self.spread_share(block, &mut share);
     }
 
-    /// Adds all contacts of a block to the grids of some of its pulses.
-    pub fn spread_share(&self, block: &BlockContacts<T>, share: &mut Share<'_, T>) {
+    /// Adds all scatterer paths of a block to the grids of some of its pulses.
+    pub fn spread_share(&self, block: &BlockPaths<T>, share: &mut Share<'_, T>) {
         let pulses = share.cells.len() / share.pulse_len;
         let Some(shifts) = block.shifts.get(share.first..share.first + pulses) else { return };
         let mut offset = 0;
@@ -434,7 +432,7 @@ impl<T: Scalar> Synth<T> {
     /// `S[k]` of every channel of one pulse, `[channel][bin]`, overwritten; `sqrt(W) s`.
     pub fn spectrum(
         &self,
-        block: &BlockContacts<T>,
+        block: &BlockPaths<T>,
         grids: &Grids<T>,
         pulse: usize,
         scratch: &mut SynthScratch<T>,
@@ -466,12 +464,12 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// Parts of the predicted error of a pulse against the reference, for the contacts of a block.
+    /// Parts of the predicted error of a pulse against the reference, for the scatterer paths of a block.
     ///
     /// What the polynomials between the nodes miss is *not* among them, for the nodes do not tell: it belongs to whoever chooses the
     /// block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4 nodes: -82.5 dB, measured on the scene of the bench with
     /// [`Doppler::Taylor`].)
-    pub fn predicted_error(&self, block: &BlockContacts<T>) -> PredictedError {
+    pub fn predicted_error(&self, block: &BlockPaths<T>) -> PredictedError {
         let found = block.found();
         let worst = block
             .frame
@@ -523,7 +521,7 @@ impl<T: Scalar> Synth<T> {
 ///
 /// A place that moves over `d` cells is rounded to `2^-p d` four times (three products and a sum, each uniform within half of that, not
 /// all at their largest: counted as such), that is a phase of `2 pi x cycles` per cell. Phase, phasor, weights and amplitude add
-/// some twelve roundings of `2^-p`. Sums of many contacts are carried by what is already in a cell, `2^-p sqrt(adds)` of its rms at most
+/// some twelve roundings of `2^-p`. Sums of many scatterer paths are carried by what is already in a cell, `2^-p sqrt(adds)` of its rms at most
 /// in a random walk; 256 is taken.
 fn rounding_power<T: Scalar>(drift_cells: f64, mean_square_cycles: f64) -> f64 {
     let unit: f64 = match T::PRECISION {

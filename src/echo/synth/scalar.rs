@@ -1,6 +1,6 @@
 //! The two precisions of the fast echo: how each holds a phase, turns it into a phasor and finds a cell.
 //!
-//! Phase of a contact over a block, in turns, `m` the whole number of pulses from the middle of the block:
+//! Phase of a scatterer path over a block, in turns, `m` the whole number of pulses from the middle of the block:
 //!
 //! `phi(m) = phi0 + phi1 m + phi2 m^2 + phi3 m^3`, modulo 1.
 //!

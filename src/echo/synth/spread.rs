@@ -1,8 +1,8 @@
-//! The inner loop: contacts of a block onto the grids of its pulses.
+//! The inner loop: scatterer paths of a block onto the grids of its pulses.
 //!
-//! For `CHUNK` contacts at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
-//! of them, lane by lane; (2) some pulses by turns, each contact's `C` lanes: their amplitude at the pulse, turned by its phasor, onto its `W` cells. The
-//! chunk stays in the nearest cache for all pulses, and a contact's polynomials in registers for the pulses at hand. Everything is safe code over slices; what CPU it is compiled for is
+//! For `CHUNK` scatterer paths at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
+//! of them, lane by lane; (2) some pulses by turns, each scatterer path's `C` lanes: their amplitude at the pulse, turned by its phasor, onto its `W` cells. The
+//! chunk stays in the nearest cache for all pulses, and a scatterer path's polynomials in registers for the pulses at hand. Everything is safe code over slices; what CPU it is compiled for is
 //! decided by its callers.
 
 use std::ops::Range;
@@ -11,12 +11,12 @@ use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
 use crate::cpu::{Task, Variant};
 
-/// Contacts that are kept close for all pulses of a share.
+/// Scatterer paths that are kept close for all pulses of a share.
 pub(super) const CHUNK: usize = 64;
 /// Pulses that are spread by turns.
 const TOGETHER: usize = 4;
 
-/// Phases and places of the contacts of one pair over a block; polynomials in pulses from the middle.
+/// Phases and places of the scatterer paths of one pair over a block; polynomials in pulses from the middle.
 #[derive(Debug, Default)]
 pub(super) struct Courses<T: Scalar> {
     /// Phase, turns: constant, first and second power.
@@ -32,7 +32,7 @@ pub(super) struct Courses<T: Scalar> {
 /// One layer of one share to be filled.
 pub(super) struct Job<'a, T: Scalar> {
     pub courses: &'a Courses<T>,
-    /// `[power][contact][lane]`.
+    /// `[power][path][lane]`.
     pub amplitude: &'a [&'a [T]],
     /// Shift of all places per pulse of the share: whole cells and the rest.
     pub shifts: &'a [(i32, T)],
@@ -40,7 +40,7 @@ pub(super) struct Job<'a, T: Scalar> {
     pub first: i32,
     /// The same for the amplitudes, whose powers may count from another pulse.
     pub amplitude_first: i32,
-    /// What multiplies the amplitudes, `[pulse of the share][contact]`; empty where nothing does.
+    /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
     pub factors: &'a [T],
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
@@ -76,10 +76,10 @@ impl<T: Scalar, const W: usize> Passes<T, W> {
     }
 }
 
-/// Adds the job's contacts to `grids`.
+/// Adds the job's scatterer paths to `grids`.
 ///
 /// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers, and the sums
-/// wait for constants of the other step that are loaded anew for every contact (a tenth of the time).
+/// wait for constants of the other step that are loaded anew for every scatterer path (a tenth of the time).
 pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     variant: Variant,
     job: &Job<'_, T>,
@@ -94,7 +94,7 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
     }
 }
 
-/// The same with `P` powers of the amplitudes, `[power][contact][lane]`.
+/// The same with `P` powers of the amplitudes, `[power][path][lane]`.
 fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize>(
     variant: Variant,
     job: &Job<'_, T>,
@@ -102,10 +102,10 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     grids: &mut [T],
 ) {
     let mut passes: [Passes<T, W>; TOGETHER] = std::array::from_fn(|_| Passes::new());
-    let contacts = job.courses.base.len();
+    let paths = job.courses.base.len();
     let mut from = 0;
-    while from < contacts {
-        let part = from..contacts.min(from + CHUNK);
+    while from < paths {
+        let part = from..paths.min(from + CHUNK);
         let amplitude = amplitude.map(|power| &power[part.clone()]);
         let groups = job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
         for (pulse, (shifts, grids)) in (0..).step_by(TOGETHER).zip(groups) {
@@ -134,10 +134,10 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
     #[inline(always)]
     fn run(self) {
         let Self { job, part, pulse, shifts, passes } = self;
-        let (from, count, contacts) = (part.start, part.len(), job.courses.base.len());
+        let (from, count, paths) = (part.start, part.len(), job.courses.base.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            if let Some(factors) = job.factors.get(pulse * contacts + from..) {
+            if let Some(factors) = job.factors.get(pulse * paths + from..) {
                 weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
         }
@@ -176,7 +176,7 @@ impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usiz
     }
 }
 
-/// Phasors times the factors of their contacts.
+/// Phasors times the factors of their scatterer paths.
 #[inline(always)]
 fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
     for ((factor, cos), sin) in factors.iter().zip(cos).zip(sin) {
@@ -303,7 +303,7 @@ fn weight_pair<T: Scalar, const FUSED: bool, const W: usize>(
     }
 }
 
-/// One contact, its amplitude turned by its phasor, onto its cells.
+/// One scatterer path, its amplitude turned by its phasor, onto its cells.
 #[inline(always)]
 fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     passes: &Passes<T, W>,
@@ -329,7 +329,7 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     }
 }
 
-/// Contacts onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums. `first` is the
+/// Scatterer paths onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums. `first` is the
 /// first of these pulses as the amplitudes count them.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)]

@@ -37,7 +37,7 @@
 //! ```
 
 mod standing;
-mod words;
+mod grammar;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -48,8 +48,8 @@ use crate::motion::errors::AXES;
 use crate::pulse::log::{Entry, Log, Origin};
 use crate::time::{PulseTimes, TimeTag};
 
+pub use grammar::{AXIS_NAMES, NotAChange, addressed};
 pub use standing::{Standing, heard, standing};
-pub use words::{AXIS_NAMES, NotAChange, addressed};
 
 /// Most changes of a run.
 pub const MOST_CHANGES: usize = 1024;

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 /// Most nodes of a block.
 pub const NODES: usize = 4;
 /// Nodes of a faint tile.
-pub const FAINT_NODES: usize = 2;
+pub const SIDELOBE_NODES: usize = 2;
 /// Most looks from one node to the next.
 pub const LOOKS_PER_NODE: usize = 3;
 /// Most looks of a block.
@@ -53,7 +53,7 @@ impl Instants {
         instants
     }
 
-    /// Those of the faint tiles of such a block: nodes at both ends, some looks (2 at least) from end to end, gains [`faint_gain_pulses`]
+    /// Those of the faint tiles of such a block: nodes at both ends, some looks (2 at least) from end to end, gains [`sidelobe_gain_pulses`]
     /// apart. `None` of blocks of few pulses.
     pub fn faint(&self, look_count: usize) -> Option<Self> {
         if self.node_count < NODES {
@@ -65,8 +65,8 @@ impl Instants {
         for (n, look) in looks[..look_count].iter_mut().enumerate() {
             *look = n * last / (look_count - 1);
         }
-        let gain_pulses = gain_step(self.pulses, faint_gain_pulses(self.gain_pulses));
-        Some(Self { nodes, node_count: FAINT_NODES, looks, look_count, gain_pulses, ..*self })
+        let gain_pulses = gain_step(self.pulses, sidelobe_gain_pulses(self.gain_pulses));
+        Some(Self { nodes, node_count: SIDELOBE_NODES, looks, look_count, gain_pulses, ..*self })
     }
 }
 
@@ -77,12 +77,12 @@ pub enum Tier {
     #[default]
     Close,
     /// At few: no antenna pair has more than a side lobe for it.
-    Faint,
+    Sidelobe,
 }
 
 /// Which tiles are faint, and how they are looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Faint {
+pub struct Sidelobe {
     /// Two-way gain of every pair over its peak below which a tile is faint, dB.
     pub below_db: f64,
     /// Looks from end to end of a block, 2 to 4.
@@ -109,7 +109,7 @@ impl From<Instants> for Tiers {
 
 impl Tiers {
     /// Of a block, whose tiles are faint below a two-way gain, if at all.
-    pub fn new(close: Instants, faint: Option<Faint>) -> Self {
+    pub fn new(close: Instants, faint: Option<Sidelobe>) -> Self {
         let below_db = faint.map_or(f64::NEG_INFINITY, |faint| faint.below_db);
         Self { close, faint: faint.and_then(|faint| close.faint(faint.looks)), below_db }
     }
@@ -117,7 +117,7 @@ impl Tiers {
     /// Those of a tier.
     pub fn of(&self, tier: Tier) -> &Instants {
         match (tier, &self.faint) {
-            (Tier::Faint, Some(faint)) => faint,
+            (Tier::Sidelobe, Some(faint)) => faint,
             _ => &self.close,
         }
     }
@@ -139,7 +139,7 @@ pub fn gain_step(pulses: usize, gain_pulses: usize) -> usize {
 }
 
 /// Pulses from gain to gain of a faint tile, where others have so many.
-pub fn faint_gain_pulses(gain_pulses: usize) -> usize {
+pub fn sidelobe_gain_pulses(gain_pulses: usize) -> usize {
     (3 * gain_pulses / 2).max(1)
 }
 
@@ -199,8 +199,8 @@ mod tests {
         assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4).collect::<Vec<_>>(), [0]);
         // Faint tiles: both ends; the block has no less than six instants of gain.
-        let tiers = Tiers::new(block, Some(Faint { below_db: -40.0, looks: 2 }));
-        let faint = tiers.of(Tier::Faint);
+        let tiers = Tiers::new(block, Some(Sidelobe { below_db: -40.0, looks: 2 }));
+        let faint = tiers.of(Tier::Sidelobe);
         assert_eq!(
             (&faint.nodes[..faint.node_count], &faint.looks[..faint.look_count]),
             (&[0, 36][..], &[0, 36][..])
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(short.faint(2), None);
         let thrice = block.faint(3).unwrap();
         assert_eq!(&thrice.looks[..thrice.look_count], [0, 18, 36]);
-        assert_eq!([1, 2, 3, 4, 6].map(faint_gain_pulses), [1, 3, 4, 6, 9]);
+        assert_eq!([1, 2, 3, 4, 6].map(sidelobe_gain_pulses), [1, 3, 4, 6, 9]);
     }
 
     #[test]

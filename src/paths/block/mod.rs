@@ -14,10 +14,10 @@
 //!
 //! That is for tiles that are looked at closely. A **faint** one, whose two-way gain stays below what is given for every pair ([`Tiers`]), has nodes at both
 //! ends of the block alone, two to four looks from end to end through which amplitudes and cosines are polynomials, and instants of gain
-//! [`faint_gain_pulses`] apart; directions and slopes are straight lines between the ends.
+//! [`sidelobe_gain_pulses`] apart; directions and slopes are straight lines between the ends.
 //!
 //! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the looks, and one **factor** per pulse. The equations are those of
-//! the exact contacts of [`super`]; a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
+//! the exact scatterer paths of [`super`]; a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
 //! surface are those at each node.
 //!
 //! **Errors** in f32, beside those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88 dB at `a/lambda` = 133);
@@ -27,10 +27,10 @@
 mod factor;
 mod gain;
 mod instants;
-mod light;
-mod look;
+mod illuminate;
+mod epoch;
 pub mod runs;
-pub mod sounding;
+pub mod probe;
 mod tile;
 
 use std::ops::RangeInclusive;
@@ -41,7 +41,7 @@ use num_complex::Complex64;
 use super::sea::{SeaFailure, SeaPlan};
 pub use super::visibility::{Borders, ShareBorders};
 use super::visibility::{MOST_ENDS, Update, Updates};
-use super::{Illumination, Workspace};
+use super::{PathGenerator, Workspace};
 use crate::cpu::Variant;
 use crate::frames::{Enu, Point};
 use crate::geometry::lanes::{LANES, Row};
@@ -52,17 +52,17 @@ use crate::radar::fault::{RadarError, SeaFault};
 use crate::radar::window::Window;
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
-use crate::sea::sheet::Sheet;
+use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Selection};
 use crate::sea::wake::course::Pose;
 
+use epoch::View;
 use instants::through;
 pub use instants::{
-    FAINT_NODES, Faint, GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, Tier, Tiers,
-    faint_gain_pulses, gain_instants, gain_step, gain_weights, looks_about, nodes_within,
+    GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, SIDELOBE_NODES, Sidelobe, Tier, Tiers,
+    gain_instants, gain_step, gain_weights, looks_about, nodes_within, sidelobe_gain_pulses,
 };
-use look::View;
 use runs::{Cut, Run};
 pub use tile::{FEW, Look, Node, Pair};
 
@@ -111,7 +111,7 @@ pub struct Sample {
 #[derive(Clone)]
 pub struct TileWork {
     variant: Variant,
-    sheet: Sheet<f32>,
+    sheet: FacetSurface<f32>,
     nodes: Vec<NodeWork>,
     timings: Timings,
     /// Per pair: product of the gains of field below which a tile is faint; empty where none is.
@@ -221,7 +221,7 @@ struct Phasors {
     found: Vec<Complex64>,
 }
 
-impl Illumination {
+impl PathGenerator {
     /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their blocks.
     pub fn tile_work(
         &self,
@@ -272,7 +272,7 @@ impl Illumination {
             sample.mean_power_w /= facets.max(1) as f64;
             sample.received_power_w /= facets.max(1) as f64;
         }
-        costs.lap(Stage::Contacts);
+        costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 
@@ -293,11 +293,11 @@ impl Illumination {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
             self.light_tile(sea, patch, work);
-            if work.tile.tier == Tier::Faint {
+            if work.tile.tier == Tier::Sidelobe {
                 tally.faint += facets;
             }
             work.tile.thin_out(work.variant, samples, least, &mut tally);
-            costs.lap(Stage::Contacts);
+            costs.lap(Stage::ScattererPaths);
             if work.tile.count > 0 {
                 each(&work.tile);
                 costs.lap(Stage::Spread);
@@ -322,7 +322,7 @@ impl SeaPlan {
             ..Selection::HEIGHT
         };
         // The wakes are legal: the plan was built with them.
-        let sheet = Sheet::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
+        let sheet = FacetSurface::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
         let maker = match &self.visibility {
             None => None,
             Some(visibility) if self.patch.len() <= FEW_FACETS => {
@@ -381,7 +381,7 @@ impl SeaPlan {
     /// The surface and the ships at every node, and phasors of the patch.
     fn prepare(
         &self,
-        illumination: &Illumination,
+        generator: &PathGenerator,
         first: u64,
         patch: &Patch,
         work: &mut TileWork,
@@ -390,7 +390,7 @@ impl SeaPlan {
         for node in nodes {
             sheet.evaluate(node.elapsed_s, patch, &mut node.fields)?;
         }
-        let elapsed_s = illumination.radar.emissions.interval_s(0, first);
+        let elapsed_s = generator.radar.emissions.interval_s(0, first);
         phasors.prepare(self, patch, elapsed_s);
         Ok(())
     }
@@ -452,14 +452,14 @@ impl Timings {
     fn of(&self, tier: Tier) -> &Timing {
         match tier {
             Tier::Close => &self.close,
-            Tier::Faint => &self.faint,
+            Tier::Sidelobe => &self.faint,
         }
     }
 }
 
 impl Timing {
     /// For instants whose nodes are among those of the block at `places`.
-    fn set(&mut self, of: &Illumination, instants: &Instants, places: &[usize]) -> Result<(), RadarError> {
+    fn set(&mut self, of: &PathGenerator, instants: &Instants, places: &[usize]) -> Result<(), RadarError> {
         let own = &instants.nodes[..instants.node_count];
         self.node_count = own.len();
         for (to, node) in self.nodes.iter_mut().zip(own) {
@@ -517,7 +517,7 @@ impl TileWork {
     }
 
     /// Emissions of nodes, looks and gain instants, and the weights of interpolation.
-    fn time(&mut self, of: &Illumination, tiers: &Tiers) -> Result<(), RadarError> {
+    fn time(&mut self, of: &PathGenerator, tiers: &Tiers) -> Result<(), RadarError> {
         let close = &tiers.close;
         let places = &close.nodes[..close.node_count];
         self.nodes.truncate(places.len().max(1));
@@ -542,7 +542,11 @@ impl TileWork {
             rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
         }
         for pair in &mut self.tile.pairs {
-            pair.resize(places.len(), close.look_count.max(tiers.of(Tier::Faint).look_count), close.pulses);
+            pair.resize(
+                places.len(),
+                close.look_count.max(tiers.of(Tier::Sidelobe).look_count),
+                close.pulses,
+            );
         }
         Ok(())
     }
@@ -550,7 +554,7 @@ impl TileWork {
     /// Weights of the shadows at every update about the block.
     fn shade(
         &mut self,
-        of: &Illumination,
+        of: &PathGenerator,
         sea: &SeaPlan,
         instants: &Instants,
         patch: &Patch,

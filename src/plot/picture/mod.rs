@@ -185,7 +185,7 @@ impl<'a> Picture<'a> {
         let size = self.size();
         let pixels = resample::resample(self.values, self.cells, size, self.reduction);
         let limits = self.limits.of(&pixels, self.colours.is_diverging());
-        Ok(Sheet::new(self, size, limits, &pixels).draw(self, &pixels))
+        Ok(FacetSurface::new(self, size, limits, &pixels).draw(self, &pixels))
     }
 }
 
@@ -204,7 +204,7 @@ fn shortened(text: &str) -> String {
 }
 
 /// Where everything stands.
-struct Sheet {
+struct FacetSurface {
     size: [usize; 2],
     map: Area,
     bar: Area,
@@ -242,7 +242,7 @@ fn fitting(limits: [f64; 2], length_px: i64) -> Vec<ticks::Tick> {
     ticks::linear(limits, 2).into_iter().take(1).collect()
 }
 
-impl Sheet {
+impl FacetSurface {
     fn new(picture: &Picture, size: [usize; 2], limits: [f64; 2], pixels: &[f64]) -> Self {
         let [width, height] = size.map(|side| side as i64);
         let line = Face::Small.height();

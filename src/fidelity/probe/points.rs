@@ -14,9 +14,9 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::line::Line;
-use super::{LONGEST, Powers, Sounder, spread_over, through};
+use super::{ErrorSampler, LONGEST, Powers, spread_over, through};
 use crate::paths::block::nodes_within;
-use crate::paths::list::Contacts;
+use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
 
 /// Points and pulses of a profile, at most, and pulses of it at least.
@@ -63,7 +63,7 @@ impl Points {
 struct Stretch {
     first: u64,
     /// Points that are followed, pulse by pulse.
-    exact: Vec<Contacts>,
+    exact: Vec<ScattererPaths>,
     /// `[pulse][pair]`.
     lines: Vec<Vec<Line>>,
     /// `[pulse][pair]`: of all points.
@@ -118,7 +118,7 @@ impl Law {
     }
 }
 
-impl Sounder<'_> {
+impl ErrorSampler<'_> {
     /// What the targets and direct paths are to the run.
     pub fn points(&self) -> &Points {
         &self.points
@@ -133,7 +133,7 @@ impl Sounder<'_> {
             coherence: 1.0,
             ..Points::default()
         };
-        let points = self.illumination.point_count();
+        let points = self.generator.point_count();
         if points == 0 || self.pulses == 0 {
             return Ok(());
         }
@@ -141,18 +141,18 @@ impl Sounder<'_> {
         let mut loud = Vec::with_capacity(count as usize);
         // Most power of each point, and its mean.
         let mut of_each = vec![(0.0f64, 0.0); points];
-        let mut contacts = self.no_points();
+        let mut paths = self.no_points();
         let deviations = self.deviations();
         for index in spread_over(self.pulses, count) {
-            let (opens_s, _) = self.points_at(index, &mut contacts)?;
+            let (opens_s, _) = self.points_at(index, &mut paths)?;
             let mut all = 0.0;
             for (pair, channels) in self.channels.iter().enumerate() {
-                let delays_s = &contacts.delay_s[pair];
+                let delays_s = &paths.delay_s[pair];
                 let line = Line::new(delays_s, self.cells_per_s);
                 for &channel in channels {
-                    let amplitude = &contacts.amplitude[channel];
+                    let amplitude = &paths.amplitude[channel];
                     let power = line.power(|n| {
-                        let heard = self.illumination.heard_share(index, opens_s, delays_s[n]).sqrt();
+                        let heard = self.generator.heard_share(index, opens_s, delays_s[n]).sqrt();
                         amplitude[n] * heard * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
                     });
                     self.points.power[channel] += power / count as f64;
@@ -167,7 +167,7 @@ impl Sounder<'_> {
                 }
             }
             loud.push((all, index));
-            let rates = contacts.delay_rate.iter().flatten();
+            let rates = paths.delay_rate.iter().flatten();
             self.points.fastest = rates.fold(self.points.fastest, |most, rate| most.max(rate.abs()));
         }
         loud.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -184,7 +184,7 @@ impl Sounder<'_> {
         for n in 0..self.points.stretches.len() {
             let stretch = self.stretch(n)?;
             for (own, lines) in stretch.exact.iter().zip(&stretch.lines) {
-                for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+                for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
                     let most = lines[*pair].most(bounds, |n| own.amplitude[channel][n].norm());
                     self.points.highest[channel] = self.points.highest[channel].max(most);
                 }
@@ -261,8 +261,8 @@ impl Sounder<'_> {
     /// Adds the points of a pulse to what the mean Doppler is taken of.
     pub(super) fn add_points_at(&mut self, index: u64) -> Result<(), RadarError> {
         let (weight, carrier_hz) = (self.sampled(), self.radar.carrier_hz);
-        let mut contacts = self.no_points();
-        let (_, rates) = self.points_at(index, &mut contacts)?;
+        let mut paths = self.no_points();
+        let (_, rates) = self.points_at(index, &mut paths)?;
         for ((power, weighted), [heard, _]) in self.dopplers_of_points.iter_mut().zip(rates) {
             (*power, *weighted) = (*power + weight * heard.0, *weighted + weight * heard.1 * carrier_hz);
         }
@@ -270,8 +270,8 @@ impl Sounder<'_> {
     }
 
     /// Room for the points of a pulse.
-    fn no_points(&self) -> Contacts {
-        Contacts::new(self.channels.len(), self.radar.channels.len(), self.illumination.point_count())
+    fn no_points(&self) -> ScattererPaths {
+        ScattererPaths::new(self.channels.len(), self.radar.channels.len(), self.generator.point_count())
     }
 
     /// Points that are followed, at all pulses of a stretch.
@@ -288,7 +288,7 @@ impl Sounder<'_> {
                 |column: &Vec<Complex64>| self.points.followed.iter().map(|n| scale * column[*n]).collect();
             let delay_s: Vec<Vec<f64>> = all.delay_s.iter().map(of).collect();
             stretch.lines.push(delay_s.iter().map(|own| Line::new(own, self.cells_per_s)).collect());
-            stretch.exact.push(Contacts {
+            stretch.exact.push(ScattererPaths {
                 emission_offset_s: of(&all.emission_offset_s),
                 delay_s,
                 delay_rate: all.delay_rate.iter().map(of).collect(),
@@ -300,23 +300,22 @@ impl Sounder<'_> {
     }
 
     /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does not hear at all, and those without a course.
-    fn points_at(&mut self, index: u64, contacts: &mut Contacts) -> Result<(f64, Vec<Rates>), RadarError> {
-        self.illumination.points(index, &mut self.light, contacts)?;
-        let opens_s = self.illumination.window_start_of(index)?;
-        let share = |delay_s: f64| self.illumination.heard_share(index, opens_s, delay_s);
-        let rates = |pair| {
-            [self.illumination.rates(contacts, pair, share), self.illumination.rates(contacts, pair, |_| 1.0)]
-        };
+    fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
+        self.generator.points(index, &mut self.light, paths)?;
+        let opens_s = self.generator.window_start_of(index)?;
+        let share = |delay_s: f64| self.generator.heard_share(index, opens_s, delay_s);
+        let rates =
+            |pair| [self.generator.rates(paths, pair, share), self.generator.rates(paths, pair, |_| 1.0)];
         let rates = (0..self.channels.len()).map(rates).collect();
-        for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
-            let courses = contacts.delay_s[*pair].iter().zip(&contacts.delay_rate[*pair]);
-            for (a, (delay_s, rate)) in contacts.amplitude[channel].iter_mut().zip(courses) {
+        for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
+            let courses = paths.delay_s[*pair].iter().zip(&paths.delay_rate[*pair]);
+            for (a, (delay_s, rate)) in paths.amplitude[channel].iter_mut().zip(courses) {
                 if !(share(*delay_s) > 0.0 && rate.abs() < 1.0 && a.norm_sqr().is_finite()) {
                     *a = Complex64::ZERO;
                 }
             }
         }
-        for (delays_s, rates) in contacts.delay_s.iter_mut().zip(&mut contacts.delay_rate) {
+        for (delays_s, rates) in paths.delay_s.iter_mut().zip(&mut paths.delay_rate) {
             for (delay_s, rate) in delays_s.iter_mut().zip(rates) {
                 if !(delay_s.is_finite() && rate.abs() < 1.0) {
                     (*delay_s, *rate) = (0.0, 0.0);
@@ -327,14 +326,14 @@ impl Sounder<'_> {
     }
 
     /// The worst pulse of some that have a cubic in common: three steps of gain.
-    fn add_part(&self, exact: &[Contacts], lines: &[Vec<Line>], worst: &mut Powers) {
+    fn add_part(&self, exact: &[ScattererPaths], lines: &[Vec<Line>], worst: &mut Powers) {
         let turns_per_s = TAU * self.radar.carrier_hz;
         let bounds = [self.deviations(), self.points.coherence];
         let (nodes, count) = nodes_within(exact.len());
         let nodes = &nodes[..count];
         for (pulse, own) in exact.iter().enumerate().filter(|(pulse, _)| !nodes.contains(pulse)) {
             let weights = through(nodes, pulse);
-            for (channel, pair) in self.illumination.channel_pairs().iter().enumerate() {
+            for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
                 let off = |n: usize| {
                     let (delay_s, a) = (own.delay_s[*pair][n], own.amplitude[channel][n]);
                     let (mut late_s, mut found) = (0.0, Complex64::ZERO);

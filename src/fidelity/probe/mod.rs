@@ -4,7 +4,7 @@
 //! sample of its facets, weighted by what they return. At a few **places** of the run some
 //! [`TILES`] tiles, runs of neighbours from all over the patch, are lit at the instants of a block, with all between interpolated as the echo
 //! does it, once as tiles that are looked at closely and once as faint ones; and at **probes**, pulses between two nodes, as if these were nodes
-//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever faint tiles begin ([`faint`](super::faint)). With `a` the amplitude of a channel without gains, `G` the gains and
+//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever faint tiles begin ([`faint`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the gains and
 //! shadows, `tau` the delay, and a hat for what is interpolated,
 //!
 //! ```text
@@ -22,36 +22,36 @@
 //! takes the gain of its own interval.
 //!
 //! The mean power of facets is that of [`PROFILE`] pulses spread over the run, and the places are its strongest one and both ends: what is in
-//! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`Sounder::peak`]).
+//! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`ErrorSampler::peak`]).
 //!
 //! Targets and direct paths are few: they are followed themselves, in [`points`].
 //!
 //! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
 //! platforms between the places is not seen.
 
-mod left;
+mod interpolation_error;
 mod line;
 pub mod points;
 mod sweep;
 
 use std::ops::Range;
 
-use super::faint::Ladder;
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
 use crate::fidelity::echo_settings::block_pulses;
+use crate::fidelity::sidelobe::Candidates;
 use crate::geometry::lanes::Row;
-use crate::paths::block::sounding::{Heard, Keep, Shadows};
+use crate::paths::block::probe::{Heard, Keep, Shadows};
 use crate::paths::block::{FEW, Instants, TileWork};
-use crate::paths::{Illumination, Workspace};
+use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::Waveform;
 use crate::scene::{Patch, Radar};
 
 use points::Points;
 
-pub use left::{Left, Sounded};
+pub use interpolation_error::{Left, Sounded};
 pub use sweep::{Sweeps, Swept};
 
 /// Tiles of 256 facets of a sample.
@@ -102,8 +102,8 @@ impl Truth {
 }
 
 /// Soundings of a run.
-pub struct Sounder<'a> {
-    illumination: &'a Illumination,
+pub struct ErrorSampler<'a> {
+    generator: &'a PathGenerator,
     radar: &'a Radar,
     pulse_s: f64,
     /// Resolution cells of a second of delay.
@@ -133,7 +133,7 @@ pub struct Sounder<'a> {
     kept: Vec<f64>,
     /// Power of facets below each of [`LEASTS`] times the mean.
     culled: Vec<Powers>,
-    ladder: Ladder,
+    candidates: Candidates,
     /// Facets of each bin of gain, sum over the run.
     gains: Vec<f64>,
 }
@@ -141,31 +141,31 @@ pub struct Sounder<'a> {
 /// Powers of a facet over the mean below which it may be left out.
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
-impl<'a> Sounder<'a> {
+impl<'a> ErrorSampler<'a> {
     /// For a run of so many pulses, with tiles that are faint below a gain that is asked, if one is; lights the sample once at every place.
     pub fn new(
-        illumination: &'a Illumination,
+        generator: &'a PathGenerator,
         radar: &'a Radar,
         waveform: &dyn Waveform,
         pulses: u64,
         faint_db: Option<f64>,
     ) -> Result<Self, RadarError> {
-        let ladder = Ladder::new(faint_db);
+        let candidates = Candidates::new(faint_db);
         let bandwidth_hz = waveform.bandwidth_hz();
-        let pairs = illumination.pairs().len();
+        let pairs = generator.pairs().len();
         let mut channels = vec![Vec::new(); pairs];
-        for (channel, pair) in illumination.channel_pairs().iter().enumerate() {
+        for (channel, pair) in generator.channel_pairs().iter().enumerate() {
             channels[*pair].push(channel);
         }
         let all = radar.channels.len();
         let mut own = Self {
-            illumination,
+            generator,
             radar,
             pulse_s: waveform.duration_s(),
             cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
-            light: illumination.workspace(),
-            tiles: illumination.tile_work(Variant::fastest(), None),
+            light: generator.workspace(),
+            tiles: generator.tile_work(Variant::fastest(), None),
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.interval_s(0, 1),
@@ -179,8 +179,8 @@ impl<'a> Sounder<'a> {
             points: Points::default(),
             kept: vec![0.0; LEASTS.len()],
             culled: vec![vec![0.0; all]; LEASTS.len()],
-            gains: vec![0.0; ladder.bins()],
-            ladder,
+            gains: vec![0.0; candidates.bins()],
+            candidates,
         };
         own.find_points()?;
         let strongest = own.profile()?;
@@ -194,7 +194,7 @@ impl<'a> Sounder<'a> {
             }
         }
         for first in firsts {
-            own.places.push(Place { first, patch: own.illumination.patch_of(first)? });
+            own.places.push(Place { first, patch: own.generator.patch_of(first)? });
             own.open(own.places.len() - 1)?;
         }
         Ok(own)
@@ -205,7 +205,7 @@ impl<'a> Sounder<'a> {
         let count = PROFILE.min(self.pulses);
         let (mut strongest, mut most) = (self.points.loudest, 0.0);
         for (step, index) in spread_over(self.pulses, count).enumerate() {
-            let patch = self.illumination.patch_of(index)?;
+            let patch = self.generator.patch_of(index)?;
             // The waves of the first stand for all.
             let truths = self.light(
                 index,
@@ -360,7 +360,7 @@ impl<'a> Sounder<'a> {
     fn open(&mut self, place: usize) -> Result<(), RadarError> {
         let first = self.places[place].first;
         let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
-        self.interpolates &= self.illumination.hears_itself(&heard, &mut self.light)?;
+        self.interpolates &= self.generator.hears_itself(&heard, &mut self.light)?;
         let patch = self.places[place].patch;
         let truths = self.light(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
@@ -415,17 +415,18 @@ impl<'a> Sounder<'a> {
 
     /// Whether the patch is so small that single facets count, and more instants cost little.
     fn is_small(&self) -> bool {
-        self.illumination.facets() <= SMALL_FACETS
+        self.generator.facets() <= SMALL_FACETS
     }
 
     /// Share of the facets that is in the sample; 1 without a sea.
     fn sampled(&self) -> f64 {
-        self.illumination.sampled(TILES)
+        self.generator.sampled(TILES)
     }
 
     /// Share of the facets that are faint at a rung of the gains, mean over the run.
-    pub fn faint_share(&self, rung: usize) -> f64 {
-        let faint = self.gains.iter().enumerate().filter(|(bin, _)| self.ladder.is_faint(*bin, rung));
+    pub fn faint_share(&self, candidate: usize) -> f64 {
+        let faint =
+            self.gains.iter().enumerate().filter(|(bin, _)| self.candidates.is_faint(*bin, candidate));
         faint.map(|(_, facets)| facets).sum::<f64>() / self.gains.iter().sum::<f64>().max(1.0)
     }
 
@@ -435,24 +436,24 @@ impl<'a> Sounder<'a> {
     }
 
     /// Gains below which tiles may be faint.
-    pub fn ladder(&self) -> &Ladder {
-        &self.ladder
+    pub fn candidates(&self) -> &Candidates {
+        &self.candidates
     }
 
     /// The sample at a pulse, `[tile x pair]`.
     fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
         let mut truths = Vec::new();
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
-        let opens_s = self.illumination.window_start_of(at)?;
+        let opens_s = self.generator.window_start_of(at)?;
         let closes_s = opens_s + self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let within = (opens_s - self.pulse_s)..closes_s;
         let instants = Instants::of_block(at, 1, 1, 1).into();
-        let ladder = &self.ladder;
-        self.illumination.sound(&instants, patch, TILES, keep, tiles, |heard| {
+        let candidates = &self.candidates;
+        self.generator.sound(&instants, patch, TILES, keep, tiles, |heard| {
             let (node, look) = (&heard.of.nodes()[0].paths, &heard.of.looks()[0]);
             truths.push(Truth {
                 count: heard.count,
-                runs: runs_of(heard, ladder),
+                runs: runs_of(heard, candidates),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
                 amplitude: look.amplitude.clone(),
@@ -477,7 +478,7 @@ impl<'a> Sounder<'a> {
 
     /// Resolution cells from the first delay on that the window of a pulse hears.
     fn cells_at(&self, index: u64) -> Result<Cells, RadarError> {
-        let from_s = self.illumination.window_start_of(index)? - self.pulse_s;
+        let from_s = self.generator.window_start_of(index)? - self.pulse_s;
         Ok(Cells { from_s, per_s: self.cells_per_s })
     }
 }
@@ -489,13 +490,13 @@ pub fn spread_over(pulses: u64, count: u64) -> impl Iterator<Item = u64> {
 }
 
 /// Lanes of the runs of a tile, and the bins of their gains.
-fn runs_of(heard: &Heard<'_>, ladder: &Ladder) -> Vec<(Range<usize>, usize)> {
+fn runs_of(heard: &Heard<'_>, candidates: &Candidates) -> Vec<(Range<usize>, usize)> {
     let mut at = 0;
     let lanes = heard.runs.iter().map(|run| {
         at += run.count;
         at - run.count..at
     });
-    lanes.zip(heard.shares.iter().map(|share| ladder.bin(*share))).collect()
+    lanes.zip(heard.shares.iter().map(|share| candidates.bin(*share))).collect()
 }
 
 fn square([re, im]: &[Row; 2], i: usize) -> f64 {

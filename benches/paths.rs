@@ -1,7 +1,7 @@
-//! Cost of contacts: `cargo bench --bench contacts`. The paper's first configuration: 512 x 512 facets of 1 m, four
+//! Cost of scatterer paths: `cargo bench --bench paths`. The paper's first configuration: 512 x 512 facets of 1 m, four
 //! channels, 45 degrees, moving sea, one core. Criterion's elements are facets (1000/Melem/s = ns per facet).
 //!
-//! `pulse, exact`: everything from the sea's waves to the list of contacts. `scattering, ...`: the facets' matrices
+//! `pulse, exact`: everything from the sea's waves to the list of scatterer paths. `scattering, ...`: the facets' matrices
 //! alone, from the spectrum itself and from its table; their difference is printed in dB of the scene.
 #![allow(missing_docs, clippy::expect_used)]
 
@@ -13,8 +13,8 @@ use glam::DVec3;
 use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
 use nereus::motion::PlatformTracks;
 use nereus::motion::track::Track;
-use nereus::paths::Illumination;
-use nereus::paths::list::Contacts;
+use nereus::paths::PathGenerator;
+use nereus::paths::list::ScattererPaths;
 use nereus::pulse::Pulse;
 use nereus::scattering::facets::Facets;
 use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
@@ -22,8 +22,8 @@ use nereus::scene::radar::*;
 use nereus::scene::sea::*;
 use nereus::scene::water::*;
 use nereus::scene::{Patch, Radar, Scene, Sea};
+use nereus::sea::facet_surface::FacetSurface;
 use nereus::sea::realise::{Realised, realise};
-use nereus::sea::sheet::Sheet;
 use nereus::sea::surface::Selection;
 use nereus::time::{PulseTimes, TimeTag};
 use num_complex::Complex64;
@@ -107,22 +107,22 @@ fn pulses(c: &mut Criterion) {
     let level = Rotation::from_yaw_pitch_roll(std::f64::consts::FRAC_PI_2, 0.0, 0.0);
     let track = Track::straight(start, scene.start, Vector::new(222.0, 0.0, 0.0), Some(level));
     let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
-    let illumination = Illumination::new(&scene, 0.333e-6, tracks).expect("a scene");
-    let mut work = illumination.workspace();
-    let mut contacts = Contacts::new(1, 4, SIDE * SIDE);
+    let generator = PathGenerator::new(&scene, 0.333e-6, tracks).expect("a scene");
+    let mut work = generator.workspace();
+    let mut paths = ScattererPaths::new(1, 4, SIDE * SIDE);
     let mut record = Pulse::new(&scene.radar.layout(1, 0));
-    let mut group = c.benchmark_group("contacts");
+    let mut group = c.benchmark_group("paths");
     group.throughput(Throughput::Elements((SIDE * SIDE) as u64));
     group.sample_size(10);
     let mut index = 0;
     group.bench_function("pulse, exact", |b| {
         b.iter(|| {
             index = (index + 1) % 500;
-            illumination.pulse(index, &mut work, &mut contacts, &mut record).expect("a pulse");
-            black_box(contacts.len())
+            generator.pulse(index, &mut work, &mut paths, &mut record).expect("a pulse");
+            black_box(paths.len())
         });
     });
-    println!("{} of {} facets return something", contacts.len(), SIDE * SIDE);
+    println!("{} of {} facets return something", paths.len(), SIDE * SIDE);
     group.finish();
 }
 
@@ -144,7 +144,7 @@ fn scattering(c: &mut Criterion) {
     };
     let (exact, tabulated) = (water(SpectrumPath::Exact), water(SpectrumPath::Tabulated));
     let surface = realise(&sea, 1).expect("a sea").surface;
-    let mut sheet = Sheet::new(&surface, Selection { slopes: true, ..Selection::HEIGHT });
+    let mut sheet = FacetSurface::new(&surface, Selection { slopes: true, ..Selection::HEIGHT });
     let mut fields = sheet.fields(&sea.patch);
     sheet.evaluate(1.0, &sea.patch, &mut fields).expect("a time");
     let mut batch = Batch {

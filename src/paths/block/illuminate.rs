@@ -5,14 +5,14 @@ use num_complex::Complex32;
 use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
-use super::look::{Combine, LaneBasis, OntoPorts, Port, Scale, Sight, Solve, View};
 use super::runs::Gather;
 use super::tile::{Look, Pair, compact};
 use super::{TileWork, Timing};
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
-use crate::paths::Illumination;
+use crate::paths::PathGenerator;
+use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Port, Scale, Sight, Solve, View};
 use crate::paths::emission::Emission;
 use crate::paths::sea::SeaPlan;
 use crate::radar::polarisation::Axes;
@@ -36,7 +36,7 @@ impl TileWork {
     }
 }
 
-impl Illumination {
+impl PathGenerator {
     /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
     pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
         self.place(patch, work);
@@ -58,7 +58,7 @@ impl Illumination {
     fn sight(&self, work: &mut TileWork) {
         let mut ends_known = false;
         if !work.faint_below.is_empty() {
-            work.choose(Tier::Faint);
+            work.choose(Tier::Sidelobe);
             for place in 0..work.timings.faint.node_count {
                 self.find_paths(place, work);
             }

@@ -1,13 +1,13 @@
 //! A sample of the facets of a block, at instants of one's own choice: for whoever wants to know what interpolation leaves.
 //!
-//! Tiles spread over the patch are lit as [`Illumination::visit_tiles`] lights all of them, but for two things: shadows are those of one
+//! Tiles spread over the patch are lit as [`PathGenerator::visit_tiles`] lights all of them, but for two things: shadows are those of one
 //! pulse throughout, or none (both sides of any comparison share them), and the product of gains is told apart from the factor.
 
 use super::instants::Tiers;
 use super::runs::{Cut, Run};
 use super::{Heights, Instants, Pair, TileWork};
 use crate::geometry::lanes::Row;
-use crate::paths::Illumination;
+use crate::paths::PathGenerator;
 use crate::radar::fault::RadarError;
 use crate::scene::Patch;
 
@@ -68,7 +68,7 @@ impl TileWork {
     }
 }
 
-impl Illumination {
+impl PathGenerator {
     /// Rms slope that is expected of the waves, along and across together; 0 without a sea.
     pub fn rms_slope(&self) -> f64 {
         self.sea.as_ref().map_or(0.0, |sea| sea.surface.expected().slope_variance.iter().sum::<f64>().sqrt())

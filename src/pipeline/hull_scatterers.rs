@@ -7,7 +7,7 @@
 //! of a curved earth (by 0.8 m after 3.2 km).
 //!
 //! ```
-//! use nereus::pipeline::aboard::{place, Scatters};
+//! use nereus::pipeline::hull_scatterers::{place, Scatters};
 //! use nereus::frames::{Body, Earth, Point, SceneFrame};
 //! let ship = Scatters { position_m: [100.0, 50.0], heading_rad: 0.0, speed_mps: 5.0 };
 //! // Ahead is East, starboard South, down below the sea.

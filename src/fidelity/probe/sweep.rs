@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use super::{LONGEST, Place, Powers, Sounder, TILES, runs_of, square};
-use crate::fidelity::faint::{Binned, Ladder};
+use super::{ErrorSampler, LONGEST, Place, Powers, TILES, runs_of, square};
+use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::Sum;
 use crate::geometry::lanes::Row;
-use crate::paths::block::sounding::{Keep, Shadows};
+use crate::paths::block::probe::{Keep, Shadows};
 use crate::paths::block::{
-    Faint, Instants, Tiers, faint_gain_pulses, gain_instants, gain_step, gain_weights,
+    Instants, Sidelobe, Tiers, gain_instants, gain_step, gain_weights, sidelobe_gain_pulses,
 };
 use crate::radar::fault::RadarError;
 
@@ -40,11 +40,11 @@ pub struct Sweeps {
 
 impl Sweeps {
     /// Of close tiles with one of the steps, where tiles are faint at a rung of the gains: worst of all places.
-    pub fn swept(&self, gain_pulses: u64, ladder: &Ladder, rung: usize) -> Swept {
+    pub fn swept(&self, gain_pulses: u64, candidates: &Candidates, candidate: usize) -> Swept {
         let none = vec![0.0f64; self.channels];
         let mut worst = Swept { end: none.clone(), inner: none };
         let at = |wanted: u64| self.steps.iter().position(|step| *step == wanted).unwrap_or(0);
-        let (close, rough) = (at(gain_pulses), at(faint_gain_pulses(gain_pulses as usize) as u64));
+        let (close, rough) = (at(gain_pulses), at(sidelobe_gain_pulses(gain_pulses as usize) as u64));
         for sea in &self.sea {
             for channel in 0..self.channels {
                 let of = |step: usize, faint: bool, end: bool| {
@@ -53,7 +53,7 @@ impl Sweeps {
                         .enumerate()
                         .filter(|(probe, _)| (*probe == 0) == end);
                     probes
-                        .map(|(_, probe)| self.worst(&probe[channel], ladder, rung, faint))
+                        .map(|(_, probe)| self.worst(&probe[channel], candidates, candidate, faint))
                         .fold(0.0, f64::max)
                 };
                 for (worst, end) in [(&mut worst.end, true), (&mut worst.inner, false)] {
@@ -70,9 +70,9 @@ impl Sweeps {
         worst
     }
 
-    fn worst(&self, of: &Binned, ladder: &Ladder, rung: usize, faint: bool) -> f64 {
+    fn worst(&self, of: &Binned, candidates: &Candidates, candidate: usize, faint: bool) -> f64 {
         let mut sum = Sum::default();
-        of.join_into(ladder, rung, faint, &mut sum);
+        of.join_into(candidates, candidate, faint, &mut sum);
         sum.worst(self.share, self.deviations)
     }
 }
@@ -97,12 +97,12 @@ impl Exact {
     }
 }
 
-impl Sounder<'_> {
+impl ErrorSampler<'_> {
     /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points. Blocks with less
     /// than six instants of gain leave more than long ones.
     pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Sweeps, RadarError> {
         let mut all = steps.to_vec();
-        all.extend(steps.iter().map(|step| faint_gain_pulses(*step as usize) as u64));
+        all.extend(steps.iter().map(|step| sidelobe_gain_pulses(*step as usize) as u64));
         all.sort_unstable();
         all.dedup();
         let mut sea = Vec::new();
@@ -132,7 +132,7 @@ impl Sounder<'_> {
             return Ok([none.clone(), none]);
         };
         let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
-        let ladder = &self.ladder;
+        let candidates = &self.candidates;
         // Between the first two instants, the second two, and in the middle.
         let instants_of = |step: u64| -> (usize, Vec<usize>) {
             let step = gain_step(pulses, step as usize);
@@ -152,24 +152,25 @@ impl Sounder<'_> {
             })
             .collect();
         let none = || -> Vec<Probed> {
-            probes.iter().map(|probes| vec![vec![Binned::new(ladder); channels]; probes.len()]).collect()
+            probes.iter().map(|probes| vec![vec![Binned::new(candidates); channels]; probes.len()]).collect()
         };
         let mut sums = [none(), none()];
         let (pairs, mut exact) = (self.channels.len(), Vec::new());
         let block = Instants::of_block(first, pulses, 1, 1);
         for (tier, sums) in sums.iter_mut().enumerate() {
             // Gains of faint tiles at every pulse, too, but with directions that are straight from end to end of the block.
-            let tiers = Tiers::new(block, (tier == 1).then_some(Faint { below_db: f64::INFINITY, looks: 2 }));
+            let tiers =
+                Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, looks: 2 }));
             let keep =
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
-            self.illumination.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+            self.generator.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
                 if tier == 0 {
                     exact.push(Exact {
                         gains: heard.gains.to_vec(),
                         factor: heard.of.factor.clone(),
                         amplitude: heard.of.looks()[0].amplitude.clone(),
                         delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
-                        runs: runs_of(heard, ladder),
+                        runs: runs_of(heard, candidates),
                     });
                 }
                 let (own, exact) = (&self.channels[heard.pair], &exact[heard.tile * pairs + heard.pair]);

@@ -1,23 +1,23 @@
 //! From what is asked to what is set: the cheapest settings whose predicted error keeps the budget.
 //!
 //! Knobs that are given stay. For the others there is a ladder, from far to close nodes; the error of each rung is sounded
-//! ([`sounding`](super::sounding)) until closer nodes cost more than what was found already. A budget at or below [`EXACT_DB`] takes pulses one by one with exact
-//! contacts in f64, and so does a scene that no rung serves. Facets may be left out while all of them together stay
+//! ([`sounding`](crate::fidelity::probe)) until closer nodes cost more than what was found already. A budget at or below [`EXACT_DB`] takes pulses one by one with exact
+//! scatterer paths in f64, and so does a scene that no rung serves. Facets may be left out while all of them together stay
 //! [`CULLED_DB`] below the budget.
 
-use super::echo_settings::{Settled, block_length, block_pulses};
+use super::echo_settings::{EchoSettings, block_length, block_pulses};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::cost::{Prices, Size, Work};
-use super::sounding::points::Law;
-use super::sounding::{LONGEST, Left, Powers, Sounded, Sounder, Sweeps, Swept};
 use super::{PlanError, Prediction};
 use crate::echo::Asked;
 use crate::echo::synth::doppler::{Doppler, Envelope, error_power, rigid_error_power};
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
-use crate::paths::Illumination;
-use crate::paths::block::{Faint, GAIN_POINTS, LOOKS_PER_NODE, NODES};
+use crate::fidelity::probe::points::Law;
+use crate::fidelity::probe::{ErrorSampler, LONGEST, Left, Powers, Sounded, Sweeps, Swept};
+use crate::paths::PathGenerator;
+use crate::paths::block::{GAIN_POINTS, LOOKS_PER_NODE, NODES, Sidelobe};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
@@ -68,7 +68,7 @@ pub struct Plan {
     /// What was asked.
     pub asked: Asked,
     /// What is set.
-    pub settled: Settled,
+    pub chosen: EchoSettings,
     /// Its error.
     pub prediction: Prediction,
     /// What it has to do.
@@ -116,39 +116,39 @@ const OF_BANDS: f64 = 0.3;
 
 /// A rung of the gains below which tiles are faint.
 #[derive(Clone, Copy)]
-struct Rung {
+struct Candidate {
     n: usize,
-    faint: Option<Faint>,
+    faint: Option<Sidelobe>,
     faint_share: f64,
 }
 
 /// Pulses from gain to gain at a rung, and what that leaves.
 struct Gain {
     pulses: u64,
-    rung: Rung,
+    candidate: Candidate,
     swept: Swept,
 }
 
 /// Chooses what is not given.
 pub fn settle(
     scene: &Scene,
-    illumination: &Illumination,
+    generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, PlanError> {
-    let mut sounder =
-        Sounder::new(illumination, &scene.radar, waveform.as_ref(), scene.pulses, asked.faint_db)?;
+    let mut sampler =
+        ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), scene.pulses, asked.faint_db)?;
     // No interpolation knows of a jump, and soundings may miss it.
-    let free: &[u64] = if illumination.aim_jumps() { &[1] } else { &GAIN_PULSES };
+    let free: &[u64] = if generator.aim_jumps() { &[1] } else { &GAIN_PULSES };
     let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-    sounder.follow_points(&gain_rungs)?;
-    let power = sounder.power().clone();
+    sampler.follow_points(&gain_rungs)?;
+    let power = sampler.power().clone();
     let judge = Judge { power: &power };
     let budget = 10f64.powf(asked.error_db / 10.0);
     let least_power = 10f64.powf((asked.error_db - CULLED_DB) / 10.0);
-    let of_facets = illumination.facets() as f64;
+    let of_facets = generator.facets() as f64;
 
-    let echoes = Echoes { scene, illumination, waveform };
+    let echoes = Echoes { scene, generator, waveform };
     let doppler = asked.doppler.unwrap_or(match waveform.sweep_rate_hz_per_s() {
         Some(_) => Doppler::Shift,
         None => Doppler::Taylor,
@@ -163,29 +163,29 @@ pub fn settle(
     let (mut error, mut fft_len) = (PredictedError::default(), 0);
     for width in widths {
         settings = settings_of(width);
-        (error, fft_len) = echoes.error(&sounder, settings, precision)?;
+        (error, fft_len) = echoes.error(&sampler, settings, precision)?;
         if error.gridding <= 0.1 * budget {
             break;
         }
     }
-    let of_rigid = echoes.rigid_error(&sounder, fft_len);
+    let of_rigid = echoes.rigid_error(&sampler, fft_len);
     if !exact && of_rigid <= OF_RIGID * budget {
         settings.envelope = Envelope::Rigid;
     }
     let of_envelope = if settings.envelope == Envelope::Rigid { of_rigid } else { 0.0 };
-    let hold_pulses = illumination.hold_pulses();
-    let mut rungs: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
-    rungs.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
-    rungs.dedup();
-    rungs.retain(|pulses| *pulses > 1);
-    let lengths = rungs.iter().filter(|_| !exact).map(|pulses| block_length(*pulses, hold_pulses));
+    let hold_pulses = generator.hold_pulses();
+    let mut candidates_of: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+    candidates_of.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
+    candidates_of.dedup();
+    candidates_of.retain(|pulses| *pulses > 1);
+    let lengths = candidates_of.iter().filter(|_| !exact).map(|pulses| block_length(*pulses, hold_pulses));
     let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
     let longest = blocks.iter().copied().max().unwrap_or(1);
     let of = |doppler: Doppler| (doppler, settings.envelope);
-    let mut of_doppler = echoes.doppler_error(&mut sounder, of(doppler), fft_len, &blocks)?;
+    let mut of_doppler = echoes.doppler_error(&mut sampler, of(doppler), fft_len, &blocks)?;
     let may_have_moment = asked.doppler.is_none() && doppler != Doppler::Taylor;
     if may_have_moment && of_doppler.of_blocks(longest) > 0.3 * budget {
-        let other = echoes.doppler_error(&mut sounder, of(Doppler::Taylor), fft_len, &blocks)?;
+        let other = echoes.doppler_error(&mut sampler, of(Doppler::Taylor), fft_len, &blocks)?;
         if other.of_blocks(longest) < 0.5 * of_doppler.of_blocks(longest) {
             settings.doppler = Doppler::Taylor;
             of_doppler = other;
@@ -196,16 +196,16 @@ pub fn settle(
     // Pulses by themselves can be split into bands of Doppler.
     let most = OF_BANDS * budget;
     let band = (asked.doppler.is_none() && of_single.doppler > most)
-        .then(|| echoes.band(&sounder, of(settings.doppler), fft_len, most))
+        .then(|| echoes.band(&sampler, of(settings.doppler), fft_len, most))
         .flatten();
     let of_single = match band {
         Some((_, doppler)) => PredictedError { doppler: doppler + of_envelope, ..error },
         None => of_single,
     };
-    let kept = sounder.kept(least_power);
-    let size = Size::of(scene, illumination, &settings, waveform.as_ref(), kept);
+    let kept = sampler.kept(least_power);
+    let size = Size::of(scene, generator, &settings, waveform.as_ref(), kept);
     let one_by_one = |gain_pulses: u64| {
-        let settled = Settled {
+        let chosen = EchoSettings {
             node_pulses: 1,
             looks_per_node: 1,
             gain_pulses,
@@ -216,106 +216,113 @@ pub fn settle(
             echo: Settings { band_hz: band.map(|(band_hz, _)| band_hz), ..settings },
         };
         let prediction = Prediction { echo: of_single, ..Prediction::default() };
-        Plan { asked: *asked, settled, prediction, work: size.work(&settled, false), size }
+        Plan { asked: *asked, chosen, prediction, work: size.work(&chosen, false), size }
     };
-    if exact || !sounder.interpolates() {
+    if exact || !sampler.interpolates() {
         let gain_pulses = asked.gain_pulses.unwrap_or(1);
         let mut plan = one_by_one(gain_pulses);
         if !exact {
-            plan.settled.node_pulses = asked.node_pulses.unwrap_or(1);
+            plan.chosen.node_pulses = asked.node_pulses.unwrap_or(1);
         }
         return Ok(plan);
     }
 
     // What is the same at all rungs.
-    let culled = sounder.culled(least_power).clone();
-    let bounce = 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, illumination);
-    let ladder = sounder.ladder().clone();
+    let culled = sampler.culled(least_power).clone();
+    let bounce = 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, generator);
+    let candidates = sampler.candidates().clone();
     let rung_of = |n: usize| {
-        let faint = ladder.rungs()[n].filter(|_| of_facets > 0.0);
-        let faint = faint.map(|below_db| Faint { below_db, looks: sounder.faint_looks() });
-        Rung { n, faint, faint_share: sounder.faint_share(n) }
+        let faint = candidates.candidates_of()[n].filter(|_| of_facets > 0.0);
+        let faint = faint.map(|below_db| Sidelobe { below_db, looks: sampler.faint_looks() });
+        Candidate { n, faint, faint_share: sampler.faint_share(n) }
     };
     // Where facets turn away single ones count.
-    let may_be = |rung: &Rung| {
-        let turns = |faint: Faint| sounder.turning() && faint.below_db > OF_TURNING_DB;
-        asked.faint_db.is_some() || !rung.faint.is_some_and(turns)
+    let may_be = |candidate: &Candidate| {
+        let turns = |faint: Sidelobe| sampler.turning() && faint.below_db > OF_TURNING_DB;
+        asked.faint_db.is_some() || !candidate.faint.is_some_and(turns)
     };
     // Without a sea there is nothing to be faint.
-    let first = if of_facets > 0.0 { 0 } else { ladder.rungs().len() - 1 };
-    let faint_rungs: Vec<Rung> = (first..ladder.rungs().len()).map(rung_of).filter(may_be).collect();
+    let first = if of_facets > 0.0 { 0 } else { candidates.candidates_of().len() - 1 };
+    let faint_rungs: Vec<Candidate> =
+        (first..candidates.candidates_of().len()).map(rung_of).filter(may_be).collect();
     let sweeps_of = |sweeps: &Sweeps| -> Vec<Gain> {
-        let each = gain_rungs.iter().flat_map(|pulses| faint_rungs.iter().map(|rung| (*pulses, *rung)));
-        each.map(|(pulses, rung)| Gain { pulses, rung, swept: sweeps.swept(pulses, &ladder, rung.n) })
-            .collect()
+        let each =
+            gain_rungs.iter().flat_map(|pulses| faint_rungs.iter().map(|candidate| (*pulses, *candidate)));
+        each.map(|(pulses, candidate)| Gain {
+            pulses,
+            candidate,
+            swept: sweeps.swept(pulses, &candidates, candidate.n),
+        })
+        .collect()
     };
-    let mut gains = sweeps_of(&sounder.gains(&gain_rungs, LONGEST)?);
+    let mut gains = sweeps_of(&sampler.gains(&gain_rungs, LONGEST)?);
     let predict = |echo: PredictedError, left: &[Left], gain: &Gain| {
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &culled);
         Prediction { echo, path, tilt, gain, culled, bounce, dry_run: None }
     };
-    let farthest_look = if sounder.turning() { farthest_look(scene) } else { u64::MAX };
+    let farthest_look = if sampler.turning() { farthest_look(scene) } else { u64::MAX };
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
-    let settled_of = |node_pulses: u64, looks_per_node: usize, gain_pulses: u64, rung: Rung| Settled {
-        node_pulses,
-        looks_per_node,
-        gain_pulses,
-        faint: rung.faint,
-        faint_share: rung.faint_share,
-        least_power,
-        precision,
-        echo: settings,
-    };
+    let settled_of =
+        |node_pulses: u64, looks_per_node: usize, gain_pulses: u64, candidate: Candidate| EchoSettings {
+            node_pulses,
+            looks_per_node,
+            gain_pulses,
+            faint: candidate.faint,
+            faint_share: candidate.faint_share,
+            least_power,
+            precision,
+            echo: settings,
+        };
     // The least that a spacing of nodes may cost: one look a node, gains as far apart and as many faint tiles as the gains allow.
-    let nothing = [sounder.nothing()];
-    let allowed: Vec<(u64, Rung)> = gains
+    let nothing = [sampler.nothing()];
+    let allowed: Vec<(u64, Candidate)> = gains
         .iter()
         .filter(|gain| predict(of_single, &nothing, gain).total() <= budget)
-        .map(|gain| (gain.pulses, gain.rung))
+        .map(|gain| (gain.pulses, gain.candidate))
         .collect();
     let least = |node_pulses: u64| {
         let looks = asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses));
-        let seconds = allowed.iter().map(|(pulses, rung)| {
-            prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *rung), true))
+        let seconds = allowed.iter().map(|(pulses, candidate)| {
+            prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *candidate), true))
         });
         seconds.reduce(f64::min).unwrap_or(0.0)
     };
-    for &node_pulses in &rungs {
+    for &node_pulses in &candidates_of {
         if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses))
         {
             break;
         }
         if asked.gain_pulses.is_some() {
-            gains = sweeps_of(&sounder.gains(&gain_rungs, block_pulses(node_pulses))?);
+            gains = sweeps_of(&sampler.gains(&gain_rungs, block_pulses(node_pulses))?);
         }
         let of_block = echo_of(block_length(node_pulses, hold_pulses));
-        let mut sounded = vec![sounder.left(0, node_pulses)?];
-        let left_of = |sounded: &[Sounded], looks: usize, rung: Rung| -> Vec<Left> {
-            sounded.iter().flat_map(|sounded| sounded.left(looks, &ladder, rung.n)).collect()
+        let mut sounded = vec![sampler.left(0, node_pulses)?];
+        let left_of = |sounded: &[Sounded], looks: usize, candidate: Candidate| -> Vec<Left> {
+            sounded.iter().flat_map(|sounded| sounded.left(looks, &candidates, candidate.n)).collect()
         };
         // Other places cost as much again: they are asked once the first allows.
-        let allows = faint_rungs.iter().any(|rung| {
+        let allows = faint_rungs.iter().any(|candidate| {
             (1..=LOOKS_PER_NODE).any(|looks| {
-                let left = left_of(&sounded, looks, *rung);
+                let left = left_of(&sounded, looks, *candidate);
                 gains
                     .iter()
-                    .filter(|gain| gain.rung.n == rung.n)
+                    .filter(|gain| gain.candidate.n == candidate.n)
                     .any(|gain| predict(of_block, &left, gain).total() <= budget)
             })
         });
-        if allows || rungs.len() == 1 || of_facets == 0.0 {
-            let mut blocks = vec![sounder.block_of(0, node_pulses)];
-            for place in 1..sounder.places() {
-                let block = sounder.block_of(place, node_pulses);
+        if allows || candidates_of.len() == 1 || of_facets == 0.0 {
+            let mut blocks = vec![sampler.block_of(0, node_pulses)];
+            for place in 1..sampler.places() {
+                let block = sampler.block_of(place, node_pulses);
                 if !blocks.contains(&block) {
                     blocks.push(block);
-                    sounded.push(sounder.left(place, node_pulses)?);
+                    sounded.push(sampler.left(place, node_pulses)?);
                 }
             }
         }
-        for (looks, rung) in
-            (1..=LOOKS_PER_NODE).flat_map(|looks| faint_rungs.iter().map(move |rung| (looks, rung)))
+        for (looks, candidate) in
+            (1..=LOOKS_PER_NODE).flat_map(|looks| faint_rungs.iter().map(move |candidate| (looks, candidate)))
         {
             if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
                 continue;
@@ -324,17 +331,17 @@ pub fn settle(
             if far && asked.scatter_pulses.is_none() {
                 continue;
             }
-            let left = left_of(&sounded, looks, *rung);
-            for gain in gains.iter().filter(|gain| gain.rung.n == rung.n) {
+            let left = left_of(&sounded, looks, *candidate);
+            for gain in gains.iter().filter(|gain| gain.candidate.n == candidate.n) {
                 // What was found for long blocks holds where six instants of gain fit in.
                 let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain.pulses;
                 if few && gain.pulses > 1 && asked.gain_pulses.is_none() {
                     continue;
                 }
-                let settled = settled_of(node_pulses, looks, gain.pulses, *rung);
+                let chosen = settled_of(node_pulses, looks, gain.pulses, *candidate);
                 let prediction = predict(of_block, &left, gain);
-                let work = size.work(&settled, true);
-                let plan = Plan { asked: *asked, settled, prediction, work, size };
+                let work = size.work(&chosen, true);
+                let plan = Plan { asked: *asked, chosen, prediction, work, size };
                 let better = best.as_ref().is_none_or(|held| match (plan.keeps(), held.keeps()) {
                     (true, true) => prices.seconds(&plan.work) < prices.seconds(&held.work),
                     (false, false) => plan.prediction.total() < held.prediction.total(),
@@ -367,7 +374,7 @@ fn farthest_look(scene: &Scene) -> u64 {
 /// The fast echo of a scene.
 struct Echoes<'a> {
     scene: &'a Scene,
-    illumination: &'a Illumination,
+    generator: &'a PathGenerator,
     waveform: &'a Arc<dyn Waveform>,
 }
 
@@ -389,18 +396,18 @@ impl Echoes<'_> {
     /// Gridding and rounding, the worst pair, and the samples of a transform.
     fn error(
         &self,
-        sounder: &Sounder<'_>,
+        sampler: &ErrorSampler<'_>,
         settings: Settings,
         precision: Precision,
     ) -> Result<(PredictedError, usize), PlanError> {
         let radar = &self.scene.radar;
-        let of_channels = self.illumination.channel_pairs();
+        let of_channels = self.generator.channel_pairs();
         let (waveform, samples) = (Arc::clone(self.waveform), radar.window.samples);
         let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
         let cells_per_s = settings.oversampling * rate_hz;
         let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
         let drift_cells =
-            if precision == Precision::Double { 0.0 } else { sounder.fastest() * half_s * cells_per_s };
+            if precision == Precision::Double { 0.0 } else { sampler.fastest() * half_s * cells_per_s };
         let (fft_len, of): (usize, Box<dyn Fn(f64) -> PredictedError>) = match precision {
             Precision::Single => {
                 let synth = Synth::<f32>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
@@ -411,39 +418,39 @@ impl Echoes<'_> {
                 (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
             }
         };
-        let means = sounder.dopplers().into_iter().map(|(mean_hz, _)| mean_hz);
+        let means = sampler.dopplers().into_iter().map(|(mean_hz, _)| mean_hz);
         let errors = [0.0].into_iter().chain(means).map(of);
         let worst = errors.max_by(|a, b| a.total_db().total_cmp(&b.total_db())).unwrap_or_default();
         // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may be in phase.
-        let peak = sounder.peak([1.0, 2.0]).max(1.0);
+        let peak = sampler.peak([1.0, 2.0]).max(1.0);
         let rounding = peak * (worst.rounding + OF_SAMPLES);
         Ok((PredictedError { gridding: peak * worst.gridding, rounding, doppler: 0.0 }, fft_len))
     }
 
     /// What rigid envelopes leave where everything has the largest rate of a delay.
-    fn rigid_error(&self, sounder: &Sounder<'_>, fft_len: usize) -> f64 {
+    fn rigid_error(&self, sampler: &ErrorSampler<'_>, fft_len: usize) -> f64 {
         let radar = &self.scene.radar;
         let of = |rate: f64| {
             let waveform = self.waveform.as_ref();
             rigid_error_power(waveform, radar.carrier_hz, radar.sample_rate_hz, fft_len, rate)
         };
-        let fastest = sounder.fastest();
-        sounder.peak([1.0, 1.0]).max(1.0) * of(fastest).max(of(-fastest))
+        let fastest = sampler.fastest();
+        sampler.peak([1.0, 1.0]).max(1.0) * of(fastest).max(of(-fastest))
     }
 
     /// Widest bands of Doppler that leave no more than `most`, Hz, and what they leave; `None` where none do.
     fn band(
         &self,
-        sounder: &Sounder<'_>,
+        sampler: &ErrorSampler<'_>,
         doppler: (Doppler, Envelope),
         fft_len: usize,
         most: f64,
     ) -> Option<(f64, f64)> {
         let radar = &self.scene.radar;
         let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
-        let means: Vec<f64> = sounder.dopplers().into_iter().map(|(mean_hz, _)| mean_hz).collect();
-        let peak = sounder.peak([1.0, 1.0]).max(1.0);
-        // The strongest contact of a band may lie at one end of it, and another at the other.
+        let means: Vec<f64> = sampler.dopplers().into_iter().map(|(mean_hz, _)| mean_hz).collect();
+        let peak = sampler.peak([1.0, 1.0]).max(1.0);
+        // The strongest scatterer path of a band may lie at one end of it, and another at the other.
         let left = |band_hz: f64| {
             let of = |mean_hz: f64, off_hz: f64| {
                 error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
@@ -451,7 +458,7 @@ impl Echoes<'_> {
             let both = means.iter().map(|mean_hz| of(*mean_hz, band_hz).max(of(*mean_hz, -band_hz)));
             peak * both.fold(0.0, f64::max)
         };
-        let widest_hz = 2.0 * radar.carrier_hz * sounder.fastest();
+        let widest_hz = 2.0 * radar.carrier_hz * sampler.fastest();
         let (mut low, mut high) = (1e-7 * widest_hz, widest_hz);
         if !(low > 0.0 && left(low) <= most) {
             return None;
@@ -466,7 +473,7 @@ impl Echoes<'_> {
     /// Doppler, the worst pair, in blocks of so many pulses each.
     fn doppler_error(
         &self,
-        sounder: &mut Sounder<'_>,
+        sampler: &mut ErrorSampler<'_>,
         doppler: (Doppler, Envelope),
         fft_len: usize,
         blocks: &[u64],
@@ -476,16 +483,16 @@ impl Echoes<'_> {
         let off_mean = |mean_hz: f64, off_hz: f64| {
             error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
         };
-        let dopplers = sounder.dopplers();
+        let dopplers = sampler.dopplers();
         let of_pair = |(mean_hz, groups): &(f64, Vec<f64>)| {
             let sum: f64 = groups.iter().map(|off_hz| off_mean(*mean_hz, *off_hz)).sum();
             sum / groups.len().max(1) as f64
         };
-        let of_facets = sounder.peak([1.0, 0.0]) * dopplers.iter().map(of_pair).fold(0.0, f64::max);
-        if self.illumination.point_count() == 0 {
+        let of_facets = sampler.peak([1.0, 0.0]) * dopplers.iter().map(of_pair).fold(0.0, f64::max);
+        if self.generator.point_count() == 0 {
             return Ok(DopplerError { of_facets, of_points: Vec::new() });
         }
-        let law = Law::new(2.0 * radar.carrier_hz * sounder.fastest(), |off_hz| off_mean(0.0, off_hz));
-        Ok(DopplerError { of_facets, of_points: sounder.doppler_of_points(&law, blocks)? })
+        let law = Law::new(2.0 * radar.carrier_hz * sampler.fastest(), |off_hz| off_mean(0.0, off_hz));
+        Ok(DopplerError { of_facets, of_points: sampler.doppler_of_points(&law, blocks)? })
     }
 }

@@ -5,7 +5,7 @@
 //! another, only for free slots. All bookkeeping is behind one lock that is held for as long as addresses move; in
 //! steady state nothing is allocated.
 //!
-//! What must not change under a pulse is changed *between* claims: [`Crew::between`] is asked with the first pulse that nobody has begun,
+//! What must not change under a pulse is changed *between* claims: [`Dispatcher::between`] is asked with the first pulse that nobody has begun,
 //! while nobody can claim it.
 //!
 //! Generation is *at work* as long as its workers are: its time is the mean of theirs, without their waits for slots.
@@ -26,7 +26,7 @@ use super::pacer::Worth;
 use super::ring::{Bell, NAP, Producer};
 
 /// Workers of a stream.
-pub struct Crew<'a> {
+pub struct Dispatcher<'a> {
     held: Mutex<Held<'a>>,
     bell: Arc<Bell>,
     workers: u32,
@@ -79,7 +79,7 @@ impl Drop for Watch<'_> {
     }
 }
 
-impl<'a> Crew<'a> {
+impl<'a> Dispatcher<'a> {
     pub(super) fn new(
         ring: &'a mut Producer<Pulse>,
         pulses: Range<u64>,
@@ -198,7 +198,7 @@ impl<'a> Crew<'a> {
     }
 }
 
-impl Drop for Crew<'_> {
+impl Drop for Dispatcher<'_> {
     /// Who had nothing more to do while others were still at work has worked as well: the pulses took that long.
     fn drop(&mut self) {
         let whole = self.started.elapsed() * self.workers;
@@ -231,7 +231,7 @@ mod tests {
                 }
                 seen
             });
-            let crew = Crew::new(&mut producer, 5..end, 3, &worth, &stop, &health);
+            let crew = Dispatcher::new(&mut producer, 5..end, 3, &worth, &stop, &health);
             thread::scope(|scope| {
                 for worker in 0..3u64 {
                     let crew = &crew;
@@ -260,7 +260,7 @@ mod tests {
     fn a_panic_calls_the_others_off() {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
         let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
-        let crew = Crew::new(&mut producer, 0..10, 2, &worth, &stop, &health);
+        let crew = Dispatcher::new(&mut producer, 0..10, 2, &worth, &stop, &health);
         let (taken, all_taken) = mpsc::channel();
         let ended = thread::scope(|scope| {
             let crew = &crew;
@@ -284,7 +284,7 @@ mod tests {
     fn nobody_claims_once_called_off() {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
         let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
-        let crew = Crew::new(&mut producer, 0..10, 1, &worth, &stop, &health);
+        let crew = Dispatcher::new(&mut producer, 0..10, 1, &worth, &stop, &health);
         // Never more than the ring has, however much is asked.
         let claim = crew.claim(|first| first + 100).unwrap();
         assert_eq!((claim.first, claim.slots.len()), (0, 4));

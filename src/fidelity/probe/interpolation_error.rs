@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use num_complex::{Complex32, Complex64};
 
-use super::{Powers, Sounder, TILES, Truth, runs_of, through};
+use super::{ErrorSampler, Powers, TILES, Truth, runs_of, through};
 use crate::fidelity::echo_settings::block_pulses;
-use crate::fidelity::faint::{Binned, Ladder};
+use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::{Cells, Sum};
-use crate::paths::block::sounding::{Heard, Keep, Shadows};
+use crate::paths::block::probe::{Heard, Keep, Shadows};
 use crate::paths::block::{
-    Faint, Instants, LOOK_POINTS, LOOKS_PER_NODE, Tier, Tiers, gain_instants, gain_step, gain_weights,
+    Instants, LOOK_POINTS, LOOKS_PER_NODE, Sidelobe, Tier, Tiers, gain_instants, gain_step, gain_weights,
     looks_about, nodes_within,
 };
 use crate::radar::fault::RadarError;
@@ -53,7 +53,7 @@ pub struct Sounded {
 
 impl Sounded {
     /// Of so many looks from node to node, where tiles are faint at a rung of the gains: at every probe.
-    pub fn left(&self, looks: usize, ladder: &Ladder, rung: usize) -> Vec<Left> {
+    pub fn left(&self, looks: usize, candidates: &Candidates, candidate: usize) -> Vec<Left> {
         if self.edges.is_empty() {
             return vec![nothing(self.channels)];
         }
@@ -64,8 +64,8 @@ impl Sounded {
             channels
                 .map(|(close, faint)| {
                     let mut sums = [Sum::default(), Sum::default()];
-                    close.join_into(ladder, rung, false, &mut sums[0]);
-                    faint.join_into(ladder, rung, true, &mut sums[1]);
+                    close.join_into(candidates, candidate, false, &mut sums[0]);
+                    faint.join_into(candidates, candidate, true, &mut sums[1]);
                     let weights = [1.0, if part == 1 { self.of_turning } else { 1.0 }];
                     let worst = sums.iter().map(|sum| sum.worst(self.share, self.deviations));
                     worst.zip(weights).map(|(worst, weight)| weight * worst).sum()
@@ -82,7 +82,7 @@ fn nothing(channels: usize) -> Left {
     Left { edge: 0, path: vec![0.0; channels], tilt: vec![0.0; channels] }
 }
 
-impl Sounder<'_> {
+impl ErrorSampler<'_> {
     /// What blocks leave whose every pulse is a node.
     pub fn nothing(&self) -> Left {
         nothing(self.radar.channels.len())
@@ -95,7 +95,7 @@ impl Sounder<'_> {
         let of_turning = if self.turning { OF_TURNING } else { 1.0 };
         let none = Sounded { channels, share, deviations, of_turning, ..Sounded::default() };
         let first = self.block_of(place, node_pulses);
-        let Some(patch) = self.illumination.patch_of(first)? else { return Ok(none) };
+        let Some(patch) = self.generator.patch_of(first)? else { return Ok(none) };
         let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
         let (nodes, count) = nodes_within(pulses);
         if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
@@ -110,9 +110,9 @@ impl Sounder<'_> {
         let edges = probes.iter().map(|(_, probe)| (*probe).min(pulses - 1 - *probe) as u64).collect();
         let mut sounded = Sounded { edges, ..none };
         let Some(tiles) = &mut self.tiles else { return Ok(sounded) };
-        let (ladder, interval_s) = (&self.ladder, self.interval_s);
+        let (candidates, interval_s) = (&self.candidates, self.interval_s);
         let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-        let all = Faint { below_db: f64::INFINITY, looks: faint_looks };
+        let all = Sidelobe { below_db: f64::INFINITY, looks: faint_looks };
         for n in 0..=LOOKS_PER_NODE {
             let faint = n == LOOKS_PER_NODE;
             let block = Instants::of_block(first, pulses, if faint { 1 } else { n + 1 }, pulses);
@@ -121,7 +121,7 @@ impl Sounder<'_> {
             if faint && tiers.faint.is_none() {
                 break;
             }
-            let instants = tiers.of(if faint { Tier::Faint } else { Tier::Close });
+            let instants = tiers.of(if faint { Tier::Sidelobe } else { Tier::Close });
             let looks = &instants.looks[..instants.look_count];
             let interval_of = |n: usize| {
                 let n = n.min(instants.node_count - 2);
@@ -131,11 +131,11 @@ impl Sounder<'_> {
                 Interval { at: n, looks, from, nodes, interval_s }
             };
             let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
-            let none: Parts = std::array::from_fn(|_| vec![Binned::new(ladder); channels]);
+            let none: Parts = std::array::from_fn(|_| vec![Binned::new(candidates); channels]);
             let mut sums = vec![none; probes.len()];
             let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
-            self.illumination.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
-                let runs = runs_of(heard, ladder);
+            self.generator.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+                let runs = runs_of(heard, candidates);
                 for (((interval, (_, probe)), truths), sum) in
                     intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
                 {

@@ -1,10 +1,10 @@
-//! The facets of the sea as contacts: one path for delay, phase and Doppler, keys, kinds, shadows, reciprocity.
+//! The facets of the sea as scatterer paths: one path for delay, phase and Doppler, keys, kinds, shadows, reciprocity.
 
 use std::f64::consts::TAU;
 
 use nereus::motion::PlatformTracks;
-use nereus::paths::Illumination;
-use nereus::paths::list::Contacts;
+use nereus::paths::PathGenerator;
+use nereus::paths::list::ScattererPaths;
 use nereus::scattering::kind::{Kind, slick::Slick};
 use nereus::scene::radar::{Aim, AimFrom, Gate, Pattern, Polarisation};
 use nereus::scene::sea::*;
@@ -52,13 +52,13 @@ fn at_rest(scene: &Scene, tx: [f64; 3], rx: [f64; 3]) -> Vec<PlatformTracks> {
     vec![straight(scene, tx, [0.0; 3]), straight(scene, rx, [0.0; 3])]
 }
 
-fn contacts(scene: &Scene, tracks: &[PlatformTracks], index: u64) -> Contacts {
-    let illumination = Illumination::new(scene, PULSE_S, tracks.to_vec()).unwrap();
-    evaluate(scene, &illumination, index).0
+fn paths(scene: &Scene, tracks: &[PlatformTracks], index: u64) -> ScattererPaths {
+    let generator = PathGenerator::new(scene, PULSE_S, tracks.to_vec()).unwrap();
+    evaluate(scene, &generator, index).0
 }
 
-fn power(contacts: &Contacts, channel: usize) -> f64 {
-    contacts.amplitude[channel].iter().map(|a| a.norm_sqr()).sum()
+fn power(paths: &ScattererPaths, channel: usize) -> f64 {
+    paths.amplitude[channel].iter().map(|a| a.norm_sqr()).sum()
 }
 
 #[test]
@@ -73,11 +73,11 @@ fn phase_is_smooth_and_its_derivative_is_the_doppler() {
         scene.radar.window =
             nereus::scene::radar::Window { samples: 1000, gate: Gate::Fixed { start_s: 25e-6 } };
         let tracks = side_looking(&scene);
-        let illumination = Illumination::new(&scene, PULSE_S, tracks).unwrap();
+        let generator = PathGenerator::new(&scene, PULSE_S, tracks).unwrap();
         let mut worst = 0f64;
         for middle in [1, 100, 400, 498] {
             let [before, now, after] =
-                [middle - 1, middle, middle + 1].map(|k| evaluate(&scene, &illumination, k).0);
+                [middle - 1, middle, middle + 1].map(|k| evaluate(&scene, &generator, k).0);
             assert_eq!((before.len(), now.len(), after.len()), (256, 256, 256));
             for i in 0..now.len() {
                 let slope = (after.delay_s[0][i] - before.delay_s[0][i]) * 20e3 / 2.0;
@@ -102,7 +102,7 @@ fn orbital_motion_carries_the_radial_velocity_of_waves() {
         water.scattering.displacement = displacement;
         let scene = sea_scene(water);
         let tracks = at_rest(&scene, [0.0, -30_000.0, 30_000.0], [0.0, -30_000.0, 30_000.0]);
-        let list = contacts(&scene, &tracks, 100);
+        let list = paths(&scene, &tracks, 100);
         let sum: f64 = list.delay_rate[0].iter().map(|r| (r * 299_792_458.0 / 2.0).powi(2)).sum();
         (sum / list.len() as f64).sqrt()
     };
@@ -123,7 +123,7 @@ fn doppler_centroid_tells_approaching_from_receding_waves() {
             let place = [0.0, -3000.0, 3000.0];
             let tracks = at_rest(&scene, place, place);
             for pulse in [0, 250] {
-                let list = contacts(&scene, &tracks, pulse);
+                let list = paths(&scene, &tracks, pulse);
                 for (r, a) in list.delay_rate[0].iter().zip(&list.amplitude[3]) {
                     sum[0] -= 10e9 * r * a.norm_sqr();
                     sum[1] += a.norm_sqr();
@@ -163,10 +163,10 @@ fn a_wake_moves_facets_along_one_path_too() {
         scene.radar.window =
             nereus::scene::radar::Window { samples: 1000, gate: Gate::Fixed { start_s: 25e-6 } };
         let calm =
-            evaluate(&scene, &Illumination::new(&scene, PULSE_S, side_looking(&scene)).unwrap(), 100).0;
+            evaluate(&scene, &PathGenerator::new(&scene, PULSE_S, side_looking(&scene)).unwrap(), 100).0;
         scene.ships = vec![launch([ahead_m, 0.0])];
-        let illumination = Illumination::new(&scene, PULSE_S, side_looking(&scene)).unwrap();
-        let [before, now, after] = [99, 100, 101].map(|k| evaluate(&scene, &illumination, k).0);
+        let generator = PathGenerator::new(&scene, PULSE_S, side_looking(&scene)).unwrap();
+        let [before, now, after] = [99, 100, 101].map(|k| evaluate(&scene, &generator, k).0);
         let (mut worst, mut lifted) = (0f64, 0f64);
         assert_eq!((now.len(), calm.len()), (256, 256));
         for i in 0..256 {
@@ -174,7 +174,7 @@ fn a_wake_moves_facets_along_one_path_too() {
             worst = worst.max((slope - now.delay_rate[0][i]).abs() / (2.0 / 299_792_458.0));
         }
         // The facets may stand in another order, for the strip is a kind of its own.
-        let mean = |list: &Contacts| list.delay_rate[0].iter().map(|r| r.powi(2)).sum::<f64>();
+        let mean = |list: &ScattererPaths| list.delay_rate[0].iter().map(|r| r.powi(2)).sum::<f64>();
         lifted = lifted.max((mean(&now) / mean(&calm) - 1.0).abs());
         println!(
             "ship {ahead_m} m ahead: finite difference against rate {worst:.1e} of 1 m/s, motion changed by {lifted:.2e}"
@@ -193,9 +193,9 @@ fn a_patch_may_leave_a_ship_behind() {
     // 4.5 km in 2.2 s: past the end of the wake of one ship, past another.
     scene.ships = vec![launch([30.0, 0.0]), launch([2500.0, 700.0])];
     let tracks = at_rest(&scene, [0.0, -3000.0, 3000.0], [0.0, -3000.0, 3000.0]);
-    let illumination = Illumination::new(&scene, PULSE_S, tracks).unwrap();
+    let generator = PathGenerator::new(&scene, PULSE_S, tracks).unwrap();
     for k in (0..500).step_by(7) {
-        let list = evaluate(&scene, &illumination, k).0;
+        let list = evaluate(&scene, &generator, k).0;
         assert!(list.delay_s[0].iter().all(|d| d.is_finite()), "pulse {k}");
     }
 }
@@ -209,12 +209,12 @@ fn a_pulse_depends_on_nothing_made_before() {
     water.place = PatchPlace::Follow { aim, aim_from: AimFrom::True };
     let scene = sea_scene(water);
     let tracks = at_rest(&scene, [0.0, -2000.0, 15.0], [0.0, -3000.0, 3000.0]);
-    let illumination = Illumination::new(&scene, PULSE_S, tracks).unwrap();
-    let mut workspace = illumination.workspace();
+    let generator = PathGenerator::new(&scene, PULSE_S, tracks).unwrap();
+    let mut workspace = generator.workspace();
     let (mut list, mut record) = buffers(&scene);
     for k in [3, 5, 100, 4, 5, 6, 499, 7] {
-        illumination.pulse(k, &mut workspace, &mut list, &mut record).unwrap();
-        let (alone, _) = evaluate(&scene, &illumination, k);
+        generator.pulse(k, &mut workspace, &mut list, &mut record).unwrap();
+        let (alone, _) = evaluate(&scene, &generator, k);
         assert!(list == alone && !list.is_empty(), "pulse {k}");
     }
 }
@@ -228,7 +228,7 @@ fn a_facet_is_the_same_through_any_patch() {
     let (still, moving) = (sea_scene(fixed), sea_scene(moving));
     let tracks = side_looking(&still);
     for pulse in [0, 3, 7, 13] {
-        let (here, there) = (contacts(&still, &tracks, pulse), contacts(&moving, &tracks, pulse));
+        let (here, there) = (paths(&still, &tracks, pulse), paths(&moving, &tracks, pulse));
         assert_eq!((here.len(), there.len()), (1024, 1024));
         // Rows and columns by which the moving patch has gone, two along x and one along y per pulse; it is held for 16 facets at 496 m/s, 7
         // pulses, of which 6 have more divisors.
@@ -255,8 +255,8 @@ fn ends_can_be_swapped() {
     let mut water = sea(16, 1.0, 0.3);
     water.shadow = Some(Shadowing::default());
     let scene = sea_scene(water);
-    let there = contacts(&scene, &at_rest(&scene, a, b), 7);
-    let back = contacts(&scene, &at_rest(&scene, b, a), 7);
+    let there = paths(&scene, &at_rest(&scene, a, b), 7);
+    let back = paths(&scene, &at_rest(&scene, b, a), 7);
     assert_eq!(there.len(), back.len());
     // HH, HV, VH, VV: the ports change places with the ends.
     for (channel, swapped) in [(0, 0), (1, 2), (2, 1), (3, 3)] {
@@ -282,7 +282,7 @@ fn a_slick_darkens_what_it_covers_and_nothing_else() {
     });
     let (clean, oiled) = (sea_scene(clean), sea_scene(oiled));
     let tracks = side_looking(&clean);
-    let (clean, oiled) = (contacts(&clean, &tracks, 0), contacts(&oiled, &tracks, 0));
+    let (clean, oiled) = (paths(&clean, &tracks, 0), paths(&oiled, &tracks, 0));
     let (mut same, mut covered, mut bare) = (0, 0.0, 0.0);
     for (i, delay) in oiled.delay_s[0].iter().enumerate() {
         let j = clean.delay_s[0].iter().position(|d| d == delay).unwrap();
@@ -310,9 +310,9 @@ fn shadows_cost_nothing_where_there_are_none_and_darken_at_grazing() {
     shaded.shadow = Some(Shadowing::default());
     let (open, shaded) = (sea_scene(open), sea_scene(shaded));
     let high = side_looking(&open);
-    assert_eq!(contacts(&open, &high, 5), contacts(&shaded, &high, 5));
+    assert_eq!(paths(&open, &high, 5), paths(&shaded, &high, 5));
     let low = at_rest(&open, [0.0, -1000.0, 15.0], [0.0, -3000.0, 3000.0]);
-    let (lit, dark) = (contacts(&open, &low, 5), contacts(&shaded, &low, 5));
+    let (lit, dark) = (paths(&open, &low, 5), paths(&shaded, &low, 5));
     let share = power(&dark, 3) / power(&lit, 3);
     println!("a radar at 15 m sees {:.2} of the power", share);
     assert!(dark.len() < lit.len() && (0.05..0.95).contains(&share));
@@ -330,11 +330,11 @@ fn shadows_fade_linearly_between_updates() {
         scene.radar.emissions = PulseTimes::uniform(1000.0).unwrap();
     }
     let tracks = at_rest(&scene, [0.0, -1000.0, 10.0], [0.0, -1000.0, 10.0]);
-    let open = Illumination::new(&scene, PULSE_S, tracks.clone()).unwrap();
-    let shaded = Illumination::new(&shaded, PULSE_S, tracks).unwrap();
+    let open = PathGenerator::new(&scene, PULSE_S, tracks.clone()).unwrap();
+    let shaded = PathGenerator::new(&shaded, PULSE_S, tracks).unwrap();
     // One-way weights of the facets that face the radar: what the shadow leaves of an amplitude is their square.
     let weights = |pulse| {
-        let amplitudes = |light: &Illumination| {
+        let amplitudes = |light: &PathGenerator| {
             light.snapshot(pulse, &mut light.workspace()).unwrap().unwrap().amplitude.remove(0)
         };
         let (open, shaded) = (amplitudes(&open), amplitudes(&shaded));
@@ -363,10 +363,10 @@ fn calm_water_is_a_mirror() {
     water.water.wind.strength = WindStrength::Speed { speed_mps: 0.0, height_m: 10.0 };
     let scene = sea_scene(water);
     // Nothing comes back at 45 degrees ...
-    assert!(contacts(&scene, &side_looking(&scene), 0).is_empty());
+    assert!(paths(&scene, &side_looking(&scene), 0).is_empty());
     // ... and all comes back from below.
     let above = [0.0, 0.0, 500.0];
-    let glint = contacts(&scene, &at_rest(&scene, above, above), 0);
+    let glint = paths(&scene, &at_rest(&scene, above, above), 0);
     assert!(!glint.is_empty());
     assert!(glint.amplitude.iter().flatten().all(|a| a.is_finite()));
 }
@@ -380,9 +380,9 @@ fn a_curved_earth_lowers_the_far_sea() {
     let mut flat = sea_scene(water);
     let place = [far[0], far[1] - 3000.0, 3000.0];
     let tracks = at_rest(&flat, place, place);
-    let on_plane = contacts(&flat, &tracks, 0);
+    let on_plane = paths(&flat, &tracks, 0);
     flat.frame = SceneFrame::plain(Earth::Curved { radius_factor: 4.0 / 3.0 });
-    let on_sphere = contacts(&flat, &tracks, 0);
+    let on_sphere = paths(&flat, &tracks, 0);
     let drop_m = 50_000f64.powi(2) / (2.0 * 4.0 / 3.0 * 6_371_000.0);
     let later_s = on_sphere.delay_s[0][0] - on_plane.delay_s[0][0];
     let expected_s = 2.0 * (3000f64.hypot(3000.0 + drop_m) - 3000f64.hypot(3000.0)) / 299_792_458.0;
@@ -403,7 +403,7 @@ fn a_curved_earth_tilts_the_far_sea_outward() {
     let lean = 40_000.0 / (4.0 / 3.0 * 6_371_000.0);
     let glint = |tangent: f64| {
         let place = [40_000.0 + 2000.0 * tangent, 0.0, 2000.0 - 0.5 * 40_000.0 * lean];
-        power(&contacts(&scene, &at_rest(&scene, place, place), 0), 3)
+        power(&paths(&scene, &at_rest(&scene, place, place), 0), 3)
     };
     let (along, above, away) = (glint(lean), glint(0.0), glint(-lean));
     // Monostatic: p(s) with s the slope that would reflect straight back.
@@ -430,7 +430,7 @@ fn several_pulses_of_the_sea_in_the_air() {
     let tracks =
         vec![straight(&scene, place, [7500.0, 0.0, 0.0]), straight(&scene, place, [7500.0, 0.0, 0.0])];
     scene.radar.window = nereus::scene::radar::Window { samples: 50_000, gate: Gate::Fixed { start_s: 0.0 } };
-    let list = contacts(&scene, &tracks, 100);
+    let list = paths(&scene, &tracks, 100);
     assert_eq!(list.len(), 64);
     assert!(
         list.emission_offset_s.iter().all(|o| (o + 0.004).abs() < 1e-9),

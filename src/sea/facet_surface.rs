@@ -2,12 +2,12 @@
 //!
 //! A [`Surface`] repeats with its grid; a patch is a window on it, placed anywhere by the global keys of its
 //! facets. Fields of a sheet stand in arrays `[iy][ix]` over the patch. Ships add their waves to those of the wind
-//! ([`Sheet::with_wakes`]); unlike these, they do not repeat. In f64 or f32.
+//! ([`FacetSurface::with_wakes`]); unlike these, they do not repeat. In f64 or f32.
 //!
 //! ```
 //! use nereus::scene::Patch;
 //! use nereus::scene::water::{Dispersion, WindProfile};
-//! use nereus::sea::sheet::Sheet;
+//! use nereus::sea::facet_surface::Sheet;
 //! use nereus::sea::spectrum::FungLee;
 //! use nereus::sea::surface::{Averaging, Grid, Selection, Surface};
 //! use nereus::sea::wind::Wind;
@@ -34,7 +34,7 @@ const WAKE_ERROR_DB: [f64; 2] = [-140.0, -95.0];
 
 /// Evaluates a surface over patches; one per thread.
 #[derive(Clone)]
-pub struct Sheet<T: Real = f64> {
+pub struct FacetSurface<T: Real = f64> {
     grid: Grid,
     selection: Selection,
     evaluator: Evaluator<T>,
@@ -52,7 +52,7 @@ pub(super) struct Wakes<T: Real = f64> {
     facets: usize,
 }
 
-impl<T: Real> Sheet<T> {
+impl<T: Real> FacetSurface<T> {
     /// For a surface, of which the selected fields are wanted.
     pub fn new(surface: &Surface, selection: Selection) -> Self {
         let grid = *surface.grid();
