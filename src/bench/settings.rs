@@ -27,7 +27,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting { key: "fidelity.node_pulses", values: &["1", "4", "8", "12", "16"] },
     Setting { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Setting { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
-    Setting { key: "fidelity.faint_db", values: &["-30.0", "-40.0", "-50.0", "-400.0"] },
+    Setting { key: "fidelity.sidelobe_db", values: &["-30.0", "-40.0", "-50.0", "-400.0"] },
     Setting { key: "fidelity.kernel_width", values: &["4", "5", "6", "7"] },
     Setting { key: "fidelity.doppler", values: &["mean", "shift", "taylor"] },
 ];
@@ -54,7 +54,7 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
     set("node_pulses", json!(chosen.node_pulses));
     set("gain_pulses", json!(chosen.gain_pulses));
     set("scatter_pulses", json!(chosen.scatter_pulses()));
-    set("faint_db", chosen.faint.map_or(json!("none"), |faint| json!(faint.below_db)));
+    set("sidelobe_db", chosen.sidelobe.map_or(json!("none"), |sidelobe| json!(sidelobe.below_db)));
     set("kernel_width", json!(chosen.echo.width));
     set("oversampling", json!(chosen.echo.oversampling));
     let doppler = match chosen.echo.doppler {

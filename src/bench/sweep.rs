@@ -144,7 +144,7 @@ fn filled(mut run: Run, chosen: &EchoSettings) -> Run {
         asked.node_pulses.get_or_insert(chosen.node_pulses);
         asked.scatter_pulses.get_or_insert(chosen.scatter_pulses());
         asked.gain_pulses.get_or_insert(chosen.gain_pulses);
-        asked.faint_db.get_or_insert(chosen.faint.map_or(NONE_DB, |faint| faint.below_db));
+        asked.sidelobe_db.get_or_insert(chosen.sidelobe.map_or(NONE_DB, |sidelobe| sidelobe.below_db));
         asked.kernel_width.get_or_insert(chosen.echo.width);
         asked.doppler.get_or_insert(chosen.echo.doppler);
     }

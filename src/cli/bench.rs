@@ -34,7 +34,7 @@ struct Report {
     /// Those of them that were left out as too weak.
     culled: f64,
     /// In tiles that are looked at less often.
-    faint: f64,
+    sidelobe: f64,
     /// Scatterer paths accumulated in a pulse, over all pairs.
     accumulated: f64,
     channels: usize,
@@ -159,7 +159,7 @@ fn report(
         facets: speed.facets,
         paths: speed.paths,
         lit: facets * speed.costs.lit_share(),
-        faint: facets * speed.costs.faint_share(),
+        sidelobe: facets * speed.costs.sidelobe_share(),
         culled: facets * speed.costs.culled_share(),
         accumulated: speed.costs.accumulated_per_pulse(),
         channels: speed.channels,
@@ -224,8 +224,8 @@ fn text(report: &Report) -> String {
         "paths",
         format!(
             "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse; {:.0} facets \
-             in faint tiles",
-            report.paths, report.facets, report.lit, report.culled, report.accumulated, report.faint
+             in sidelobe tiles",
+            report.paths, report.facets, report.lit, report.culled, report.accumulated, report.sidelobe
         ),
     );
     row("channels", report.channels.to_string());

@@ -27,8 +27,8 @@ pub struct Asked {
     pub scatter_pulses: Option<u64>,
     /// Pulses from gain to gain.
     pub gain_pulses: Option<u64>,
-    /// Two-way gain of every antenna pair over its peak below which tiles are looked at less often, dB.
-    pub faint_db: Option<f64>,
+    /// Two-way gain of every antenna pair over its peak below which tiles are evaluated less often, dB.
+    pub sidelobe_db: Option<f64>,
     /// Cells that each scatterer path is spread over.
     pub kernel_width: Option<usize>,
     /// Doppler within a pulse.
@@ -45,7 +45,7 @@ impl Asked {
             node_pulses: None,
             scatter_pulses: None,
             gain_pulses: None,
-            faint_db: None,
+            sidelobe_db: None,
             kernel_width: None,
             doppler: None,
             variant: None,

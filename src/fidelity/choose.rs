@@ -1,8 +1,8 @@
 //! From what is asked to what is set: the cheapest settings whose predicted error keeps the budget.
 //!
-//! Knobs that are given stay. For the others there is a ladder, from far to close nodes; the error of each rung is sounded
+//! Settings that are given stay. For the others there are candidates, from far to close nodes; the error of each is probed
 //! ([`sounding`](crate::fidelity::probe)) until closer nodes cost more than what was found already. A budget at or below [`EXACT_DB`] takes pulses one by one with exact
-//! scatterer paths in f64, and so does a scene that no rung serves. Facets may be left out while all of them together stay
+//! scatterer paths in f64, and so does a scene that no candidate serves. Facets may be left out while all of them together stay
 //! [`CULLED_DB`] below the budget.
 
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
@@ -15,9 +15,9 @@ use crate::echo::Asked;
 use crate::echo::synth::doppler::{Doppler, Envelope, error_power, rigid_error_power};
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::fidelity::probe::points::Law;
-use crate::fidelity::probe::{ErrorSampler, LONGEST, Left, Powers, Sounded, Sweeps, Swept};
+use crate::fidelity::probe::{ErrorSampler, InterpolationError, LONGEST, Powers, Probed, Sweeps, Swept};
 use crate::paths::PathGenerator;
-use crate::paths::block::{GAIN_POINTS, LOOKS_PER_NODE, NODES, Sidelobe};
+use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, NODES, Sidelobe};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
@@ -36,12 +36,12 @@ const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 const DRIFT_PULSES: f64 = 12.0;
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
-/// Looks in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two looks is told where
+/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two scattering epochs is told where
 /// to a part of that, and single facets make the worst pulses at grazing incidence.
 const LOOKS_PER_PERIOD: f64 = 30.0;
 
-/// Where facets turn away tiles are not faint above this gain, dB: a single facet that is told late where it turns makes the worst pulse
-/// (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were predicted with tiles faint below -25 dB).
+/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is told late where it turns makes the worst pulse
+/// (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were predicted with tiles in the sidelobes below -25 dB).
 const OF_TURNING_DB: f64 = -40.0;
 
 /// What the acceleration of the water adds in the worst pulse to its mean, dB: the worst of 48 pulses from 800 km is 4.7 dB above it
@@ -57,9 +57,9 @@ fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
     (block_length(spacing, hold_pulses) - 1).div_ceil(NODES as u64 - 1).max(1)
 }
 
-/// Looks from node to node that come nearest to what is asked.
-fn looks_of(node_pulses: u64, scatter_pulses: u64) -> usize {
-    node_pulses.div_ceil(scatter_pulses.max(1)).clamp(1, LOOKS_PER_NODE as u64) as usize
+/// Scattering epochs from node to node that come nearest to what is asked.
+fn epochs_of(node_pulses: u64, scatter_pulses: u64) -> usize {
+    node_pulses.div_ceil(scatter_pulses.max(1)).clamp(1, EPOCHS_PER_NODE as u64) as usize
 }
 
 /// What was planned for a scene.
@@ -95,9 +95,14 @@ impl Judge<'_> {
     }
 
     /// Path, tilt, gain and what is left out, of the probe and channel where they are worst together.
-    fn worst(&self, left: &[Left], (gain, gain_pulses): (&Swept, u64), culled: &Powers) -> [f64; 4] {
+    fn worst(
+        &self,
+        left: &[InterpolationError],
+        (gain, gain_pulses): (&Swept, u64),
+        culled: &Powers,
+    ) -> [f64; 4] {
         let nearest = left.iter().map(|left| left.edge).min().unwrap_or(0);
-        let of = |left: &Left, channel| {
+        let of = |left: &InterpolationError, channel| {
             let gain = if left.edge <= gain_pulses.max(nearest) { &gain.end } else { &gain.inner };
             [&left.path, &left.tilt, gain, culled].map(|part| self.ratio(part, channel))
         };
@@ -114,15 +119,15 @@ const OF_RIGID: f64 = 0.01;
 /// Share of the budget that Doppler may leave where pulses are split into bands of it.
 const OF_BANDS: f64 = 0.3;
 
-/// A rung of the gains below which tiles are faint.
+/// A sidelobe threshold below which tiles are in the sidelobes.
 #[derive(Clone, Copy)]
 struct Candidate {
     n: usize,
-    faint: Option<Sidelobe>,
-    faint_share: f64,
+    sidelobe: Option<Sidelobe>,
+    sidelobe_share: f64,
 }
 
-/// Pulses from gain to gain at a rung, and what that leaves.
+/// Pulses from gain to gain at a step, and what that leaves.
 struct Gain {
     pulses: u64,
     candidate: Candidate,
@@ -130,18 +135,18 @@ struct Gain {
 }
 
 /// Chooses what is not given.
-pub fn settle(
+pub fn choose_settings(
     scene: &Scene,
     generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, PlanError> {
     let mut sampler =
-        ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), scene.pulses, asked.faint_db)?;
+        ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), scene.pulses, asked.sidelobe_db)?;
     // No interpolation knows of a jump, and soundings may miss it.
     let free: &[u64] = if generator.aim_jumps() { &[1] } else { &GAIN_PULSES };
-    let gain_rungs: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-    sampler.follow_points(&gain_rungs)?;
+    let gain_steps: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
+    sampler.follow_points(&gain_steps)?;
     let power = sampler.power().clone();
     let judge = Judge { power: &power };
     let budget = 10f64.powf(asked.error_db / 10.0);
@@ -174,11 +179,11 @@ pub fn settle(
     }
     let of_envelope = if settings.envelope == Envelope::Rigid { of_rigid } else { 0.0 };
     let hold_pulses = generator.hold_pulses();
-    let mut candidates_of: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
-    candidates_of.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
-    candidates_of.dedup();
-    candidates_of.retain(|pulses| *pulses > 1);
-    let lengths = candidates_of.iter().filter(|_| !exact).map(|pulses| block_length(*pulses, hold_pulses));
+    let mut spacings: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+    spacings.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
+    spacings.dedup();
+    spacings.retain(|pulses| *pulses > 1);
+    let lengths = spacings.iter().filter(|_| !exact).map(|pulses| block_length(*pulses, hold_pulses));
     let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
     let longest = blocks.iter().copied().max().unwrap_or(1);
     let of = |doppler: Doppler| (doppler, settings.envelope);
@@ -207,10 +212,10 @@ pub fn settle(
     let one_by_one = |gain_pulses: u64| {
         let chosen = EchoSettings {
             node_pulses: 1,
-            looks_per_node: 1,
+            epochs_per_node: 1,
             gain_pulses,
-            faint: None,
-            faint_share: 0.0,
+            sidelobe: None,
+            sidelobe_share: 0.0,
             least_power,
             precision,
             echo: Settings { band_hz: band.map(|(band_hz, _)| band_hz), ..settings },
@@ -227,27 +232,28 @@ pub fn settle(
         return Ok(plan);
     }
 
-    // What is the same at all rungs.
+    // What is the same for all candidates.
     let culled = sampler.culled(least_power).clone();
     let bounce = 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, generator);
     let candidates = sampler.candidates().clone();
-    let rung_of = |n: usize| {
-        let faint = candidates.candidates_of()[n].filter(|_| of_facets > 0.0);
-        let faint = faint.map(|below_db| Sidelobe { below_db, looks: sampler.faint_looks() });
-        Candidate { n, faint, faint_share: sampler.faint_share(n) }
+    let candidate_of = |n: usize| {
+        let sidelobe = candidates.thresholds_db()[n].filter(|_| of_facets > 0.0);
+        let sidelobe = sidelobe.map(|below_db| Sidelobe { below_db, epochs: sampler.sidelobe_epochs() });
+        Candidate { n, sidelobe, sidelobe_share: sampler.sidelobe_share(n) }
     };
     // Where facets turn away single ones count.
     let may_be = |candidate: &Candidate| {
-        let turns = |faint: Sidelobe| sampler.turning() && faint.below_db > OF_TURNING_DB;
-        asked.faint_db.is_some() || !candidate.faint.is_some_and(turns)
+        let turns = |sidelobe: Sidelobe| sampler.turning() && sidelobe.below_db > OF_TURNING_DB;
+        asked.sidelobe_db.is_some() || !candidate.sidelobe.is_some_and(turns)
     };
-    // Without a sea there is nothing to be faint.
-    let first = if of_facets > 0.0 { 0 } else { candidates.candidates_of().len() - 1 };
-    let faint_rungs: Vec<Candidate> =
-        (first..candidates.candidates_of().len()).map(rung_of).filter(may_be).collect();
+    // Without a sea there is nothing to be in the sidelobes.
+    let first = if of_facets > 0.0 { 0 } else { candidates.thresholds_db().len() - 1 };
+    let sidelobe_candidates: Vec<Candidate> =
+        (first..candidates.thresholds_db().len()).map(candidate_of).filter(may_be).collect();
     let sweeps_of = |sweeps: &Sweeps| -> Vec<Gain> {
-        let each =
-            gain_rungs.iter().flat_map(|pulses| faint_rungs.iter().map(|candidate| (*pulses, *candidate)));
+        let each = gain_steps
+            .iter()
+            .flat_map(|pulses| sidelobe_candidates.iter().map(|candidate| (*pulses, *candidate)));
         each.map(|(pulses, candidate)| Gain {
             pulses,
             candidate,
@@ -255,26 +261,26 @@ pub fn settle(
         })
         .collect()
     };
-    let mut gains = sweeps_of(&sampler.gains(&gain_rungs, LONGEST)?);
-    let predict = |echo: PredictedError, left: &[Left], gain: &Gain| {
+    let mut gains = sweeps_of(&sampler.gains(&gain_steps, LONGEST)?);
+    let predict = |echo: PredictedError, left: &[InterpolationError], gain: &Gain| {
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &culled);
         Prediction { echo, path, tilt, gain, culled, bounce, dry_run: None }
     };
-    let farthest_look = if sampler.turning() { farthest_look(scene) } else { u64::MAX };
+    let farthest_epoch = if sampler.turning() { farthest_epoch(scene) } else { u64::MAX };
     let prices = Prices::TABLE;
     let mut best: Option<Plan> = None;
     let settled_of =
-        |node_pulses: u64, looks_per_node: usize, gain_pulses: u64, candidate: Candidate| EchoSettings {
+        |node_pulses: u64, epochs_per_node: usize, gain_pulses: u64, candidate: Candidate| EchoSettings {
             node_pulses,
-            looks_per_node,
+            epochs_per_node,
             gain_pulses,
-            faint: candidate.faint,
-            faint_share: candidate.faint_share,
+            sidelobe: candidate.sidelobe,
+            sidelobe_share: candidate.sidelobe_share,
             least_power,
             precision,
             echo: settings,
         };
-    // The least that a spacing of nodes may cost: one look a node, gains as far apart and as many faint tiles as the gains allow.
+    // The least that a spacing of nodes may cost: one look a node, gains as far apart and as many sidelobe tiles as the gains allow.
     let nothing = [sampler.nothing()];
     let allowed: Vec<(u64, Candidate)> = gains
         .iter()
@@ -282,36 +288,36 @@ pub fn settle(
         .map(|gain| (gain.pulses, gain.candidate))
         .collect();
     let least = |node_pulses: u64| {
-        let looks = asked.scatter_pulses.map_or(1, |pulses| looks_of(node_pulses, pulses));
+        let epochs = asked.scatter_pulses.map_or(1, |pulses| epochs_of(node_pulses, pulses));
         let seconds = allowed.iter().map(|(pulses, candidate)| {
-            prices.seconds(&size.work(&settled_of(node_pulses, looks, *pulses, *candidate), true))
+            prices.seconds(&size.work(&settled_of(node_pulses, epochs, *pulses, *candidate), true))
         });
         seconds.reduce(f64::min).unwrap_or(0.0)
     };
-    for &node_pulses in &candidates_of {
+    for &node_pulses in &spacings {
         if best.as_ref().is_some_and(|held| held.keeps() && prices.seconds(&held.work) <= least(node_pulses))
         {
             break;
         }
         if asked.gain_pulses.is_some() {
-            gains = sweeps_of(&sampler.gains(&gain_rungs, block_pulses(node_pulses))?);
+            gains = sweeps_of(&sampler.gains(&gain_steps, block_pulses(node_pulses))?);
         }
         let of_block = echo_of(block_length(node_pulses, hold_pulses));
         let mut sounded = vec![sampler.left(0, node_pulses)?];
-        let left_of = |sounded: &[Sounded], looks: usize, candidate: Candidate| -> Vec<Left> {
-            sounded.iter().flat_map(|sounded| sounded.left(looks, &candidates, candidate.n)).collect()
+        let left_of = |sounded: &[Probed], epochs: usize, candidate: Candidate| -> Vec<InterpolationError> {
+            sounded.iter().flat_map(|sounded| sounded.left(epochs, &candidates, candidate.n)).collect()
         };
         // Other places cost as much again: they are asked once the first allows.
-        let allows = faint_rungs.iter().any(|candidate| {
-            (1..=LOOKS_PER_NODE).any(|looks| {
-                let left = left_of(&sounded, looks, *candidate);
+        let allows = sidelobe_candidates.iter().any(|candidate| {
+            (1..=EPOCHS_PER_NODE).any(|epochs| {
+                let left = left_of(&sounded, epochs, *candidate);
                 gains
                     .iter()
                     .filter(|gain| gain.candidate.n == candidate.n)
                     .any(|gain| predict(of_block, &left, gain).total() <= budget)
             })
         });
-        if allows || candidates_of.len() == 1 || of_facets == 0.0 {
+        if allows || spacings.len() == 1 || of_facets == 0.0 {
             let mut blocks = vec![sampler.block_of(0, node_pulses)];
             for place in 1..sampler.places() {
                 let block = sampler.block_of(place, node_pulses);
@@ -321,24 +327,24 @@ pub fn settle(
                 }
             }
         }
-        for (looks, candidate) in
-            (1..=LOOKS_PER_NODE).flat_map(|looks| faint_rungs.iter().map(move |candidate| (looks, candidate)))
+        for (epochs, candidate) in (1..=EPOCHS_PER_NODE)
+            .flat_map(|epochs| sidelobe_candidates.iter().map(move |candidate| (epochs, candidate)))
         {
-            if asked.scatter_pulses.is_some_and(|pulses| looks_of(node_pulses, pulses) != looks) {
+            if asked.scatter_pulses.is_some_and(|pulses| epochs_of(node_pulses, pulses) != epochs) {
                 continue;
             }
-            let far = node_pulses.div_ceil(looks as u64) > farthest_look && looks < LOOKS_PER_NODE;
+            let far = node_pulses.div_ceil(epochs as u64) > farthest_epoch && epochs < EPOCHS_PER_NODE;
             if far && asked.scatter_pulses.is_none() {
                 continue;
             }
-            let left = left_of(&sounded, looks, *candidate);
+            let left = left_of(&sounded, epochs, *candidate);
             for gain in gains.iter().filter(|gain| gain.candidate.n == candidate.n) {
                 // What was found for long blocks holds where six instants of gain fit in.
                 let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain.pulses;
                 if few && gain.pulses > 1 && asked.gain_pulses.is_none() {
                     continue;
                 }
-                let chosen = settled_of(node_pulses, looks, gain.pulses, *candidate);
+                let chosen = settled_of(node_pulses, epochs, gain.pulses, *candidate);
                 let prediction = predict(of_block, &left, gain);
                 let work = size.work(&chosen, true);
                 let plan = Plan { asked: *asked, chosen, prediction, work, size };
@@ -363,8 +369,8 @@ pub fn settle(
     Ok(best)
 }
 
-/// Most pulses from look to look: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets, `T = sqrt(2 pi 2 d / g)` in deep water.
-fn farthest_look(scene: &Scene) -> u64 {
+/// Most pulses from scattering epoch to the next: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets, `T = sqrt(2 pi 2 d / g)` in deep water.
+fn farthest_epoch(scene: &Scene) -> u64 {
     let Some(sea) = &scene.sea else { return u64::MAX };
     let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();
     let pulses = period_s / LOOKS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);

@@ -5,8 +5,8 @@
 //! | surface | facets x 4 nodes / block | surface |
 //! | shadow | facets x antennas x updates in a block / block | shadow |
 //! | path | facets x pairs x 4 / block, and those of the block's sample once more | scatterer paths |
-//! | look | facets x pairs x looks / block, likewise | scatterer paths |
-//! | combine | facets x channels x looks / block, likewise | scatterer paths |
+//! | look | facets x pairs x scattering epochs / block, likewise | scatterer paths |
+//! | combine | facets x channels x scattering epochs / block, likewise | scatterer paths |
 //! | gain | facets x pairs x gain instants / block, likewise | scatterer paths |
 //! | factor | facets x pairs, likewise | scatterer paths |
 //! | fill | scatterer paths kept x 3 / block | spread |
@@ -16,7 +16,7 @@
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
 //!
-//! Faint tiles have 2 nodes, 2 or 3 looks and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n` times as
+//! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n` times as
 //! many pulses, as far as they do not wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
@@ -37,7 +37,7 @@ pub const NAMES: [&str; PIECES] = [
     "surface",
     "shadow",
     "path",
-    "look",
+    "epoch",
     "combine",
     "gain",
     "factor",
@@ -160,10 +160,10 @@ impl Size {
         } = *self;
         let width = chosen.echo.width as f64;
         let wide = if chosen.precision == Precision::Double { 2.0 } else { 1.0 };
-        let faint = chosen.faint_share;
-        // Amplitudes through two looks are straight lines.
-        let straight = chosen.faint.is_some_and(|faint| faint.looks <= 2);
-        let amplitude = if straight { 4.0 - 2.0 * faint } else { 4.0 };
+        let sidelobe = chosen.sidelobe_share;
+        // Amplitudes through two scattering epochs are straight lines.
+        let straight = chosen.sidelobe.is_some_and(|sidelobe| sidelobe.epochs <= 2);
+        let amplitude = if straight { 4.0 - 2.0 * sidelobe } else { 4.0 };
         let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
         let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();
@@ -179,22 +179,22 @@ impl Size {
         let per_block = |times: f64| facets * times / pulses;
         let ends = if self.hold_pulses.is_some() { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
-        let looks = (3 * chosen.looks_per_node + 1) as f64;
+        let epochs = (3 * chosen.epochs_per_node + 1) as f64;
         let step = gain_step(block as usize, chosen.gain_pulses as usize);
-        let step_of_faint = gain_step(block as usize, sidelobe_gain_pulses(step));
-        let [instants, of_faint] =
-            [step, step_of_faint].map(|step| gain_instants(block as usize, step).count() as f64);
-        // What all tiles are looked at for to tell the faint ones.
-        let told = if chosen.faint.is_some() { of_faint } else { 0.0 };
-        let either = |close: f64, few: f64| (1.0 - faint) * close + faint * few;
-        let few_looks = chosen.faint.map_or(0.0, |faint| faint.looks as f64);
+        let step_of_sidelobe = gain_step(block as usize, sidelobe_gain_pulses(step));
+        let [instants, of_sidelobe] =
+            [step, step_of_sidelobe].map(|step| gain_instants(block as usize, step).count() as f64);
+        // What all tiles are evaluated for to tell the in the sidelobes ones.
+        let told = if chosen.sidelobe.is_some() { of_sidelobe } else { 0.0 };
+        let either = |close: f64, few: f64| (1.0 - sidelobe) * close + sidelobe * few;
+        let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
         Work([
             per_block(nodes),
             per_block(updates * antennas),
             per_block(again * either(nodes, few) * pairs),
-            per_block(again * either(looks, few_looks) * pairs),
-            per_block(again * either(looks, few_looks) * channels),
+            per_block(again * either(epochs, few_epochs) * pairs),
+            per_block(again * either(epochs, few_epochs) * channels),
             per_block(again * (either(instants, 0.0) + told) * pairs),
             again * facets * pairs,
             per_block(either(3.0, 1.0) * kept * pairs),

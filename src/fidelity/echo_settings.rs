@@ -8,14 +8,14 @@ use crate::paths::block::{NODES, Sidelobe};
 pub struct EchoSettings {
     /// Pulses from node to node; 1: every pulse by itself.
     pub node_pulses: u64,
-    /// Looks from node to node.
-    pub looks_per_node: usize,
+    /// Scattering epochs from node to node.
+    pub epochs_per_node: usize,
     /// Pulses from gain to gain.
     pub gain_pulses: u64,
-    /// Tiles that are looked at less often, if any are.
-    pub faint: Option<Sidelobe>,
-    /// Share of the facets that then are faint, mean over the run.
-    pub faint_share: f64,
+    /// Tiles that are evaluated less often, if any are.
+    pub sidelobe: Option<Sidelobe>,
+    /// Share of the facets that then are in the sidelobes, mean over the run.
+    pub sidelobe_share: f64,
     /// Power of a facet over the mean below which it is left out.
     pub least_power: f64,
     /// Word length.
@@ -30,9 +30,9 @@ impl EchoSettings {
         if self.precision == Precision::Double { 1 } else { block_length(self.node_pulses, hold_pulses) }
     }
 
-    /// Pulses from look to look.
+    /// Pulses from scattering epoch to the next.
     pub fn scatter_pulses(&self) -> u64 {
-        self.node_pulses.div_ceil(self.looks_per_node.max(1) as u64)
+        self.node_pulses.div_ceil(self.epochs_per_node.max(1) as u64)
     }
 }
 

@@ -9,11 +9,11 @@
 //! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
 //! | bounce | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
 //! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`probe`] |
-//! | tilt | scattering between looks: facets that the waves turn | [`probe`] |
+//! | tilt | scattering between scattering epochs: facets that the waves turn | [`probe`] |
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`probe`] |
 //! | culled | facets left out because they are weak | [`probe`] |
 //!
-//! of tiles that are looked at closely, and of those that [`sidelobe`] ones are; each at the worst pulse ([`worst`]) and channel. [`settle::settle`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
+//! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse ([`worst`]) and channel. [`choose_settings::choose_settings`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
 //! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a
@@ -82,7 +82,7 @@ pub struct Prediction {
     pub bounce: f64,
     /// Delays between nodes.
     pub path: f64,
-    /// Scattering between looks.
+    /// Scattering between scattering epochs.
     pub tilt: f64,
     /// Gains between their instants.
     pub gain: f64,

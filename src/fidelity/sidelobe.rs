@@ -1,65 +1,65 @@
-//! Two-way gains below which tiles may be faint, and sums of a sample by gain.
+//! Two-way gains below which tiles may be in the sidelobes, and sums of a sample by gain.
 //!
 //! Far off the beams a tile returns so little that few instants do for it ([`Tier::Sidelobe`](crate::paths::block::Tier)): of the power of
 //! a line source of width `a`, whose two-way pattern is `sinc^4`, `3.9e-3 / x^3` lies beyond `x = a sin(theta) / lambda`. What is left there is
 //! sounded at both tiers, in **bins** of gain between the rungs of a ladder, which fall from rung 0 on: a tile of bin `b` has `b` rungs above it,
-//! and is faint at rung `r` where `r < b`.
+//! and is in the sidelobes at rung `r` where `r < b`.
 //!
 //! ```
-//! use nereus::fidelity::sidelobe::Ladder;
-//! let ladder = Ladder::new(None);
+//! use nereus::fidelity::sidelobe::Candidates;
+//! let candidates = Candidates::new(None);
 //! // A tenth of the field, at most, twice: -40 dB.
-//! let bin = ladder.bin(0.0099);
-//! let rung = ladder.rungs().iter().position(|rung| *rung == Some(-40.0)).unwrap();
-//! assert!(ladder.is_faint(bin, rung) && !ladder.is_faint(bin, rung + 1));
-//! assert!(!ladder.is_faint(ladder.bin(0.0), ladder.rungs().len() - 1), "at the last rung none is");
+//! let bin = candidates.bin(0.0099);
+//! let candidate = candidates.thresholds_db().iter().position(|candidate| *candidate == Some(-40.0)).unwrap();
+//! assert!(candidates.is_sidelobe(bin, candidate) && !candidates.is_sidelobe(bin, candidate + 1));
+//! assert!(!candidates.is_sidelobe(candidates.bin(0.0), candidates.thresholds_db().len() - 1), "at the last candidate none is");
 //! ```
 
 use super::worst::Sum;
 
-/// A gain from which down nothing is faint, dB.
+/// A gain from which down nothing is in the sidelobes, dB.
 pub const NONE_DB: f64 = -400.0;
 
 /// Rungs, dB below the peak of both antennas' gains.
-const FAINT_DB: [f64; 7] = [-25.0, -30.0, -35.0, -40.0, -45.0, -50.0, -55.0];
+const SIDELOBE_DB: [f64; 7] = [-25.0, -30.0, -35.0, -40.0, -45.0, -50.0, -55.0];
 
-/// Gains below which tiles may be faint.
+/// Gains below which tiles may be in the sidelobes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidates {
-    /// Falling; the last one, `None`, makes nothing faint.
-    candidates_of: Vec<Option<f64>>,
+    /// Falling; the last one, `None`, makes nothing in the sidelobes.
+    thresholds_db: Vec<Option<f64>>,
 }
 
 impl Candidates {
     /// All rungs, or the one that was asked.
     pub fn new(asked_db: Option<f64>) -> Self {
-        let candidates_of = match asked_db {
+        let thresholds_db = match asked_db {
             Some(none) if none <= NONE_DB => vec![None],
             Some(asked) => vec![Some(asked)],
-            None => FAINT_DB.into_iter().map(Some).chain([None]).collect(),
+            None => SIDELOBE_DB.into_iter().map(Some).chain([None]).collect(),
         };
-        Self { candidates_of }
+        Self { thresholds_db }
     }
 
-    /// From the largest gain down, dB; `None` where nothing is faint.
-    pub fn candidates_of(&self) -> &[Option<f64>] {
-        &self.candidates_of
+    /// From the largest gain down, dB; `None` where nothing is in the sidelobes.
+    pub fn thresholds_db(&self) -> &[Option<f64>] {
+        &self.thresholds_db
     }
 
     /// Bins that sums are kept in.
     pub fn bins(&self) -> usize {
-        self.candidates_of.len() + 1
+        self.thresholds_db.len() + 1
     }
 
     /// Bin of a tile with such a share of the peak gain of field: rungs above it.
     pub fn bin(&self, share: f32) -> usize {
         let gain_db = 20.0 * f64::from(share).log10();
-        self.candidates_of.iter().flatten().filter(|candidate| gain_db < **candidate).count()
+        self.thresholds_db.iter().flatten().filter(|candidate| gain_db < **candidate).count()
     }
 
-    /// Whether tiles of a bin are faint at a rung.
-    pub fn is_faint(&self, bin: usize, candidate: usize) -> bool {
-        self.candidates_of[candidate].is_some() && bin > candidate
+    /// Whether tiles of a bin are in the sidelobes at a rung.
+    pub fn is_sidelobe(&self, bin: usize, candidate: usize) -> bool {
+        self.thresholds_db[candidate].is_some() && bin > candidate
     }
 }
 
@@ -72,10 +72,10 @@ impl Binned {
         Self(vec![Sum::default(); candidates.bins()])
     }
 
-    /// Adds those of the tiles that are faint at a rung, or those of all others, to a sum.
-    pub(super) fn join_into(&self, candidates: &Candidates, candidate: usize, faint: bool, sum: &mut Sum) {
+    /// Adds those of the tiles that are in the sidelobes at a rung, or those of all others, to a sum.
+    pub(super) fn join_into(&self, candidates: &Candidates, candidate: usize, sidelobe: bool, sum: &mut Sum) {
         for (_, own) in
-            self.0.iter().enumerate().filter(|(bin, _)| candidates.is_faint(*bin, candidate) == faint)
+            self.0.iter().enumerate().filter(|(bin, _)| candidates.is_sidelobe(*bin, candidate) == sidelobe)
         {
             sum.join(own);
         }

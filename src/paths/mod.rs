@@ -30,7 +30,7 @@
 //! use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
 //! use nereus::motion::{PlatformTracks, track::Track};
 //! use nereus::pulse::{Layout, Pulse, SampleFormat};
-//! use nereus::paths::Illumination;
+//! use nereus::paths::PathGenerator;
 //! use nereus::paths::list::Scatterer paths;
 //! use nereus::scene::{Radar, Scene, Target, radar::*};
 //! use nereus::time::{PulseTimes, TimeTag};
@@ -78,7 +78,7 @@
 //! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
 //! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
 //! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
-//! let path generator = Illumination::new(&scene, 0.333e-6, tracks)?;
+//! let path generator = PathGenerator::new(&scene, 0.333e-6, tracks)?;
 //! let layout = Layout {
 //!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, antennas: 2, targets: 1, pairs: 1,
 //!     ships: 0, clocks: 0,

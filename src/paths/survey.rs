@@ -12,7 +12,7 @@ use crate::scene::radar::{Aim, AimFrom, Pointing};
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Patch, Sea};
 
-/// Share of the distance to the horizon within which a patch is far from it, between the instants that are looked at too.
+/// Share of the distance to the horizon within which a patch is far from it, between the instants that are evaluated too.
 const NEAR_HORIZON: f64 = 0.9;
 
 /// A target that the earth hides.

@@ -18,12 +18,12 @@ use num_complex::Complex64;
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node};
-use crate::echo::synth::lanes::{Batch, BatchLook, BatchNode, LaneWork};
+use crate::echo::synth::lanes::{Batch, BatchEpoch, BatchNode, LaneWork};
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_length, block_pulses};
 use crate::fidelity::probe::points::{mean_rate, of_points};
 use crate::paths::block::{
-    Borders, Instants, LOOKS, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, looks_about,
+    Borders, EPOCHS, Instants, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, epochs_about,
     nodes_within,
 };
 use crate::paths::list::ScattererPaths;
@@ -50,8 +50,8 @@ pub(crate) struct BlockEcho {
     length: u64,
     hold_pulses: Option<u64>,
     gain_pulses: usize,
-    looks_per_node: usize,
-    faint: Option<Sidelobe>,
+    epochs_per_node: usize,
+    sidelobe: Option<Sidelobe>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
@@ -109,8 +109,8 @@ impl BlockEcho {
             length: block_length(chosen.node_pulses, hold_pulses),
             hold_pulses,
             gain_pulses,
-            looks_per_node: chosen.looks_per_node,
-            faint: chosen.faint,
+            epochs_per_node: chosen.epochs_per_node,
+            sidelobe: chosen.sidelobe,
             least_power: chosen.least_power,
             pulses,
             interval_s,
@@ -206,8 +206,8 @@ impl BlockEcho {
         // What is aimed by a report jumps with it: such a block ends there.
         let Range { start: first, end } = generator.unbroken(first..(first + len).min(self.pulses), index);
         let pulses = (end - first) as usize;
-        let instants = Instants::of_block(first, pulses, self.looks_per_node, self.gain_pulses);
-        work.tiers = Tiers::new(instants, self.faint);
+        let instants = Instants::of_block(first, pulses, self.epochs_per_node, self.gain_pulses);
+        work.tiers = Tiers::new(instants, self.sidelobe);
         let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
@@ -241,14 +241,14 @@ impl BlockEcho {
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let looks = [Tier::Close, Tier::Sidelobe].map(|tier| tiers.of(tier).look_count);
-            self.synth.make_room(looks[0].max(looks[1]), pulses, lanes);
+            let epochs = [Tier::Close, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
+            self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
             let tally =
                 generator.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
                     let instants = tiers.of(tile.tier);
-                    let from_look = std::array::from_fn(|n| {
+                    let from_epoch = std::array::from_fn(|n| {
                         let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
-                        looks_about(&instants.looks[..instants.look_count], from..=to)
+                        epochs_about(&instants.epochs[..instants.epoch_count], from..=to)
                     });
                     for (pair, of_pair) in tile.pairs.iter().enumerate() {
                         let mut nodes = [None; NODES];
@@ -258,17 +258,19 @@ impl BlockEcho {
                                 delay_rate: &node.paths.delay_rate,
                             });
                         }
-                        let mut looks = [BatchLook { pulse: 0, amplitude: &[] }; LOOKS];
-                        for ((to, look), pulse) in looks.iter_mut().zip(of_pair.looks()).zip(instants.looks) {
-                            *to = BatchLook { pulse, amplitude: &look.amplitude };
+                        let mut epochs = [BatchEpoch { pulse: 0, amplitude: &[] }; EPOCHS];
+                        for ((to, epoch), pulse) in
+                            epochs.iter_mut().zip(of_pair.epochs()).zip(instants.epochs)
+                        {
+                            *to = BatchEpoch { pulse, amplitude: &epoch.amplitude };
                         }
                         let batch = Batch {
                             pair,
                             count: tile.count,
                             nodes,
                             places: instants.nodes,
-                            from_look,
-                            looks: &looks[..instants.look_count],
+                            from_epoch,
+                            epochs: &epochs[..instants.epoch_count],
                             factor: &of_pair.factor,
                             interval_s: self.interval_s,
                         };
@@ -277,7 +279,7 @@ impl BlockEcho {
                 });
             let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
             light.costs.looked_at(facets, lit, culled);
-            light.costs.looked_at_less(tally.faint as usize);
+            light.costs.looked_at_less(tally.sidelobe as usize);
             work.spread = (lit - culled) * generator.pairs().len();
         }
         if generator.point_count() > 0 {

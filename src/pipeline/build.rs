@@ -163,7 +163,7 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
         Err(errors) => {
-            // Where something else stopped the radar from being made, its sea has not been looked at.
+            // Where something else stopped the radar from being made, its sea has not been evaluated.
             let of_sea = |fault: &RadarFault| matches!(fault, RadarFault::Sea(_));
             let met = errors.0.iter().any(|error| {
                 matches!(error, BuildError::Radar(RadarError::Faults(faults)) if faults.iter().any(of_sea))

@@ -5,7 +5,7 @@
 //! later emissions or flights are longer than an interval, some pulses later. The same change given as an event of the scenario at that
 //! pulse makes the same pulses, bit for bit, on any number of threads.
 //!
-//! Nobody in the stream waits for whoever asks: a channel of bounded length is looked at, and what is found is answered.
+//! Nobody in the stream waits for whoever asks: a channel of bounded length is evaluated, and what is found is answered.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -21,7 +21,7 @@ use crate::transport::health::Health;
 
 /// Changes that may wait to be taken.
 const WAITING: usize = 64;
-/// How often who waits for an answer looks whether the run is over.
+/// How often who waits for an answer scattering epochs whether the run is over.
 const GLANCE: Duration = Duration::from_millis(20);
 
 /// Why a change is not taken.

@@ -21,7 +21,7 @@ use num_complex::Complex32;
 use super::stages::{Echo, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
-use crate::fidelity::choose::{EXACT_DB, Plan, settle};
+use crate::fidelity::choose::{EXACT_DB, Plan, choose_settings};
 use crate::fidelity::probe::spread_over;
 use crate::paths::PathGenerator;
 use crate::pipeline::fault::BuildErrors;
@@ -54,7 +54,7 @@ pub(crate) fn plan(
     asked: &Asked,
 ) -> Result<Plan, BuildErrors> {
     let settle_for = |error_db: f64, node_pulses: Option<u64>| -> Result<Plan, BuildErrors> {
-        let plan = settle(scene, generator, waveform, &Asked { error_db, node_pulses, ..*asked })?;
+        let plan = choose_settings(scene, generator, waveform, &Asked { error_db, node_pulses, ..*asked })?;
         Ok(Plan { asked: *asked, ..plan })
     };
     let first = settle_for(asked.error_db, asked.node_pulses)?;
@@ -63,7 +63,7 @@ pub(crate) fn plan(
         return Ok(first);
     }
     let exact = Asked { node_pulses: Some(1), ..Asked::error_db(EXACT_DB) };
-    let exact = settle(scene, generator, waveform, &exact)?;
+    let exact = choose_settings(scene, generator, waveform, &exact)?;
     let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;

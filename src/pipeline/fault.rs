@@ -80,7 +80,7 @@ pub enum BuildError {
     /// An antenna in the water.
     #[error(
         "antenna \"{antenna}\" of platform '{platform}' is {depth_m:.2} m below mean sea level at pulse {pulse}; allowed: on or \
-         above it (look at the track, its datum, scene.origin_h_m and lever_arm_m)"
+         above it (epoch at the track, its datum, scene.origin_h_m and lever_arm_m)"
     )]
     BelowSea {
         /// The transmitter or receiver.

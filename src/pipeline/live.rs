@@ -38,7 +38,7 @@ use crate::transport::{Pace, Policy};
 
 /// How far ahead of the schedule a fix may be, s.
 pub const MOST_AHEAD_S: f64 = 5.0;
-/// Between looks at the stop flag.
+/// Between scattering epochs at the stop flag.
 const LOOK: Duration = Duration::from_millis(20);
 /// How long a time of a block counts at least.
 const FORGOTTEN: Duration = Duration::from_secs(5);

@@ -5,7 +5,7 @@
 //!   code.
 //!
 //! Geometry is taken at [`INSTANTS`] pulses spread over the run, without the motion during the echo. What needs no trajectory
-//! is looked at when the scenario is read (`config::resolve`).
+//! is evaluated when the scenario is read (`config::resolve`).
 
 use serde::Serialize;
 use thiserror::Error;
@@ -163,7 +163,7 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
     faults
 }
 
-/// Targets whose whole echo lies in no window, at none of the pulses looked at and in no pair of antennas.
+/// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
 ///
 /// # Errors
 /// Tracks that cannot be loaded.

@@ -79,7 +79,7 @@ pub(super) fn flown(
     })
 }
 
-/// The longest time that a servo looks back, s.
+/// The longest time that a servo scattering epochs back, s.
 fn servo_lag_s(scene: &Scene) -> f64 {
     let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
     pointings

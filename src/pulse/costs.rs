@@ -85,7 +85,7 @@ pub struct Counts {
     /// Those of the lit ones that were left out because they are too weak to matter.
     pub culled: u64,
     /// Facets of tiles that were looked at less often, since only side lobes light them.
-    pub faint: u64,
+    pub sidelobe: u64,
     /// Scatterer paths accumulated, counted again in every pulse and for every pair of antennas.
     pub accumulated: u64,
 }
@@ -122,7 +122,7 @@ impl Costs {
 
     /// Counts facets of tiles that were looked at less often.
     pub fn looked_at_less(&mut self, facets: usize) {
-        self.counts.faint += facets as u64;
+        self.counts.sidelobe += facets as u64;
     }
 
     /// Counts scatterer paths that were accumulated in one pulse.
@@ -138,12 +138,12 @@ impl Costs {
     /// Takes in what another worker has spent and counted.
     pub fn add(&mut self, other: &Self) {
         self.spent.iter_mut().zip(other.spent).for_each(|(to, from)| *to += from);
-        let Counts { pulses, facets, lit, culled, faint, accumulated } = other.counts;
+        let Counts { pulses, facets, lit, culled, sidelobe, accumulated } = other.counts;
         self.counts.pulses += pulses;
         self.counts.facets += facets;
         self.counts.lit += lit;
         self.counts.culled += culled;
-        self.counts.faint += faint;
+        self.counts.sidelobe += sidelobe;
         self.counts.accumulated += accumulated;
     }
 
@@ -178,8 +178,8 @@ impl Costs {
     }
 
     /// Share of the facets in tiles that were looked at less often, 0 to 1.
-    pub fn faint_share(&self) -> f64 {
-        share(self.counts.faint, self.counts.facets)
+    pub fn sidelobe_share(&self) -> f64 {
+        share(self.counts.sidelobe, self.counts.facets)
     }
 
     /// Scatterer paths accumulated in a pulse, mean.
@@ -239,7 +239,7 @@ mod tests {
         one.made();
         let mut both = one;
         both.add(&one);
-        let expected = Counts { pulses: 2, facets: 20, lit: 12, culled: 2, faint: 8, accumulated: 10 };
+        let expected = Counts { pulses: 2, facets: 20, lit: 12, culled: 2, sidelobe: 8, accumulated: 10 };
         assert_eq!(both.counts(), expected);
         assert_eq!((both.lit_share(), both.culled_share(), both.accumulated_per_pulse()), (0.6, 0.1, 5.0));
         assert_eq!(Costs::default().lit_share(), 0.0);

@@ -7,7 +7,7 @@
 //! ```
 //! use nereus::scene::Patch;
 //! use nereus::scene::water::{Dispersion, WindProfile};
-//! use nereus::sea::facet_surface::Sheet;
+//! use nereus::sea::facet_surface::FacetSurface;
 //! use nereus::sea::spectrum::FungLee;
 //! use nereus::sea::surface::{Averaging, Grid, Selection, Surface};
 //! use nereus::sea::wind::Wind;
@@ -15,7 +15,7 @@
 //! let grid = Grid::new(16, 16, 4.0)?;
 //! let surface = Surface::synthesise(grid, &spectrum, Dispersion::default(), 1, Averaging::Automatic)?;
 //! let patch = Patch::new([64.0, 64.0], 4.0, [1000.0, -36.0])?;
-//! let mut sheet = Sheet::<f64>::new(&surface, Selection::HEIGHT);
+//! let mut sheet = FacetSurface::<f64>::new(&surface, Selection::HEIGHT);
 //! let mut fields = sheet.fields(&patch);
 //! sheet.evaluate(2.5, &patch, &mut fields)?;
 //! let [x, y] = patch.centre_m(patch.key(37));

@@ -80,7 +80,7 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
             ("fidelity.node_pulses", node),
             ("fidelity.gain_pulses", gain),
             ("fidelity.kernel_width", "5"),
-            ("fidelity.faint_db", "-400"),
+            ("fidelity.sidelobe_db", "-400"),
         ];
         let run = scenario("mars-1.toml", &with(&knobs));
         let error_db = worst_db(&samples(&run, range.clone()), &exact);
@@ -95,16 +95,16 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
 fn grazing_facets_are_looked_at_more_often_than_the_sea() {
     let range = 240..282;
     let exact = samples(&scenario("mars-4.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
-    let of = |looks| {
+    let of = |epochs| {
         let knobs = [
             ("fidelity.node_pulses", "12"),
-            ("fidelity.scatter_pulses", looks),
+            ("fidelity.scatter_pulses", epochs),
             ("fidelity.gain_pulses", "3"),
         ];
         worst_db(&samples(&scenario("mars-4.toml", &with(&knobs)), range.clone()), &exact)
     };
     let (often, seldom) = (of("4"), of("12"));
-    println!("mars-4, 64 x 64: looks 4 pulses apart {often:.1} dB, 12 apart {seldom:.1} dB");
+    println!("mars-4, 64 x 64: epochs 4 pulses apart {often:.1} dB, 12 apart {seldom:.1} dB");
     assert!(often < -66.0 && seldom > often + 10.0);
 }
 
@@ -132,24 +132,24 @@ fn isotropic_antennas_keep_the_error() {
     }
 }
 
-/// What only side lobes light is looked at less often, and loses no more than its share of the echo allows.
+/// What only side lobes light is evaluated less often, and loses no more than its share of the echo allows.
 #[test]
-fn faint_tiles_leave_what_their_gain_allows() {
+fn sidelobe_tiles_leave_what_their_gain_allows() {
     let range = 236..285;
     // 512 m, so that the beam of 42 m leaves most to its side lobes.
     let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
     let of =
         |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
     let exact = of(&[("fidelity.echo", "reference")]);
-    let [none, far, near, all] = ["-400", "-55", "-35", "0"].map(|faint_db| {
+    let [none, far, near, all] = ["-400", "-55", "-35", "0"].map(|sidelobe_db| {
         let knobs = [
             ("fidelity.node_pulses", "12"),
             ("fidelity.scatter_pulses", "12"),
             ("fidelity.gain_pulses", "3"),
-            ("fidelity.faint_db", faint_db),
+            ("fidelity.sidelobe_db", sidelobe_db),
         ];
         let error_db = worst_db(&of(&knobs), &exact);
-        println!("mars-1, facets of 4 m, faint below {faint_db} dB: worst {error_db:.1} dB");
+        println!("mars-1, facets of 4 m, sidelobe below {sidelobe_db} dB: worst {error_db:.1} dB");
         error_db
     });
     assert!(none < -70.0 && far < none + 3.0 && near > none + 3.0 && all > near + 10.0);

@@ -77,7 +77,7 @@ fn both_echoes_agree_within_the_budget() {
     assert!(db < -60.0, "{db}");
 }
 
-/// A mast that looks at a point 3 km away, and says that it stands elsewhere.
+/// A mast that scattering epochs at a point 3 km away, and says that it stands elsewhere.
 fn misled(errors: &str) -> Pulse {
     let text = format!(
         r#"

@@ -60,16 +60,16 @@ fn measure(seed: u64) -> Result<Found, String> {
     let parts =
         plan.prediction.parts().map(|(name, part)| format!("{name} {:.0}", 10.0 * part.log10())).join(" ");
     println!(
-        "seed {seed} {} {facets} facets {} pulses: asked {} predicted {predicted_db:.1} measured {measured_db:.1} mean {:.1} at {} nodes {} looks {} gains {} faint {:?}; {parts}; plan {planned_s:.2} s of {:.2}{}",
+        "seed {seed} {} {facets} facets {} pulses: asked {} predicted {predicted_db:.1} measured {measured_db:.1} mean {:.1} at {} nodes {} epochs {} gains {} sidelobe {:?}; {parts}; plan {planned_s:.2} s of {:.2}{}",
         scene.family,
         run.scene.pulses,
         scene.asked_db,
         accuracy.rel_rms_db_mean,
         accuracy.worst_pulse,
         plan.chosen.node_pulses,
-        plan.chosen.looks_per_node,
+        plan.chosen.epochs_per_node,
         plan.chosen.gain_pulses,
-        plan.chosen.faint.map(|faint| faint.below_db),
+        plan.chosen.sidelobe.map(|sidelobe| sidelobe.below_db),
         begun.elapsed().as_secs_f64(),
         if broken {
             " BROKEN"

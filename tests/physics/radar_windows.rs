@@ -195,10 +195,10 @@ fn the_receive_antenna_is_that_of_the_reception() {
     let mount = &scene.radar.receivers[0].antenna;
     let antenna = Antenna::open(&mount.pattern, wavelength_m).unwrap();
     let from = tracks[1].truth.state(emission.plus(record.target_delay_s[0])).unwrap().position;
-    let look = Point::new(0.0, 0.0, 0.0) - from;
+    let epoch = Point::new(0.0, 0.0, 0.0) - from;
     let gain_at = |s: f64| {
         let frame = around.antenna_frame(mount, level(), emission.plus(s)).unwrap();
-        antenna.field_gain(frame.inverse() * (look * look.norm().recip())).re
+        antenna.field_gain(frame.inverse() * (epoch * epoch.norm().recip())).re
     };
     let (exact, stale) = (gain_at(record.target_delay_s[0]), gain_at(0.0));
     println!("receive gain: {ours:.9}, at reception {exact:.9}, at emission {stale:.9}");

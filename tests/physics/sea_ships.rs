@@ -168,7 +168,7 @@ fn short_waves_brighten_a_narrow_v() {
 
 #[test]
 fn facets_get_the_spectrum_of_the_short_waves() {
-    // Light wind, so that the waves of the ship stand out. Facets are looked at from South, across the track: Bragg waves of
+    // Light wind, so that the waves of the ship stand out. Facets are evaluated from South, across the track: Bragg waves of
     // 2 k sin 45 deg = 38.5 rad/m run North and South.
     let mut scene = with_ships(1.0, vec![Ship { turbulent: None, ..ship(100.0, 9.0, [300.0, 0.0]) }]);
     let bright = paths(&scene);

@@ -125,13 +125,13 @@ fn counted_pipeline() {
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
     counted_scenario("sea.toml", &small);
-    // Tiles that are faint in some blocks only, while the beam passes.
-    let faint = [
+    // Tiles that are in the sidelobes in some blocks only, while the beam passes.
+    let sidelobe = [
         set("scene.patch_size_m", "[64, 64]"),
         set("scene.duration_s", "6"),
-        set("fidelity.faint_db", "-20"),
+        set("fidelity.sidelobe_db", "-20"),
     ];
-    counted_scenario("mars-1.toml", &faint);
+    counted_scenario("mars-1.toml", &sidelobe);
     // Late and wrong reports, turbulence, clocks.
     counted_scenario("errors.toml", &[set("scene.duration_s", "6")]);
 }

@@ -92,7 +92,7 @@ pub(super) fn stream(
 /// `[fidelity]`.
 pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     use keys::fidelity::{
-        DOPPLER, ECHO, ERROR_DB, FAINT_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES,
+        DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES, SIDELOBE_DB,
     };
     let section = root.section_or_empty(&keys::root::FIDELITY)?;
     let echo = section.choice(&ECHO);
@@ -107,7 +107,7 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
         node_pulses: section.count(&NODE_PULSES),
         scatter_pulses: section.count(&SCATTER_PULSES),
         gain_pulses: section.count(&GAIN_PULSES),
-        faint_db: section.number(&FAINT_DB),
+        sidelobe_db: section.number(&SIDELOBE_DB),
         kernel_width: width.and_then(|width| usize::try_from(width).ok()),
         doppler,
         ..Asked::default()

@@ -1,11 +1,11 @@
 //! Scatterer paths side by side, spread without being listed.
 //!
-//! A [`Batch`] has the scatterer paths of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at its looks, and a
+//! A [`Batch`] has the scatterer paths of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at its scattering epochs, and a
 //! factor for every pulse. Between two nodes phase and place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
 //!
 //! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`, `d = f' (t_1 - t_0)`,
 //!
-//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through four looks. What Doppler off the mean
+//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through four scattering epochs. What Doppler off the mean
 //! adds to phase and place is linear between nodes. It is the same echo as that of [`Synth::fill`], but for these polynomials.
 //!
 //! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
@@ -30,7 +30,7 @@ pub struct BatchNode<'a> {
 
 /// Amplitudes at some pulse of a block.
 #[derive(Clone, Copy)]
-pub struct BatchLook<'a> {
+pub struct BatchEpoch<'a> {
     /// Pulse within the block.
     pub pulse: usize,
     /// Per channel of the pair: sqrt(W), real and imaginary.
@@ -48,10 +48,10 @@ pub struct Batch<'a> {
     pub nodes: [Option<BatchNode<'a>>; MAX_NODES],
     /// Pulses of the nodes within the block, rising.
     pub places: [usize; MAX_NODES],
-    /// Between two nodes amplitudes go through the looks from the given one on, up to four: `[interval]`.
-    pub from_look: [usize; MAX_NODES],
+    /// Between two nodes amplitudes go through the scattering epochs from the given one on, up to four: `[interval]`.
+    pub from_epoch: [usize; MAX_NODES],
     /// At least one, rising.
-    pub looks: &'a [BatchLook<'a>],
+    pub epochs: &'a [BatchEpoch<'a>],
     /// Per pulse of the block.
     pub factor: &'a [Row],
     /// Time from pulse to pulse, s.
@@ -62,8 +62,8 @@ pub struct Batch<'a> {
 #[derive(Debug, Default)]
 pub struct LaneWork {
     courses: Courses<f32>,
-    /// `[layer][look]`: amplitudes scatterer path by scatterer path.
-    looks: Vec<Vec<Lined<f32>>>,
+    /// `[layer][epoch]`: amplitudes scatterer path by scatterer path.
+    epochs: Vec<Vec<Lined<f32>>>,
     /// `[layer][power]`.
     amplitude: Vec<[Lined<f32>; MAX_NODES]>,
     factors: Vec<f32>,
@@ -81,16 +81,16 @@ struct Ends<'a> {
 }
 
 impl Synth<f32> {
-    /// Makes room for any batch of a block of so many pulses with so many looks: later ones may have more of everything than the first.
-    pub fn make_room(&self, looks: usize, pulses: usize, work: &mut LaneWork) {
+    /// Makes room for any batch of a block of so many pulses with so many scattering epochs: later ones may have more of everything than the first.
+    pub fn make_room(&self, epochs: usize, pulses: usize, work: &mut LaneWork) {
         fn reserve<T>(column: &mut Vec<T>, room: usize) {
             column.reserve(room.saturating_sub(column.len()));
         }
-        let LaneWork { courses, looks: turned, amplitude, factors, shifts, .. } = work;
+        let LaneWork { courses, epochs: turned, amplitude, factors, shifts, .. } = work;
         turned.resize_with(self.layers.len(), Vec::new);
         amplitude.resize_with(self.layers.len(), Default::default);
         for ((layer, turned), powers) in self.layers.iter().zip(turned).zip(amplitude) {
-            turned.resize_with(looks.max(turned.len()), Lined::default);
+            turned.resize_with(epochs.max(turned.len()), Lined::default);
             turned.iter_mut().chain(powers).for_each(|column| column.fit(LANES * layer.lanes));
         }
         courses.phase.iter_mut().for_each(|column| reserve(column, LANES));
@@ -117,7 +117,7 @@ impl Synth<f32> {
         let pulses = frame.pulses();
         let middle = (pulses / 2) as i32;
         work.mean_hz = frame.mean_hz[batch.pair];
-        self.turn_looks(batch, work);
+        self.turn_epochs(batch, work);
         let mut at = None;
         for interval in 0..nodes.saturating_sub(1).max(1) {
             let last = interval + 2 >= nodes;
@@ -125,10 +125,10 @@ impl Synth<f32> {
             let to = if nodes == 1 { pulses } else { batch.places[interval + 1] + usize::from(last) };
             let (from, to) = (if interval == 0 { 0 } else { from }, if last { pulses } else { to });
             if from < to {
-                let first = batch.from_look[interval].min(batch.looks.len().saturating_sub(1));
+                let first = batch.from_epoch[interval].min(batch.epochs.len().saturating_sub(1));
                 if at != Some(first) {
-                    let looks = first..batch.looks.len().min(first + MAX_NODES);
-                    self.lane_amplitudes(batch, looks, middle, work);
+                    let epochs = first..batch.epochs.len().min(first + MAX_NODES);
+                    self.lane_amplitudes(batch, epochs, middle, work);
                     at = Some(first);
                 }
                 self.lane_interval(batch, interval, nodes, from..to, frame, work, grids);
@@ -136,14 +136,14 @@ impl Synth<f32> {
         }
     }
 
-    /// Amplitudes of all looks, scatterer path by scatterer path.
-    fn turn_looks(&self, batch: &Batch<'_>, work: &mut LaneWork) {
-        work.looks.resize_with(self.layers.len(), Vec::new);
-        for (layer, turned) in self.layers.iter().zip(&mut work.looks) {
+    /// Amplitudes of all scattering epochs, scatterer path by scatterer path.
+    fn turn_epochs(&self, batch: &Batch<'_>, work: &mut LaneWork) {
+        work.epochs.resize_with(self.layers.len(), Vec::new);
+        for (layer, turned) in self.layers.iter().zip(&mut work.epochs) {
             if layer.pair != batch.pair {
                 continue;
             }
-            turned.resize_with(batch.looks.len().max(turned.len()), Lined::default);
+            turned.resize_with(batch.epochs.len().max(turned.len()), Lined::default);
             // Channels of a pair stand in the order of its layers, four to a layer.
             let first = self
                 .layers
@@ -152,11 +152,11 @@ impl Synth<f32> {
                 .take_while(|other| other.channels != layer.channels)
                 .map(|other| other.channels.len())
                 .sum::<usize>();
-            for (look, out) in batch.looks.iter().zip(turned) {
+            for (epoch, out) in batch.epochs.iter().zip(turned) {
                 out.fit(batch.count * layer.lanes);
-                let amplitude = look.amplitude.get(first..).unwrap_or_default();
+                let amplitude = epoch.amplitude.get(first..).unwrap_or_default();
                 let amplitude = &amplitude[..amplitude.len().min(layer.channels.len())];
-                let scale = layer.moment.then(|| self.moments(batch, look.pulse, work.mean_hz));
+                let scale = layer.moment.then(|| self.moments(batch, epoch.pulse, work.mean_hz));
                 let scale = scale.as_ref();
                 let out = out.as_mut_slice();
                 match layer.lanes {
@@ -168,32 +168,32 @@ impl Synth<f32> {
         }
     }
 
-    /// Doppler off the mean over the length of a pulse, from the node before or at a look.
+    /// Doppler off the mean over the length of a pulse, from the node before or at a scattering epoch.
     fn moments(&self, batch: &Batch<'_>, pulse: usize, mean_hz: f64) -> Row {
         let node = batch.places.iter().zip(&batch.nodes).take_while(|(place, _)| **place <= pulse);
         let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { return [1.0; LANES] };
         node.delay_rate.map(|rate| ((self.carrier_hz * rate - mean_hz) * self.waveform.duration_s()) as f32)
     }
 
-    /// Polynomials of the amplitudes through some looks.
-    fn lane_amplitudes(&self, batch: &Batch<'_>, looks: Range<usize>, middle: i32, work: &mut LaneWork) {
+    /// Polynomials of the amplitudes through some scattering epochs.
+    fn lane_amplitudes(&self, batch: &Batch<'_>, epochs: Range<usize>, middle: i32, work: &mut LaneWork) {
         let mut places = [0.0; MAX_NODES];
-        for (place, look) in places.iter_mut().zip(&batch.looks[looks.clone()]) {
-            *place = look.pulse as f64 - f64::from(middle);
+        for (place, epoch) in places.iter_mut().zip(&batch.epochs[epochs.clone()]) {
+            *place = epoch.pulse as f64 - f64::from(middle);
         }
-        let through = Through::new(&places[..looks.len()]);
-        work.powers = if looks.len() <= 2 { 2 } else { MAX_NODES };
+        let through = Through::new(&places[..epochs.len()]);
+        work.powers = if epochs.len() <= 2 { 2 } else { MAX_NODES };
         let basis = through.basis.map(|row| row.map(|b| b as f32));
         work.amplitude.resize_with(self.layers.len(), Default::default);
-        for ((layer, turned), held) in self.layers.iter().zip(&work.looks).zip(&mut work.amplitude) {
+        for ((layer, turned), held) in self.layers.iter().zip(&work.epochs).zip(&mut work.amplitude) {
             if layer.pair != batch.pair {
                 continue;
             }
-            let mut seen = turned[looks.clone()].iter().map(Lined::as_slice);
+            let mut seen = turned[epochs.clone()].iter().map(Lined::as_slice);
             let seen: [&[f32]; MAX_NODES] = std::array::from_fn(|_| seen.next().unwrap_or_default());
             for (power, weights) in held.iter_mut().zip(&basis).take(work.powers) {
                 power.fit(batch.count * layer.lanes);
-                self.variant.run(Weighted { looks: &seen, weights, out: power.as_mut_slice() });
+                self.variant.run(Weighted { epochs: &seen, weights, out: power.as_mut_slice() });
             }
         }
     }
@@ -272,7 +272,7 @@ impl Synth<f32> {
     }
 }
 
-/// Amplitudes of a look from channel by channel to scatterer path by scatterer path, `C` lanes each; lanes without a channel are silent.
+/// Amplitudes of a scattering epoch from channel by channel to scatterer path by scatterer path, `C` lanes each; lanes without a channel are silent.
 struct Turned<'a, const C: usize> {
     amplitude: &'a [[Row; 2]],
     scale: Option<&'a Row>,
@@ -308,9 +308,9 @@ impl<const C: usize> Task for Turned<'_, C> {
     }
 }
 
-/// A sum of looks, each with its weight.
+/// A sum of scattering epochs, each with its weight.
 struct Weighted<'a> {
-    looks: &'a [&'a [f32]; MAX_NODES],
+    epochs: &'a [&'a [f32]; MAX_NODES],
     weights: &'a [f32; MAX_NODES],
     out: &'a mut [f32],
 }
@@ -320,7 +320,7 @@ impl Task for Weighted<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { looks: [a, b, c, d], weights: w, out } = self;
+        let Self { epochs: [a, b, c, d], weights: w, out } = self;
         let n = out.len();
         match (b.len() == n, c.len() == n, d.len() == n) {
             (true, true, true) => {

@@ -1,4 +1,4 @@
-//! What interpolation between nodes and looks leaves.
+//! What interpolation between nodes and scattering epochs leaves.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -11,19 +11,19 @@ use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::{Cells, Sum};
 use crate::paths::block::probe::{Heard, Keep, Shadows};
 use crate::paths::block::{
-    Instants, LOOK_POINTS, LOOKS_PER_NODE, Sidelobe, Tier, Tiers, gain_instants, gain_step, gain_weights,
-    looks_about, nodes_within,
+    EPOCH_POINTS, EPOCHS_PER_NODE, Instants, Sidelobe, Tier, Tiers, epochs_about, gain_instants, gain_step,
+    gain_weights, nodes_within,
 };
 use crate::radar::fault::RadarError;
 
-/// What is added to scattering of faint tiles where facets turn away: looks are so far apart there that single facets, told late where they do,
-/// leave more in the worst pulse than any sample says (12 dB above it, with looks at both ends alone, in the grazing scene of
+/// What is added to scattering of sidelobe tiles where facets turn away: scattering epochs are so far apart there that single facets, told late where they do,
+/// leave more in the worst pulse than any sample says (12 dB above it, with scattering epochs at both ends alone, in the grazing scene of
 /// `tests/agreement/planned.rs`).
 const OF_TURNING: f64 = 10.0;
 
 /// What interpolation between nodes leaves at a probe.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Left {
+pub struct InterpolationError {
     /// Pulses to the nearer end of the block.
     pub edge: u64,
     /// Of delays.
@@ -35,37 +35,37 @@ pub struct Left {
 /// Of delays, of scattering: `[channel]`, by gain.
 type Parts = [Vec<Binned>; 2];
 
-/// What a block leaves at its probes, tile by tile looked at closely or as a faint one.
+/// What a block leaves at its probes, tile by tile evaluated closely or as a in the sidelobes one.
 #[derive(Clone, Debug, Default)]
-pub struct Sounded {
+pub struct Probed {
     /// Pulses of the probes to the nearer end of the block.
     edges: Vec<u64>,
-    /// `[looks from node to node - 1][probe]`.
-    close: [Vec<Parts>; LOOKS_PER_NODE],
-    /// `[probe]`; as the close ones where blocks have no faint tiles.
-    faint: Option<Vec<Parts>>,
+    /// `[epochs from node to node - 1][probe]`.
+    close: [Vec<Parts>; EPOCHS_PER_NODE],
+    /// `[probe]`; as the close ones where blocks have no sidelobe tiles.
+    sidelobe: Option<Vec<Parts>>,
     channels: usize,
     share: f64,
     deviations: f64,
-    /// What weighs scattering of faint tiles.
+    /// What weighs scattering of sidelobe tiles.
     of_turning: f64,
 }
 
-impl Sounded {
-    /// Of so many looks from node to node, where tiles are faint at a rung of the gains: at every probe.
-    pub fn left(&self, looks: usize, candidates: &Candidates, candidate: usize) -> Vec<Left> {
+impl Probed {
+    /// Of so many scattering epochs from node to node, where tiles are in the sidelobes at a sidelobe threshold: at every probe.
+    pub fn left(&self, epochs: usize, candidates: &Candidates, candidate: usize) -> Vec<InterpolationError> {
         if self.edges.is_empty() {
             return vec![nothing(self.channels)];
         }
-        let close = &self.close[looks - 1];
-        let faint = self.faint.as_ref().unwrap_or(close);
+        let close = &self.close[epochs - 1];
+        let sidelobe = self.sidelobe.as_ref().unwrap_or(close);
         let of = |probe: usize, part: usize| {
-            let channels = close[probe][part].iter().zip(&faint[probe][part]);
+            let channels = close[probe][part].iter().zip(&sidelobe[probe][part]);
             channels
-                .map(|(close, faint)| {
+                .map(|(close, sidelobe)| {
                     let mut sums = [Sum::default(), Sum::default()];
                     close.join_into(candidates, candidate, false, &mut sums[0]);
-                    faint.join_into(candidates, candidate, true, &mut sums[1]);
+                    sidelobe.join_into(candidates, candidate, true, &mut sums[1]);
                     let weights = [1.0, if part == 1 { self.of_turning } else { 1.0 }];
                     let worst = sums.iter().map(|sum| sum.worst(self.share, self.deviations));
                     worst.zip(weights).map(|(worst, weight)| weight * worst).sum()
@@ -73,27 +73,30 @@ impl Sounded {
                 .collect()
         };
         let probes = self.edges.iter().enumerate();
-        probes.map(|(probe, &edge)| Left { edge, path: of(probe, 0), tilt: of(probe, 1) }).collect()
+        probes
+            .map(|(probe, &edge)| InterpolationError { edge, path: of(probe, 0), tilt: of(probe, 1) })
+            .collect()
     }
 }
 
 /// What blocks leave whose every pulse is a node.
-fn nothing(channels: usize) -> Left {
-    Left { edge: 0, path: vec![0.0; channels], tilt: vec![0.0; channels] }
+fn nothing(channels: usize) -> InterpolationError {
+    InterpolationError { edge: 0, path: vec![0.0; channels], tilt: vec![0.0; channels] }
 }
 
 impl ErrorSampler<'_> {
     /// What blocks leave whose every pulse is a node.
-    pub fn nothing(&self) -> Left {
+    pub fn nothing(&self) -> InterpolationError {
         nothing(self.radar.channels.len())
     }
 
     /// What blocks with nodes so many pulses apart leave at the probes of a place.
-    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Sounded, RadarError> {
+    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Probed, RadarError> {
         let channels = self.radar.channels.len();
-        let (share, deviations, faint_looks) = (self.sampled(), self.deviations(), self.faint_looks());
+        let (share, deviations, sidelobe_epochs) =
+            (self.sampled(), self.deviations(), self.sidelobe_epochs());
         let of_turning = if self.turning { OF_TURNING } else { 1.0 };
-        let none = Sounded { channels, share, deviations, of_turning, ..Sounded::default() };
+        let none = Probed { channels, share, deviations, of_turning, ..Probed::default() };
         let first = self.block_of(place, node_pulses);
         let Some(patch) = self.generator.patch_of(first)? else { return Ok(none) };
         let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
@@ -108,27 +111,27 @@ impl ErrorSampler<'_> {
         }
         let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
         let edges = probes.iter().map(|(_, probe)| (*probe).min(pulses - 1 - *probe) as u64).collect();
-        let mut sounded = Sounded { edges, ..none };
+        let mut sounded = Probed { edges, ..none };
         let Some(tiles) = &mut self.tiles else { return Ok(sounded) };
         let (candidates, interval_s) = (&self.candidates, self.interval_s);
         let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-        let all = Sidelobe { below_db: f64::INFINITY, looks: faint_looks };
-        for n in 0..=LOOKS_PER_NODE {
-            let faint = n == LOOKS_PER_NODE;
-            let block = Instants::of_block(first, pulses, if faint { 1 } else { n + 1 }, pulses);
-            // The last time round all tiles are taken for faint ones.
-            let tiers = Tiers::new(block, faint.then_some(all));
-            if faint && tiers.faint.is_none() {
+        let all = Sidelobe { below_db: f64::INFINITY, epochs: sidelobe_epochs };
+        for n in 0..=EPOCHS_PER_NODE {
+            let sidelobe = n == EPOCHS_PER_NODE;
+            let block = Instants::of_block(first, pulses, if sidelobe { 1 } else { n + 1 }, pulses);
+            // The last time round all tiles are taken for in the sidelobes ones.
+            let tiers = Tiers::new(block, sidelobe.then_some(all));
+            if sidelobe && tiers.sidelobe.is_none() {
                 break;
             }
-            let instants = tiers.of(if faint { Tier::Sidelobe } else { Tier::Close });
-            let looks = &instants.looks[..instants.look_count];
+            let instants = tiers.of(if sidelobe { Tier::Sidelobe } else { Tier::Close });
+            let epochs = &instants.epochs[..instants.epoch_count];
             let interval_of = |n: usize| {
                 let n = n.min(instants.node_count - 2);
                 let nodes = [instants.nodes[n], instants.nodes[n + 1]];
-                let from = looks_about(looks, nodes[0]..=nodes[1]);
-                let looks = &looks[from..(from + LOOK_POINTS).min(looks.len())];
-                Interval { at: n, looks, from, nodes, interval_s }
+                let from = epochs_about(epochs, nodes[0]..=nodes[1]);
+                let epochs = &epochs[from..(from + EPOCH_POINTS).min(epochs.len())];
+                Interval { at: n, epochs, from, nodes, interval_s }
             };
             let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
             let none: Parts = std::array::from_fn(|_| vec![Binned::new(candidates); channels]);
@@ -159,7 +162,7 @@ impl ErrorSampler<'_> {
             })?;
             match sounded.close.get_mut(n) {
                 Some(close) => *close = sums,
-                None => sounded.faint = Some(sums),
+                None => sounded.sidelobe = Some(sums),
             }
         }
         Ok(sounded)
@@ -167,7 +170,7 @@ impl ErrorSampler<'_> {
 
     /// Pulses at which a block is probed, and the intervals of its nodes that hold them.
     fn probes(&self, nodes: &[usize]) -> Vec<(usize, usize)> {
-        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three looks in it.
+        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three scattering epochs in it.
         let within =
             |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
         let last = nodes.len() - 2;
@@ -191,8 +194,8 @@ impl ErrorSampler<'_> {
 struct Interval<'a> {
     /// Place of the first.
     at: usize,
-    /// Pulses of its looks.
-    looks: &'a [usize],
+    /// Pulses of its scattering epochs.
+    epochs: &'a [usize],
     /// The first of them.
     from: usize,
     nodes: [usize; 2],
@@ -214,8 +217,8 @@ impl Interval<'_> {
         let [a, b] = [0, 1].map(|n| &heard.of.nodes()[self.at + n].paths);
         let length = (self.nodes[1] - self.nodes[0]) as f64;
         let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
-        let weights = through(self.looks, probe);
-        let looks = &heard.of.looks()[self.from..self.from + self.looks.len()];
+        let weights = through(self.epochs, probe);
+        let epochs = &heard.of.epochs()[self.from..self.from + self.epochs.len()];
         let pulses = heard.of.factor.len();
         let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
         let (first, gain_weights) = gain_weights(&steps, probe);
@@ -242,8 +245,8 @@ impl Interval<'_> {
             let cell = cells.of(truth.delay_s[i]);
             for (at, channel) in channels.iter().enumerate() {
                 let mut value = Complex32::ZERO;
-                for (look, weight) in looks.iter().zip(weights) {
-                    let [re, im] = &look.amplitude[at];
+                for (epoch, weight) in epochs.iter().zip(weights) {
+                    let [re, im] = &epoch.amplitude[at];
                     value += Complex32::new(re[i], im[i]) * weight as f32;
                 }
                 let [re, im] = &truth.amplitude[at];

@@ -3,8 +3,8 @@
 //! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
 //! sample of its facets, weighted by what they return. At a few **places** of the run some
 //! [`TILES`] tiles, runs of neighbours from all over the patch, are lit at the instants of a block, with all between interpolated as the echo
-//! does it, once as tiles that are looked at closely and once as faint ones; and at **probes**, pulses between two nodes, as if these were nodes
-//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever faint tiles begin ([`faint`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the gains and
+//! does it, once as tiles that are evaluated closely and once as in the sidelobes ones; and at **probes**, pulses between two nodes, as if these were nodes
+//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever sidelobe tiles begin ([`sidelobe`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the gains and
 //! shadows, `tau` the delay, and a hat for what is interpolated,
 //!
 //! ```text
@@ -51,7 +51,7 @@ use crate::scene::{Patch, Radar};
 
 use points::Points;
 
-pub use interpolation_error::{Left, Sounded};
+pub use interpolation_error::{InterpolationError, Probed};
 pub use sweep::{Sweeps, Swept};
 
 /// Tiles of 256 facets of a sample.
@@ -60,7 +60,7 @@ pub const TILES: usize = 64;
 pub const PROFILE: u64 = 48;
 /// Groups of equal power by Doppler.
 const GROUPS: usize = 6;
-/// Patches up to so many facets are looked at in more places.
+/// Patches up to so many facets are evaluated in more places.
 const SMALL_FACETS: usize = 1 << 15;
 /// Longest block, pulses.
 pub const LONGEST: u64 = 64;
@@ -142,15 +142,15 @@ pub struct ErrorSampler<'a> {
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses, with tiles that are faint below a gain that is asked, if one is; lights the sample once at every place.
+    /// For a run of so many pulses, with tiles that are in the sidelobes below a gain that is asked, if one is; lights the sample once at every place.
     pub fn new(
         generator: &'a PathGenerator,
         radar: &'a Radar,
         waveform: &dyn Waveform,
         pulses: u64,
-        faint_db: Option<f64>,
+        sidelobe_db: Option<f64>,
     ) -> Result<Self, RadarError> {
-        let candidates = Candidates::new(faint_db);
+        let candidates = Candidates::new(sidelobe_db);
         let bandwidth_hz = waveform.bandwidth_hz();
         let pairs = generator.pairs().len();
         let mut channels = vec![Vec::new(); pairs];
@@ -423,19 +423,19 @@ impl<'a> ErrorSampler<'a> {
         self.generator.sampled(TILES)
     }
 
-    /// Share of the facets that are faint at a rung of the gains, mean over the run.
-    pub fn faint_share(&self, candidate: usize) -> f64 {
-        let faint =
-            self.gains.iter().enumerate().filter(|(bin, _)| self.candidates.is_faint(*bin, candidate));
-        faint.map(|(_, facets)| facets).sum::<f64>() / self.gains.iter().sum::<f64>().max(1.0)
+    /// Share of the facets that are in the sidelobes at a sidelobe threshold, mean over the run.
+    pub fn sidelobe_share(&self, candidate: usize) -> f64 {
+        let sidelobe =
+            self.gains.iter().enumerate().filter(|(bin, _)| self.candidates.is_sidelobe(*bin, candidate));
+        sidelobe.map(|(_, facets)| facets).sum::<f64>() / self.gains.iter().sum::<f64>().max(1.0)
     }
 
-    /// Looks of a faint tile: one in the middle of a block where facets turn away.
-    pub fn faint_looks(&self) -> usize {
+    /// Scattering epochs of a sidelobe tile: one in the middle of a block where facets turn away.
+    pub fn sidelobe_epochs(&self) -> usize {
         if self.turning { 3 } else { 2 }
     }
 
-    /// Gains below which tiles may be faint.
+    /// Gains below which tiles may be in the sidelobes.
     pub fn candidates(&self) -> &Candidates {
         &self.candidates
     }
@@ -450,16 +450,16 @@ impl<'a> ErrorSampler<'a> {
         let instants = Instants::of_block(at, 1, 1, 1).into();
         let candidates = &self.candidates;
         self.generator.sound(&instants, patch, TILES, keep, tiles, |heard| {
-            let (node, look) = (&heard.of.nodes()[0].paths, &heard.of.looks()[0]);
+            let (node, epoch) = (&heard.of.nodes()[0].paths, &heard.of.epochs()[0]);
             truths.push(Truth {
                 count: heard.count,
                 runs: runs_of(heard, candidates),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
-                amplitude: look.amplitude.clone(),
+                amplitude: epoch.amplitude.clone(),
                 factor: heard.of.factor[0],
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
-                cosine: look.cosine,
+                cosine: epoch.cosine,
             });
         })?;
         Ok(truths)

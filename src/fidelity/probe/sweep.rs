@@ -24,12 +24,12 @@ pub struct Swept {
 /// Sums over the sample at the probes of one step, the first of them in the first interval: `[probe][channel]`, by gain.
 type Probed = Vec<Vec<Binned>>;
 
-/// What steps of gain leave at all places, tile by tile looked at closely or as a faint one.
+/// What steps of gain leave at all places, tile by tile evaluated closely or as a in the sidelobes one.
 #[derive(Clone, Debug)]
 pub struct Sweeps {
-    /// Pulses from gain to gain: those of close tiles, and more that faint ones have then.
+    /// Pulses from gain to gain: those of close tiles, and more that in the sidelobes ones have then.
     steps: Vec<u64>,
-    /// `[place][close, faint][step]`.
+    /// `[place][close, sidelobe][step]`.
     sea: Vec<[Vec<Probed>; 2]>,
     /// Of points, steps and powers.
     points: Vec<(u64, Powers)>,
@@ -39,7 +39,7 @@ pub struct Sweeps {
 }
 
 impl Sweeps {
-    /// Of close tiles with one of the steps, where tiles are faint at a rung of the gains: worst of all places.
+    /// Of close tiles with one of the steps, where tiles are in the sidelobes at a sidelobe threshold: worst of all places.
     pub fn swept(&self, gain_pulses: u64, candidates: &Candidates, candidate: usize) -> Swept {
         let none = vec![0.0f64; self.channels];
         let mut worst = Swept { end: none.clone(), inner: none };
@@ -47,13 +47,13 @@ impl Sweeps {
         let (close, rough) = (at(gain_pulses), at(sidelobe_gain_pulses(gain_pulses as usize) as u64));
         for sea in &self.sea {
             for channel in 0..self.channels {
-                let of = |step: usize, faint: bool, end: bool| {
-                    let probes = sea[usize::from(faint)][step]
+                let of = |step: usize, sidelobe: bool, end: bool| {
+                    let probes = sea[usize::from(sidelobe)][step]
                         .iter()
                         .enumerate()
                         .filter(|(probe, _)| (*probe == 0) == end);
                     probes
-                        .map(|(_, probe)| self.worst(&probe[channel], candidates, candidate, faint))
+                        .map(|(_, probe)| self.worst(&probe[channel], candidates, candidate, sidelobe))
                         .fold(0.0, f64::max)
                 };
                 for (worst, end) in [(&mut worst.end, true), (&mut worst.inner, false)] {
@@ -70,9 +70,9 @@ impl Sweeps {
         worst
     }
 
-    fn worst(&self, of: &Binned, candidates: &Candidates, candidate: usize, faint: bool) -> f64 {
+    fn worst(&self, of: &Binned, candidates: &Candidates, candidate: usize, sidelobe: bool) -> f64 {
         let mut sum = Sum::default();
-        of.join_into(candidates, candidate, faint, &mut sum);
+        of.join_into(candidates, candidate, sidelobe, &mut sum);
         sum.worst(self.share, self.deviations)
     }
 }
@@ -158,9 +158,9 @@ impl ErrorSampler<'_> {
         let (pairs, mut exact) = (self.channels.len(), Vec::new());
         let block = Instants::of_block(first, pulses, 1, 1);
         for (tier, sums) in sums.iter_mut().enumerate() {
-            // Gains of faint tiles at every pulse, too, but with directions that are straight from end to end of the block.
+            // Gains of sidelobe tiles at every pulse, too, but with directions that are straight from end to end of the block.
             let tiers =
-                Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, looks: 2 }));
+                Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, epochs: 2 }));
             let keep =
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
             self.generator.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
@@ -168,7 +168,7 @@ impl ErrorSampler<'_> {
                     exact.push(Exact {
                         gains: heard.gains.to_vec(),
                         factor: heard.of.factor.clone(),
-                        amplitude: heard.of.looks()[0].amplitude.clone(),
+                        amplitude: heard.of.epochs()[0].amplitude.clone(),
                         delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
                         runs: runs_of(heard, candidates),
                     });

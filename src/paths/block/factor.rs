@@ -3,7 +3,7 @@
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
-use super::tile::{Look, Node};
+use super::tile::{Epoch, Node};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, lanes_for};
 
@@ -96,7 +96,7 @@ impl Task for Shadowed<'_> {
 /// Whether some facet may turn away from an antenna.
 pub(super) struct Turns<'a> {
     pub count: usize,
-    pub looks: &'a [Look],
+    pub epochs: &'a [Epoch],
 }
 
 impl Task for Turns<'_> {
@@ -106,7 +106,7 @@ impl Task for Turns<'_> {
     fn run(self) -> bool {
         let n = lanes_for(self.count);
         let mut least = [1.0f32; LANES];
-        for row in self.looks.iter().flat_map(|look| &look.cosine) {
+        for row in self.epochs.iter().flat_map(|epoch| &epoch.cosine) {
             for i in 0..n {
                 least[i] = if row[i] < least[i] { row[i] } else { least[i] };
             }
@@ -141,7 +141,7 @@ impl Task for Weigh<'_> {
 /// Darkens facets whose cosine is not positive.
 pub(super) struct Turn<'a> {
     pub count: usize,
-    pub looks: &'a [Look],
+    pub epochs: &'a [Epoch],
     pub weights: &'a [f32],
     pub out: &'a mut Row,
 }
@@ -154,9 +154,9 @@ impl Task for Turn<'_> {
         let n = lanes_for(self.count);
         for end in 0..2 {
             let mut cosine = [0.0f32; LANES];
-            for (look, weight) in self.looks.iter().zip(self.weights) {
+            for (epoch, weight) in self.epochs.iter().zip(self.weights) {
                 for i in 0..n {
-                    cosine[i] += weight * look.cosine[end][i];
+                    cosine[i] += weight * epoch.cosine[end][i];
                 }
             }
             for i in 0..n {

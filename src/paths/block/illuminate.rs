@@ -6,7 +6,7 @@ use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::runs::Gather;
-use super::tile::{Look, Pair, compact};
+use super::tile::{Epoch, Pair, compact};
 use super::{TileWork, Timing};
 use crate::cpu::Variant;
 use crate::frames::Vector;
@@ -31,7 +31,7 @@ impl TileWork {
         self.tile.tier = tier;
         let timing = self.timings.of(tier);
         for pair in &mut self.tile.pairs {
-            (pair.node_count, pair.look_count) = (timing.node_count, timing.look_count);
+            (pair.node_count, pair.epoch_count) = (timing.node_count, timing.epoch_count);
         }
     }
 }
@@ -47,26 +47,28 @@ impl PathGenerator {
         }
         let footprint_m2 = patch.facet_m * patch.facet_m;
         for pair in 0..self.plans.len() {
-            for place in 0..work.tile.pairs[pair].look_count {
-                self.look(sea, pair, place, footprint_m2, work);
+            for place in 0..work.tile.pairs[pair].epoch_count {
+                self.epoch(sea, pair, place, footprint_m2, work);
             }
             self.factors(pair, work);
         }
     }
 
-    /// Paths and gains: at the few instants of a faint tile first, where tiles may be faint, and at all where this one is not.
+    /// Paths and gains: at the few instants of a sidelobe tile first, where tiles may be in the sidelobes, and at all where this one is not.
     fn sight(&self, work: &mut TileWork) {
         let mut ends_known = false;
-        if !work.faint_below.is_empty() {
+        if !work.sidelobe_below.is_empty() {
             work.choose(Tier::Sidelobe);
-            for place in 0..work.timings.faint.node_count {
+            for place in 0..work.timings.sidelobe.node_count {
                 self.find_paths(place, work);
             }
-            if (0..self.plans.len()).all(|pair| self.gains(pair, work.faint_below.get(pair).copied(), work)) {
+            if (0..self.plans.len())
+                .all(|pair| self.gains(pair, work.sidelobe_below.get(pair).copied(), work))
+            {
                 return;
             }
             // The last node of all is known by now.
-            let (second, last) = (work.timings.faint.node_count - 1, work.timings.close.node_count - 1);
+            let (second, last) = (work.timings.sidelobe.node_count - 1, work.timings.close.node_count - 1);
             work.slopes.swap(second, last);
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
@@ -121,7 +123,7 @@ impl PathGenerator {
                 [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
             }
         }
-        // Lanes that are not in use stay near the others: nobody looks at them.
+        // Lanes that are not in use stay near the others: nobody scattering epochs at them.
         for row in &mut *places_m {
             let last = row[count - 1];
             row[count..].fill(last);
@@ -257,13 +259,13 @@ impl PathGenerator {
         }
     }
 
-    /// Scattering at a look.
-    fn look(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
+    /// Scattering at a scattering epoch.
+    fn epoch(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
         let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
         let timing = timings.of(tile.tier);
-        let instant = &timing.looks[place];
+        let instant = &timing.epochs[place];
         let count = tile.count;
-        let Pair { nodes: paths, node_count, looks: seen, .. } = &mut tile.pairs[pair];
+        let Pair { nodes: paths, node_count, epochs: seen, .. } = &mut tile.pairs[pair];
         let paths = &paths[..*node_count];
         let out = &mut seen[place];
         let single = sea.lanes.phases() == Phases::Single;
@@ -366,7 +368,7 @@ impl PathGenerator {
         change_per_s: Axes,
         end: usize,
         view: &View,
-        look: &mut Look,
+        epoch: &mut Epoch,
         count: usize,
     ) {
         let directions = if end == 0 { &view.incident } else { &view.scattered };
@@ -377,7 +379,7 @@ impl PathGenerator {
             let d = crate::frames::Vector::from_raw(axes.transpose() * d);
             let gain = self.antennas[antenna].field_gain(d);
             let gain = Complex32::new(gain.re as f32, gain.im as f32);
-            for [re, im] in &mut look.amplitude {
+            for [re, im] in &mut epoch.amplitude {
                 let value = Complex32::new(re[i], im[i]) * gain;
                 (re[i], im[i]) = (value.re, value.im);
             }
@@ -413,9 +415,9 @@ impl PathGenerator {
         let plan = &self.plans[pair];
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
-        let Pair { looks, look_count, factor, .. } = &mut tile.pairs[pair];
-        let looks = &looks[..*look_count];
-        let turns = variant.run(Turns { count, looks });
+        let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
+        let epochs = &epochs[..*epoch_count];
+        let turns = variant.run(Turns { count, epochs });
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
         for (pulse, out) in factor.iter_mut().enumerate() {
             let (start, weights) = &timing.lagrange[pulse];
@@ -433,7 +435,7 @@ impl PathGenerator {
             }
             if turns {
                 let (start, weights) = &timing.cosines[pulse];
-                variant.run(Turn { count, looks: &looks[*start..], weights, out });
+                variant.run(Turn { count, epochs: &epochs[*start..], weights, out });
             }
         }
     }

@@ -4,14 +4,14 @@ use std::ops::RangeInclusive;
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
-/// Nodes of a faint tile.
+/// Nodes of a sidelobe tile.
 pub const SIDELOBE_NODES: usize = 2;
-/// Most looks from one node to the next.
-pub const LOOKS_PER_NODE: usize = 3;
-/// Most looks of a block.
-pub const LOOKS: usize = (NODES - 1) * LOOKS_PER_NODE + 1;
-/// Looks that a polynomial goes through.
-pub const LOOK_POINTS: usize = 4;
+/// Most scattering epochs from one node to the next.
+pub const EPOCHS_PER_NODE: usize = 3;
+/// Most scattering epochs of a block.
+pub const EPOCHS: usize = (NODES - 1) * EPOCHS_PER_NODE + 1;
+/// Scattering epochs that a polynomial goes through.
+pub const EPOCH_POINTS: usize = 4;
 /// Gain instants that a pulse's gain is found from.
 pub const GAIN_POINTS: usize = 6;
 
@@ -26,51 +26,51 @@ pub struct Instants {
     pub nodes: [usize; NODES],
     /// How many there are.
     pub node_count: usize,
-    /// Pulses of the looks, rising: those of the nodes, and some between.
-    pub looks: [usize; LOOKS],
+    /// Pulses of the scattering epochs, rising: those of the nodes, and some between.
+    pub epochs: [usize; EPOCHS],
     /// How many there are.
-    pub look_count: usize,
+    pub epoch_count: usize,
     /// Pulses from gain to gain.
     pub gain_pulses: usize,
 }
 
 impl Instants {
-    /// Those of a block: up to [`NODES`] nodes from its first to its last pulse, `looks` from one node to the next where there
+    /// Those of a block: up to [`NODES`] nodes from its first to its last pulse, `epochs` from one node to the next where there
     /// are as many pulses.
-    pub fn of_block(first: u64, pulses: usize, looks: usize, gain_pulses: usize) -> Self {
+    pub fn of_block(first: u64, pulses: usize, epochs: usize, gain_pulses: usize) -> Self {
         let last = pulses.saturating_sub(1);
         let (nodes, node_count) = nodes_within(pulses);
         let gain_pulses = gain_step(pulses, gain_pulses);
         let mut instants = Self { first, pulses, nodes, node_count, gain_pulses, ..Self::default() };
         for n in 0..node_count {
             let (node, next) = (nodes[n], if n + 1 < node_count { nodes[n + 1] } else { last });
-            let steps = looks.clamp(1, LOOKS_PER_NODE).min((next - node).max(1));
+            let steps = epochs.clamp(1, EPOCHS_PER_NODE).min((next - node).max(1));
             for step in 0..if n + 1 < node_count { steps } else { 1 } {
-                instants.looks[instants.look_count.min(LOOKS - 1)] = node + (next - node) * step / steps;
-                instants.look_count += 1;
+                instants.epochs[instants.epoch_count.min(EPOCHS - 1)] = node + (next - node) * step / steps;
+                instants.epoch_count += 1;
             }
         }
         instants
     }
 
-    /// Those of the faint tiles of such a block: nodes at both ends, some looks (2 at least) from end to end, gains [`sidelobe_gain_pulses`]
+    /// Those of the sidelobe tiles of such a block: nodes at both ends, some scattering epochs (2 at least) from end to end, gains [`sidelobe_gain_pulses`]
     /// apart. `None` of blocks of few pulses.
-    pub fn faint(&self, look_count: usize) -> Option<Self> {
+    pub fn sidelobe(&self, epoch_count: usize) -> Option<Self> {
         if self.node_count < NODES {
             return None;
         }
-        let (last, look_count) = (self.pulses - 1, look_count.clamp(2, NODES));
-        let (mut nodes, mut looks) = ([0; NODES], [0; LOOKS]);
+        let (last, epoch_count) = (self.pulses - 1, epoch_count.clamp(2, NODES));
+        let (mut nodes, mut epochs) = ([0; NODES], [0; EPOCHS]);
         nodes[1] = last;
-        for (n, look) in looks[..look_count].iter_mut().enumerate() {
-            *look = n * last / (look_count - 1);
+        for (n, epoch) in epochs[..epoch_count].iter_mut().enumerate() {
+            *epoch = n * last / (epoch_count - 1);
         }
         let gain_pulses = gain_step(self.pulses, sidelobe_gain_pulses(self.gain_pulses));
-        Some(Self { nodes, node_count: SIDELOBE_NODES, looks, look_count, gain_pulses, ..*self })
+        Some(Self { nodes, node_count: SIDELOBE_NODES, epochs, epoch_count, gain_pulses, ..*self })
     }
 }
 
-/// How closely a tile is looked at.
+/// How closely a tile is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tier {
     /// At all instants of its block.
@@ -80,22 +80,22 @@ pub enum Tier {
     Sidelobe,
 }
 
-/// Which tiles are faint, and how they are looked at.
+/// Which tiles are in the sidelobes, and how they are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sidelobe {
-    /// Two-way gain of every pair over its peak below which a tile is faint, dB.
+    /// Two-way gain of every pair over its peak below which a tile is in the sidelobes, dB.
     pub below_db: f64,
-    /// Looks from end to end of a block, 2 to 4.
-    pub looks: usize,
+    /// Scattering epochs from end to end of a block, 2 to 4.
+    pub epochs: usize,
 }
 
 /// The instants of a block for all its tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tiers {
-    /// Of tiles that are looked at closely.
+    /// Of tiles that are evaluated closely.
     pub close: Instants,
-    /// Of faint ones, if there may be any.
-    pub faint: Option<Instants>,
+    /// Of in the sidelobes ones, if there may be any.
+    pub sidelobe: Option<Instants>,
     /// Two-way gain of every pair over its peak below which they are, dB.
     pub below_db: f64,
 }
@@ -108,16 +108,16 @@ impl From<Instants> for Tiers {
 }
 
 impl Tiers {
-    /// Of a block, whose tiles are faint below a two-way gain, if at all.
-    pub fn new(close: Instants, faint: Option<Sidelobe>) -> Self {
-        let below_db = faint.map_or(f64::NEG_INFINITY, |faint| faint.below_db);
-        Self { close, faint: faint.and_then(|faint| close.faint(faint.looks)), below_db }
+    /// Of a block, whose tiles are in the sidelobes below a two-way gain, if at all.
+    pub fn new(close: Instants, sidelobe: Option<Sidelobe>) -> Self {
+        let below_db = sidelobe.map_or(f64::NEG_INFINITY, |sidelobe| sidelobe.below_db);
+        Self { close, sidelobe: sidelobe.and_then(|sidelobe| close.sidelobe(sidelobe.epochs)), below_db }
     }
 
     /// Those of a tier.
     pub fn of(&self, tier: Tier) -> &Instants {
-        match (tier, &self.faint) {
-            (Tier::Sidelobe, Some(faint)) => faint,
+        match (tier, &self.sidelobe) {
+            (Tier::Sidelobe, Some(sidelobe)) => sidelobe,
             _ => &self.close,
         }
     }
@@ -138,7 +138,7 @@ pub fn gain_step(pulses: usize, gain_pulses: usize) -> usize {
     gain_pulses.min(pulses.saturating_sub(1) / (GAIN_POINTS - 1)).max(1)
 }
 
-/// Pulses from gain to gain of a faint tile, where others have so many.
+/// Pulses from gain to gain of a sidelobe tile, where others have so many.
 pub fn sidelobe_gain_pulses(gain_pulses: usize) -> usize {
     (3 * gain_pulses / 2).max(1)
 }
@@ -158,12 +158,12 @@ pub fn gain_weights(places: &[usize], pulse: usize) -> (usize, [f32; GAIN_POINTS
     (first, through(&places[first..first + points], pulse))
 }
 
-/// The first of the [`LOOK_POINTS`] looks about some pulses: as many before as after, but within the block.
-pub fn looks_about(looks: &[usize], pulses: RangeInclusive<usize>) -> usize {
-    let from = looks.partition_point(|look| look <= pulses.start()).saturating_sub(1);
-    let to = looks.partition_point(|look| look < pulses.end()).min(looks.len().saturating_sub(1));
-    let points = LOOK_POINTS.min(looks.len());
-    (from + to).saturating_sub(points - 1).div_euclid(2).min(looks.len() - points)
+/// The first of the [`EPOCH_POINTS`] scattering epochs about some pulses: as many before as after, but within the block.
+pub fn epochs_about(epochs: &[usize], pulses: RangeInclusive<usize>) -> usize {
+    let from = epochs.partition_point(|epoch| epoch <= pulses.start()).saturating_sub(1);
+    let to = epochs.partition_point(|epoch| epoch < pulses.end()).min(epochs.len().saturating_sub(1));
+    let points = EPOCH_POINTS.min(epochs.len());
+    (from + to).saturating_sub(points - 1).div_euclid(2).min(epochs.len() - points)
 }
 
 /// Weights of the polynomial through values at `places`, at `pulse`.
@@ -187,28 +187,28 @@ mod tests {
     fn instants_of_blocks() {
         let block = Instants::of_block(7, 37, 2, 4);
         assert_eq!((block.first, block.node_count, block.nodes), (7, 4, [0, 12, 24, 36]));
-        assert_eq!(&block.looks[..block.look_count], [0, 6, 12, 18, 24, 30, 36]);
+        assert_eq!(&block.epochs[..block.epoch_count], [0, 6, 12, 18, 24, 30, 36]);
         // Blocks cut short move their nodes together, down to a single one.
         let short = Instants::of_block(0, 3, 3, 4);
-        assert_eq!((short.node_count, &short.looks[..short.look_count]), (3, &[0, 1, 2][..]));
+        assert_eq!((short.node_count, &short.epochs[..short.epoch_count]), (3, &[0, 1, 2][..]));
         let single = Instants::of_block(0, 1, 3, 4);
-        assert_eq!((single.node_count, single.look_count), (1, 1));
+        assert_eq!((single.node_count, single.epoch_count), (1, 1));
         assert_eq!(gain_instants(10, 4).collect::<Vec<_>>(), [0, 4, 8, 9]);
         // Six instants of gain at least, where there are as many pulses.
         assert_eq!([37, 21, 7, 3, 1].map(|pulses| gain_step(pulses, 4)), [4, 4, 1, 1, 1]);
         assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4).collect::<Vec<_>>(), [0]);
         // Faint tiles: both ends; the block has no less than six instants of gain.
-        let tiers = Tiers::new(block, Some(Sidelobe { below_db: -40.0, looks: 2 }));
-        let faint = tiers.of(Tier::Sidelobe);
+        let tiers = Tiers::new(block, Some(Sidelobe { below_db: -40.0, epochs: 2 }));
+        let sidelobe = tiers.of(Tier::Sidelobe);
         assert_eq!(
-            (&faint.nodes[..faint.node_count], &faint.looks[..faint.look_count]),
+            (&sidelobe.nodes[..sidelobe.node_count], &sidelobe.epochs[..sidelobe.epoch_count]),
             (&[0, 36][..], &[0, 36][..])
         );
-        assert_eq!((faint.gain_pulses, tiers.of(Tier::Close)), (6, &block));
-        assert_eq!(short.faint(2), None);
-        let thrice = block.faint(3).unwrap();
-        assert_eq!(&thrice.looks[..thrice.look_count], [0, 18, 36]);
+        assert_eq!((sidelobe.gain_pulses, tiers.of(Tier::Close)), (6, &block));
+        assert_eq!(short.sidelobe(2), None);
+        let thrice = block.sidelobe(3).unwrap();
+        assert_eq!(&thrice.epochs[..thrice.epoch_count], [0, 18, 36]);
         assert_eq!([1, 2, 3, 4, 6].map(sidelobe_gain_pulses), [1, 3, 4, 6, 9]);
     }
 

@@ -6,17 +6,17 @@
 //! | quantity | at | in between |
 //! | --- | --- | --- |
 //! | surface, delay and its rate | nodes | cubic Hermite |
-//! | directions, slopes | nodes | cubic, to looks and gain instants |
-//! | amplitude without gains and shadows | **looks**: nodes, and up to two instants between | cubic through four |
+//! | directions, slopes | nodes | cubic, to scattering epochs and gain instants |
+//! | amplitude without gains and shadows | **scattering epochs**: nodes, and up to two instants between | cubic through four |
 //! | product of both antennas' gains | every few pulses | six-point Lagrange, here |
 //! | visibility | updates of the shadows | linear, here, as everywhere |
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
-//! That is for tiles that are looked at closely. A **faint** one, whose two-way gain stays below what is given for every pair ([`Tiers`]), has nodes at both
-//! ends of the block alone, two to four looks from end to end through which amplitudes and cosines are polynomials, and instants of gain
+//! That is for tiles that are evaluated closely. A **in the sidelobes** one, whose two-way gain stays below what is given for every pair ([`Tiers`]), has nodes at both
+//! ends of the block alone, two to four scattering epochs from end to end through which amplitudes and cosines are polynomials, and instants of gain
 //! [`sidelobe_gain_pulses`] apart; directions and slopes are straight lines between the ends.
 //!
-//! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the looks, and one **factor** per pulse. The equations are those of
+//! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the scattering epochs, and one **factor** per pulse. The equations are those of
 //! the exact scatterer paths of [`super`]; a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
 //! surface are those at each node.
 //!
@@ -60,13 +60,13 @@ use crate::sea::wake::course::Pose;
 use epoch::View;
 use instants::through;
 pub use instants::{
-    GAIN_POINTS, Instants, LOOK_POINTS, LOOKS, LOOKS_PER_NODE, NODES, SIDELOBE_NODES, Sidelobe, Tier, Tiers,
-    gain_instants, gain_step, gain_weights, looks_about, nodes_within, sidelobe_gain_pulses,
+    EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
+    Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,
 };
 use runs::{Cut, Run};
-pub use tile::{FEW, Look, Node, Pair};
+pub use tile::{Epoch, FEW, Node, Pair};
 
-/// Tiles that are looked at to learn what a block returns.
+/// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
 
 /// Facets of a patch up to which its shadows are those of the reference: on larger ones the heights between nodes do, in f32.
@@ -77,7 +77,7 @@ const FEW_FACETS: usize = 1 << 14;
 pub struct Tile {
     /// Facets.
     pub count: usize,
-    /// How closely it was looked at.
+    /// How closely it was evaluated.
     pub tier: Tier,
     /// Per transmitter-receiver pair.
     pub pairs: Vec<Pair>,
@@ -92,8 +92,8 @@ pub struct Tally {
     pub lit: u64,
     /// Left out because all of them together stay below the budget.
     pub culled: u64,
-    /// In tiles that are faint.
-    pub faint: u64,
+    /// In tiles that are in the sidelobes.
+    pub sidelobe: u64,
 }
 
 /// What a sample of the facets says of a block and pair.
@@ -114,8 +114,8 @@ pub struct TileWork {
     sheet: FacetSurface<f32>,
     nodes: Vec<NodeWork>,
     timings: Timings,
-    /// Per pair: product of the gains of field below which a tile is faint; empty where none is.
-    faint_below: Vec<f32>,
+    /// Per pair: product of the gains of field below which a tile is in the sidelobes; empty where none is.
+    sidelobe_below: Vec<f32>,
     /// Facets of the tile at hand.
     runs: Vec<Run>,
     shades: Vec<Shade>,
@@ -156,17 +156,17 @@ struct Timing {
     gain_places: Vec<usize>,
     /// `[pulse][gain instant]`: first, and weights from there on.
     lagrange: Vec<(usize, [f32; GAIN_POINTS])>,
-    looks: Vec<LookInstant>,
-    look_count: usize,
-    /// Weights of the looks for the cosines, `[pulse]`: first, and weights from there on.
-    cosines: Vec<(usize, [f32; LOOK_POINTS])>,
+    epochs: Vec<LookInstant>,
+    epoch_count: usize,
+    /// Weights of the scattering epochs for the cosines, `[pulse]`: first, and weights from there on.
+    cosines: Vec<(usize, [f32; EPOCH_POINTS])>,
 }
 
 /// Those of both tiers.
 #[derive(Clone, Default)]
 struct Timings {
     close: Timing,
-    faint: Timing,
+    sidelobe: Timing,
 }
 
 #[derive(Clone)]
@@ -186,7 +186,7 @@ struct GainInstant {
 #[derive(Clone)]
 struct LookInstant {
     emission: Emission,
-    /// Of the nodes; a look at a node takes that alone.
+    /// Of the nodes; a scattering epoch at a node takes that alone.
     weights: [f32; NODES],
     poses: Vec<Pose>,
 }
@@ -294,7 +294,7 @@ impl PathGenerator {
             tally.facets += facets;
             self.light_tile(sea, patch, work);
             if work.tile.tier == Tier::Sidelobe {
-                tally.faint += facets;
+                tally.sidelobe += facets;
             }
             work.tile.thin_out(work.variant, samples, least, &mut tally);
             costs.lap(Stage::ScattererPaths);
@@ -351,7 +351,7 @@ impl SeaPlan {
             sheet,
             nodes: vec![node; NODES],
             timings: Timings::default(),
-            faint_below: Vec::with_capacity(channels.len()),
+            sidelobe_below: Vec::with_capacity(channels.len()),
             runs: Vec::with_capacity(LANES),
             view: View::boxed(),
             shades: Vec::new(),
@@ -452,7 +452,7 @@ impl Timings {
     fn of(&self, tier: Tier) -> &Timing {
         match tier {
             Tier::Close => &self.close,
-            Tier::Sidelobe => &self.faint,
+            Tier::Sidelobe => &self.sidelobe,
         }
     }
 }
@@ -476,28 +476,28 @@ impl Timing {
             gain.weights = weights;
             of.evaluate(instants.first + place as u64, &mut gain.emission)?;
         }
-        let looks = &instants.looks[..instants.look_count];
-        self.look_count = looks.len();
-        for (n, &place) in looks.iter().enumerate() {
+        let epochs = &instants.epochs[..instants.epoch_count];
+        self.epoch_count = epochs.len();
+        for (n, &place) in epochs.iter().enumerate() {
             let weights = through(own, place);
-            if n == self.looks.len() {
-                self.looks.push(LookInstant { emission: Emission::default(), weights, poses: Vec::new() });
+            if n == self.epochs.len() {
+                self.epochs.push(LookInstant { emission: Emission::default(), weights, poses: Vec::new() });
             }
-            let look = &mut self.looks[n];
-            look.weights = weights;
-            of.evaluate(instants.first + place as u64, &mut look.emission)?;
+            let epoch = &mut self.epochs[n];
+            epoch.weights = weights;
+            of.evaluate(instants.first + place as u64, &mut epoch.emission)?;
             if let Some(sea) = &of.sea {
                 let elapsed_s = of.radar.emissions.interval_s(0, instants.first + place as u64);
-                sea.scattering.poses(elapsed_s, &mut look.poses);
+                sea.scattering.poses(elapsed_s, &mut epoch.poses);
             }
         }
         self.lagrange.clear();
         self.cosines.clear();
         for pulse in 0..instants.pulses {
             self.lagrange.push(gain_weights(&self.gain_places, pulse));
-            let first = looks_about(looks, pulse..=pulse);
-            let points = LOOK_POINTS.min(looks.len());
-            self.cosines.push((first, through(&looks[first..first + points], pulse)));
+            let first = epochs_about(epochs, pulse..=pulse);
+            let points = EPOCH_POINTS.min(epochs.len());
+            self.cosines.push((first, through(&epochs[first..first + points], pulse)));
         }
         Ok(())
     }
@@ -516,7 +516,7 @@ impl TileWork {
         self.runs.iter().map(|run| run.count).sum()
     }
 
-    /// Emissions of nodes, looks and gain instants, and the weights of interpolation.
+    /// Emissions of nodes, scattering epochs and gain instants, and the weights of interpolation.
     fn time(&mut self, of: &PathGenerator, tiers: &Tiers) -> Result<(), RadarError> {
         let close = &tiers.close;
         let places = &close.nodes[..close.node_count];
@@ -530,21 +530,21 @@ impl TileWork {
             node.elapsed_s = of.radar.emissions.interval_s(0, close.first + place as u64);
         }
         self.timings.close.set(of, close, places)?;
-        self.faint_below.clear();
-        if let Some(faint) = &tiers.faint {
-            self.timings.faint.set(of, faint, places)?;
+        self.sidelobe_below.clear();
+        if let Some(sidelobe) = &tiers.sidelobe {
+            self.timings.sidelobe.set(of, sidelobe, places)?;
             let share = 10f64.powf(tiers.below_db / 20.0);
-            self.faint_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
+            self.sidelobe_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }
-        let Timings { close: at_close, faint: at_faint } = &self.timings;
-        let instants_of_gain = at_close.gain_places.len().max(at_faint.gain_places.len());
+        let Timings { close: at_close, sidelobe: at_sidelobe } = &self.timings;
+        let instants_of_gain = at_close.gain_places.len().max(at_sidelobe.gain_places.len());
         for rows in &mut self.gain_rows {
             rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
         }
         for pair in &mut self.tile.pairs {
             pair.resize(
                 places.len(),
-                close.look_count.max(tiers.of(Tier::Sidelobe).look_count),
+                close.epoch_count.max(tiers.of(Tier::Sidelobe).epoch_count),
                 close.pulses,
             );
         }

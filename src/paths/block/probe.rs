@@ -23,7 +23,7 @@ pub struct Heard<'a> {
     pub runs: &'a [Run],
     /// For every run, what of its peak the two-way gain of field of any pair has at most, at the gain instants.
     pub shares: &'a [f32],
-    /// Nodes, looks, factors.
+    /// Nodes, scattering epochs, factors.
     pub of: &'a Pair,
     /// Product of the gains, at every gain instant.
     pub gains: &'a [Row],

@@ -15,9 +15,9 @@ pub struct Node {
     pub paths: Box<Paths>,
 }
 
-/// A tile at a look, over one pair.
+/// A tile at a scattering epoch, over one pair.
 #[derive(Clone)]
-pub struct Look {
+pub struct Epoch {
     /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers, and without shadows.
     pub amplitude: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
@@ -30,9 +30,9 @@ pub struct Pair {
     /// Room for all nodes of a block, and how many this tile has.
     pub(super) nodes: Vec<Node>,
     pub(super) node_count: usize,
-    /// The same of looks.
-    pub(super) looks: Vec<Look>,
-    pub(super) look_count: usize,
+    /// The same of scattering epochs.
+    pub(super) epochs: Vec<Epoch>,
+    pub(super) epoch_count: usize,
     /// Per pulse: what multiplies the amplitudes.
     pub factor: Vec<Row>,
     channels: usize,
@@ -40,8 +40,8 @@ pub struct Pair {
 
 impl Pair {
     pub(super) fn new(channels: usize) -> Self {
-        let (nodes, looks, factor) = (Vec::new(), Vec::new(), Vec::new());
-        Self { nodes, node_count: 0, looks, look_count: 0, factor, channels }
+        let (nodes, epochs, factor) = (Vec::new(), Vec::new(), Vec::new());
+        Self { nodes, node_count: 0, epochs, epoch_count: 0, factor, channels }
     }
 
     /// At every node.
@@ -50,14 +50,14 @@ impl Pair {
     }
 
     /// At every look.
-    pub fn looks(&self) -> &[Look] {
-        &self.looks[..self.look_count]
+    pub fn epochs(&self) -> &[Epoch] {
+        &self.epochs[..self.epoch_count]
     }
 
-    pub(super) fn resize(&mut self, nodes: usize, looks: usize, pulses: usize) {
+    pub(super) fn resize(&mut self, nodes: usize, epochs: usize, pulses: usize) {
         let channels = self.channels;
         self.nodes.resize_with(nodes, || Node { paths: Paths::boxed() });
-        self.looks.resize_with(looks, || Look {
+        self.epochs.resize_with(epochs, || Epoch {
             amplitude: vec![[[0.0; LANES]; 2]; channels],
             cosine: [[0.0; LANES]; 2],
         });
@@ -69,13 +69,13 @@ impl Pair {
     pub(super) fn add_to(&self, sample: &mut Sample, count: usize, window: &Window) {
         let middle = (
             self.nodes().get(self.node_count / 2),
-            self.looks().get(self.look_count / 2),
+            self.epochs().get(self.epoch_count / 2),
             self.factor.get(self.factor.len() / 2),
         );
-        if let (Some(node), Some(look), Some(factor)) = middle {
+        if let (Some(node), Some(epoch), Some(factor)) = middle {
             for i in 0..count {
                 let of = |[re, im]: &[Row; 2]| f64::from(re[i] * re[i] + im[i] * im[i]);
-                let own = look.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
+                let own = epoch.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
                     sample.mean_power_w += own;
                     if window.touches(node.paths.delay_s[i]) {
@@ -92,7 +92,7 @@ impl Pair {
     fn bounds(&self, count: usize, out: &mut Row) {
         let n = lanes_for(count);
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for [re, im] in self.looks().iter().flat_map(|look| &look.amplitude) {
+        for [re, im] in self.epochs().iter().flat_map(|epoch| &epoch.amplitude) {
             for i in 0..n {
                 amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
             }
@@ -113,8 +113,8 @@ impl Pair {
             compact(&mut node.paths.delay_s, kept);
             compact(&mut node.paths.delay_rate, kept);
         }
-        for look in &mut self.looks[..self.look_count] {
-            for row in look.amplitude.as_flattened_mut() {
+        for epoch in &mut self.epochs[..self.epoch_count] {
+            for row in epoch.amplitude.as_flattened_mut() {
                 compact(row, kept);
             }
         }
