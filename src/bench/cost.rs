@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use crate::fidelity::choose::Plan;
+use crate::fidelity::budget::Plan;
 use crate::fidelity::cost::Prices;
 use crate::fidelity::echo_settings::EchoSettings;
 use crate::pipeline::block::BlockEcho;

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::Sender;
 use thiserror::Error;
 
-use crate::fidelity::choose::Plan;
+use crate::fidelity::budget::Plan;
 use crate::pipeline::build::{PulseStream, RunFailure};
 use crate::pipeline::fault::BuildErrors;
 use crate::pulse::costs::Costs;

@@ -27,6 +27,7 @@
 //! assert_eq!(Prices::TABLE.seconds(&Default::default()), 0.0);
 //! ```
 
+pub mod budget;
 pub mod cost;
 pub mod echo_settings;
 pub mod sidelobe;
@@ -35,6 +36,8 @@ pub mod interpolation;
 pub mod path;
 pub mod choose;
 pub mod probe;
+mod search;
+mod synth_choice;
 pub mod turning;
 pub mod waves;
 pub mod worst;

@@ -17,7 +17,7 @@ use super::block::{BlockEcho, BlockWork};
 use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
-use crate::fidelity::choose::Plan;
+use crate::fidelity::budget::Plan;
 use crate::paths;
 use crate::paths::list::ScattererPaths;
 use crate::paths::snapshot::Snapshot;

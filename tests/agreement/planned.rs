@@ -5,7 +5,7 @@ use std::path::Path;
 use nereus::bench::accuracy::{Judge, sample};
 use nereus::config::{self, Run};
 use nereus::echo::synth::Precision;
-use nereus::fidelity::choose::Plan;
+use nereus::fidelity::budget::Plan;
 use nereus::pipeline::build;
 
 /// Errors that are asked, dB.

@@ -5,7 +5,7 @@ use std::path::Path;
 use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::echo::synth::doppler::Envelope;
-use nereus::fidelity::choose::Plan;
+use nereus::fidelity::budget::Plan;
 use nereus::pipeline::build;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {

@@ -8,7 +8,7 @@ use crate::bench::settings;
 use crate::cli::bench::settings_text;
 use crate::cli::counted;
 use crate::config::keys;
-use crate::fidelity::choose::Plan;
+use crate::fidelity::budget::Plan;
 
 /// A plan in figures; all of it predicted.
 #[derive(Debug, Serialize)]

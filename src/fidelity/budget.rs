@@ -1,0 +1,67 @@
+//! The error that is asked for, and the plan that is made to keep it.
+
+use super::Prediction;
+use super::cost::{Size, Work};
+use super::echo_settings::EchoSettings;
+use crate::echo::Asked;
+use crate::echo::synth::Precision;
+
+/// Budgets from here down are kept in f64, pulse by pulse, dB.
+pub const EXACT_DB: f64 = -90.0;
+
+/// What is left out because it is weak stays so far below the budget, dB.
+pub const CULLED_DB: f64 = 10.0;
+
+/// What was planned for a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// What was asked.
+    pub asked: Asked,
+    /// What is set.
+    pub chosen: EchoSettings,
+    /// Its error.
+    pub prediction: Prediction,
+    /// What it has to do.
+    pub work: Work,
+    /// Sizes from which that follows.
+    pub size: Size,
+}
+
+impl Plan {
+    /// Whether the error that was asked is kept.
+    pub fn keeps(&self) -> bool {
+        self.prediction.total_db() <= self.asked.error_db
+    }
+}
+
+/// The error that is asked for, and what follows from it for all settings.
+#[derive(Clone, Copy)]
+pub(super) struct Budget {
+    /// What is asked.
+    pub asked: Asked,
+    /// The error over the power of the echo.
+    pub power: f64,
+    /// Power of a facet over the mean below which it is left out.
+    pub least_power: f64,
+    /// Pulses are made one by one with exact scatterer paths.
+    pub exact: bool,
+    /// Word length.
+    pub precision: Precision,
+}
+
+impl Budget {
+    pub fn of(asked: &Asked) -> Self {
+        let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |node_pulses| node_pulses <= 1);
+        Self {
+            asked: *asked,
+            power: 10f64.powf(asked.error_db / 10.0),
+            least_power: 10f64.powf((asked.error_db - CULLED_DB) / 10.0),
+            exact,
+            precision: if exact && asked.error_db <= EXACT_DB {
+                Precision::Double
+            } else {
+                Precision::Single
+            },
+        }
+    }
+}

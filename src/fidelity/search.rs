@@ -1,0 +1,293 @@
+//! The cheapest nodes, scattering epochs, gain epochs and sidelobe threshold whose predicted error keeps the budget.
+
+use std::f64::consts::TAU;
+
+use super::cost::{Prices, Size};
+use super::echo_settings::{EchoSettings, block_length, block_pulses};
+use super::probe::{ErrorSampler, InterpolationError, LONGEST, Powers, Probed, Sweeps, Swept};
+use super::sidelobe::Candidates;
+use super::synth_choice::SynthChoice;
+use super::{PlanError, Prediction};
+use crate::echo::synth::PredictedError;
+use crate::fidelity::budget::{Budget, Plan};
+use crate::paths::PathGenerator;
+use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe};
+use crate::scene::Scene;
+use crate::sea::GRAVITY_MPS2;
+
+/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two scattering epochs is told where
+/// to a part of that, and single facets make the worst pulses at grazing incidence.
+const LOOKS_PER_PERIOD: f64 = 30.0;
+
+/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is told late where it turns makes the worst pulse
+/// (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were predicted with tiles in the sidelobes below -25 dB).
+const OF_TURNING_DB: f64 = -40.0;
+
+/// What the acceleration of the water adds in the worst pulse to its mean, dB: the worst of 48 pulses from 800 km is 4.7 dB above it
+/// (`tests/data/scenarios/orbit.toml`, -54.4 against -59.2 dB of the closed form).
+const WORST_BOUNCE_DB: f64 = 5.0;
+
+/// Scattering epochs from node to node that come nearest to what is asked.
+fn epochs_of(node_pulses: u64, scatter_pulses: u64) -> usize {
+    node_pulses.div_ceil(scatter_pulses.max(1)).clamp(1, EPOCHS_PER_NODE as u64) as usize
+}
+
+/// Relative to the channel's own power: the worst channel of a sum of powers.
+struct Judge<'a> {
+    power: &'a Powers,
+}
+
+impl Judge<'_> {
+    fn ratio(&self, of: &Powers, channel: usize) -> f64 {
+        if self.power[channel] > 0.0 { of[channel] / self.power[channel] } else { 0.0 }
+    }
+
+    /// Path, tilt, gain and what is left out, of the probe and channel where they are worst together.
+    fn worst(
+        &self,
+        left: &[InterpolationError],
+        (gain, gain_pulses): (&Swept, u64),
+        culled: &Powers,
+    ) -> [f64; 4] {
+        let nearest = left.iter().map(|left| left.edge).min().unwrap_or(0);
+        let of = |left: &InterpolationError, channel| {
+            let gain = if left.edge <= gain_pulses.max(nearest) { &gain.end } else { &gain.inner };
+            [&left.path, &left.tilt, gain, culled].map(|part| self.ratio(part, channel))
+        };
+        (0..self.power.len())
+            .flat_map(|channel| left.iter().map(move |left| of(left, channel)))
+            .max_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()))
+            .unwrap_or_default()
+    }
+}
+
+/// A sidelobe threshold below which tiles are in the sidelobes.
+#[derive(Clone, Copy)]
+struct Candidate {
+    n: usize,
+    sidelobe: Option<Sidelobe>,
+    sidelobe_share: f64,
+}
+
+/// Pulses from gain to gain at a step, and what that leaves.
+struct Gain {
+    pulses: u64,
+    candidate: Candidate,
+    swept: Swept,
+}
+
+/// What is the same for all candidates.
+pub(super) struct Search<'a> {
+    budget: Budget,
+    synth: &'a SynthChoice,
+    size: Size,
+    gain_steps: Vec<u64>,
+    candidates: Candidates,
+    thresholds: Vec<Candidate>,
+    power: Powers,
+    culled: Powers,
+    bounce: f64,
+    hold_pulses: Option<u64>,
+    has_sea: bool,
+    farthest_epoch: u64,
+}
+
+impl<'a> Search<'a> {
+    pub fn new(
+        scene: &Scene,
+        generator: &PathGenerator,
+        sampler: &mut ErrorSampler<'_>,
+        (budget, synth, size): (Budget, &'a SynthChoice, Size),
+        gain_steps: Vec<u64>,
+    ) -> Self {
+        let has_sea = generator.facets() > 0;
+        let culled = sampler.culled(budget.least_power).clone();
+        let candidates = sampler.candidates().clone();
+        let of = |n: usize| {
+            let sidelobe = candidates.thresholds_db()[n].filter(|_| has_sea);
+            let sidelobe = sidelobe.map(|below_db| Sidelobe { below_db, epochs: sampler.sidelobe_epochs() });
+            Candidate { n, sidelobe, sidelobe_share: sampler.sidelobe_share(n) }
+        };
+        // Where facets turn away single ones count.
+        let may_be = |candidate: &Candidate| {
+            let turns = |sidelobe: Sidelobe| sampler.turning() && sidelobe.below_db > OF_TURNING_DB;
+            budget.asked.sidelobe_db.is_some() || !candidate.sidelobe.is_some_and(turns)
+        };
+        // Without a sea there is nothing to be in the sidelobes.
+        let first = if has_sea { 0 } else { candidates.thresholds_db().len() - 1 };
+        let thresholds = (first..candidates.thresholds_db().len()).map(of).filter(may_be).collect();
+        Self {
+            budget,
+            synth,
+            size,
+            gain_steps,
+            thresholds,
+            candidates,
+            power: sampler.power().clone(),
+            culled,
+            bounce: 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, generator),
+            hold_pulses: generator.hold_pulses(),
+            has_sea,
+            farthest_epoch: if sampler.turning() { farthest_epoch(scene) } else { u64::MAX },
+        }
+    }
+
+    /// The cheapest plan that keeps the budget, else that of the least error; spacings of the nodes from far to close, pulses.
+    pub fn best(&self, sampler: &mut ErrorSampler<'_>, spacings: &[u64]) -> Result<Option<Plan>, PlanError> {
+        let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, LONGEST)?);
+        let nothing = [sampler.nothing()];
+        let allowed: Vec<(u64, Candidate)> = gains
+            .iter()
+            .filter(|gain| self.keeps(self.synth.single_error, &nothing, gain))
+            .map(|gain| (gain.pulses, gain.candidate))
+            .collect();
+        let mut best: Option<Plan> = None;
+        for &node_pulses in spacings {
+            let done = |held: &Plan| held.keeps() && seconds(held) <= self.least_s(node_pulses, &allowed);
+            if best.as_ref().is_some_and(done) {
+                break;
+            }
+            if self.budget.asked.gain_pulses.is_some() {
+                gains = self.gains_of(&sampler.gains(&self.gain_steps, block_pulses(node_pulses))?);
+            }
+            let echo = self.synth.error_of(block_length(node_pulses, self.hold_pulses));
+            let probed = self.probe(sampler, node_pulses, (echo, &gains), spacings.len() == 1)?;
+            for plan in self.plans(node_pulses, echo, &probed, &gains) {
+                if best.as_ref().is_none_or(|held| better(&plan, held)) {
+                    best = Some(plan);
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// Interpolation errors at every probe. Other places cost as much again as the first: they are asked once it allows.
+    fn probe(
+        &self,
+        sampler: &mut ErrorSampler<'_>,
+        node_pulses: u64,
+        (echo, gains): (PredictedError, &[Gain]),
+        only: bool,
+    ) -> Result<Vec<Probed>, PlanError> {
+        let mut probed = vec![sampler.left(0, node_pulses)?];
+        let allows = self.thresholds.iter().any(|candidate| {
+            (1..=EPOCHS_PER_NODE).any(|epochs| {
+                let left = self.left(&probed, epochs, candidate);
+                let mut of_candidate = gains.iter().filter(|gain| gain.candidate.n == candidate.n);
+                of_candidate.any(|gain| self.keeps(echo, &left, gain))
+            })
+        });
+        if allows || only || !self.has_sea {
+            let mut blocks = vec![sampler.block_of(0, node_pulses)];
+            for place in 1..sampler.places() {
+                let block = sampler.block_of(place, node_pulses);
+                if !blocks.contains(&block) {
+                    blocks.push(block);
+                    probed.push(sampler.left(place, node_pulses)?);
+                }
+            }
+        }
+        Ok(probed)
+    }
+
+    /// Plans of one spacing of the nodes.
+    fn plans(&self, node_pulses: u64, echo: PredictedError, probed: &[Probed], gains: &[Gain]) -> Vec<Plan> {
+        let asked = &self.budget.asked;
+        let mut plans = Vec::new();
+        for epochs in 1..=EPOCHS_PER_NODE {
+            let other = |pulses: u64| epochs_of(node_pulses, pulses) != epochs;
+            let far = node_pulses.div_ceil(epochs as u64) > self.farthest_epoch && epochs < EPOCHS_PER_NODE;
+            if asked.scatter_pulses.map_or(far, other) {
+                continue;
+            }
+            for candidate in &self.thresholds {
+                let left = self.left(probed, epochs, candidate);
+                for gain in gains.iter().filter(|gain| gain.candidate.n == candidate.n) {
+                    // What was found for long blocks holds where six instants of gain fit in.
+                    let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain.pulses;
+                    if few && gain.pulses > 1 && asked.gain_pulses.is_none() {
+                        continue;
+                    }
+                    let chosen = self.settings(node_pulses, epochs, gain.pulses, candidate);
+                    let (prediction, work) = (self.predict(echo, &left, gain), self.size.work(&chosen, true));
+                    plans.push(Plan { asked: *asked, chosen, prediction, work, size: self.size });
+                }
+            }
+        }
+        plans
+    }
+
+    /// The least that a spacing of nodes may cost, s a pulse: one scattering epoch a node, gains as far apart and as many sidelobe tiles
+    /// as the gains allow.
+    fn least_s(&self, node_pulses: u64, allowed: &[(u64, Candidate)]) -> f64 {
+        let epochs = self.budget.asked.scatter_pulses.map_or(1, |pulses| epochs_of(node_pulses, pulses));
+        let seconds = allowed.iter().map(|(pulses, candidate)| {
+            let chosen = self.settings(node_pulses, epochs, *pulses, candidate);
+            Prices::TABLE.seconds(&self.size.work(&chosen, true))
+        });
+        seconds.reduce(f64::min).unwrap_or(0.0)
+    }
+
+    fn gains_of(&self, sweeps: &Sweeps) -> Vec<Gain> {
+        let each = self.gain_steps.iter().flat_map(|pulses| self.thresholds.iter().map(|c| (*pulses, *c)));
+        let of = |(pulses, candidate): (u64, Candidate)| {
+            let swept = sweeps.swept(pulses, &self.candidates, candidate.n);
+            Gain { pulses, candidate, swept }
+        };
+        each.map(of).collect()
+    }
+
+    fn left(&self, probed: &[Probed], epochs: usize, candidate: &Candidate) -> Vec<InterpolationError> {
+        probed.iter().flat_map(|probed| probed.left(epochs, &self.candidates, candidate.n)).collect()
+    }
+
+    fn settings(
+        &self,
+        node_pulses: u64,
+        epochs_per_node: usize,
+        gain_pulses: u64,
+        candidate: &Candidate,
+    ) -> EchoSettings {
+        EchoSettings {
+            node_pulses,
+            epochs_per_node,
+            gain_pulses,
+            sidelobe: candidate.sidelobe,
+            sidelobe_share: candidate.sidelobe_share,
+            least_power: self.budget.least_power,
+            precision: self.budget.precision,
+            echo: self.synth.settings,
+        }
+    }
+
+    fn predict(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> Prediction {
+        let judge = Judge { power: &self.power };
+        let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &self.culled);
+        Prediction { echo, path, tilt, gain, culled, bounce: self.bounce, dry_run: None }
+    }
+
+    fn keeps(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> bool {
+        self.predict(echo, left, gain).total() <= self.budget.power
+    }
+}
+
+fn seconds(plan: &Plan) -> f64 {
+    Prices::TABLE.seconds(&plan.work)
+}
+
+/// The cheaper of two that keep the budget; of others that of the least error.
+fn better(plan: &Plan, held: &Plan) -> bool {
+    match (plan.keeps(), held.keeps()) {
+        (true, true) => seconds(plan) < seconds(held),
+        (false, false) => plan.prediction.total() < held.prediction.total(),
+        (keeps, _) => keeps,
+    }
+}
+
+/// Most pulses from scattering epoch to the next: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets, `T = sqrt(2 pi 2 d / g)` in deep water.
+fn farthest_epoch(scene: &Scene) -> u64 {
+    let Some(sea) = &scene.sea else { return u64::MAX };
+    let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();
+    let pulses = period_s / LOOKS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);
+    (pulses.floor() as u64).max(1)
+}

@@ -1,0 +1,248 @@
+//! Settings of the synthesis alone, apart from interpolation: kernel, envelope, Doppler within a pulse.
+
+use std::sync::Arc;
+
+use super::PlanError;
+use super::probe::ErrorSampler;
+use super::probe::points::Law;
+use crate::echo::Asked;
+use crate::echo::synth::doppler::{Doppler, Envelope, error_power, rigid_error_power};
+use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
+use crate::fidelity::budget::Budget;
+use crate::paths::PathGenerator;
+use crate::radar::waveform::Waveform;
+use crate::scene::Scene;
+
+/// Pulses over which positions on the grid move in a common block, for their rounding.
+const DRIFT_PULSES: f64 = 12.0;
+/// Widths of the kernel.
+const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
+/// Share of the budget that gridding and rounding may take, where a kernel allows.
+const OF_GRIDDING: f64 = 0.1;
+/// Share of the budget up to which envelopes are left rigid: 0.04 dB.
+const OF_RIGID: f64 = 0.01;
+/// Share of the budget that Doppler may leave where pulses are split into bands of it.
+const OF_BANDS: f64 = 0.3;
+/// Rounding of the samples to f32, those of the reference too: uniform within a unit of `2^-23` where the mantissa is 1, on the whole half
+/// the power of that, `2 x 2^-46/24`.
+const OF_SAMPLES: f64 = 1.2e-15;
+
+/// Settings of the synthesis and the errors they leave.
+pub(super) struct SynthChoice {
+    /// For blocks of pulses.
+    pub settings: Settings,
+    /// For pulses made one by one.
+    pub single: Settings,
+    /// Error of these.
+    pub single_error: PredictedError,
+    gridding: PredictedError,
+    of_envelope: f64,
+    of_doppler: DopplerError,
+}
+
+impl SynthChoice {
+    /// Error in blocks of so many pulses.
+    pub fn error_of(&self, block: u64) -> PredictedError {
+        PredictedError { doppler: self.of_doppler.of_blocks(block) + self.of_envelope, ..self.gridding }
+    }
+}
+
+/// The fast echo of a scene.
+pub(super) struct Echoes<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its scatterer paths.
+    pub generator: &'a PathGenerator,
+    /// Its pulse.
+    pub waveform: &'a Arc<dyn Waveform>,
+}
+
+/// What Doppler within a pulse leaves: of facets, and of points in blocks of so many pulses.
+struct DopplerError {
+    of_facets: f64,
+    of_points: Vec<(u64, f64)>,
+}
+
+impl DopplerError {
+    /// In blocks of so many pulses.
+    fn of_blocks(&self, pulses: u64) -> f64 {
+        let of_points = self.of_points.iter().find(|(block, _)| *block == pulses).map_or(0.0, |(_, of)| *of);
+        self.of_facets + of_points
+    }
+}
+
+impl Echoes<'_> {
+    /// Chooses what is not given, for blocks of each of these lengths, pulses.
+    pub fn choose(
+        &self,
+        sampler: &mut ErrorSampler<'_>,
+        budget: &Budget,
+        blocks: &[u64],
+    ) -> Result<SynthChoice, PlanError> {
+        let asked = &budget.asked;
+        let (mut settings, gridding, fft_len) = self.kernel(sampler, budget)?;
+        let of_rigid = self.rigid_error(sampler, fft_len);
+        if !budget.exact && of_rigid <= OF_RIGID * budget.power {
+            settings.envelope = Envelope::Rigid;
+        }
+        let of_envelope = if settings.envelope == Envelope::Rigid { of_rigid } else { 0.0 };
+
+        let longest = blocks.iter().copied().max().unwrap_or(1);
+        let of = |doppler: Doppler| (doppler, settings.envelope);
+        let mut of_doppler = self.doppler_error(sampler, of(settings.doppler), fft_len, blocks)?;
+        let may_have_moment = asked.doppler.is_none() && settings.doppler != Doppler::Taylor;
+        if may_have_moment && of_doppler.of_blocks(longest) > OF_BANDS * budget.power {
+            let other = self.doppler_error(sampler, of(Doppler::Taylor), fft_len, blocks)?;
+            if other.of_blocks(longest) < 0.5 * of_doppler.of_blocks(longest) {
+                settings.doppler = Doppler::Taylor;
+                of_doppler = other;
+            }
+        }
+        let (mut single, single_error) = (settings, gridding);
+        let mut choice = SynthChoice { settings, single, single_error, gridding, of_envelope, of_doppler };
+        choice.single_error = choice.error_of(1);
+        // Pulses by themselves can be split into bands of Doppler.
+        let most = OF_BANDS * budget.power;
+        if asked.doppler.is_none() && choice.single_error.doppler > most {
+            let of = (settings.doppler, settings.envelope);
+            if let Some((band_hz, doppler)) = self.band(sampler, of, fft_len, most) {
+                single.band_hz = Some(band_hz);
+                choice.single = single;
+                choice.single_error = PredictedError { doppler: doppler + of_envelope, ..gridding };
+            }
+        }
+        Ok(choice)
+    }
+
+    /// The narrowest kernel whose gridding and rounding take a tenth of the budget, or the widest there is; its error, and the samples of
+    /// a transform.
+    fn kernel(
+        &self,
+        sampler: &ErrorSampler<'_>,
+        budget: &Budget,
+    ) -> Result<(Settings, PredictedError, usize), PlanError> {
+        let Asked { kernel_width, doppler, variant, .. } = budget.asked;
+        let doppler = doppler.unwrap_or(match self.waveform.sweep_rate_hz_per_s() {
+            Some(_) => Doppler::Shift,
+            None => Doppler::Taylor,
+        });
+        let widths = kernel_width.map_or(WIDTHS, |width| width..=width);
+        let last = *widths.end();
+        let mut found = None;
+        for width in widths {
+            let settings = Settings { width, doppler, variant, ..Settings::default() };
+            let (error, fft_len) = self.error(sampler, settings, budget.precision)?;
+            let enough = error.gridding <= OF_GRIDDING * budget.power;
+            found = Some((settings, error, fft_len));
+            if enough || width == last {
+                break;
+            }
+        }
+        let none =
+            || (Settings { width: last, doppler, variant, ..Settings::default() }, Default::default(), 0);
+        Ok(found.unwrap_or_else(none))
+    }
+
+    /// Gridding and rounding, the worst pair, and the samples of a transform.
+    fn error(
+        &self,
+        sampler: &ErrorSampler<'_>,
+        settings: Settings,
+        precision: Precision,
+    ) -> Result<(PredictedError, usize), PlanError> {
+        let radar = &self.scene.radar;
+        let of_channels = self.generator.channel_pairs();
+        let (waveform, samples) = (Arc::clone(self.waveform), radar.window.samples);
+        let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
+        let cells_per_s = settings.oversampling * rate_hz;
+        let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
+        let drift_cells =
+            if precision == Precision::Double { 0.0 } else { sampler.fastest() * half_s * cells_per_s };
+        let (fft_len, of): (usize, Box<dyn Fn(f64) -> PredictedError>) = match precision {
+            Precision::Single => {
+                let synth = Synth::<f32>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+                (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
+            }
+            Precision::Double => {
+                let synth = Synth::<f64>::new(waveform, carrier_hz, rate_hz, samples, of_channels, settings)?;
+                (synth.fft_len(), Box::new(move |mean| synth.predicted_error_of(mean, 0.0, drift_cells)))
+            }
+        };
+        let means = sampler.dopplers().into_iter().map(|(mean_hz, _)| mean_hz);
+        let errors = [0.0].into_iter().chain(means).map(of);
+        let worst = errors.max_by(|a, b| a.total_db().total_cmp(&b.total_db())).unwrap_or_default();
+        // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may be in phase.
+        let peak = sampler.peak([1.0, 2.0]).max(1.0);
+        let rounding = peak * (worst.rounding + OF_SAMPLES);
+        Ok((PredictedError { gridding: peak * worst.gridding, rounding, doppler: 0.0 }, fft_len))
+    }
+
+    /// What rigid envelopes leave where everything has the largest rate of a delay.
+    fn rigid_error(&self, sampler: &ErrorSampler<'_>, fft_len: usize) -> f64 {
+        let radar = &self.scene.radar;
+        let of = |rate: f64| {
+            let waveform = self.waveform.as_ref();
+            rigid_error_power(waveform, radar.carrier_hz, radar.sample_rate_hz, fft_len, rate)
+        };
+        let fastest = sampler.fastest();
+        sampler.peak([1.0, 1.0]).max(1.0) * of(fastest).max(of(-fastest))
+    }
+
+    /// Widest bands of Doppler that leave no more than `most`, Hz, and what they leave; `None` where none do.
+    fn band(
+        &self,
+        sampler: &ErrorSampler<'_>,
+        doppler: (Doppler, Envelope),
+        fft_len: usize,
+        most: f64,
+    ) -> Option<(f64, f64)> {
+        let radar = &self.scene.radar;
+        let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
+        let means: Vec<f64> = sampler.dopplers().into_iter().map(|(mean_hz, _)| mean_hz).collect();
+        let peak = sampler.peak([1.0, 1.0]).max(1.0);
+        // The strongest scatterer path of a band may lie at one end of it, and another at the other.
+        let left = |band_hz: f64| {
+            let of = |mean_hz: f64, off_hz: f64| {
+                error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
+            };
+            let both = means.iter().map(|mean_hz| of(*mean_hz, band_hz).max(of(*mean_hz, -band_hz)));
+            peak * both.fold(0.0, f64::max)
+        };
+        let widest_hz = 2.0 * radar.carrier_hz * sampler.fastest();
+        let (mut low, mut high) = (1e-7 * widest_hz, widest_hz);
+        if !(low > 0.0 && left(low) <= most) {
+            return None;
+        }
+        while high > 1.1 * low {
+            let middle = (low * high).sqrt();
+            *(if left(middle) <= most { &mut low } else { &mut high }) = middle;
+        }
+        Some((low, left(low)))
+    }
+
+    /// Doppler, the worst pair, in blocks of so many pulses each.
+    fn doppler_error(
+        &self,
+        sampler: &mut ErrorSampler<'_>,
+        doppler: (Doppler, Envelope),
+        fft_len: usize,
+        blocks: &[u64],
+    ) -> Result<DopplerError, PlanError> {
+        let radar = &self.scene.radar;
+        let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
+        let off_mean = |mean_hz: f64, off_hz: f64| {
+            error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
+        };
+        let dopplers = sampler.dopplers();
+        let of_pair = |(mean_hz, groups): &(f64, Vec<f64>)| {
+            let sum: f64 = groups.iter().map(|off_hz| off_mean(*mean_hz, *off_hz)).sum();
+            sum / groups.len().max(1) as f64
+        };
+        let of_facets = sampler.peak([1.0, 0.0]) * dopplers.iter().map(of_pair).fold(0.0, f64::max);
+        if self.generator.point_count() == 0 {
+            return Ok(DopplerError { of_facets, of_points: Vec::new() });
+        }
+        let law = Law::new(2.0 * radar.carrier_hz * sampler.fastest(), |off_hz| off_mean(0.0, off_hz));
+        Ok(DopplerError { of_facets, of_points: sampler.doppler_of_points(&law, blocks)? })
+    }
+}
