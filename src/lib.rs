@@ -31,7 +31,7 @@
 //! | [`fidelity`] | an error that is asked for becomes settings, and the error they are predicted to leave |
 //! | [`pipeline`] | the only factory: a run becomes a running stream |
 //! | [`adequacy`] | whether patch, facets, window and horizon fit the scene |
-//! | [`bench`] | measures speed and error of a pipeline |
+//! | [`mod@bench`] | measures speed and error of a pipeline |
 //! | [`cli`] | the command line |
 //!
 //! SI units throughout, angles in radians, time convention `exp(+j w t)`.

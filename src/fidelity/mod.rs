@@ -13,7 +13,7 @@
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`probe`] |
 //! | culled | facets left out because they are weak | [`probe`] |
 //!
-//! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse ([`worst`]) and channel. [`choose_settings::choose_settings`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
+//! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse ([`worst`]) and channel. [`choose::choose_settings`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
 //! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a
