@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use crate::fidelity::budget::Plan;
-use crate::fidelity::cost::Prices;
+use crate::fidelity::cost::CostTable;
 use crate::fidelity::echo_settings::EchoSettings;
 use crate::pipeline::block::BlockEcho;
 use crate::pipeline::build::PulseStream;
@@ -27,7 +27,7 @@ const PRICED: [Stage; 6] =
 
 /// Speed as predicted.
 #[derive(Clone, Copy, Debug)]
-pub struct Priced {
+pub struct Calibrated {
     /// Real-time factor by the prices of a common machine.
     pub list_factor: f64,
     /// Real-time factor as calibrated on this one.
@@ -57,24 +57,24 @@ impl PulseFactory {
 
 impl PulseStream {
     /// Speed as predicted; `None` for the reference.
-    pub fn priced(&self) -> Result<Option<Priced>, BuildErrors> {
+    pub fn calibrated(&self) -> Result<Option<Calibrated>, BuildErrors> {
         let Some(plan) = self.factory().plan() else { return Ok(None) };
-        let prices = self.calibrated(plan)?;
+        let cost_table = self.cost_table(plan)?;
         let prf_hz = self.schedule().times.mean_prf_hz();
         let pulses = self.schedule().count;
         // A run shorter than a block is priced as it is.
         let block = self.factory().block_pulses().min(pulses);
         let workers = busy_workers(pulses, block, self.threads() as u64);
-        let factor = |prices: Prices| workers / prices.seconds(&plan.work) / prf_hz;
-        Ok(Some(Priced {
-            list_factor: factor(Prices::TABLE),
-            factor: factor(prices),
-            stages_s: PRICED.map(|stage| (stage, prices.stage_seconds(&plan.work, stage))),
+        let factor = |cost_table: CostTable| workers / cost_table.seconds(&plan.work) / prf_hz;
+        Ok(Some(Calibrated {
+            list_factor: factor(CostTable::TABLE),
+            factor: factor(cost_table),
+            stages_s: PRICED.map(|stage| (stage, cost_table.stage_seconds(&plan.work, stage))),
         }))
     }
 
     /// Prices of this machine.
-    fn calibrated(&self, plan: &Plan) -> Result<Prices, BuildErrors> {
+    fn cost_table(&self, plan: &Plan) -> Result<CostTable, BuildErrors> {
         let chosen = EchoSettings { node_pulses: (plan.chosen.node_pulses / 2).max(2), ..plan.chosen };
         let interpolates = plan.work.0[10] == 0.0;
         let other = if interpolates { self.factory().with_nodes(&chosen) } else { None };
@@ -120,7 +120,7 @@ impl PulseStream {
         })?;
         let spent = spent.concat();
         let mean = |n: usize| spent.iter().map(|stages| stages[n]).sum::<f64>() / spent.len().max(1) as f64;
-        let mut prices = Prices::TABLE;
+        let mut cost_table = CostTable::TABLE;
         for (n, stage) in PRICED.into_iter().enumerate() {
             let found = match stage {
                 // Single pulses from all over the run make updates that would serve many of their neighbours.
@@ -129,12 +129,12 @@ impl PulseStream {
                 Stage::ScattererPaths if !interpolates => mean(n) + mean(0),
                 _ => mean(n),
             };
-            let table = Prices::TABLE.stage_seconds(&work, stage);
+            let table = CostTable::TABLE.stage_seconds(&work, stage);
             if table > 0.0 && !spent.is_empty() {
-                prices = prices.scaled(stage, found / table);
+                cost_table = cost_table.scaled(stage, found / table);
             }
         }
-        Ok(prices)
+        Ok(cost_table)
     }
 }
 

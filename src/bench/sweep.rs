@@ -117,7 +117,7 @@ pub fn point(
     known: &[Point],
 ) -> Result<Option<Point>, BuildErrors> {
     let run = noiseless(run);
-    let stream = build::rehearse(&run, 0..run.scene.pulses)?;
+    let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
     let plan = stream.factory().plan();
     let settings = settings(plan.map(|plan| &plan.chosen));
     if known.iter().any(|point| point.settings == settings) {
@@ -177,7 +177,7 @@ pub struct Written(Vec<Vec<Complex32>>);
 /// The scenario as written, to compare models with.
 pub fn written(judge: &Judge, run: &Run) -> Result<Written, BuildErrors> {
     let run = noiseless(run);
-    let stream = build::rehearse(&run, 0..run.scene.pulses)?;
+    let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
     Ok(Written(judge.make(stream.factory())?))
 }
 
@@ -189,7 +189,7 @@ pub fn effect(
     change: &Overrides,
 ) -> Result<Effect, BuildErrors> {
     let run = noiseless(run);
-    let stream = build::rehearse(&run, 0..run.scene.pulses)?;
+    let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
     let apart = judge.apart(&judge.make(stream.factory())?, &written.0);
     Ok(Effect {
         change: name(change),
@@ -226,7 +226,7 @@ pub fn sweep(
     let mut sweep = Sweep::default();
     let chosen = {
         let run = noiseless(written_run);
-        build::rehearse(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.chosen)
+        build::on_nominal_tracks(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.chosen)
     };
     for (done, change) in trials.iter().enumerate() {
         progress(done, all, &sweep);

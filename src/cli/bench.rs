@@ -14,7 +14,7 @@ use super::progress;
 use super::run::overrides;
 use super::{counted, say, warn};
 use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
-use crate::bench::cost::Priced;
+use crate::bench::cost::Calibrated;
 use crate::bench::settings;
 use crate::bench::speed::{self, Speed, TRIAL};
 use crate::config::{self, Run};
@@ -100,7 +100,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     let run = load(&args.config, &args.settings, &[], args.threads)?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
-    let stream = build::rehearse(&run, 0..pulses)?;
+    let stream = build::on_nominal_tracks(&run, 0..pulses)?;
     let bytes = stream.predicted_bytes();
     let (status, watcher) = progress::watch(pulses);
     let lasts = args.pulses.is_none().then_some(TRIAL);
@@ -109,9 +109,9 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     let measured = measured?;
     warn(measured.plan.iter().filter_map(|plan| not_kept(plan.asked.error_db, plan.prediction.total_db())));
     // Calibrated once the stream has had its machine and its memory for itself.
-    let priced = build::rehearse(&run, 0..pulses)?.priced()?;
+    let calibrated = build::on_nominal_tracks(&run, 0..pulses)?.calibrated()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
-    let report = report(&run, &measured, begun, judged.as_ref(), priced, bytes);
+    let report = report(&run, &measured, begun, judged.as_ref(), calibrated, bytes);
     let text = if args.json {
         serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
     } else {
@@ -147,7 +147,7 @@ fn report(
     speed: &Speed,
     begun: Instant,
     judged: Option<&(Judge, Accuracy)>,
-    priced: Option<Priced>,
+    calibrated: Option<Calibrated>,
     bytes: u64,
 ) -> Report {
     let name = |channel: usize| {
@@ -169,8 +169,8 @@ fn report(
         pulses_per_s: speed.pulses_per_s,
         facet_pulses_per_s: speed.facet_pulses_per_s(),
         real_time_factor: speed.real_time_factor,
-        predicted_real_time_factor: priced.map(|priced| priced.factor),
-        list_real_time_factor: priced.map(|priced| priced.list_factor),
+        predicted_real_time_factor: calibrated.map(|calibrated| calibrated.factor),
+        list_real_time_factor: calibrated.map(|calibrated| calibrated.list_factor),
         predicted_rel_rms_db: speed.plan.as_ref().map(|plan| plan.prediction.total_db()),
         predicted_error_db: speed.plan.as_ref().map(parts_db).unwrap_or_default(),
         predicted_rss_mib: speed.plan.map(|_| bytes as f64 / f64::from(1 << 20)),
@@ -195,9 +195,9 @@ fn report(
             .iter()
             .map(|stage| (stage.name().to_owned(), Value::from(speed.costs.seconds_per_pulse(*stage))))
             .collect(),
-        predicted_stages: priced
+        predicted_stages: calibrated
             .iter()
-            .flat_map(|priced| priced.stages_s)
+            .flat_map(|calibrated| calibrated.stages_s)
             .map(|(stage, seconds)| (stage.name().to_owned(), Value::from(seconds)))
             .collect(),
         settings: settings::settings(speed.plan.as_ref().map(|plan| &plan.chosen)),

@@ -21,7 +21,7 @@ use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
 use crate::bench::resources::Resources;
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
-use crate::fidelity::cost::Prices;
+use crate::fidelity::cost::CostTable;
 use crate::frames::Earth;
 use crate::motion::PlatformNav;
 use crate::nav::TrackSource;
@@ -99,7 +99,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         return print(args, &report, out);
     }
     let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
-    let stream = build::rehearse(&unrecorded, 0..run.scene.pulses)?;
+    let stream = build::on_nominal_tracks(&unrecorded, 0..run.scene.pulses)?;
     for note in stream.notes() {
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));
@@ -116,7 +116,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     report.warnings.extend(report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
     report.warnings.extend(polarisation(&run)?.iter().map(ToString::to_string));
     if let Some(planned) = stream.factory().plan() {
-        let speed = stream.threads() as f64 / Prices::TABLE.seconds(&planned.work);
+        let speed = stream.threads() as f64 / CostTable::TABLE.seconds(&planned.work);
         let factor = speed / run.scene.radar.emissions.mean_prf_hz();
         let planned = plan::PlanReport::new(planned, factor, stream.predicted_bytes());
         if let Some(warning) = planned.warning() {
@@ -143,9 +143,9 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
 /// Live platforms of which nothing is known beforehand.
 fn without_trajectory(run: &Run) -> Vec<String> {
     let live = |(name, nav): (&String, &PlatformNav)| match &nav.truth {
-        TrackSource::Live(source) if source.rehearsal.is_none() => Some(format!(
+        TrackSource::Live(source) if source.nominal.is_none() => Some(format!(
             "platform '{name}' is live, and where it will be is not known: sea, window, plan and speed are not predicted; \
-             a nominal trajectory (track.rehearsal) lets check predict them"
+             a nominal trajectory (track.nominal) lets check predict them"
         )),
         _ => None,
     };

@@ -77,7 +77,7 @@ pub(super) struct Subject {
 }
 
 /// Where lines come from, made ready before the run is built.
-pub(super) enum Door {
+pub(super) enum ControlSocket {
     Input,
     #[cfg(unix)]
     Socket(socket::Socket),
@@ -90,7 +90,7 @@ pub(super) enum Open {
     Socket(socket::Listening),
 }
 
-impl Door {
+impl ControlSocket {
     /// At a path, or `-`.
     pub fn at(path: &Path) -> Result<Self, ControlFault> {
         if path == Path::new("-") {

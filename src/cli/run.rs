@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
 
 use super::args::{Pace, RunArgs, Setting};
-use super::control::{Door, Subject};
+use super::control::{ControlSocket, Subject};
 use super::error::CliError;
 use super::progress;
 use super::{counted, say, warn};
@@ -51,12 +51,12 @@ struct Report<'a> {
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let (run, pulses) = prepare(args)?;
     warn(&run.warnings);
-    let door = args.control.as_deref().map(Door::at).transpose()?;
+    let socket = args.control.as_deref().map(ControlSocket::at).transpose()?;
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
-    let rehearsed = stream.rehearsed().unwrap_or(&run);
-    warn(outlook(rehearsed)?.iter().flat_map(|sea| &sea.warnings));
-    let mut physics: Vec<PhysicsWarning> = plausible::targets(rehearsed)?.into_iter().collect();
+    let nominal = stream.nominal().unwrap_or(&run);
+    warn(outlook(nominal)?.iter().flat_map(|sea| &sea.warnings));
+    let mut physics: Vec<PhysicsWarning> = plausible::targets(nominal)?.into_iter().collect();
     warn(&physics);
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
@@ -73,8 +73,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     .map_err(CliError::Signal)?;
     let (status, watcher) = progress::watch(stream.schedule().count);
     let live = stream.live_navigation();
-    if let (Some(live), Some(rehearsed)) = (&live, stream.rehearsed()) {
-        let first = rehearsed.scene.radar.emissions.emission(rehearsed.scene.start, stream.schedule().first);
+    if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
+        let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
         for (platform, origin, last) in live.standing() {
             let last = last.map_or_else(|| "nowhere".to_owned(), |last| last.to_string());
             say(format_args!(
@@ -86,9 +86,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         latency(&run, needed_s, stream.latency_s());
     }
     let (log, levels) = (stream.log(), stream.levels());
-    let open = door
+    let open = socket
         .zip(stream.control())
-        .map(|(door, control)| door.open(Subject { control, stop: Arc::clone(&stop) }));
+        .map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }));
     let outcome = stream.run(&stop, Some(status));
     if let Some(open) = open {
         open.close();

@@ -63,7 +63,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let error_db = if let Fidelity::Fast(asked) = &run.fidelity { asked.error_db } else { DEFAULT_DB };
     let files = files(args)?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let stream = build::rehearse(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
+    let stream = build::on_nominal_tracks(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
     let (threads, facets) = (stream.threads(), stream.factory().facets());
     let scene = &run.scene;
     let sampled =

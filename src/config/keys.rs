@@ -425,12 +425,12 @@ tables! {
         SOURCE "source", Kind::Origin, Required, "live: where its messages come from, NMEA 0183 and NovAtel INSPVAX: a serial port, somebody to connect to, an address to which a sender connects or sends datagrams, a file that is replayed in time.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits a second.";
         MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is told from it. Sentences come an epoch late: for a receiver of one epoch a second take 2.5.";
-        PATIENCE_S "patience_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
+        TIMEOUT_S "timeout_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
         VEHICLE "vehicle", Choice(&["ship", "ground", "aircraft", "spacecraft"]), Word("aircraft"), "live: what carries the receiver. It sets the bounds of the plausibility gate: 40 m/s and 10 m/s^2 for a ship, 100 and 30 on the ground, 1000 and 100 in the air, 12000 and 100 in orbit.";
         MAX_SPEED_MPS "max_speed_mps", above("m/s", 0.0, FAST_MPS), Means("that of the vehicle"), "live: a fix that would need a higher speed is counted and refused.";
         MAX_ACCELERATION_MPS2 "max_acceleration_mps2", above("m/s^2", 0.0, 1e5), Means("that of the vehicle"), "live: a fix that would need a higher acceleration is counted and refused.";
         RESET_FIXES "reset_fixes", count(2, 1000), Count(5), "live: so many refused fixes in a row that agree with each other are believed after all.";
-        REHEARSAL "rehearsal", Section(&TABLE), Means("what needs the flight beforehand is left out"), "live: a track of another kind that stands for the flight in `check` and in `plan`.";
+        NOMINAL "nominal", Section(&TABLE), Means("what needs the flight beforehand is left out"), "live: a track of another kind that stands for the flight in `check` and in `plan`.";
     }
     smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {
         KIND "kind", Choice(&["off", "rts"]), Required, "Fixes are exact, or a Rauch-Tung-Striebel smoother.";

@@ -55,9 +55,9 @@ pub struct Work(pub [f64; PIECES]);
 
 /// What each piece takes, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prices(pub [f64; PIECES]);
+pub struct CostTable(pub [f64; PIECES]);
 
-impl Prices {
+impl CostTable {
     /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
     pub const TABLE: Self = Self([
         50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,

@@ -2,12 +2,12 @@
 //!
 //! Powers of independent errors add, relative to the echo:
 //!
-//! `e^2 = gridding + Doppler + rounding + bounce + path + tilt + gain + culled`
+//! `e^2 = gridding + Doppler + rounding + in_flight + path + tilt + gain + culled`
 //!
 //! | part | what it is | found by |
 //! | --- | --- | --- |
 //! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
-//! | bounce | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
+//! | in-flight acceleration | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
 //! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`probe`] |
 //! | tilt | scattering between scattering epochs: facets that the waves turn | [`probe`] |
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`probe`] |
@@ -20,11 +20,11 @@
 //! common machine; only their ratios matter.
 //!
 //! ```
-//! use nereus::fidelity::cost::Prices;
+//! use nereus::fidelity::cost::CostTable;
 //! use nereus::fidelity::Prediction;
 //! let prediction = Prediction { gain: 1e-7, tilt: 1e-7, ..Prediction::default() };
 //! assert!((prediction.total_db() + 67.0).abs() < 0.1);
-//! assert_eq!(Prices::TABLE.seconds(&Default::default()), 0.0);
+//! assert_eq!(CostTable::TABLE.seconds(&Default::default()), 0.0);
 //! ```
 
 pub mod budget;
@@ -82,7 +82,7 @@ pub struct Prediction {
     /// Of the echo itself.
     pub echo: PredictedError,
     /// Acceleration of the water on the way to it.
-    pub bounce: f64,
+    pub in_flight: f64,
     /// Delays between nodes.
     pub path: f64,
     /// Scattering between scattering epochs.
@@ -103,7 +103,7 @@ impl Prediction {
             ("gridding", gridding),
             ("doppler", doppler),
             ("rounding", rounding),
-            ("bounce", self.bounce),
+            ("in_flight", self.in_flight),
             ("path", self.path),
             ("tilt", self.tilt),
             ("gain", self.gain),
@@ -129,7 +129,7 @@ impl Prediction {
 
 /// What the acceleration of the water leaves in the phase: `a tau^2/2` along a path of gradient 2 at most. In deep water `w^2 = g K`, so the
 /// rms of `a` is that of the slopes times g, along and up alike.
-fn bounce(scene: &Scene, generator: &PathGenerator) -> f64 {
+fn in_flight(scene: &Scene, generator: &PathGenerator) -> f64 {
     let one_way_s = 0.5 * generator.light_time_s();
     let path_m = GRAVITY_MPS2 * generator.rms_slope() * one_way_s * one_way_s;
     (TAU / scene.radar.wavelength_m() * path_m).powi(2)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::cost::{Prices, Size};
+use super::cost::{CostTable, Size};
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
 use super::probe::{ErrorSampler, InterpolationError, LONGEST, Powers, Probed, Sweeps, Swept};
 use super::sidelobe::Candidates;
@@ -86,7 +86,7 @@ pub(super) struct Search<'a> {
     thresholds: Vec<Candidate>,
     power: Powers,
     culled: Powers,
-    bounce: f64,
+    in_flight: f64,
     hold_pulses: Option<u64>,
     has_sea: bool,
     farthest_epoch: u64,
@@ -125,7 +125,7 @@ impl<'a> Search<'a> {
             candidates,
             power: sampler.power().clone(),
             culled,
-            bounce: 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::bounce(scene, generator),
+            in_flight: 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::in_flight(scene, generator),
             hold_pulses: generator.hold_pulses(),
             has_sea,
             farthest_epoch: if sampler.turning() { farthest_epoch(scene) } else { u64::MAX },
@@ -223,7 +223,7 @@ impl<'a> Search<'a> {
         let epochs = self.budget.asked.scatter_pulses.map_or(1, |pulses| epochs_of(node_pulses, pulses));
         let seconds = allowed.iter().map(|(pulses, candidate)| {
             let chosen = self.settings(node_pulses, epochs, *pulses, candidate);
-            Prices::TABLE.seconds(&self.size.work(&chosen, true))
+            CostTable::TABLE.seconds(&self.size.work(&chosen, true))
         });
         seconds.reduce(f64::min).unwrap_or(0.0)
     }
@@ -263,7 +263,7 @@ impl<'a> Search<'a> {
     fn predict(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> Prediction {
         let judge = Judge { power: &self.power };
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &self.culled);
-        Prediction { echo, path, tilt, gain, culled, bounce: self.bounce, dry_run: None }
+        Prediction { echo, path, tilt, gain, culled, in_flight: self.in_flight, dry_run: None }
     }
 
     fn keeps(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> bool {
@@ -272,7 +272,7 @@ impl<'a> Search<'a> {
 }
 
 fn seconds(plan: &Plan) -> f64 {
-    Prices::TABLE.seconds(&plan.work)
+    CostTable::TABLE.seconds(&plan.work)
 }
 
 /// The cheaper of two that keep the budget; of others that of the least error.

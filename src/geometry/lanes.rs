@@ -136,21 +136,21 @@ impl Paths {
             let far = length(d);
             let towards = dot(d, v) / far.max(LEAST_M);
             let s = far / (C - towards);
-            let bounce = plus(p, v, s);
-            let d = minus(bounce, x_t);
+            let in_flight = plus(p, v, s);
+            let d = minus(in_flight, x_t);
             let out_m = length(d);
             let incident = scaled(d, 1.0 / out_m.max(LEAST_M));
             let tx_leg_s = out_m / C;
 
             let v_then = plus(v_r, a_r, tx_leg_s);
             let x_then = plus(plus(x_r, v_r, tx_leg_s), a_r, 0.5 * tx_leg_s * tx_leg_s);
-            let e = minus(x_then, bounce);
+            let e = minus(x_then, in_flight);
             let far = length(e);
             let away = dot(e, v_then) / far.max(LEAST_M);
             let s = far / (C - away);
             let x_later = plus(plus(x_then, v_then, s), a_r, 0.5 * s * s);
             let v_later = plus(v_then, a_r, s);
-            let e = minus(x_later, bounce);
+            let e = minus(x_later, in_flight);
             let back_m = length(e);
             let scattered = scaled(e, 1.0 / back_m.max(LEAST_M));
             let away = dot(scattered, v_later);

@@ -124,11 +124,11 @@ pub fn bistatic_over(
     match method {
         LightTime::Exact => {
             let tx_leg_s = fixed_point(|s| (moved(scatterer, s).0 - x_t).length());
-            let (bounce, v_s) = moved(scatterer, tx_leg_s);
-            let rx_leg_s = fixed_point(|s| (moved(receiver, tx_leg_s + s).0 - bounce).length());
+            let (in_flight, v_s) = moved(scatterer, tx_leg_s);
+            let rx_leg_s = fixed_point(|s| (moved(receiver, tx_leg_s + s).0 - in_flight).length());
             let (x_r, v_r) = moved(receiver, tx_leg_s + rx_leg_s);
-            let incident = (bounce - x_t).normalize_or_zero();
-            let scattered = (x_r - bounce).normalize_or_zero();
+            let incident = (in_flight - x_t).normalize_or_zero();
+            let scattered = (x_r - in_flight).normalize_or_zero();
             let tx_rate = incident.dot(v_s - v_t) / (C - incident.dot(v_s));
             let rx_rate = (1.0 + tx_rate) * scattered.dot(v_r - v_s) / (C - scattered.dot(v_r));
             Path {
@@ -205,9 +205,9 @@ mod tests {
         let (tx, rx) = (satellite(-300e3, 7.5e3), satellite(250e3, 7.4e3));
         let (x_s, v_s) = (Point::new(1e3, -2e3, 0.0), Vector::new(10.0, -5.0, 1.0));
         let path = bistatic(LightTime::Exact, &tx, x_s, v_s, &rx);
-        let bounce = x_s + v_s * path.tx_leg_s;
-        let out = (bounce - tx.position).norm();
-        let back = (moved(&rx, path.delay_s).0 - bounce.raw()).length();
+        let in_flight = x_s + v_s * path.tx_leg_s;
+        let out = (in_flight - tx.position).norm();
+        let back = (moved(&rx, path.delay_s).0 - in_flight.raw()).length();
         // Four roundings of lengths near 1e6 m (ulp 1.2e-10 m): 1.6e-18 s; asked: 1e-17 s.
         assert!((out / C - path.tx_leg_s).abs() < 1e-17);
         assert!((back / C - path.rx_leg_s).abs() < 1e-17);

@@ -25,7 +25,7 @@
 //!
 //! ```
 //! use nereus::nav::VerticalDatum;
-//! use nereus::nav::completion::{Completer, Told};
+//! use nereus::nav::completion::{Completer, Reported};
 //! use nereus::nav::epoch::Epoch;
 //!
 //! let mut completer = Completer::for_stream(VerticalDatum::Ellipsoid, 0.0, 5.0, true);
@@ -36,7 +36,7 @@
 //!     (epoch.position_deg, epoch.altitude_m) = (Some([53.0, 4.5]), altitude_m);
 //!     epoch.yaw_pitch_roll_rad = Some([0.0; 3]);
 //!     completer.push(epoch, &mut |told| {
-//!         if let Told::Fix(fix) = told {
+//!         if let Reported::Fix(fix) = told {
 //!             let nereus::nav::Place::Geodetic(place) = fix.place else { return };
 //!             heights_m.push(place.h_m);
 //!         }
@@ -58,7 +58,7 @@ const MOST_WAITING: usize = 1 << 14;
 
 /// What became of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Told {
+pub enum Reported {
     /// It follows another one; its fix is told when it is complete.
     Follows {
         /// Line of its first message.
@@ -157,7 +157,7 @@ impl Completer {
     }
 
     /// Takes the next epoch and calls with what becomes of it and of those before.
-    pub fn push(&mut self, epoch: Epoch, see: &mut impl FnMut(Told)) {
+    pub fn push(&mut self, epoch: Epoch, see: &mut impl FnMut(Reported)) {
         self.located |= epoch.position_deg.is_some();
         if self.dated {
             return self.order(epoch, see);
@@ -177,7 +177,7 @@ impl Completer {
     }
 
     /// Takes the end of the stream: what waits is completed with what there is.
-    pub fn finish(&mut self, see: &mut impl FnMut(Told)) {
+    pub fn finish(&mut self, see: &mut impl FnMut(Reported)) {
         if let Some((time, epoch)) = self.ahead.take() {
             self.take(time, epoch, see);
         }
@@ -218,7 +218,7 @@ impl Completer {
     }
 
     /// A dated epoch finds its place among the others.
-    fn order(&mut self, epoch: Epoch, see: &mut impl FnMut(Told)) {
+    fn order(&mut self, epoch: Epoch, see: &mut impl FnMut(Reported)) {
         let (Some(time), Some(_)) = (epoch.time(), epoch.position_deg) else { return };
         let Some(last) = self.last else { return self.take(time, epoch, see) };
         let mut step_s = time.since(last);
@@ -247,7 +247,7 @@ impl Completer {
             self.counts.out_of_order += 1;
         } else {
             self.counts.clock_steps += 1;
-            see(Told::StepsBack { line: epoch.line, time, before: last });
+            see(Reported::StepsBack { line: epoch.line, time, before: last });
             if self.wait_s.is_finite() && self.stays_back(time) {
                 // What came before was the step: a stream is heard from here on.
                 self.finish(see);
@@ -266,9 +266,9 @@ impl Completer {
     }
 
     /// The next epoch in the order of time.
-    fn take(&mut self, time: TimeTag, mut epoch: Epoch, see: &mut impl FnMut(Told)) {
+    fn take(&mut self, time: TimeTag, mut epoch: Epoch, see: &mut impl FnMut(Reported)) {
         if let Some(before) = self.last {
-            see(Told::Follows { line: epoch.line, time, before });
+            see(Reported::Follows { line: epoch.line, time, before });
         }
         self.last = Some(time);
         self.back = None;
@@ -338,14 +338,14 @@ impl Completer {
     }
 
     /// Tells the fixes that are complete.
-    fn release(&mut self, see: &mut impl FnMut(Told)) {
+    fn release(&mut self, see: &mut impl FnMut(Reported)) {
         let complete = self.height.from.min(self.attitude.from);
         while self.first < complete
             && let Some((_, epoch)) = self.waiting.pop_front()
         {
             self.first += 1;
             if let Some(fix) = epoch.fix(self.datum, self.undulation_m) {
-                see(Told::Fix(fix));
+                see(Reported::Fix(fix));
             }
         }
     }

@@ -47,7 +47,7 @@
 //! assert!(error.to_string().contains("usable fixes: 1, needed: at least 2"));
 //! ```
 
-use super::completion::{Completer, Told};
+use super::completion::{Completer, Reported};
 use super::decode::{Content, Decoder, Message};
 use super::epoch::Assembler;
 use super::faults::{FaultKind, Faults, NavError, NoFix};
@@ -147,15 +147,17 @@ impl Reading<'_> {
 }
 
 /// Keeps a fix; notes what is wrong between an epoch and the one before it.
-fn note(told: Told, source: &FileSource, fixes: &mut Vec<Fix>, faults: &mut Faults) {
+fn note(told: Reported, source: &FileSource, fixes: &mut Vec<Fix>, faults: &mut Faults) {
     match told {
-        Told::Fix(fix) => fixes.push(fix),
-        Told::Follows { line, time, before } => {
+        Reported::Fix(fix) => fixes.push(fix),
+        Reported::Follows { line, time, before } => {
             let gap_s = time.since(before);
             if gap_s > source.max_gap_s {
                 faults.push(line, FaultKind::Gap { time, gap_s, allowed_s: source.max_gap_s });
             }
         }
-        Told::StepsBack { line, time, before } => faults.push(line, FaultKind::TimeOrder { time, before }),
+        Reported::StepsBack { line, time, before } => {
+            faults.push(line, FaultKind::TimeOrder { time, before })
+        }
     }
 }

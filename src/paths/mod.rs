@@ -283,8 +283,8 @@ impl PathGenerator {
         Self { clocks, ..self }
     }
 
-    /// Other tracks, in the order of the platforms, where those that it was prepared with were a rehearsal.
-    pub fn fly(&mut self, tracks: Vec<PlatformTracks>) {
+    /// Other tracks, in the order of the platforms, where those that it was prepared with were a nominal trajectory.
+    pub fn set_tracks(&mut self, tracks: Vec<PlatformTracks>) {
         self.tracks = tracks;
     }
 

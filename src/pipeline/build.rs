@@ -42,13 +42,13 @@ use crate::transport::stage::{Outcome, RunError, Source, Stream};
 use crate::transport::{self};
 
 use super::changing;
-use super::control::{Control, Desk, control};
+use super::control::{CommandQueue, Control, control};
 use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{header, open_all, placed, same_kind};
 use super::plausible;
 use super::stages::{PulseFactory, Workspace};
-use super::tracks::flown;
+use super::tracks::set_tracks;
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::hull_scatterers;
 
@@ -70,17 +70,17 @@ pub struct PulseStream {
     pool: ThreadPool,
     notes: Vec<TrackNote>,
     sea_bytes: u64,
-    live: Option<Flown>,
+    live: Option<LiveFlight>,
     changes: Option<Arc<Changes>>,
-    control: Option<(Control, Desk)>,
+    control: Option<(Control, CommandQueue)>,
     levels: Arc<OnceLock<Vec<Level>>>,
 }
 
 /// What flies by live navigation.
-struct Flown {
+struct LiveFlight {
     nav: Arc<LiveNav>,
     /// The run with tracks that are known beforehand.
-    rehearsed: Run,
+    nominal: Run,
     tracks: Vec<PlatformTracks>,
     /// Latency with which every pulse is interpolated, s.
     needed_s: f64,
@@ -102,21 +102,21 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
             return Err(BuildErrors(faults));
         }
     }
-    let Some((rehearsed, nav)) = LiveNav::open(run)? else { return rehearse(run, range) };
-    let mut stream = rehearse(&rehearsed, range)?;
+    let Some((nominal, nav)) = LiveNav::open(run)? else { return on_nominal_tracks(run, range) };
+    let mut stream = on_nominal_tracks(&nominal, range)?;
     let block_s = stream.factory.block_pulses() as f64 / run.scene.radar.emissions.mean_prf_hz();
     let needed_s = nav.needed_latency_s(block_s);
     if !run.stream.latency_given && needed_s > stream.settings.latency_s {
         stream.wait_for(needed_s);
     }
-    let mut tracks = tracks(&rehearsed.nav, &rehearsed.scene)?.0;
+    let mut tracks = tracks(&nominal.nav, &nominal.scene)?.0;
     for (platform, (tracks, source)) in tracks.iter_mut().zip(&run.nav).enumerate() {
         if let Some(track) = nav.track(platform) {
-            *tracks = flown(track, source, &rehearsed.scene, platform)?;
+            *tracks = set_tracks(track, source, &nominal.scene, platform)?;
         }
     }
-    let tracks = changing::tracks(tracks, &rehearsed.scene, stream.changes.as_ref())?;
-    stream.live = Some(Flown { nav, rehearsed, tracks, needed_s });
+    let tracks = changing::tracks(tracks, &nominal.scene, stream.changes.as_ref())?;
+    stream.live = Some(LiveFlight { nav, nominal, tracks, needed_s });
     Ok(stream)
 }
 
@@ -131,8 +131,8 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
     faults
 }
 
-/// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its rehearsal flown.
-pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+/// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal trajectory flown.
+pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     let mut faults = given(run, &range);
     let scene = &run.scene;
     let threads = match run.stream.threads {
@@ -223,9 +223,9 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
 }
 
 impl PulseStream {
-    /// The run as it is rehearsed, where live navigation flies it.
-    pub fn rehearsed(&self) -> Option<&Run> {
-        self.live.as_ref().map(|flown| &flown.rehearsed)
+    /// The run as it is run on its nominal trajectory, where live navigation flies it.
+    pub fn nominal(&self) -> Option<&Run> {
+        self.live.as_ref().map(|live| &live.nominal)
     }
 
     /// Releases pulses so long after their emission, and gives the ring room for them.
@@ -243,12 +243,12 @@ impl PulseStream {
 
     /// The latency with which every pulse has interpolated navigation, s; `None` without live navigation.
     pub fn needed_latency_s(&self) -> Option<f64> {
-        self.live.as_ref().map(|flown| flown.needed_s)
+        self.live.as_ref().map(|live| live.needed_s)
     }
 
     /// Live navigation of the run.
     pub fn live_navigation(&self) -> Option<Arc<LiveNav>> {
-        self.live.as_ref().map(|flown| Arc::clone(&flown.nav))
+        self.live.as_ref().map(|live| Arc::clone(&live.nav))
     }
 
     /// How the tracks were made.
@@ -343,7 +343,7 @@ impl PulseStream {
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self { mut factory, settings, schedule, header, sinks, pool, live, control, levels, .. } = self;
-        let desk = control.map(|(_, desk)| desk);
+        let commands = control.map(|(_, commands)| commands);
         let range = schedule.first..schedule.end();
         let first = schedule.times.emission(header.start, range.start);
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
@@ -355,11 +355,11 @@ impl PulseStream {
         let begun = Instant::now();
         pool.install(|| warm_up(&factory, &range, &mut workspaces));
         let nav = match live {
-            Some(flown) => {
-                flown.nav.took(begun.elapsed());
-                factory.generator.fly(flown.tracks);
-                flown.nav.await_begin(first, stop)?;
-                Some(flown.nav)
+            Some(live) => {
+                live.nav.took(begun.elapsed());
+                factory.generator.set_tracks(live.tracks);
+                live.nav.await_begin(first, stop)?;
+                Some(live.nav)
             }
             None => None,
         };
@@ -387,7 +387,7 @@ impl PulseStream {
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workspaces, desk))
+            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workspaces, commands))
         });
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
@@ -436,23 +436,23 @@ fn generate(
     nav: Option<&LiveNav>,
     range: Range<u64>,
     work: &mut [Workspace],
-    desk: Option<Desk>,
+    commands: Option<CommandQueue>,
 ) -> Result<(), PulseError> {
     let length = factory.block_pulses();
     let due = source.due();
     let (begin, end) = (range.start, range.end);
-    if let Some(desk) = &desk {
-        desk.open(source.health());
+    if let Some(commands) = &commands {
+        commands.open(source.health());
     }
     // Blocks are claimed whole, but for those that the ring is too short for.
     let between = |first: u64| {
-        if let Some(desk) = &desk {
+        if let Some(commands) = &commands {
             let last = |first: u64| (first - 1) / length * length + length - 1;
             let untouched = || match first {
                 first if first == begin => first,
                 first => factory.generator.first_untouched(last(first)),
             };
-            desk.serve(untouched, end);
+            commands.serve(untouched, end);
         }
     };
     let crew = source.crew(range, work.len()).between(&between);

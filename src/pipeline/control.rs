@@ -67,21 +67,21 @@ pub struct Control {
 }
 
 /// Where the stream finds what it is asked for.
-pub(super) struct Desk {
+pub(super) struct CommandQueue {
     requests: Receiver<Request>,
     changes: Arc<Changes>,
     health: Arc<OnceLock<Arc<Health>>>,
     over: Arc<AtomicBool>,
 }
 
-impl Drop for Desk {
+impl Drop for CommandQueue {
     fn drop(&mut self) {
         self.over.store(true, Ordering::Release);
     }
 }
 
 /// The two ends, for a run of so many pulses.
-pub(super) fn control(changes: &Arc<Changes>, total: u64) -> (Control, Desk) {
+pub(super) fn control(changes: &Arc<Changes>, total: u64) -> (Control, CommandQueue) {
     let (sender, receiver) = bounded(WAITING);
     let health = Arc::new(OnceLock::new());
     let over = Arc::new(AtomicBool::new(false));
@@ -92,7 +92,7 @@ pub(super) fn control(changes: &Arc<Changes>, total: u64) -> (Control, Desk) {
         over: Arc::clone(&over),
         total,
     };
-    (asks, Desk { requests: receiver, changes: Arc::clone(changes), health, over })
+    (asks, CommandQueue { requests: receiver, changes: Arc::clone(changes), health, over })
 }
 
 impl Control {
@@ -129,7 +129,7 @@ impl Control {
     }
 }
 
-impl Desk {
+impl CommandQueue {
     /// Tells those who ask how the stream counts.
     pub fn open(&self, health: &Arc<Health>) {
         let _ = self.health.set(Arc::clone(health));
@@ -162,13 +162,13 @@ mod tests {
     fn nobody_waits_for_a_run_that_is_over() {
         let times = PulseTimes::uniform(1.0).unwrap();
         let changes = Changes::new(&["mast".to_owned()], &times, TimeTag::default());
-        let (asks, desk) = control(&Arc::new(changes), 10);
+        let (asks, commands) = control(&Arc::new(changes), 10);
         let other = asks.clone();
         let waits = thread::spawn(move || other.change(None, Change::Clear));
-        while desk.requests.is_empty() {
+        while commands.requests.is_empty() {
             thread::yield_now();
         }
-        drop(desk);
+        drop(commands);
         assert_eq!(waits.join().unwrap(), Err(ControlError::Over));
         assert_eq!(asks.change(None, Change::Clear), Err(ControlError::Over));
     }

@@ -215,14 +215,14 @@ pub enum LiveFault {
     Feed(#[from] FeedError),
     /// Nothing usable came.
     #[error(
-        "no navigation from {origin} within {patience_s} s ({good} messages, {unusable} fixes that cannot be used); \
-         allowed: a sender of GGA, RMC, PASHR or INSPVAX, or a longer track.patience_s"
+        "no navigation from {origin} within {timeout_s} s ({good} messages, {unusable} fixes that cannot be used); \
+         allowed: a sender of GGA, RMC, PASHR or INSPVAX, or a longer track.timeout_s"
     )]
     Silent {
         /// Where it was to come from.
         origin: Origin,
         /// How long was waited.
-        patience_s: f64,
+        timeout_s: f64,
         /// Messages read.
         good: u64,
         /// Fixes that were left.

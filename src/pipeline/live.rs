@@ -4,8 +4,8 @@
 //! feed (a thread per source) -> growing track -> generation, which waits for what the next block rests on
 //! ```
 //!
-//! * **Before the run.** Sources are opened, and the run waits for its first fixes, [`LiveSource::patience_s`] at most. What has to
-//!   know the whole flight beforehand (`plan`, the outlook) goes by the rehearsal of the source, or straight on from the last fix. Pulses
+//! * **Before the run.** Sources are opened, and the run waits for its first fixes, [`LiveSource::timeout_s`] at most. What has to
+//!   know the whole flight beforehand (`plan`, the outlook) goes by the nominal trajectory of the source, or straight on from the last fix. Pulses
 //!   begin when the navigation of every live platform has reached the emission of the first one: from then on one second
 //!   of the run is one second of navigation.
 //! * **While it runs** a block is made when the tracks reach its last emission and the light time after it. It cannot wait longer than
@@ -116,7 +116,7 @@ struct Blocks {
 }
 
 impl LiveNav {
-    /// Opens the live sources of a run and waits for their first fixes. `None` if it has none; else the run as it is rehearsed as well.
+    /// Opens the live sources of a run and waits for their first fixes. `None` if it has none; else the run as it is run on its nominal trajectory as well.
     pub(super) fn open(run: &Run) -> Result<Option<(Run, Arc<Self>)>, BuildErrors> {
         let live = |(platform, nav): (usize, &crate::motion::PlatformNav)| match &nav.truth {
             TrackSource::Live(source) => Some((platform, source.clone())),
@@ -175,8 +175,8 @@ impl LiveNav {
         let blocks = Blocks { since: Instant::now(), longest: Duration::ZERO, before: Duration::ZERO };
         let live = Arc::new(Self { flights, bell, blocks: Mutex::new(blocks) });
         live.await_first()?;
-        let rehearsed = live.rehearsed(run)?;
-        Ok(Some((rehearsed, live)))
+        let nominal = live.nominal(run)?;
+        Ok(Some((nominal, live)))
     }
 
     /// Waits until every platform has a track.
@@ -192,7 +192,7 @@ impl LiveNav {
             let waited_s = begun.elapsed().as_secs_f64();
             let faults: Vec<BuildError> = silent
                 .iter()
-                .filter(|flight| waited_s > flight.source.patience_s)
+                .filter(|flight| waited_s > flight.source.timeout_s)
                 .map(|flight| flight.silent())
                 .collect();
             if !faults.is_empty() {
@@ -203,7 +203,7 @@ impl LiveNav {
     }
 
     /// The run with tracks that are known beforehand, and with its begin.
-    fn rehearsed(&self, run: &Run) -> Result<Run, BuildErrors> {
+    fn nominal(&self, run: &Run) -> Result<Run, BuildErrors> {
         let mut run = run.clone();
         let latest = self.flights.iter().filter_map(|flight| flight.track.last_fix());
         let latest = latest.reduce(|a, b| if b.since(a) > 0.0 { b } else { a });
@@ -221,13 +221,13 @@ impl LiveNav {
                 }
                 _ => {}
             }
-            run.nav[flight.platform].truth = match (&flight.source.rehearsal, flight.track.last_known()) {
+            run.nav[flight.platform].truth = match (&flight.source.nominal, flight.track.last_known()) {
                 (None, Some((time, place, velocity))) => TrackSource::Straight {
                     place: Place::Local(place + velocity * first.since(time)),
                     velocity,
                     attitude: Some(flight.track.told(time).state.attitude),
                 },
-                // Its track is that of the rehearsal, see [`Track::from_source`].
+                // Its track is that of the nominal trajectory, see [`Track::from_source`].
                 _ => continue,
             };
         }
@@ -266,7 +266,7 @@ impl LiveNav {
                 let now = flight.track.last_fix();
                 if now != *last {
                     (*last, *since) = (now, Instant::now());
-                } else if short(flight) && since.elapsed().as_secs_f64() > flight.source.patience_s {
+                } else if short(flight) && since.elapsed().as_secs_f64() > flight.source.timeout_s {
                     return Err(flight.silent().into());
                 }
             }
@@ -371,7 +371,7 @@ impl Flight {
     fn silent(&self) -> BuildError {
         self.fault(LiveFault::Silent {
             origin: self.source.origin.clone(),
-            patience_s: self.source.patience_s,
+            timeout_s: self.source.timeout_s,
             good: self.feed.counts().good,
             unusable: self.gate.unusable.load(Ordering::Relaxed),
         })

@@ -64,7 +64,7 @@ pub fn tracks(
 }
 
 /// The tracks of a platform on a track of its own.
-pub(super) fn flown(
+pub(super) fn set_tracks(
     track: Track,
     source: &PlatformNav,
     scene: &Scene,

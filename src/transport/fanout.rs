@@ -75,13 +75,13 @@ impl Feed {
         self.health.wrote_in_all(pulses);
     }
 
-    /// Waits up to `patience` for a pulse and hands it to `take`; the slot goes back afterwards.
+    /// Waits up to `timeout` for a pulse and hands it to `take`; the slot goes back afterwards.
     pub fn next<R, E>(
         &mut self,
-        patience: Duration,
+        timeout: Duration,
         take: impl FnOnce(&Pulse) -> Result<R, E>,
     ) -> Result<Fed<R>, E> {
-        match self.queue.wait_for(patience) {
+        match self.queue.wait_for(timeout) {
             Look::Slot(pulse) => {
                 let taken = take(&pulse);
                 self.queue.give_back(pulse);

@@ -243,12 +243,12 @@ impl<T> Consumer<T> {
         self.bell.wait(at_most.min(DOZE), || self.filled.slots() == 0);
     }
 
-    /// Waits for the next slot for at most `patience`.
-    pub fn wait_for(&mut self, patience: Duration) -> Look<T> {
+    /// Waits for the next slot for at most `timeout`.
+    pub fn wait_for(&mut self, timeout: Duration) -> Look<T> {
         let begun = Instant::now();
         loop {
             let found = self.look();
-            let left = patience.saturating_sub(begun.elapsed());
+            let left = timeout.saturating_sub(begun.elapsed());
             if !matches!(found, Look::Empty) || left.is_zero() {
                 return found;
             }
@@ -290,13 +290,13 @@ mod tests {
     #[test]
     fn what_is_committed_wakes_who_waits() {
         let (mut producer, mut consumer) = ring((0..2).map(|_| 0_u32));
-        let patience = Duration::from_secs(60);
+        let timeout = Duration::from_secs(60);
         thread::scope(|scope| {
             let waits = scope.spawn(move || {
                 let begun = Instant::now();
                 // Never longer than that however often it is woken for nothing.
-                while matches!(consumer.look(), Look::Empty) && begun.elapsed() < patience {
-                    consumer.bell.wait(patience, || consumer.filled.slots() == 0);
+                while matches!(consumer.look(), Look::Empty) && begun.elapsed() < timeout {
+                    consumer.bell.wait(timeout, || consumer.filled.slots() == 0);
                 }
                 begun.elapsed()
             });
@@ -304,7 +304,7 @@ mod tests {
             producer.reserve(1, &AtomicBool::new(false)).unwrap();
             producer.commit(1);
             let waited = waits.join().unwrap();
-            assert!(waited < patience / 2, "{waited:?}");
+            assert!(waited < timeout / 2, "{waited:?}");
         });
     }
 

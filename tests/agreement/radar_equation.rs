@@ -21,10 +21,10 @@ fn light_time(tx: End, target: End, rx: End, t_s: f64) -> (f64, f64, f64) {
     for _ in 0..50 {
         leg1 = distance(target.at(t_s + leg1), from) / C;
     }
-    let bounce = target.at(t_s + leg1);
+    let in_flight = target.at(t_s + leg1);
     let mut leg2 = 0.0;
     for _ in 0..50 {
-        leg2 = distance(rx.at(t_s + leg1 + leg2), bounce) / C;
+        leg2 = distance(rx.at(t_s + leg1 + leg2), in_flight) / C;
     }
     (leg1 + leg2, leg1 * C, leg2 * C)
 }

@@ -111,7 +111,7 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
 
 /// `e_r^T S e_t` of a unit sphere for isotropic antennas: H level, across the direction from the antenna, V upward; in the
 /// bases h = z x k, v = h x k of the wave fronts.
-pub fn polarisation_factor(tx: &[f64; 3], bounce: &[f64; 3], rx: &[f64; 3], channel: usize) -> f64 {
+pub fn polarisation_factor(tx: &[f64; 3], in_flight: &[f64; 3], rx: &[f64; 3], channel: usize) -> f64 {
     let up = [0.0, 0.0, 1.0];
     let components = |k: [f64; 3], from_antenna: [f64; 3]| {
         let level = unit(cross(up, from_antenna));
@@ -120,8 +120,8 @@ pub fn polarisation_factor(tx: &[f64; 3], bounce: &[f64; 3], rx: &[f64; 3], chan
         let v = cross(h, k);
         [dot(v, e), dot(h, e)]
     };
-    let incident = unit(std::array::from_fn(|i| bounce[i] - tx[i]));
-    let scattered = unit(std::array::from_fn(|i| rx[i] - bounce[i]));
+    let incident = unit(std::array::from_fn(|i| in_flight[i] - tx[i]));
+    let scattered = unit(std::array::from_fn(|i| rx[i] - in_flight[i]));
     let t = components(incident, incident);
     let r = components(scattered, scattered.map(|c| -c));
     r[0] * t[0] - r[1] * t[1]

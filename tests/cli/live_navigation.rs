@@ -215,7 +215,7 @@ fn what_comes_too_late_is_extrapolated_and_flagged() {
 fn what_cannot_be_flown_live_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (_master, _slave, port) = terminal();
-    let config = scenario(folder.path(), &live(&port, ", patience_s = 0.3"));
+    let config = scenario(folder.path(), &live(&port, ", timeout_s = 0.3"));
     let refused = |arguments: &[&str]| {
         let ended = nereus(folder.path(), &[&["run", &config, "--out", "out"], arguments].concat());
         assert_eq!(ended.code, 2, "{}", ended.stderr);

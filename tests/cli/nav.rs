@@ -160,9 +160,9 @@ fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
         attitude: AttitudeSource::Recorded,
         max_gap_s: 60.0,
         max_extrapolation_s: 1.0,
-        patience_s: 30.0,
+        timeout_s: 30.0,
         bounds: nereus::nav::live::MotionBounds::AIRCRAFT,
-        rehearsal: None,
+        nominal: None,
     };
     let (to, heard) = std::sync::mpsc::channel();
     let open = || {

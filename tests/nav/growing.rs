@@ -87,7 +87,7 @@ fn fly(
     live: &LiveTrack,
     late_s: f64,
     silent: std::ops::Range<f64>,
-) -> Vec<(f64, nereus::motion::track::live::Told)> {
+) -> Vec<(f64, nereus::motion::track::live::Reported)> {
     let mut told = Vec::new();
     let mut next = 0;
     for tick in 0..3000 {

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use nereus::nav::completion::{Completer, Told};
+use nereus::nav::completion::{Completer, Reported};
 use nereus::nav::encode::{Format, Sentence};
 use nereus::nav::epoch::Epoch;
 use nereus::nav::live::{Ear, Feed, FeedCounts, FeedError, Heard, LiveSource, Origin};
@@ -33,9 +33,9 @@ fn source(origin: Origin) -> LiveSource {
         attitude: AttitudeSource::Recorded,
         max_gap_s: 10.0,
         max_extrapolation_s: 1.0,
-        patience_s: 30.0,
+        timeout_s: 30.0,
         bounds: nereus::nav::live::MotionBounds::AIRCRAFT,
-        rehearsal: None,
+        nominal: None,
     }
 }
 
@@ -218,7 +218,7 @@ fn not_more_than_so_many_wait() {
     let completer = || Completer::for_stream(VerticalDatum::Ellipsoid, 0.0, 86_400.0, true);
     let fixes = |completer: &mut Completer, epoch: Epoch| {
         let mut fixes = 0;
-        completer.push(epoch, &mut |told| fixes += u64::from(matches!(told, Told::Fix(_))));
+        completer.push(epoch, &mut |told| fixes += u64::from(matches!(told, Reported::Fix(_))));
         fixes
     };
     // Nobody says a heading.

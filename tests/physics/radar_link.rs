@@ -120,7 +120,7 @@ fn a_sphere_is_the_same_in_h_and_v() {
         assert!((hh - vv).norm() < 1e-15 * hh.norm() && hv.norm().max(vh.norm()) < 1e-15 * hh.norm());
         assert!(hh.re > 0.0);
     }
-    // Circular: an odd bounce turns the hand.
+    // Circular: an odd in-flight acceleration turns the hand.
     use Polarisation::{L, R};
     scene.radar.channels = channels(&[(R, R), (L, R), (R, L), (L, L)]);
     let tracks = [straight(&scene, [0.0, -3e3, 3e3], [0.0; 3]), straight(&scene, [0.0, -3e3, 3e3], [0.0; 3])];

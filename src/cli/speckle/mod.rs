@@ -284,7 +284,7 @@ fn look_rad(run: &Run, sea: &Sea, channel: usize) -> Result<f64, CliError> {
 /// The echo of all pulses, and its images.
 fn images(run: &Run, sea: &Sea, channels: &[usize], pixels: Pixels) -> Result<Vec<Image>, CliError> {
     let total = run.scene.pulses;
-    let stream = build::rehearse(run, 0..total)?;
+    let stream = build::on_nominal_tracks(run, 0..total)?;
     let layout = *stream.factory().layout();
     let needed = (layout.slot_bytes() as u64).saturating_mul(total);
     if let Some(available) = available_bytes().filter(|available| needed > *available) {

@@ -38,7 +38,7 @@ pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<Platform
 enum Part {
     Truth,
     Report,
-    Rehearsal,
+    Nominal,
 }
 
 fn track(section: Section<'_>, ground: &Ground, part: Part) -> Option<TrackSource> {
@@ -47,7 +47,7 @@ fn track(section: Section<'_>, ground: &Ground, part: Part) -> Option<TrackSourc
             let place = match part {
                 Part::Truth => None,
                 Part::Report => Some("as a report"),
-                Part::Rehearsal => Some("as a rehearsal"),
+                Part::Nominal => Some("as a nominal trajectory"),
             };
             if let Some(place) = place {
                 let allowed = "a track that is known beforehand";
@@ -124,7 +124,7 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
 }
 
 fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
-    use keys::track::{BAUD, DATUM, MAX_EXTRAPOLATION_S, MAX_GAP_S, PATIENCE_S, REHEARSAL, SOURCE};
+    use keys::track::{BAUD, DATUM, MAX_EXTRAPOLATION_S, MAX_GAP_S, NOMINAL, SOURCE, TIMEOUT_S};
     if ground.sound && ground.origin_h_m.is_none() {
         section.fault(&SOURCE, Problem::LiveNeedsOrigin);
     }
@@ -139,10 +139,10 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     };
     let attitude = attitude_source(section);
     let (max_gap_s, max_extrapolation_s) = (section.number(&MAX_GAP_S), section.number(&MAX_EXTRAPOLATION_S));
-    let patience_s = section.number(&PATIENCE_S);
+    let timeout_s = section.number(&TIMEOUT_S);
     let bounds = bounds(section);
-    let has_rehearsal = section.has(&REHEARSAL);
-    let rehearsal = section.section(&REHEARSAL).and_then(|section| track(section, ground, Part::Rehearsal));
+    let has_nominal = section.has(&NOMINAL);
+    let nominal = section.section(&NOMINAL).and_then(|section| track(section, ground, Part::Nominal));
     Some(LiveSource {
         origin: origin.filter(|_| baud.is_some())?,
         datum: datum?,
@@ -150,9 +150,9 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
         attitude: attitude?,
         max_gap_s: max_gap_s?,
         max_extrapolation_s: max_extrapolation_s?,
-        patience_s: patience_s?,
+        timeout_s: timeout_s?,
         bounds: bounds?,
-        rehearsal: if has_rehearsal { Some(Box::new(rehearsal?)) } else { None },
+        nominal: if has_nominal { Some(Box::new(nominal?)) } else { None },
     })
 }
 

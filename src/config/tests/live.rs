@@ -16,7 +16,7 @@ pub(super) fn variants() -> Vec<Variant> {
         CART,
         vec![(
             "platform.1.track",
-            "{ kind = 'live', source = '/dev/ttyS0', rehearsal = { kind = 'fixed', position_m = [0, 0, 0] } }",
+            "{ kind = 'live', source = '/dev/ttyS0', nominal = { kind = 'fixed', position_m = [0, 0, 0] } }",
         )],
     )]
 }
@@ -54,12 +54,12 @@ fn defaults_and_keys() {
     assert_eq!((plain.datum, plain.undulation_m), (VerticalDatum::MeanSeaLevel, 288.2));
     assert_eq!(plain.attitude, AttitudeSource::Automatic);
     assert_eq!(plain.bounds, crate::nav::MotionBounds::AIRCRAFT);
-    assert_eq!((plain.max_gap_s, plain.max_extrapolation_s, plain.patience_s), (5.0, 1.0, 30.0));
-    assert_eq!(plain.rehearsal, None);
+    assert_eq!((plain.max_gap_s, plain.max_extrapolation_s, plain.timeout_s), (5.0, 1.0, 30.0));
+    assert_eq!(plain.nominal, None);
     let full = live(
         "{ kind = 'live', source = '/dev/ttyS0', baud = 4800, datum = 'barometric', barometric_offset_m = 12, \
-         attitude = 'level', max_gap_s = 2, max_extrapolation_s = 0.5, patience_s = 0, \
-         rehearsal = { kind = 'inspvax', path = 'tracks/cart.inspvax' } }",
+         attitude = 'level', max_gap_s = 2, max_extrapolation_s = 0.5, timeout_s = 0, \
+         nominal = { kind = 'inspvax', path = 'tracks/cart.inspvax' } }",
     );
     assert_eq!(full.origin, Origin::Serial { path: "/dev/ttyS0".into(), baud: 4800 });
     assert_eq!(full.datum, VerticalDatum::Barometric { offset_m: 12.0 });
@@ -70,8 +70,8 @@ fn defaults_and_keys() {
     let bounds =
         crate::nav::MotionBounds { max_speed_mps: 20.0, reset_fixes: 9, ..crate::nav::MotionBounds::SHIP };
     assert_eq!(ship.bounds, bounds);
-    assert_eq!((full.max_gap_s, full.max_extrapolation_s, full.patience_s), (2.0, 0.5, 0.0));
-    let Some(TrackSource::File(file)) = full.rehearsal.as_deref() else { panic!("{:?}", full.rehearsal) };
+    assert_eq!((full.max_gap_s, full.max_extrapolation_s, full.timeout_s), (2.0, 0.5, 0.0));
+    let Some(TrackSource::File(file)) = full.nominal.as_deref() else { panic!("{:?}", full.nominal) };
     assert_eq!(file.format, FileFormat::Inspvax);
 }
 
@@ -98,8 +98,8 @@ fn faults_of_live_navigation_are_told_together() {
     let list = [
         (
             "platform.1.track",
-            "{ kind = 'live', source = 'udp://here', baud = 1, max_gap_s = 0, patience_s = -1, path = 'x', \
-             rehearsal = { kind = 'live', source = '/dev/null' } }",
+            "{ kind = 'live', source = 'udp://here', baud = 1, max_gap_s = 0, timeout_s = -1, path = 'x', \
+             nominal = { kind = 'live', source = '/dev/null' } }",
         ),
         ("platform.1.errors", "{ recorded = 'reported' }"),
         ("platform.1.turbulence", "{ level = 'light' }"),
@@ -114,8 +114,8 @@ fn faults_of_live_navigation_are_told_together() {
     platform.1.track.baud: 1 is out of range; allowed: a whole number from 50 to 4000000
     platform.1.track.source: "udp://here" is not allowed; allowed: the path of a serial port, tcp://ADDRESS:PORT, tcp-listen://ADDRESS:PORT or udp://ADDRESS:PORT such as udp://127.0.0.1:5001, or file:PATH (relative to the scenario file)
     platform.1.track.max_gap_s: 0 is out of range; allowed: a number above 0, up to 86400 s
-    platform.1.track.patience_s: -1 is out of range; allowed: a number from 0 to 86400 s
-    platform.1.track.rehearsal.kind: "live" is not allowed as a rehearsal; allowed: a track that is known beforehand
+    platform.1.track.timeout_s: -1 is out of range; allowed: a number from 0 to 86400 s
+    platform.1.track.nominal.kind: "live" is not allowed as a nominal trajectory; allowed: a track that is known beforehand
     platform.1.track.path: has no meaning here (kind = "live")
     platform.1.errors.recorded: "reported" is not allowed beside live navigation; allowed: "truth"
     platform.1.turbulence: has no meaning here (the track is live: its air is real)

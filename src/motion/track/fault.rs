@@ -105,7 +105,7 @@ pub enum TrackError {
     },
     /// Live navigation where the whole flight must be known.
     #[error(
-        "live navigation is not known beforehand; allowed: track.rehearsal, a track that stands for the flight"
+        "live navigation is not known beforehand; allowed: track.nominal, a track that stands for the flight"
     )]
     NoRehearsal,
     /// A straight track that does not move horizontally has no heading of its own.

@@ -95,7 +95,7 @@ pub enum Unusable {
 
 /// Where a platform is at an instant, and what that rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
+pub struct Reported {
     /// The state.
     pub state: State,
     /// The instant less the time of the fix that it is extrapolated from, s; 0 where it is interpolated.
@@ -350,7 +350,7 @@ impl LiveTrack {
     }
 
     /// What is told of an instant. Nothing is allocated. Beyond the path, which nobody should ask, its end goes straight on.
-    pub fn told(&self, t: TimeTag) -> Told {
+    pub fn told(&self, t: TimeTag) -> Reported {
         self.read().told(&self.0, t)
     }
 }
@@ -661,7 +661,7 @@ impl Grown {
         self.go_back(of);
     }
 
-    fn told(&self, of: &Shared, t: TimeTag) -> Told {
+    fn told(&self, of: &Shared, t: TimeTag) -> Reported {
         let still = State {
             position: Point::new(0.0, 0.0, 0.0),
             velocity: Vector::ZERO,
@@ -671,7 +671,7 @@ impl Grown {
         };
         let (Some(first), Some(last)) = (self.path.front(), self.path.back()) else {
             let flags = flags::NAV_EXTRAPOLATED | flags::NAV_STALE;
-            return Told { state: still, age_s: 0.0, flags, arrived: None };
+            return Reported { state: still, age_s: 0.0, flags, arrived: None };
         };
         let constant = match of.attitude() {
             AttitudeSource::Constant(attitude) => Some(attitude),
@@ -721,8 +721,8 @@ impl Grown {
     }
 }
 
-fn told_of(state: State, (age_s, flags, arrived): (f64, u32, Option<Instant>)) -> Told {
-    Told { state, age_s, flags, arrived }
+fn told_of(state: State, (age_s, flags, arrived): (f64, u32, Option<Instant>)) -> Reported {
+    Reported { state, age_s, flags, arrived }
 }
 
 /// The same step elsewhere.

@@ -53,8 +53,8 @@ use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, Place};
 use crate::time::TimeTag;
 use deviation::Deviation;
 use fit::Node;
-use live::{LiveTrack, Told};
-use recorded::{Attitude, recorded_state, rehearse_at, turns};
+use live::{LiveTrack, Reported};
+use recorded::{Attitude, recorded_state, shift_to, turns};
 use report::Reports;
 
 /// Where a platform is, and how it moves, at an instant.
@@ -185,14 +185,14 @@ impl Track {
                 let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
                 Ok((track, Some(SourceReport { load: recording.report, fit })))
             }
-            TrackSource::Live(live) => match live.rehearsal.as_deref() {
+            TrackSource::Live(live) => match live.nominal.as_deref() {
                 Some(TrackSource::File(file)) => {
                     let mut recording = nav::load(file)?;
-                    rehearse_at(start, &mut recording.fixes);
+                    shift_to(start, &mut recording.fixes);
                     let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
                     Ok((track, Some(SourceReport { load: recording.report, fit })))
                 }
-                Some(rehearsal) => Self::from_source(rehearsal, frame, start),
+                Some(nominal) => Self::from_source(nominal, frame, start),
                 None => Err(TrackError::NoRehearsal.into()),
             },
         }
@@ -319,7 +319,7 @@ impl Track {
         match &self.0 {
             Kind::Reported(reports) => reports.at(t),
             Kind::Live(live) => {
-                let Told { state, age_s, flags, .. } = live.told(t);
+                let Reported { state, age_s, flags, .. } = live.told(t);
                 Ok(Report { state, age_s, flags })
             }
             _ => self.state(t).map(Report::of),

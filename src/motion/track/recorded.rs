@@ -12,13 +12,13 @@ use crate::motion::hermite::Basis;
 use crate::nav::{AttitudeSource, FileSource, Fix};
 use crate::time::TimeTag;
 
-/// Moves a recorded rehearsal in time so that the run begins within it, [`REHEARSED_S`] after its first fix, unless it does already.
-pub(super) fn rehearse_at(start: TimeTag, fixes: &mut [Fix]) {
+/// Moves a recorded nominal trajectory in time so that the run begins within it, [`LEAD_S`] after its first fix, unless it does already.
+pub(super) fn shift_to(start: TimeTag, fixes: &mut [Fix]) {
     let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else { return };
     if start.since(first.time) >= 0.0 && last.time.since(start) > 0.0 {
         return;
     }
-    let lead_s = REHEARSED_S.min(0.1 * last.time.since(first.time));
+    let lead_s = LEAD_S.min(0.1 * last.time.since(first.time));
     let (begin, from) = (start.plus(-lead_s), first.time);
     for fix in fixes {
         fix.time = begin.plus(fix.time.since(from));
@@ -127,8 +127,8 @@ pub(super) fn turns(
     })
 }
 
-/// How much of a rehearsal lies before the run, s: what servos look back.
-const REHEARSED_S: f64 = 2.0;
+/// How much of a nominal trajectory lies before the run, s: what servos look back.
+const LEAD_S: f64 = 2.0;
 
 #[derive(Clone, Debug)]
 pub(super) enum Attitude {

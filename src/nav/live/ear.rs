@@ -19,7 +19,7 @@
 //! assert_eq!(fixes[0].time.to_string(), "2014-04-16T19:57:19.000000Z");
 //! ```
 
-use crate::nav::completion::{Completer, CompletionCounts, Told};
+use crate::nav::completion::{Completer, CompletionCounts, Reported};
 use crate::nav::decode::{Counts, Decoder};
 use crate::nav::epoch::Assembler;
 use crate::nav::{AttitudeSource, Fix, VerticalDatum};
@@ -80,8 +80,8 @@ impl Ear {
     }
 }
 
-fn fix(told: Told, see: &mut impl FnMut(Fix)) {
-    if let Told::Fix(fix) = told {
+fn fix(told: Reported, see: &mut impl FnMut(Fix)) {
+    if let Reported::Fix(fix) = told {
         see(fix);
     }
 }

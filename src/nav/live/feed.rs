@@ -28,9 +28,9 @@
 //!     attitude: AttitudeSource::Recorded,
 //!     max_gap_s: 5.0,
 //!     max_extrapolation_s: 1.0,
-//!     patience_s: 30.0,
+//!     timeout_s: 30.0,
 //!     bounds: MotionBounds::AIRCRAFT,
-//!     rehearsal: None,
+//!     nominal: None,
 //! };
 //! let (to, from) = mpsc::channel();
 //! let start = TimeTag::from_iso8601("2014-11-24T20:30:21Z")?;

@@ -37,11 +37,11 @@ pub struct LiveSource {
     /// The longest time after the last fix for which motion is extrapolated, s; beyond it, it is stale.
     pub max_extrapolation_s: f64,
     /// How long the begin of a run waits for navigation, s.
-    pub patience_s: f64,
+    pub timeout_s: f64,
     /// How a platform can move: fixes that ask for more are refused.
     pub bounds: MotionBounds,
     /// A track that stands for the flight where one must be known beforehand.
-    pub rehearsal: Option<Box<TrackSource>>,
+    pub nominal: Option<Box<TrackSource>>,
 }
 
 /// How fast a platform can be, and when fixes that say otherwise are believed all the same.
