@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 
 use sink::SinkError;
 
+mod fault;
 pub mod sink;
 pub mod columns;
 pub mod port;

@@ -5,9 +5,7 @@ use std::process::Command;
 use num_complex::Complex32;
 
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
-#[cfg(feature = "hdf5")]
-use nereus::sinks::sink::SinkError;
-use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow};
+use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, SinkError};
 use nereus::time::{PulseTimes, TimeTag};
 
 pub const PRF_HZ: f64 = 333.3;
@@ -210,7 +208,6 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
 
 /// Tries again while a file is in use. Tests run side by side: a child that another one starts while the HDF5 library has
 /// a file open inherits its lock.
-#[cfg(feature = "hdf5")]
 pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
     for _ in 0..200 {
         match make() {
