@@ -204,6 +204,15 @@ pub fn preflight(path: &Path, force: bool, recognise: Recognise) -> Result<(), F
     replaceable(path, recognise).map(|_| ())
 }
 
+/// The path of an output as it is always spelled: two that are one have the same. Links are followed.
+pub fn spelling(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| {
+        let folder = folder(path);
+        let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+        folder.join(path.file_name().unwrap_or_default())
+    })
+}
+
 /// A link is followed, so that what it points to is replaced and not the link.
 fn resolved(path: &Path) -> PathBuf {
     let is_link = fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink());

@@ -219,3 +219,21 @@ fn a_folder_that_cannot_be_removed_is_left_whole() {
     draft(&path, "ours").finish(true, whole).unwrap();
     assert!(path.is_file());
 }
+
+#[cfg(unix)]
+#[test]
+fn one_output_has_one_spelling() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    fs::create_dir(at("rec")).unwrap();
+    fs::write(at("a"), "ours").unwrap();
+    for (to, link) in [("rec", "link"), ("a", "b"), (".", "here")] {
+        std::os::unix::fs::symlink(at(to), at(link)).unwrap();
+    }
+    for (one, other) in
+        [("rec", "link"), ("rec", "here/link"), ("a", "b"), ("new", "here/new"), ("new", "./new")]
+    {
+        assert_eq!(spelling(&at(one)), spelling(&at(other)), "{one}, {other}");
+    }
+    assert_ne!(spelling(&at("a")), spelling(&at("new")));
+}

@@ -230,8 +230,7 @@ impl Output {
 pub fn apart<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> Result<(), OutputError> {
     let mut seen = Vec::new();
     for output in outputs {
-        let folder = fs::canonicalize(output.folder()).unwrap_or_else(|_| output.folder().to_owned());
-        let place = folder.join(output.path.file_name().unwrap_or_default());
+        let place = files::spelling(&output.path);
         if seen.contains(&place) {
             return Err(OutputError::Twice { path: output.path.clone() });
         }

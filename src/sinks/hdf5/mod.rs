@@ -98,7 +98,7 @@ pub(super) fn recognise(path: &Path) -> Option<Holding> {
 }
 
 /// Files of an earlier run that this output would replace.
-fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
+pub(super) fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
     if segment_s.is_none() {
         return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
     }
