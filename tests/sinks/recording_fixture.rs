@@ -4,6 +4,7 @@ use std::process::Command;
 
 use num_complex::Complex32;
 
+use nereus::files::FileFault;
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
 use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, SinkError};
 use nereus::time::{PulseTimes, TimeTag};
@@ -211,9 +212,15 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
 pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
     for _ in 0..200 {
         match make() {
-            Err(SinkError::InUse { .. }) => std::thread::sleep(std::time::Duration::from_millis(50)),
+            Err(SinkError::InUse { .. }) => {}
+            Err(SinkError::Lost(FileFault::Kept { why, at, .. }))
+                if matches!(*why, FileFault::InUse { .. }) =>
+            {
+                std::fs::remove_file(at).unwrap();
+            }
             made => return made.unwrap(),
         }
+        std::thread::sleep(std::time::Duration::from_millis(50));
     }
     panic!("locked for 10 s");
 }
