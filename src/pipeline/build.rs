@@ -304,6 +304,8 @@ pub struct PulseStream {
     factory: PulseFactory,
     settings: transport::Settings,
     schedule: Schedule,
+    /// Whether these are all pulses of the scenario.
+    is_whole: bool,
     header: Header,
     sinks: Vec<sinks::Settings>,
     pool: ThreadPool,
@@ -445,6 +447,7 @@ pub fn rehearse(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors
     Ok(PulseStream {
         factory,
         settings: transport::Settings { ring_slots, batch_pulses, ..run.stream },
+        is_whole: range == (0..run.scene.pulses),
         schedule,
         header,
         sinks: run.sinks.clone(),
@@ -589,6 +592,7 @@ impl PulseStream {
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self { mut factory, settings, schedule, header, sinks, pool, live, control, levels, .. } = self;
+        let asked = self.is_whole.then_some(schedule.count);
         let desk = control.map(|(_, desk)| desk);
         let range = schedule.first..schedule.end();
         let first = schedule.times.emission(header.start, range.start);
@@ -638,7 +642,7 @@ impl PulseStream {
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
         let _ = levels.set(sum_of(workspaces.iter().map(Workspace::levels)));
-        Ok((placed(outcome), costs))
+        Ok((placed(outcome, asked), costs))
     }
 }
 
