@@ -4,13 +4,17 @@
 //!    must be free. It is locked (shared, as readers lock it) before it gets its own name.
 //! 2. It gets its own name by [`Draft::place`], which never replaces what stands there.
 //! 3. With force, what stands there is **exchanged** for the new output by [`Draft::finish`], in one step and only when
-//!    the new one is complete; only what the caller recognises as an output of its kind, and only while nobody has
-//!    locked it. What was taken out is looked at again before it is removed, and goes back if it is something else.
+//!    the new one is complete; only what the caller recognises as an output of its kind, what can be removed as a whole,
+//!    and only while nobody has locked it. What was taken out is looked at again before it is removed, and goes back if
+//!    it is something else.
 //! 4. Nothing else is removed: neither on success nor on failure does a process remove what it did not make.
+//! 5. A complete output that cannot be put in its place stays under the name of this process, and the error names it
+//!    ([`FileFault::Kept`]). One that another program has removed or moved meanwhile is an error, too, unless it is known
+//!    where it is and nothing has taken its name.
 //!
-//! What is in place after [`Draft::finish`] has been handed to the disk (`fsync` of the file and of its folder), so it
-//! survives a power cut. What is still growing survives the end of its writer, a power cut only as far as the system has
-//! written it.
+//! What is in place after [`Draft::finish`] has been handed to the disk, so it survives a power cut: first the output
+//! (`fsync` of its files by their writer, here of the folders in it), then its folder, then the old one is removed. What
+//! is still growing survives the end of its writer, a power cut only as far as the system has written it.
 //!
 //! File systems without `renameat2` are served by links and by two renames; a crash between those two leaves the old
 //! output under the name of the process.
@@ -23,20 +27,29 @@
 //! // The name is taken now; what is there is not replaced, and by force only where it is recognised.
 //! let (mut second, _file) = Draft::file(&path)?;
 //! assert!(matches!(second.place(), Err(FileFault::Exists { .. })));
-//! assert!(matches!(second.finish(true, &|_| None), Err(FileFault::Foreign { .. })));
+//! let Err(FileFault::Kept { why, at, .. }) = second.finish(true, &|_| None) else { panic!() };
+//! assert!(matches!(*why, FileFault::Foreign { .. }) && at.exists());
 //! let (third, _file) = Draft::file(&path)?;
 //! third.finish(true, &|_| Some(Holding::File))?;
+//! # std::fs::remove_file(at).unwrap();
 //! # std::fs::remove_file(path).unwrap();
 //! # Ok::<(), FileFault>(())
 //! ```
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 mod names;
+mod old;
+mod presence;
+
+use old::{Old, lock_file, replaceable};
+use presence::Place;
+
+pub use old::remove_recognised;
+pub use presence::is_at;
 
 /// Why an output cannot be made or put in place.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +71,38 @@ pub enum FileFault {
     InUse {
         /// The output.
         path: PathBuf,
+    },
+    /// Another program has removed it.
+    #[error("{}: removed by another program while it was written; what it held is lost", path.display())]
+    Removed {
+        /// Where it was.
+        path: PathBuf,
+    },
+    /// Another program has moved it, and its name is taken, or nothing is known of its new place.
+    #[error(
+        "{}: no longer the output that was written here, which another program has moved{}",
+        path.display(),
+        now.as_ref().map_or_else(|| "; where to is not known".to_owned(), |now| format!(" to {}", now.display()))
+    )]
+    Moved {
+        /// Where it was.
+        path: PathBuf,
+        /// Where it is, if that is known.
+        now: Option<PathBuf>,
+    },
+    /// It is complete and cannot be put in its place.
+    #[error(
+        "{why}; the new output is complete and stays as {}: when {} is free, rename it (mv -n {0} {1})",
+        at.display(),
+        path.display()
+    )]
+    Kept {
+        /// Why not.
+        why: Box<FileFault>,
+        /// Where it was to be.
+        path: PathBuf,
+        /// Where it is.
+        at: PathBuf,
     },
     /// The output is to be made in something that is no folder.
     #[error("{}: is no folder; outputs are made in folders that exist", path.display())]
@@ -103,14 +148,19 @@ struct Identity(u64, u64);
 
 impl Identity {
     #[cfg(unix)]
-    fn of(path: &Path) -> io::Result<Self> {
+    fn of_data(data: &fs::Metadata) -> Self {
         use std::os::unix::fs::MetadataExt;
-        fs::symlink_metadata(path).map(|data| Self(data.dev(), data.ino()))
+        Self(data.dev(), data.ino())
     }
 
     #[cfg(not(unix))]
+    fn of_data(data: &fs::Metadata) -> Self {
+        let made = data.created().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
+        Self(u64::from(data.is_dir()), made.map_or(0, |time| time.as_nanos() as u64))
+    }
+
     fn of(path: &Path) -> io::Result<Self> {
-        fs::symlink_metadata(path).map(|data| Self(data.len(), 0))
+        fs::symlink_metadata(path).map(|data| Self::of_data(&data))
     }
 }
 
@@ -120,16 +170,11 @@ pub struct Draft {
     target: PathBuf,
     at: PathBuf,
     made: Option<(Identity, Holding)>,
+    /// Knows it whatever its name.
+    witness: Option<fs::File>,
     /// Keeps others from replacing it.
     mark: Option<fs::File>,
-}
-
-/// What stands in a place and may be replaced.
-struct Old {
-    identity: Identity,
-    holding: Holding,
-    /// Held until it is removed; none where the system has no locks.
-    _lock: Option<fs::File>,
+    is_handed_on: bool,
 }
 
 /// The folder of an output.
@@ -159,58 +204,19 @@ pub fn preflight(path: &Path, force: bool, recognise: Recognise) -> Result<(), F
     replaceable(path, recognise).map(|_| ())
 }
 
+/// The path of an output as it is always spelled: two that are one have the same. Links are followed.
+pub fn spelling(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| {
+        let folder = folder(path);
+        let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+        folder.join(path.file_name().unwrap_or_default())
+    })
+}
+
 /// A link is followed, so that what it points to is replaced and not the link.
 fn resolved(path: &Path) -> PathBuf {
     let is_link = fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink());
     is_link.then(|| fs::canonicalize(path).ok()).flatten().unwrap_or_else(|| path.to_owned())
-}
-
-/// The file of an output that is locked.
-fn lock_file(path: &Path, holding: &Holding) -> io::Result<fs::File> {
-    match holding {
-        Holding::File => fs::File::open(path),
-        Holding::Folder(files) => fs::File::open(files.first().map_or(path.to_owned(), |f| path.join(f))),
-    }
-}
-
-/// What stands here, if it may be replaced.
-fn replaceable(path: &Path, recognise: Recognise) -> Result<Old, FileFault> {
-    let data = fs::symlink_metadata(path).map_err(FileFault::io(path, "looking at what is there"))?;
-    let foreign = || FileFault::Foreign { path: path.to_owned() };
-    // A pipe or a device is not even opened.
-    if !(data.is_file() || data.is_dir()) {
-        return Err(foreign());
-    }
-    let identity = Identity::of(path).map_err(FileFault::io(path, "looking at what is there"))?;
-    let locked = |file: &fs::File| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock));
-    // Not held while the caller looks: its library may lock the file itself.
-    if data.is_file() && fs::File::open(path).is_ok_and(|file| locked(&file)) {
-        return Err(FileFault::InUse { path: path.to_owned() });
-    }
-    let holding = recognise(path).ok_or_else(foreign)?;
-    let lock = lock_file(path, &holding).ok();
-    if lock.as_ref().is_some_and(locked) {
-        return Err(FileFault::InUse { path: path.to_owned() });
-    }
-    Ok(Old { identity, holding, _lock: lock })
-}
-
-/// Removes an output: its own files, then the folders that are empty then.
-fn remove(path: &Path, holding: &Holding) -> io::Result<()> {
-    let Holding::Folder(files) = holding else { return fs::remove_file(path) };
-    let missing = |done: io::Result<()>| match done {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        done => done,
-    };
-    let mut folders = BTreeSet::new();
-    for file in files {
-        missing(fs::remove_file(path.join(file)))?;
-        folders.extend(file.ancestors().skip(1).filter(|f| !f.as_os_str().is_empty()).map(Path::to_owned));
-    }
-    for folder in folders.iter().rev() {
-        missing(fs::remove_dir(path.join(folder)))?;
-    }
-    fs::remove_dir(path)
 }
 
 /// A name beside the place of an output that is free and bears the number of this process.
@@ -244,7 +250,8 @@ impl Draft {
     /// An output that the caller makes at [`Self::path`], where nothing is yet, and tells by [`Self::made`].
     pub fn named(target: &Path) -> Self {
         let target = resolved(target);
-        Self { at: private_name(&target), target, made: None, mark: None }
+        let at = private_name(&target);
+        Self { at, target, made: None, witness: None, mark: None, is_handed_on: false }
     }
 
     /// An empty file under the name of this process, and its handle.
@@ -275,6 +282,7 @@ impl Draft {
     pub fn made(&mut self, holding: Holding) -> Result<(), FileFault> {
         let identity = Identity::of(&self.at).map_err(FileFault::io(&self.at, "making the output"))?;
         self.made = Some((identity, holding));
+        self.witness = fs::File::open(&self.at).ok();
         Ok(())
     }
 
@@ -309,20 +317,12 @@ impl Draft {
         }
     }
 
-    /// Puts a complete output in its place and hands it to the disk. With force it is exchanged for what stands there.
-    pub fn finish(mut self, force: bool, recognise: Recognise) -> Result<PathBuf, FileFault> {
-        match self.finish_here(force, recognise) {
-            Ok(()) => Ok(self.target),
-            Err(fault) => {
-                self.discard();
-                Err(fault)
-            }
-        }
-    }
-
-    /// The same, but when that fails the output stays where it is.
-    pub fn finish_or_keep(mut self, force: bool, recognise: Recognise) -> Result<PathBuf, FileFault> {
-        self.finish_here(force, recognise).map(|()| self.target)
+    /// Puts a complete output in its place and hands it to the disk, and returns where it is. With force it is exchanged
+    /// for what stands there, which is then removed. When that fails, it stays where it is.
+    ///
+    /// `None` if it was handed on ([`Self::hand_on`]) and is no longer there.
+    pub fn finish(mut self, force: bool, recognise: Recognise) -> Result<Option<PathBuf>, FileFault> {
+        self.finish_here(force, recognise).map_err(|why| self.kept(why))
     }
 
     /// Gives up the lock: it is closed, and others may have it.
@@ -330,52 +330,117 @@ impl Draft {
         self.mark = None;
     }
 
-    fn finish_here(&mut self, force: bool, recognise: Recognise) -> Result<(), FileFault> {
-        let is_ours = |made: &(Identity, Holding)| Identity::of(&self.at).is_ok_and(|found| found == made.0);
-        if self.is_in_place() && !self.made.as_ref().is_some_and(is_ours) {
-            // Somebody has moved it on, as one does with segments of a long run.
-            return Ok(());
+    /// Lets others do with it what they like, such as move segments of a long run on.
+    pub fn hand_on(&mut self) {
+        self.unlock();
+        self.witness = None;
+        self.is_handed_on = true;
+    }
+
+    /// Where it is now: another program may have moved it.
+    ///
+    /// # Errors
+    /// It was removed, or it was moved and its name is taken or its new place not known.
+    pub fn present(&self) -> Result<PathBuf, FileFault> {
+        Ok(match self.place_now()? {
+            Place::Here | Place::HandedOn => self.at.clone(),
+            Place::Moved(now) => now,
+        })
+    }
+
+    fn place_now(&self) -> Result<Place, FileFault> {
+        let Some((identity, _)) = &self.made else { return Ok(Place::Here) };
+        match presence::place_of(&self.at, *identity, self.witness.as_ref()) {
+            Err(_) if self.is_handed_on => Ok(Place::HandedOn),
+            place => place,
         }
-        sync(&self.at)?;
+    }
+
+    /// Says of a complete output that is not in its place where it is.
+    fn kept(&self, why: FileFault) -> FileFault {
+        let is_ours = |made: &(Identity, Holding)| Identity::of(&self.at).is_ok_and(|found| found == made.0);
+        if self.is_in_place() || !self.made.as_ref().is_some_and(is_ours) {
+            return why;
+        }
+        FileFault::Kept { why: Box::new(why), path: self.target.clone(), at: self.at.clone() }
+    }
+
+    fn finish_here(&mut self, force: bool, recognise: Recognise) -> Result<Option<PathBuf>, FileFault> {
+        match self.place_now()? {
+            Place::Here => {}
+            Place::HandedOn => return Ok(None),
+            Place::Moved(now) if self.is_in_place() => {
+                self.sync_as(&now)?;
+                sync(folder(&now))?;
+                return Ok(Some(now));
+            }
+            Place::Moved(now) => return Err(FileFault::Moved { path: self.at.clone(), now: Some(now) }),
+        }
+        self.sync_as(&self.at)?;
         let mut tries = 0;
-        loop {
+        let replaced = loop {
             match self.place() {
                 Err(FileFault::Exists { .. }) if force && tries < 3 => {
                     tries += 1;
-                    if self.exchange(recognise)? {
-                        break;
+                    if let Some(replaced) = self.exchange(recognise)? {
+                        break Some(replaced);
                     }
                 }
                 done => {
                     done?;
-                    break;
+                    break None;
+                }
+            }
+        };
+        // The old output goes when the new one would survive a power cut.
+        let synced = sync(folder(&self.target));
+        if let Some((old, at)) = replaced {
+            if let Err(FileFault::Io { source, .. }) = synced {
+                let action =
+                    "the new output is in place, the old one stays here, because its folder was not written";
+                return Err(FileFault::Io { path: at, action, source });
+            }
+            old.remove(&at).map_err(FileFault::io(
+                &at,
+                "the new output is in place, removing the old one, which is here",
+            ))?;
+        }
+        synced.map(|()| Some(self.target.clone()))
+    }
+
+    /// Hands what is in it to the disk, where it is now. Its files are synced by who writes them, a single file here.
+    fn sync_as(&self, at: &Path) -> Result<(), FileFault> {
+        if let Some((_, holding)) = &self.made {
+            for folder in old::folders_of(holding).iter().rev().map(|inside| at.join(inside)) {
+                if folder.is_dir() {
+                    sync(&folder)?;
                 }
             }
         }
-        sync(folder(&self.target))
+        sync(at)
     }
 
-    /// Exchanges it for what stands in its place, which is removed; false if nothing stands there any more.
-    fn exchange(&mut self, recognise: Recognise) -> Result<bool, FileFault> {
+    /// Exchanges it for what stands in its place; returns that and where it is now. `None` if nothing stands there any
+    /// more.
+    fn exchange(&mut self, recognise: Recognise) -> Result<Option<(Old, PathBuf)>, FileFault> {
         let old = match replaceable(&self.target, recognise) {
             Err(FileFault::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
-                return Ok(false);
+                return Ok(None);
             }
             old => old?,
         };
         match names::exchange(&self.at, &self.target, || private_name(&self.target)) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             done => done.map_err(FileFault::io(&self.target, "exchanging the old output for the new"))?,
         }
         // Somebody may have put something else there since it was looked at.
-        if Identity::of(&self.at).ok() != Some(old.identity) {
+        if !old.is_at(&self.at) {
             names::exchange(&self.at, &self.target, || private_name(&self.target))
                 .map_err(FileFault::io(&self.at, "putting back what another program has just put there"))?;
             return Err(FileFault::InUse { path: self.target.clone() });
         }
         let taken = std::mem::replace(&mut self.at, self.target.clone());
-        remove(&taken, &old.holding).map_err(FileFault::io(&taken, "removing the old output"))?;
-        Ok(true)
+        Ok(Some((old, taken)))
     }
 
     /// Removes it, wherever it is, if it is still what this process made.
@@ -391,27 +456,11 @@ impl Draft {
             return;
         }
         if Identity::of(&aside).ok() == Some(identity) {
-            let _ = remove(&aside, &holding);
+            let _ = old::remove(&aside, &holding);
         } else {
             let _ = names::rename_new(&aside, &self.at);
         }
     }
-}
-
-/// Removes an older output that the new one replaces without one of its own in the same place.
-pub fn remove_recognised(path: &Path, recognise: Recognise) -> Result<(), FileFault> {
-    if fs::symlink_metadata(path).is_err() {
-        return Ok(());
-    }
-    let old = replaceable(path, recognise)?;
-    let aside = private_name(path);
-    names::rename_new(path, &aside).map_err(FileFault::io(path, "removing the old output"))?;
-    if Identity::of(&aside).ok() != Some(old.identity) {
-        names::rename_new(&aside, path)
-            .map_err(FileFault::io(&aside, "putting back what another program has just put there"))?;
-        return Err(FileFault::InUse { path: path.to_owned() });
-    }
-    remove(&aside, &old.holding).map_err(FileFault::io(&aside, "removing the old output"))
 }
 
 #[cfg(test)]

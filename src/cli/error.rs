@@ -126,7 +126,9 @@ impl CliError {
             | Self::Speckle(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.
-            Self::Receive(ReceiveError::Record(SinkError::Io { .. } | SinkError::Hdf5 { .. }))
+            Self::Receive(ReceiveError::Record(
+                SinkError::Io { .. } | SinkError::Hdf5 { .. } | SinkError::Lost(_),
+            ))
             | Self::Receive(ReceiveError::Socket { .. }) => 1,
             Self::Receive(_) => 2,
             Self::Nav(error) => error.exit_code(),
@@ -138,7 +140,9 @@ impl CliError {
             Self::MergeNeedsHdf5 => 2,
             // A full disk is not wrong input.
             #[cfg(feature = "hdf5")]
-            Self::Merge(MergeError::File(SinkError::Io { .. } | SinkError::Hdf5 { .. })) => 1,
+            Self::Merge(MergeError::File(
+                SinkError::Io { .. } | SinkError::Hdf5 { .. } | SinkError::Lost(_),
+            )) => 1,
             #[cfg(feature = "hdf5")]
             Self::Merge(_) => 2,
         }

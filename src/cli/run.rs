@@ -209,6 +209,7 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         for file in &report.files {
             say(format_args!("{}: {}", report.name, file.display()));
         }
+        warn(report.notes());
         if let Some(wire) = &report.wire {
             say(format_args!("{}: {} datagrams to {}", report.name, wire.datagrams, wire.address));
             if wire.lost() > 0 {

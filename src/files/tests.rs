@@ -16,6 +16,14 @@ fn draft(path: &Path, text: &str) -> Draft {
     draft
 }
 
+/// Why a complete output is not in its place, and where it is.
+fn kept(finished: Result<Option<PathBuf>, FileFault>) -> (FileFault, PathBuf) {
+    match finished {
+        Err(FileFault::Kept { why, at, .. }) => (*why, at),
+        other => panic!("{other:?}"),
+    }
+}
+
 const OURS: Recognise = &|path| fs::read(path).is_ok_and(|b| b.starts_with(b"ours")).then_some(Holding::File);
 
 #[test]
@@ -23,21 +31,26 @@ fn what_is_there_is_exchanged_only_complete_and_only_if_recognised() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a");
     fs::write(&path, "ours, old").unwrap();
-    assert!(matches!(draft(&path, "x").finish(false, OURS), Err(FileFault::Exists { .. })));
+    let (why, at) = kept(draft(&path, "x").finish(false, OURS));
+    assert!(matches!(why, FileFault::Exists { .. }), "{why}");
+    fs::remove_file(at).unwrap();
     let mut new = draft(&path, "ours, new");
     new.place_early(true).unwrap();
     assert!(!new.is_in_place() && fs::read(&path).unwrap() == b"ours, old");
-    assert_eq!(new.finish(true, OURS).unwrap(), path);
+    assert_eq!(new.finish(true, OURS).unwrap().as_deref(), Some(path.as_path()));
     assert_eq!(
         (fs::read(&path).unwrap().as_slice(), listing(dir.path())),
         (&b"ours, new"[..], vec!["a".into()])
     );
     fs::write(&path, "a letter").unwrap();
-    assert!(matches!(draft(&path, "ours").finish(true, OURS), Err(FileFault::Foreign { .. })));
-    assert_eq!(
-        (fs::read(&path).unwrap().as_slice(), listing(dir.path())),
-        (&b"a letter"[..], vec!["a".into()])
-    );
+    let refused = draft(&path, "ours, too").finish(true, OURS);
+    let text = refused.as_ref().unwrap_err().to_string();
+    let (why, at) = kept(refused);
+    assert!(matches!(why, FileFault::Foreign { .. }), "{why}");
+    // The error names the new output, and how it gets its name.
+    assert_eq!((fs::read(&at).unwrap(), fs::read(&path).unwrap()), (b"ours, too".into(), b"a letter".into()));
+    let rename = format!("(mv -n {} {})", at.display(), path.display());
+    assert!(text.contains("is complete and stays as") && text.ends_with(&rename), "{text}");
 }
 
 #[test]
@@ -47,7 +60,8 @@ fn a_locked_output_stays() {
     let mut writer = draft(&path, "ours, growing");
     writer.place().unwrap();
     assert!(matches!(preflight(&path, true, OURS), Err(FileFault::InUse { .. })));
-    assert!(matches!(draft(&path, "ours").finish(true, OURS), Err(FileFault::InUse { .. })));
+    let (why, at) = kept(draft(&path, "ours, kept").finish(true, OURS));
+    assert!(matches!(why, FileFault::InUse { .. }) && fs::read(at).unwrap() == b"ours, kept", "{why}");
     writer.finish(false, OURS).unwrap();
     draft(&path, "ours, next").finish(true, OURS).unwrap();
     assert_eq!(fs::read(&path).unwrap(), b"ours, next");
@@ -78,7 +92,7 @@ fn a_folder_goes_with_its_own_files_only() {
     }
     let holding = Holding::Folder(["a/b/c.bin", "a/d.bin", "e.bin"].map(PathBuf::from).into());
     fs::write(path.join("diary.txt"), "dear").unwrap();
-    assert!(remove(&path, &holding).is_err());
+    assert!(old::remove(&path, &holding).is_err());
     assert_eq!(listing(&path), ["diary.txt"]);
 }
 
@@ -96,7 +110,8 @@ fn many_at_once_leave_one() {
             .collect();
         runs.into_iter().map(|run| run.join().unwrap()).sum()
     });
-    assert_eq!((won, listing(dir.path())), (1, vec!["a".to_owned()]));
+    // The others are complete, too, and stay beside it.
+    assert_eq!((won, listing(dir.path()).len()), (1, 8));
 }
 
 #[cfg(unix)]
@@ -113,4 +128,112 @@ fn links_are_followed_and_devices_left() {
     let long = dir.path().join("n".repeat(255));
     draft(&long, "ours").finish(false, OURS).unwrap();
     assert!(long.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_another_program_removes_or_moves_is_reported() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let growing = |name: &str| {
+        let mut growing = draft(&at(name), "ours");
+        growing.place().unwrap();
+        growing
+    };
+    let removed = growing("a");
+    fs::remove_file(at("a")).unwrap();
+    let fault = removed.finish(false, OURS).unwrap_err();
+    assert!(matches!(&fault, FileFault::Removed { path } if *path == at("a")), "{fault}");
+    // Removed, and something else in its place.
+    let replaced = growing("b");
+    fs::write(at("c"), "a letter").unwrap();
+    fs::rename(at("c"), at("b")).unwrap();
+    let fault = replaced.finish(false, OURS).unwrap_err();
+    assert!(matches!(&fault, FileFault::Removed { path } if *path == at("b")), "{fault}");
+    assert_eq!(fs::read(at("b")).unwrap(), b"a letter");
+    // A folder.
+    let mut folder = Draft::named(&at("d"));
+    fs::create_dir(folder.path()).unwrap();
+    folder.made(Holding::Folder(Vec::new())).unwrap();
+    folder.place().unwrap();
+    fs::remove_dir(at("d")).unwrap();
+    assert!(matches!(folder.finish(false, OURS), Err(FileFault::Removed { .. })));
+    // Beside its place.
+    let hidden = draft(&at("e"), "ours");
+    fs::remove_file(hidden.path()).unwrap();
+    assert!(matches!(hidden.finish(true, OURS), Err(FileFault::Removed { .. })));
+    // One that was handed on may go, and then nothing is known of it.
+    let mut on = growing("f");
+    on.hand_on();
+    fs::rename(at("f"), at("g")).unwrap();
+    assert_eq!(on.finish(false, OURS).unwrap(), None);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_was_moved_is_found() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    fs::create_dir(at("store")).unwrap();
+    let mut moved = draft(&at("a"), "ours");
+    moved.place().unwrap();
+    fs::rename(at("a"), at("store/a")).unwrap();
+    assert_eq!(moved.present().unwrap(), at("store/a"));
+    assert_eq!(moved.finish(false, OURS).unwrap(), Some(at("store/a")));
+    // Its name is taken: that it is not there has to be said.
+    let mut displaced = draft(&at("b"), "ours");
+    displaced.place().unwrap();
+    fs::rename(at("b"), at("store/b")).unwrap();
+    fs::write(at("b"), "a letter").unwrap();
+    let fault = displaced.finish(true, OURS).unwrap_err();
+    assert!(matches!(&fault, FileFault::Moved { now: Some(now), .. } if *now == at("store/b")), "{fault}");
+    assert_eq!(fs::read(at("b")).unwrap(), b"a letter");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_removed_is_left_whole() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    fs::create_dir_all(path.join("nav")).unwrap();
+    for name in ["a.bin", "nav/b.bin"] {
+        fs::write(path.join(name), "").unwrap();
+    }
+    let set = |mode| fs::set_permissions(path.join("nav"), fs::Permissions::from_mode(mode)).unwrap();
+    set(0o555);
+    if fs::write(path.join("nav/probe"), "").is_ok() {
+        println!("skipped: this user may write everywhere");
+        return;
+    }
+    let whole: Recognise = &|_| Some(Holding::Folder(["a.bin", "nav/b.bin"].map(PathBuf::from).into()));
+    let refused = preflight(&path, true, whole).unwrap_err();
+    assert!(
+        refused.to_string().contains("nav: not overwritten, because nothing in it can be removed"),
+        "{refused}"
+    );
+    let (why, _) = kept(draft(&path, "ours").finish(true, whole));
+    assert!(matches!(why, FileFault::Io { .. }), "{why}");
+    assert_eq!((listing(&path).len(), listing(&path.join("nav")).len()), (2, 1));
+    set(0o755);
+    draft(&path, "ours").finish(true, whole).unwrap();
+    assert!(path.is_file());
+}
+
+#[cfg(unix)]
+#[test]
+fn one_output_has_one_spelling() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    fs::create_dir(at("rec")).unwrap();
+    fs::write(at("a"), "ours").unwrap();
+    for (to, link) in [("rec", "link"), ("a", "b"), (".", "here")] {
+        std::os::unix::fs::symlink(at(to), at(link)).unwrap();
+    }
+    for (one, other) in
+        [("rec", "link"), ("rec", "here/link"), ("a", "b"), ("new", "here/new"), ("new", "./new")]
+    {
+        assert_eq!(spelling(&at(one)), spelling(&at(other)), "{one}, {other}");
+    }
+    assert_ne!(spelling(&at("a")), spelling(&at("new")));
 }

@@ -65,6 +65,8 @@ pub struct PulseStream {
     factory: PulseFactory,
     settings: transport::Settings,
     schedule: Schedule,
+    /// Whether these are all pulses of the scenario.
+    is_whole: bool,
     header: Header,
     sinks: Vec<sinks::Settings>,
     pool: ThreadPool,
@@ -206,6 +208,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
     Ok(PulseStream {
         factory,
         settings: transport::Settings { ring_slots, batch_pulses, ..run.stream },
+        is_whole: range == (0..run.scene.pulses),
         schedule,
         header,
         sinks: run.sinks.clone(),
@@ -342,7 +345,20 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         tap: Option<impl FnMut(&Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        let Self { mut factory, settings, schedule, header, sinks, pool, live, control, levels, .. } = self;
+        let Self {
+            mut factory,
+            settings,
+            schedule,
+            header,
+            sinks,
+            pool,
+            live,
+            control,
+            levels,
+            is_whole,
+            ..
+        } = self;
+        let asked = is_whole.then_some(schedule.count);
         let commands = control.map(|(_, commands)| commands);
         let range = schedule.first..schedule.end();
         let first = schedule.times.emission(header.start, range.start);
@@ -392,7 +408,7 @@ impl PulseStream {
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
         let _ = levels.set(sum_of(workspaces.iter().map(Workspace::levels)));
-        Ok((placed(outcome), costs))
+        Ok((placed(outcome, asked), costs))
     }
 }
 

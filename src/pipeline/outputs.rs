@@ -10,7 +10,9 @@ use crate::pipeline::fault::PulseError;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
-use crate::sinks::sink::{AdcRow, ChannelRow, Closed, Header, Origin, PairRow, Sink, SinkError, SinkReport};
+use crate::sinks::sink::{
+    AdcRow, ChannelRow, Closed, Header, Origin, PairRow, Sink, SinkError, SinkReport, Unplaced,
+};
 use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError};
@@ -122,23 +124,30 @@ pub(super) fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec
     Ok(opened)
 }
 
-/// Puts recordings in the place of older ones, if the whole run went well; otherwise they stay beside them.
+/// Puts recordings in the place of older ones, if the run went well; otherwise they stay beside them. `asked` is the
+/// number of pulses, if they are all that the scenario has.
 pub(super) fn placed(
     outcome: Outcome<Option<Closed>, PulseError, SinkError>,
+    asked: Option<u64>,
 ) -> Outcome<Option<SinkReport>, PulseError, SinkError> {
     let Outcome { summary, reports, mut result } = outcome;
+    let passed = summary.health.pulses + summary.health.dropped;
+    let (failed, whole) = (result.is_err(), !summary.stopped && asked.is_some_and(|asked| passed >= asked));
     let reports = reports
         .into_iter()
         .map(|(name, closed)| {
             let Some(closed) = closed else { return (name, None) };
-            if result.is_err() {
+            if failed {
                 return (name, Some(closed.keep()));
             }
-            match closed.place() {
+            match closed.place(whole) {
                 Ok(report) => (name, Some(report)),
-                Err(error) => {
-                    result = Err(RunError::Sink { name: name.clone(), error });
-                    (name, None)
+                Err(unplaced) => {
+                    let Unplaced { report, error } = *unplaced;
+                    if result.is_ok() {
+                        result = Err(RunError::Sink { name: name.clone(), error });
+                    }
+                    (name, Some(report))
                 }
             }
         })

@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -270,7 +271,7 @@ impl Listener {
                     if receiver.runs_before() > runs {
                         runs = receiver.runs_before();
                         if let Some(done) = recorder.take() {
-                            files.extend(done.finish()?.into_iter().flat_map(|done| done.files));
+                            files.extend(self.recorded(done.finish()?));
                         }
                         record = self.senders.next.as_ref().filter(|_| recorded).map(|next| next(runs + 1));
                     }
@@ -295,7 +296,7 @@ impl Listener {
         }
         let mut report = receiver.finish(&mut outlet(recorder.as_ref(), &mut see));
         if let Some(recorder) = recorder {
-            files.extend(recorder.finish()?.into_iter().flat_map(|done| done.files));
+            files.extend(self.recorded(recorder.finish()?));
         }
         report.out = files;
         report.strangers = strangers;
@@ -308,6 +309,15 @@ impl Listener {
 }
 
 impl Listener {
+    /// The files of a recording that has ended; reports what did not become of it.
+    fn recorded(&self, done: Option<SinkReport>) -> Vec<PathBuf> {
+        let Some(done) = done else { return Vec::new() };
+        if let Some(notice) = self.senders.notice {
+            done.notes().iter().for_each(|note| notice(note));
+        }
+        done.files
+    }
+
     /// Reports that the sender began again.
     fn say_restarted(&self) {
         let what =

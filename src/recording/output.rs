@@ -1,5 +1,7 @@
 //! A file that is whole or not there.
 //!
+//! One that is complete and cannot be put in its place stays beside it, and the error names it.
+//!
 //! The rule is that of [`crate::files`]: what is there already stays, unless it may be overwritten; then too only a file of
 //! the same kind is exchanged for the new one when that is complete, and none that another program has locked. HDF5 files
 //! say by their attribute `format` that this program made them, pictures and tables begin as those of their kind; an
@@ -108,6 +110,9 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// It is complete and not in its place.
+    #[error(transparent)]
+    Lost(FileFault),
     /// Two outputs have one name.
     #[error("{path}: named twice", path = path.display())]
     Twice {
@@ -137,6 +142,7 @@ impl OutputError {
     pub fn is_wrong_input(&self) -> bool {
         match self {
             Self::Exists { .. } | Self::Foreign { .. } | Self::InUse { .. } | Self::Twice { .. } => true,
+            Self::Lost(_) => false,
             Self::Io { source, .. } => matches!(
                 source.kind(),
                 io::ErrorKind::NotFound
@@ -192,6 +198,9 @@ impl Output {
             FileFault::Exists { path } => OutputError::Exists { path },
             FileFault::Foreign { path } => OutputError::Foreign { path, kind: self.kind.name() },
             FileFault::InUse { path } => OutputError::InUse { path },
+            fault @ (FileFault::Removed { .. } | FileFault::Moved { .. } | FileFault::Kept { .. }) => {
+                OutputError::Lost(fault)
+            }
             FileFault::NoFolder { path } => OutputError::Io {
                 path,
                 action: "the folder of the output",
@@ -221,8 +230,7 @@ impl Output {
 pub fn apart<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> Result<(), OutputError> {
     let mut seen = Vec::new();
     for output in outputs {
-        let folder = fs::canonicalize(output.folder()).unwrap_or_else(|_| output.folder().to_owned());
-        let place = folder.join(output.path.file_name().unwrap_or_default());
+        let place = files::spelling(&output.path);
         if seen.contains(&place) {
             return Err(OutputError::Twice { path: output.path.clone() });
         }
@@ -284,7 +292,8 @@ mod tests {
             fs::write(folder.path().join("a.h5"), "mine").unwrap();
             Ok(())
         });
-        assert!(matches!(late, Err(OutputError::Exists { .. })));
+        let Err(OutputError::Lost(FileFault::Kept { why, at, .. })) = late else { panic!("{late:?}") };
+        assert!(matches!(*why, FileFault::Exists { .. }) && at.exists());
         assert_eq!(fs::read(folder.path().join("a.h5")).unwrap(), b"mine");
     }
 }

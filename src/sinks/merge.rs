@@ -6,7 +6,8 @@
 //! the shard before it is the one that its segment followed (`after_pulse`), or the part of the run before its own.
 //! The recording of the whole run would have the same gap. The datasets of the result are
 //! those of the whole run, bit for bit. Shards are copied in blocks of bounded size into a file beside the
-//! output, which gets its name at the end ([`crate::files`]): a merge that fails leaves nothing, and what was there before.
+//! output, which gets its name at the end ([`crate::files`]): a merge that fails leaves nothing, and what was there before. A complete
+//! result that cannot be put in its place stays beside it, and the error names it.
 
 use std::path::{Path, PathBuf};
 

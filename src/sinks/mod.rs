@@ -15,11 +15,12 @@
 //! assert!(faults[0].to_string().starts_with("src: exists already"));
 //! ```
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::files;
 use sink::SinkError;
 
+mod fault;
 pub mod sink;
 pub mod columns;
 pub mod port;
@@ -73,7 +74,7 @@ pub enum Kind {
 /// it), outputs named twice, folders that are missing. Nothing is made or changed.
 pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     let mut faults = Vec::new();
-    let mut seen: Vec<(PathBuf, bool)> = Vec::new();
+    let mut seen: Vec<Claim> = Vec::new();
     let mut sent_to = Vec::new();
     let mut devices: Vec<&port::Device> = Vec::new();
     for settings in sinks {
@@ -104,36 +105,62 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                 (path.as_path(), segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))
             }
         };
-        let place = (place(path), segmented);
-        if seen.iter().any(|other| same_output(other, &place)) {
+        let claim = Claim::of(path, segmented);
+        if seen.iter().any(|other| other.meets(&claim)) {
             faults.push(SinkError::Twice { path: path.to_owned() });
         }
-        seen.push(place);
+        seen.push(claim);
         faults.extend(result.err());
     }
     faults
 }
 
-/// A path under which the same output always has the same spelling.
-fn place(path: &Path) -> PathBuf {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
-    folder.join(path.file_name().unwrap_or_default())
+/// The names that an output takes.
+struct Claim {
+    /// As written, and where links lead; of segments those that are there already, too.
+    names: Vec<PathBuf>,
+    /// What segments are called after.
+    segments_of: Option<PathBuf>,
 }
 
-/// Whether two outputs are one, or one is a segment of the other.
-fn same_output((a, a_segmented): &(PathBuf, bool), (b, b_segmented): &(PathBuf, bool)) -> bool {
-    let segment_of = |whole: &Path, part: &Path| {
-        let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        whole.parent() == part.parent()
-            && stem(part)
-                .strip_prefix(&format!("{}_", stem(whole)))
-                .is_some_and(|number| !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit()))
-    };
-    a == b || *a_segmented && segment_of(a, b) || *b_segmented && segment_of(b, a)
+impl Claim {
+    fn of(path: &Path, segmented: bool) -> Self {
+        let beside = files::spelling(files::folder(path)).join(path.file_name().unwrap_or_default());
+        let mut names = vec![beside.clone()];
+        if segmented {
+            names.extend(segments(path).iter().map(|segment| files::spelling(segment)));
+        } else {
+            names.push(files::spelling(path));
+        }
+        Self { names, segments_of: segmented.then_some(beside) }
+    }
+
+    /// Whether two outputs are one, or one is a segment of the other.
+    fn meets(&self, other: &Self) -> bool {
+        let segment_of = |whole: &Path, part: &Path| {
+            let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            whole.parent() == part.parent()
+                && stem(part)
+                    .strip_prefix(&format!("{}_", stem(whole)))
+                    .is_some_and(|number| !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit()))
+        };
+        let has_segment = |whole: &Self, part: &Self| {
+            whole.segments_of.iter().any(|whole| part.names.iter().any(|part| segment_of(whole, part)))
+        };
+        self.names.iter().any(|name| other.names.contains(name))
+            || has_segment(self, other)
+            || has_segment(other, self)
+    }
+}
+
+#[cfg(feature = "hdf5")]
+fn segments(path: &Path) -> Vec<PathBuf> {
+    hdf5::existing(path, Some(1.0))
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn segments(_: &Path) -> Vec<PathBuf> {
+    Vec::new()
 }
 
 #[cfg(feature = "hdf5")]

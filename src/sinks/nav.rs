@@ -167,7 +167,7 @@ impl Sink for NavSink {
             bytes: port.bytes,
             files,
             port: Some(port),
-            wire: None,
+            ..SinkReport::default()
         };
         let drafts = draft.map(|(draft, _)| draft).into_iter().collect();
         Ok(Closed { report, drafts, force, recognise: Some(port::recognise), ..Closed::default() })

@@ -24,7 +24,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 
-use crate::files::{self, Draft, Holding};
+use crate::files::{self, Draft, FileFault, Holding};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
@@ -80,9 +80,10 @@ const META_BYTES: u64 = 256 << 20;
 
 /// The files of a plain recording, if a folder holds one and nothing else. An empty folder holds nothing that is lost.
 fn recognise(path: &Path) -> Option<Holding> {
-    let found = tree(path)?;
+    let (found, folders) = tree(path)?;
     if found.is_empty() {
-        return Some(Holding::Folder(Vec::new()));
+        // Folders in it, even empty ones, are none that a recording has made.
+        return folders.is_empty().then(|| Holding::Folder(Vec::new()));
     }
     let meta_path = path.join(META);
     if !fs::symlink_metadata(&meta_path).is_ok_and(|data| data.is_file() && data.len() <= META_BYTES) {
@@ -94,25 +95,31 @@ fn recognise(path: &Path) -> Option<Holding> {
     }
     let columns = meta["columns"].as_object()?;
     let own = own_files(columns.keys().map(String::as_str));
-    found.iter().all(|file| own.contains(file)).then_some(Holding::Folder(own))
+    let is_own = |folder: &PathBuf| own.iter().any(|file| file.starts_with(folder));
+    (found.iter().all(|file| own.contains(file)) && folders.iter().all(is_own))
+        .then_some(Holding::Folder(own))
 }
 
-/// Every file below a folder; `None` if something there is neither file nor folder.
-fn tree(path: &Path) -> Option<Vec<PathBuf>> {
+/// Every file and every folder below a folder; `None` if something there is neither.
+fn tree(path: &Path) -> Option<(Vec<PathBuf>, Vec<PathBuf>)> {
     let mut files = Vec::new();
-    let mut folders = vec![PathBuf::new()];
-    while let Some(folder) = folders.pop() {
+    let mut folders = Vec::new();
+    let mut unseen = vec![PathBuf::new()];
+    while let Some(folder) = unseen.pop() {
         for entry in fs::read_dir(path.join(&folder)).ok()? {
             let entry = entry.ok()?;
             let inside = folder.join(entry.file_name());
             match entry.file_type().ok()? {
-                kind if kind.is_dir() => folders.push(inside),
+                kind if kind.is_dir() => {
+                    folders.push(inside.clone());
+                    unseen.push(inside);
+                }
                 kind if kind.is_file() => files.push(inside),
                 _ => return None,
             }
         }
     }
-    Some(files)
+    Some((files, folders))
 }
 
 /// The files of a recording with these columns, the one that is locked first.
@@ -201,6 +208,21 @@ impl PlainSink {
         let folder = self.draft.as_ref().map_or(self.target.as_path(), Draft::path);
         folder.join(format!("{}.bin", column.path))
     }
+
+    /// Where the recording is now: somebody may have moved it.
+    fn folder(&self) -> Result<PathBuf, SinkError> {
+        Ok(self.draft.as_ref().map_or_else(|| Ok(self.target.clone()), Draft::present)?)
+    }
+
+    /// Nobody has removed a file of it.
+    fn is_all_there(&self) -> Result<(), SinkError> {
+        let folder = self.folder()?;
+        let at = |file: &PlainFile| folder.join(format!("{}.bin", file.column.path));
+        match self.files.iter().find(|file| !files::is_at(&file.file, &at(file))) {
+            Some(lost) => Err(FileFault::Removed { path: at(lost) }.into()),
+            None => Ok(()),
+        }
+    }
 }
 
 impl Sink for PlainSink {
@@ -255,7 +277,8 @@ impl Sink for PlainSink {
         for file in &self.files {
             file.file.sync_all().map_err(SinkError::io(&self.place_of(&file.column), "closing"))?;
         }
-        let folder = self.draft.as_ref().map_or(self.target.as_path(), Draft::path).to_owned();
+        self.is_all_there()?;
+        let folder = self.folder()?;
         for name in [META, "replica.bin", CHANGES].iter().map(|name| folder.join(name)).filter(|p| p.exists())
         {
             let synced = File::open(&name).and_then(|file| file.sync_all());
@@ -266,14 +289,17 @@ impl Sink for PlainSink {
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
             files: vec![self.target.clone()],
-            wire: None,
-            port: None,
+            ..SinkReport::default()
         };
         let drafts = self.draft.take().into_iter().collect();
         Ok(Closed { report, drafts, force: self.force, recognise: Some(recognise), ..Closed::default() })
     }
 
     fn readable(&mut self) -> Option<u64> {
+        // A reader opens all of it or nothing.
+        if self.is_all_there().is_err() {
+            return Some(0);
+        }
         // Rows beyond the last whole pulse are cut off; where that fails, the index still says how many are complete.
         let index_bytes =
             self.files.last().and_then(|index| index.file.metadata().ok()).map(|data| data.len());

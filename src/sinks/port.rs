@@ -400,7 +400,7 @@ impl Port {
             return Err(fault.into());
         }
         if let Some(made) = self.made {
-            made.draft.finish_or_keep(made.force, &recognise)?;
+            made.draft.finish(made.force, &recognise)?;
         }
         Ok(self.counts)
     }

@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use num_complex::Complex32;
 use serde::Serialize;
-use thiserror::Error;
 
 use super::port::PortCounts;
 use crate::files::{self, Draft, FileFault, Holding};
@@ -18,6 +17,8 @@ use crate::time::TimeTag;
 use crate::transport::fanout::{Fed, Feed};
 
 use super::vita49::WireReport;
+
+pub use super::fault::SinkError;
 
 /// Version of the recordings' structure (HDF5 and plain), attribute `version`.
 pub const FORMAT_VERSION: u32 = 1;
@@ -51,9 +52,9 @@ pub trait Sink: Send {
     }
     /// Removes what this sink has made: a run that could not begin leaves nothing.
     fn abandon(&mut self) {}
-    /// Completes and closes the output and puts it in its place.
+    /// Completes and closes the output of a whole run and puts it in its place.
     fn finish(mut self: Box<Self>) -> Result<SinkReport, SinkError> {
-        self.close()?.place()
+        self.close()?.place(true).map_err(|unplaced| unplaced.error)
     }
 }
 
@@ -79,27 +80,71 @@ impl Closed {
         Self { report, ..Self::default() }
     }
 
-    /// Puts everything in its place, hands it to the disk, and removes what it replaces.
-    pub fn place(self) -> Result<SinkReport, SinkError> {
-        let Self { report, drafts, force, surplus, recognise } = self;
+    /// Puts everything in its place, hands it to the disk, and removes what it replaces. What holds nothing replaces
+    /// nothing, and older segments beyond those of this run go only when it was `whole`: it was asked for all pulses and
+    /// has come to its end.
+    ///
+    /// # Errors
+    /// The first fault, after all has been tried; the report says where everything is.
+    pub fn place(self, whole: bool) -> Result<SinkReport, Box<Unplaced>> {
+        let Self { mut report, drafts, force, surplus, recognise } = self;
         let recognise = |path: &Path| recognise.and_then(|recognise| recognise(path));
+        let mut names =
+            if drafts.is_empty() { Vec::new() } else { std::mem::take(&mut report.files) }.into_iter();
+        let mut error = None;
         for draft in drafts {
-            draft.finish_or_keep(force, &recognise)?;
+            let name = names.next().unwrap_or_else(|| draft.target().to_owned());
+            if report.bytes == 0 && !draft.is_in_place() && draft.target().exists() {
+                draft.abandon();
+                report.kept.push(name);
+                continue;
+            }
+            let target = draft.target().to_owned();
+            match draft.finish(force, &recognise) {
+                Ok(Some(at)) => report.files.push(if at == target { name } else { at }),
+                Ok(None) => report.gone.push(name),
+                Err(fault) => {
+                    report.files.extend(match &fault {
+                        FileFault::Kept { at, .. } => Some(at.clone()),
+                        FileFault::Moved { now, .. } => now.clone(),
+                        FileFault::Removed { .. } => None,
+                        _ => Some(name),
+                    });
+                    error.get_or_insert(fault);
+                }
+            }
         }
-        for path in surplus {
-            files::remove_recognised(&path, &recognise)?;
+        if whole && error.is_none() && report.bytes > 0 {
+            for path in surplus {
+                let fault = files::remove_recognised(&path, &recognise).err();
+                error = error.or(fault);
+            }
+        } else {
+            report.kept.extend(surplus);
         }
-        Ok(report)
+        match error {
+            None => Ok(report),
+            Some(fault) => Err(Box::new(Unplaced { report, error: fault.into() })),
+        }
     }
 
     /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor does it
     /// replace anything.
     pub fn keep(mut self) -> SinkReport {
         if !self.drafts.is_empty() {
-            self.report.files = self.drafts.iter().map(|draft| draft.path().to_owned()).collect();
+            self.report.files = self.drafts.iter().filter_map(|draft| draft.present().ok()).collect();
         }
         self.report
     }
+}
+
+/// An output that could not be put in its place, or not all of it.
+#[derive(Debug)]
+pub struct Unplaced {
+    /// What the sink did; the files where they are.
+    pub report: SinkReport,
+    /// Why.
+    pub error: SinkError,
 }
 
 /// What a sink did.
@@ -113,12 +158,35 @@ pub struct SinkReport {
     pub bytes: u64,
     /// What was written, in order.
     pub files: Vec<PathBuf>,
+    /// Older outputs that stay although they were to be replaced: nothing was written, or the run was not whole.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub kept: Vec<PathBuf>,
+    /// Segments that another program has moved on or removed after they were complete.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gone: Vec<PathBuf>,
     /// Of a sink that sends: what became of its datagrams.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wire: Option<WireReport>,
     /// What became of the messages, where the output is a port.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub port: Option<PortCounts>,
+}
+
+impl SinkReport {
+    /// What the user should know of older outputs, and of files that are no longer there.
+    pub fn notes(&self) -> Vec<String> {
+        let kept = match self.bytes {
+            0 => "not overwritten, because this run has written nothing",
+            _ => "older, not removed, because the run was stopped or was a part of its pulses",
+        };
+        let of = |files: &[PathBuf], what: &str| match files {
+            [] => None,
+            [file] => Some(format!("{}: {what}", file.display())),
+            [first, more @ ..] => Some(format!("{} and {} more: {what}", first.display(), more.len())),
+        };
+        let gone = "moved or removed by another program after it was complete";
+        [of(&self.kept, kept), of(&self.gone, gone)].into_iter().flatten().collect()
+    }
 }
 
 /// A row of the channel table.
@@ -229,137 +297,6 @@ pub struct Header {
     pub truth: bool,
     /// What is changed while the run goes on; `None` where nothing may be.
     pub changes: Option<Arc<Log>>,
-}
-
-/// Why a sink cannot be opened or has failed.
-#[derive(Debug, Error)]
-pub enum SinkError {
-    /// The output is there already.
-    #[error("{path}: exists already; choose another name, or overwrite it with --force")]
-    Exists {
-        /// The output.
-        path: PathBuf,
-    },
-    /// Asked to overwrite something else than an output of the same kind.
-    #[error(
-        "{path}: not overwritten, because it is no output of this kind (an HDF5 file whose attribute format is nereus, a folder that holds a plain recording and nothing else, a file of the same navigation format)"
-    )]
-    NotARecording {
-        /// What is there.
-        path: PathBuf,
-    },
-    /// Asked to overwrite a recording that is open.
-    #[error("{path}: not overwritten, because a run is writing it or a program reads it")]
-    InUse {
-        /// The recording.
-        path: PathBuf,
-    },
-    /// The output is to be made in something that is no folder.
-    #[error("{path}: is no folder; outputs are made in folders that exist")]
-    NoFolder {
-        /// What is there.
-        path: PathBuf,
-    },
-    /// Two sinks have the same output.
-    #[error("{path}: is the output of two sinks; each needs its own")]
-    Twice {
-        /// The output.
-        path: PathBuf,
-    },
-    /// The header cannot be recorded.
-    #[error("recording header, {field}: {found}; allowed: {allowed}")]
-    Header {
-        /// Which part.
-        field: &'static str,
-        /// What it holds.
-        found: String,
-        /// What it may hold.
-        allowed: &'static str,
-    },
-    /// A segment length that cannot be kept.
-    #[error("segment_s = {segment_s}: allowed: a finite length above 0 s")]
-    Segment {
-        /// What was asked.
-        segment_s: f64,
-    },
-    /// A pulse does not have the sizes announced.
-    #[error("pulse {index}: {column} has {found} values where the header announced {expected}")]
-    Pulse {
-        /// Which pulse.
-        index: u64,
-        /// Which part of it.
-        column: String,
-        /// Values found.
-        found: usize,
-        /// Values announced.
-        expected: usize,
-    },
-    /// The system refused a file operation.
-    #[error("{path}: {action}: {source}")]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A port cannot be opened.
-    #[error("{device}: cannot open the port: {source}")]
-    Port {
-        /// The device.
-        device: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// States that cannot be told, because the scene lies nowhere on Earth.
-    #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
-    Nowhere,
-    /// The HDF5 library refused.
-    #[error("{path}: {action}: {detail}")]
-    Hdf5 {
-        /// The file.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the library said.
-        detail: String,
-    },
-    /// An address of the network.
-    #[error("{address}: {action}: {source}; allowed: host:port of a machine that can be reached")]
-    Address {
-        /// The address.
-        address: String,
-        /// What was tried.
-        action: &'static str,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// Two sinks send to the same address.
-    #[error("{address}: two sinks send there, with the same stream identifiers; each needs its own address")]
-    SameAddress {
-        /// The address.
-        address: String,
-    },
-    /// A size of datagrams that cannot be sent.
-    #[error("mtu_bytes = {mtu_bytes}: allowed: 576 to 65535 bytes")]
-    Mtu {
-        /// What was asked.
-        mtu_bytes: usize,
-    },
-    /// Built without HDF5.
-    #[error("{path}: this build has no HDF5 (feature hdf5); use kind = \"plain\"")]
-    NoHdf5 {
-        /// The file asked for.
-        path: PathBuf,
-    },
-}
-
-impl SinkError {
-    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::Io { path, action, source }
-    }
 }
 
 impl Header {
@@ -503,18 +440,6 @@ impl Header {
     /// Names of the antennas in the order of the phase centres.
     pub fn antennas(&self) -> impl Iterator<Item = &str> {
         self.transmitters.iter().chain(&self.receivers).map(String::as_str)
-    }
-}
-
-impl From<FileFault> for SinkError {
-    fn from(fault: FileFault) -> Self {
-        match fault {
-            FileFault::Exists { path } => Self::Exists { path },
-            FileFault::Foreign { path } => Self::NotARecording { path },
-            FileFault::InUse { path } => Self::InUse { path },
-            FileFault::NoFolder { path } => Self::NoFolder { path },
-            FileFault::Io { path, action, source } => Self::Io { path, action, source },
-        }
     }
 }
 

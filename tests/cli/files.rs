@@ -2,10 +2,14 @@
 
 use std::fs;
 use std::path::Path;
+#[cfg(target_os = "linux")]
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::listing::listing;
 use crate::program::{Ended, nereus, package};
 
 fn scenario() -> String {
@@ -14,15 +18,6 @@ fn scenario() -> String {
 
 fn json(text: &str) -> Value {
     text.lines().last().and_then(|line| serde_json::from_str(line).ok()).unwrap_or(Value::Null)
-}
-
-fn listing(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
 }
 
 /// The recordings that this build makes.
@@ -186,13 +181,10 @@ fn verify_says_by_its_exit_what_it_found() {
     assert_eq!(nereus(folder.path(), &["verify", "nowhere"]).code, 2);
 }
 
-/// Every call that makes a recording fails once, at each place in turn: what is there then can be read to its last whole
-/// pulse, and the exit code and the counts say so. All of them with NEREUS_ALL_IO_FAULTS=1, else every few.
+/// The library that lets calls of the system fail, or lists them.
 #[cfg(target_os = "linux")]
-#[test]
-fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
-    let tools = tempfile::tempdir().unwrap();
-    let library = tools.path().join("fault.so");
+fn calls(folder: &Path) -> Option<PathBuf> {
+    let library = folder.join("fault.so");
     let made = Command::new("cc")
         .args(["-O1", "-shared", "-fPIC", "-o"])
         .arg(&library)
@@ -201,8 +193,169 @@ fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
         .status();
     if !made.is_ok_and(|status| status.success()) {
         println!("skipped: no C compiler (cc)");
-        return;
+        return None;
     }
+    Some(library)
+}
+
+/// After a power cut there is the old recording or the new one: the new one, its folders and its name are on the disk before
+/// the old one is removed.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_old_recording_goes_after_the_new_one_is_on_the_disk() {
+    let tools = tempfile::tempdir().unwrap();
+    let Some(library) = calls(tools.path()) else { return };
+    let config = scenario();
+    for name in recordings() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = fs::canonicalize(folder.path()).unwrap();
+        assert_eq!(nereus(&root, &run_of(&config, "0..20", name)).code, 0);
+        // Named in full, so that every call has its whole path.
+        let out = root.join(name).display().to_string();
+        let mut words = run_of(&config, "0..10", &out);
+        words.push("--force");
+        let output = Command::new(env!("CARGO_BIN_EXE_nereus"))
+            .args(&words)
+            .current_dir(&root)
+            .env("LD_PRELOAD", &library)
+            .env("NEREUS_FAULT_PATH", &root)
+            .env("NEREUS_FAULT_LOG", "1")
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{stderr}");
+        let calls: Vec<(&str, &str)> =
+            stderr.lines().filter_map(|line| line.strip_prefix("io-call ")?.split_once(' ')).collect();
+        let partial = |path: &str, inside: &str| path.ends_with(&format!(".partial{inside}"));
+        let first = |wanted: &dyn Fn(&str, &str) -> bool| {
+            calls
+                .iter()
+                .position(|(call, path)| wanted(call, path))
+                .unwrap_or_else(|| panic!("{name}: {calls:#?}"))
+        };
+        // The last one: before it, the name is found to be taken.
+        let renamed = calls.iter().rposition(|(call, path)| *call == "rename" && *path == out).unwrap();
+        let synced = first(&|call, path| call == "sync" && Path::new(path) == root);
+        let removed = first(&|call, _| call == "unlink");
+        assert!(renamed < synced && synced < removed, "{name}: {calls:#?}");
+        let inside: &[&str] = if name == "rec" {
+            &[
+                "/iq.bin",
+                "/meta.json",
+                "/pulse/index.bin",
+                "/pulse",
+                "/truth",
+                "/nav",
+                "/nav/aircraft/true",
+                "",
+            ]
+        } else {
+            &[""]
+        };
+        for inside in inside {
+            let on_disk = first(&|call, path| call == "sync" && partial(path, inside));
+            assert!(on_disk < renamed, "{name}{inside}: {calls:#?}");
+        }
+    }
+}
+
+/// A part of a run replaces its own segments, and a stopped run those that it wrote.
+#[cfg(feature = "hdf5")]
+#[test]
+fn segments_of_others_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = scenario();
+    let run = |more: &[&str]| {
+        let words = ["run", &config, "--json", "--set", "sink.0.kind=hdf5", "--set", "sink.0.path=rec.h5"];
+        let words = [&words[..], &["--set", "sink.0.segment_s=0.1"], more].concat();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
+        command.args(words).current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    };
+    let ended = |more: &[&str]| {
+        let output = run(more).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{stderr}");
+        (json(&String::from_utf8(output.stdout).unwrap()), stderr)
+    };
+    let names: Vec<String> = (0..4).map(|k| format!("rec_{k:04}.h5")).collect();
+    ended(&["--pace", "fast", "--duration-s", "0.4"]);
+    assert_eq!(listing(folder.path()), names);
+    // Another part of the run.
+    let (report, stderr) =
+        ended(&["--pace", "fast", "--duration-s", "0.4", "--pulses", "100..150", "--force"]);
+    assert_eq!(listing(folder.path()), names);
+    let pulses = |name: &str| verdict(folder.path(), name)["pulses"].clone();
+    assert_eq!((pulses("rec_0001.h5"), pulses("rec_0003.h5")), (50.into(), 100.into()));
+    assert_eq!(report["out"][0]["kept"].as_array().unwrap().len(), 3, "{report}");
+    assert!(stderr.contains("rec_0000.h5 and 2 more: older, not removed, because the run"), "{stderr}");
+    // Ctrl-C when the first segment has begun.
+    let child = run(&["--set", "stream.pace=realtime", "--duration-s", "40", "--force"]).spawn().unwrap();
+    let begun = Instant::now();
+    while !listing(folder.path()).iter().any(|name| name.starts_with('.')) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no pulse in a minute");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let pid = nix::unistd::Pid::from_raw(child.id().try_into().unwrap());
+    nix::sys::signal::kill(pid, nix::sys::signal::Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report = json(&String::from_utf8(output.stdout).unwrap());
+    assert_eq!(report["stopped"], true, "{report}");
+    let left = listing(folder.path());
+    assert!(names.iter().all(|name| left.contains(name)) && !left[0].starts_with('.'), "{left:?}");
+    // Whole: what it does not write goes.
+    let words = ["--pace", "fast", "--duration-s", "0.2", "--force"];
+    assert!(ended(&words).0["out"][0]["kept"].is_null());
+    assert_eq!(listing(folder.path()), names[..2]);
+}
+
+/// Somebody removes the recording while it grows.
+#[test]
+fn a_recording_that_is_removed_meanwhile_is_a_failure() {
+    let config = scenario();
+    for name in recordings() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut words = run_of(&config, "0..1000", name);
+        words.extend(["--set", "stream.pace=realtime"]);
+        words.retain(|word| !["--pace", "fast"].contains(word));
+        let child = Command::new(env!("CARGO_BIN_EXE_nereus"))
+            .args(&words)
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let path = folder.path().join(name);
+        let begun = Instant::now();
+        while !path.exists() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "no recording in a minute");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        if path.is_dir() {
+            fs::remove_dir_all(&path).unwrap()
+        } else {
+            fs::remove_file(&path).unwrap()
+        }
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(
+            stderr.contains(&format!("{name}: removed by another program while it was written")),
+            "{stderr}"
+        );
+        let report = json(&String::from_utf8(output.stdout).unwrap());
+        assert_eq!(report["sinks"][0]["written"], 0, "{report}");
+    }
+}
+
+/// Every call that makes a recording fails once, at each place in turn: what is there then can be read to its last whole
+/// pulse, and the exit code and the counts say so. All of them with NEREUS_ALL_IO_FAULTS=1, else every few.
+#[cfg(target_os = "linux")]
+#[test]
+fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
+    let tools = tempfile::tempdir().unwrap();
+    let Some(library) = calls(tools.path()) else { return };
     let all = std::env::var_os("NEREUS_ALL_IO_FAULTS").is_some();
     let config = scenario();
     let mut wrong = Vec::new();

@@ -10,6 +10,9 @@ mod focus;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]
 mod live_navigation;
+#[cfg(unix)]
+#[path = "../support/listing.rs"]
+mod listing;
 #[cfg(feature = "hdf5")]
 mod oracle;
 mod plausible;

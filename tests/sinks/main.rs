@@ -3,10 +3,13 @@
 
 #[cfg(all(unix, feature = "serial"))]
 mod gpsd;
+#[path = "../support/listing.rs"]
+mod listing;
 mod navigation;
 mod recording_fixture;
 mod recording_outputs;
 mod recording_plain;
+mod recording_replaced;
 mod recording_rule;
 mod wire;
 mod wire_fixture;

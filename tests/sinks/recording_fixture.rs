@@ -4,10 +4,9 @@ use std::process::Command;
 
 use num_complex::Complex32;
 
+use nereus::files::FileFault;
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
-#[cfg(feature = "hdf5")]
-use nereus::sinks::sink::SinkError;
-use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow};
+use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, SinkError};
 use nereus::time::{PulseTimes, TimeTag};
 
 pub const PRF_HZ: f64 = 333.3;
@@ -210,13 +209,18 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
 
 /// Tries again while a file is in use. Tests run side by side: a child that another one starts while the HDF5 library has
 /// a file open inherits its lock.
-#[cfg(feature = "hdf5")]
 pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
     for _ in 0..200 {
         match make() {
-            Err(SinkError::InUse { .. }) => std::thread::sleep(std::time::Duration::from_millis(50)),
+            Err(SinkError::InUse { .. }) => {}
+            Err(SinkError::Lost(FileFault::Kept { why, at, .. }))
+                if matches!(*why, FileFault::InUse { .. }) =>
+            {
+                std::fs::remove_file(at).unwrap();
+            }
             made => return made.unwrap(),
         }
+        std::thread::sleep(std::time::Duration::from_millis(50));
     }
     panic!("locked for 10 s");
 }

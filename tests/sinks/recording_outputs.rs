@@ -74,6 +74,24 @@ fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
     {
         std::os::unix::fs::symlink(dir.path(), dir.path().join("link")).unwrap();
         assert!(twice(&[hdf5("s.h5", None, true), hdf5("link/s.h5", None, true)]));
+        // A link to the output itself, to a plain recording, and to or from a segment of another.
+        for (to, link) in [("s.h5", "t.h5"), ("y_0001.h5", "u.h5"), ("s.h5", "x_0000.h5"), ("rec", "rec2")] {
+            std::os::unix::fs::symlink(dir.path().join(to), dir.path().join(link)).unwrap();
+        }
+        for empty in ["s.h5", "y_0001.h5"] {
+            fs::write(dir.path().join(empty), "").unwrap();
+        }
+        fs::create_dir(dir.path().join("rec")).unwrap();
+        assert!(twice(&[hdf5("s.h5", None, true), hdf5("t.h5", None, true)]));
+        assert!(twice(&[hdf5("link/t.h5", None, true), hdf5("s.h5", None, true)]));
+        assert!(twice(&[hdf5("y.h5", Some(1.0), true), hdf5("u.h5", None, true)]));
+        assert!(twice(&[hdf5("s.h5", None, true), hdf5("x.h5", Some(1.0), true)]));
+        let plain = |name: &str| Settings {
+            kind: Kind::Plain { path: dir.path().join(name), force: true },
+            queue_pulses: 8,
+        };
+        assert!(twice(&[plain("rec"), plain("rec2")]) && twice(&[plain("link/rec2"), plain("rec")]));
+        assert!(!twice(&[hdf5("t.h5", None, true), hdf5("u.h5", None, true)]));
     }
     assert!(twice(&[hdf5("z.h5", Some(1.0), false), hdf5("z_0000.h5", None, false)]));
     assert!(!twice(&[hdf5("z.h5", Some(1.0), false), hdf5("z_more.h5", None, false)]));

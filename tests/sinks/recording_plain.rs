@@ -64,9 +64,10 @@ fn a_folder_is_replaced_only_with_force_and_only_if_it_is_a_recording() {
     sink.write(&pulse(&header, 0)).unwrap();
     sink.finish().unwrap();
     assert!(matches!(PlainSink::create(&path, false, &header), Err(SinkError::Exists { .. })));
-    let sink = Box::new(PlainSink::create(&path, true, &header).unwrap());
+    let mut sink = Box::new(PlainSink::create(&path, true, &header).unwrap());
+    (0..2).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
     sink.finish().unwrap();
-    assert_eq!(fs::metadata(path.join("iq.bin")).unwrap().len(), 0);
+    assert_eq!(fs::metadata(path.join("iq.bin")).unwrap().len(), 1600);
 
     let other = dir.path().join("letters");
     fs::create_dir(&other).unwrap();

@@ -1,31 +1,32 @@
 //! The rule of outputs: nothing is lost, and nobody else's file is touched.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use nereus::files::FileFault;
 use nereus::pulse::SampleFormat;
 use nereus::sinks::nav::{NavSettings, Words};
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::port::{Device, Port};
-use nereus::sinks::sink::{Sink, SinkError};
+use nereus::sinks::sink::{Sink, SinkError, SinkReport};
 use nereus::sinks::{Kind, Settings, preflight};
 
+use crate::listing::listing;
 use crate::recording_fixture::{header, pulse};
-
-fn listing(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
 
 fn plain(path: &Path, force: bool, pulses: u64) -> Box<PlainSink> {
     let header = header(SampleFormat::Cf32);
     let mut sink = Box::new(PlainSink::create(path, force, &header).unwrap());
     (0..pulses).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
     sink
+}
+
+/// Why a complete recording is not in its place, and where it is.
+fn kept(finished: Result<SinkReport, SinkError>) -> (FileFault, PathBuf) {
+    match finished {
+        Err(SinkError::Lost(FileFault::Kept { why, at, .. })) => (*why, at),
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Pulses that the index of a plain recording has.
@@ -72,7 +73,8 @@ fn a_folder_with_somebodys_files_is_no_recording_to_overwrite() {
     // Notes that come while the new recording grows.
     let new = plain(&path, true, 3);
     fs::write(path.join("notes.txt"), "dear diary").unwrap();
-    assert!(matches!(new.finish(), Err(SinkError::NotARecording { .. })));
+    let (why, at) = kept(new.finish());
+    assert!(matches!(why, FileFault::Foreign { .. }) && indices(&at) == 3, "{why}");
     assert_eq!(
         (indices(&path), fs::read_to_string(path.join("notes.txt")).unwrap().as_str()),
         (7, "dear diary")

@@ -126,8 +126,12 @@ impl NavToolError {
     pub fn exit_code(&self) -> u8 {
         if matches!(
             self,
-            Self::Output(FileFault::Io { .. })
-                | Self::Unwritten { .. }
+            Self::Output(
+                FileFault::Io { .. }
+                    | FileFault::Removed { .. }
+                    | FileFault::Moved { .. }
+                    | FileFault::Kept { .. }
+            ) | Self::Unwritten { .. }
                 | Self::Write { .. }
                 | Self::Port { .. }
                 | Self::Control { .. }

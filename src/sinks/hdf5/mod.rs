@@ -98,7 +98,7 @@ pub(super) fn recognise(path: &Path) -> Option<Holding> {
 }
 
 /// Files of an earlier run that this output would replace.
-fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
+pub(super) fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
     if segment_s.is_none() {
         return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
     }
@@ -202,6 +202,8 @@ impl Hdf5Sink {
         let segment = ((pulse.time.since(self.header.start) + 0.5e-9) / segment_s).floor().max(0.0) as u64;
         if self.recording.is_none() || segment != self.segment {
             self.close_file()?;
+            // One may move it on while the run goes on.
+            self.drafts.last_mut().into_iter().for_each(Draft::hand_on);
             self.segment = segment;
             self.open(segment_path(&self.path, segment))?;
         }
@@ -226,6 +228,7 @@ impl Hdf5Sink {
             let (path, pulses) = (recording.path().to_owned(), recording.rows() as u64);
             match recording.close() {
                 Ok(mut draft) => {
+                    draft.present()?;
                     draft.unlock();
                     self.drafts.push(draft);
                 }
@@ -295,8 +298,7 @@ impl Sink for Hdf5Sink {
             pulses: self.pulses,
             bytes: self.pulses * self.row_bytes as u64,
             files: std::mem::take(&mut self.files),
-            wire: None,
-            port: None,
+            ..SinkReport::default()
         };
         Ok(Closed {
             report,

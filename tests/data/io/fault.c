@@ -1,6 +1,7 @@
 /* Lets one call of the system fail, for tests: the NEREUS_FAULT_AT-th (from 1) open, write, truncate, fsync, rename or
  * mkdir that concerns a path with NEREUS_FAULT_PATH in it. With NEREUS_FAULT_STAYS all later ones that need room fail too,
- * as on a disk that stays full. Preloaded: cc -shared -fPIC -o fault.so fault.c -ldl */
+ * as on a disk that stays full. With NEREUS_FAULT_LOG syncs, renames and removals go to standard error, a line each with
+ * their path. Preloaded: cc -shared -fPIC -o fault.so fault.c -ldl */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -28,6 +29,20 @@ static int concerns_fd(int fd) {
     if (n <= 0) return 0;
     path[n] = 0;
     return concerns(path);
+}
+
+/* Of a file or folder: the path of the descriptor, where there is one. */
+static void note(const char *call, int fd, const char *path) {
+    char name[64], named[4096];
+    if (!getenv("NEREUS_FAULT_LOG")) return;
+    if (!path) {
+        snprintf(name, sizeof name, "/proc/self/fd/%d", fd);
+        ssize_t n = readlink(name, named, sizeof named - 1);
+        if (n <= 0) return;
+        named[n] = 0;
+        path = named;
+    }
+    if (concerns(path)) dprintf(2, "io-call %s %s\n", call, path);
 }
 
 static int fails(const char *call, int needs_room) {
@@ -82,6 +97,7 @@ TRUNCATE(ftruncate64)
 
 #define SYNC(name)                                                                    \
     int name(int fd) {                                                                \
+        note("sync", fd, 0);                                                          \
         if (concerns_fd(fd) && fails(#name, 0)) return -1;                            \
         return REAL(int, #name, int)(fd);                                             \
     }
@@ -89,6 +105,7 @@ SYNC(fsync)
 SYNC(fdatasync)
 
 int renameat2(int a, const char *from, int b, const char *to, unsigned flags) {
+    note("rename", 0, to);
     if (concerns(to) && fails("renameat2", 0)) return -1;
     return REAL(int, "renameat2", int, const char *, int, const char *, unsigned)(a, from, b, to, flags);
 }
@@ -96,6 +113,11 @@ int renameat2(int a, const char *from, int b, const char *to, unsigned flags) {
 int rename(const char *from, const char *to) {
     if (concerns(to) && fails("rename", 0)) return -1;
     return REAL(int, "rename", const char *, const char *)(from, to);
+}
+
+int unlink(const char *path) {
+    note("unlink", 0, path);
+    return REAL(int, "unlink", const char *)(path);
 }
 
 int mkdir(const char *path, mode_t mode) {

@@ -1,0 +1,321 @@
+//! `--force`, and what other programs do meanwhile: when an older recording goes, and where the new one is if it cannot.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::Duration;
+
+use nereus::files::FileFault;
+use nereus::pulse::SampleFormat;
+use nereus::receive::listener::{Listener, Opener, Senders, Until};
+use nereus::sinks::plain::PlainSink;
+use nereus::sinks::sink::{Sink, SinkError};
+
+use crate::listing::listing;
+use crate::recording_fixture::{header, pulse, unlocked};
+use crate::wire_fixture::{datagrams, kind};
+
+/// Opens a plain recording and writes its first pulses.
+fn plain(path: &Path, force: bool, pulses: u64) -> Box<PlainSink> {
+    let header = header(SampleFormat::Cf32);
+    let mut sink = Box::new(unlocked(|| PlainSink::create(path, force, &header)));
+    (0..pulses).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
+    sink
+}
+
+/// Pulses that the index of a plain recording has.
+fn indices(path: &Path) -> u64 {
+    fs::metadata(path.join("pulse/index.bin")).unwrap().len() / 8
+}
+
+#[test]
+fn a_run_without_pulses_replaces_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    plain(&path, false, 7).finish().unwrap();
+    let report = plain(&path, true, 0).finish().unwrap();
+    assert_eq!((indices(&path), listing(dir.path())), (7, vec!["rec".to_owned()]));
+    assert_eq!((report.files.len(), &report.kept), (0, &vec![path.clone()]));
+    let note = format!("{}: not overwritten, because this run has written nothing", path.display());
+    assert_eq!(report.notes(), [note]);
+    // Nothing to lose: it stands as it is.
+    let other = dir.path().join("other");
+    let report = plain(&other, true, 0).finish().unwrap();
+    assert_eq!((report.files, report.kept), (vec![other], Vec::new()));
+}
+
+#[test]
+fn folders_of_somebody_are_no_recording() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    fs::create_dir_all(path.join("2025/plans")).unwrap();
+    let header = header(SampleFormat::Cf32);
+    let refused = PlainSink::create(&path, true, &header).unwrap_err();
+    assert!(matches!(refused, SinkError::NotARecording { .. }), "{refused}");
+    assert!(path.join("2025/plans").is_dir());
+    assert_eq!(listing(dir.path()), ["rec"]);
+    fs::remove_dir_all(&path).unwrap();
+    plain(&path, false, 3).finish().unwrap();
+    fs::create_dir(path.join("nav/plans")).unwrap();
+    let refused = PlainSink::create(&path, true, &header).unwrap_err();
+    assert!(matches!(refused, SinkError::NotARecording { .. }), "{refused}");
+    assert_eq!((indices(&path), path.join("nav/plans").is_dir()), (3, true));
+    // An empty folder holds nothing.
+    let empty = dir.path().join("empty");
+    fs::create_dir(&empty).unwrap();
+    plain(&empty, true, 2).finish().unwrap();
+    assert_eq!(indices(&empty), 2);
+}
+
+/// Somebody reads the old recording when the new one is complete.
+#[test]
+fn what_cannot_be_put_in_its_place_is_kept_and_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    plain(&path, false, 7).finish().unwrap();
+    let mut new = plain(&path, true, 3);
+    let reader = fs::File::open(path.join("meta.json")).unwrap();
+    reader.lock_shared().unwrap();
+    let unplaced = new.close().unwrap().place(true).unwrap_err();
+    let SinkError::Lost(FileFault::Kept { why, at, .. }) = &unplaced.error else { panic!("{unplaced:?}") };
+    assert!(matches!(**why, FileFault::InUse { .. }), "{why}");
+    assert_eq!(unplaced.report.files, std::slice::from_ref(at));
+    assert_eq!((indices(at), indices(&path)), (3, 7));
+    let text = unplaced.error.to_string();
+    assert!(text.contains(&format!("complete and stays as {}", at.display())), "{text}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_plain_recording_that_is_removed_is_no_success() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    let mut sink = plain(&path, false, 3);
+    fs::remove_dir_all(&path).unwrap();
+    let removed = sink.close().unwrap_err();
+    assert!(matches!(&removed, SinkError::Lost(FileFault::Removed { path: at }) if *at == path), "{removed}");
+    assert_eq!(sink.readable(), Some(0));
+    // One of its files.
+    let mut sink = plain(&path, false, 3);
+    fs::remove_file(path.join("iq.bin")).unwrap();
+    let removed = sink.close().unwrap_err();
+    assert!(removed.to_string().contains("rec/iq.bin: removed by another program"), "{removed}");
+    assert_eq!(sink.readable(), Some(0));
+    // Moved: the report says where to.
+    if cfg!(target_os = "linux") {
+        let (here, there) = (dir.path().join("here"), dir.path().join("there"));
+        let sink = plain(&here, false, 3);
+        fs::rename(&here, &there).unwrap();
+        assert_eq!(sink.finish().unwrap().files, std::slice::from_ref(&there));
+        assert_eq!(indices(&there), 3);
+    }
+}
+
+/// Only descriptions of a run arrive: an older recording is worth more.
+#[test]
+fn what_is_received_without_pulses_replaces_nothing() {
+    static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    plain(&path, false, 7).finish().unwrap();
+    let (all, _) = datagrams(&header(SampleFormat::Cf32), 1500, 0, 3);
+    let senders =
+        Senders { notice: Some(|line| NOTES.lock().unwrap().push(line.to_owned())), ..Senders::default() };
+    let listener = Listener::bind("127.0.0.1:0").unwrap().with(senders);
+    let address = listener.address();
+    let made = path.clone();
+    let receiving = thread::spawn(move || {
+        let until = Until {
+            duration: Some(Duration::from_secs(20)),
+            idle: Some(Duration::from_millis(500)),
+            pulses: None,
+        };
+        let open: Opener = Box::new(move |header| {
+            Ok(Box::new(unlocked(|| PlainSink::create(&made, true, header))) as Box<dyn Sink>)
+        });
+        listener.receive(until, &AtomicBool::new(false), Some(open), |_| {}).unwrap()
+    });
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    for datagram in all.iter().filter(|datagram| kind(datagram) != 1) {
+        socket.send_to(datagram, address).unwrap();
+    }
+    let report = receiving.join().unwrap();
+    assert_eq!((report.pulses, report.out), (0, Vec::<PathBuf>::new()));
+    assert_eq!((indices(&path), listing(dir.path())), (7, vec!["rec".to_owned()]));
+    let notes = NOTES.lock().unwrap();
+    assert!(notes.iter().any(|note| note.contains("not overwritten, because")), "{notes:?}");
+}
+
+#[cfg(feature = "hdf5")]
+mod hdf5 {
+    use nereus::recording::verify::verify;
+    use nereus::sinks::hdf5::Hdf5Sink;
+    use nereus::sinks::merge::{MergeError, merge};
+    use nereus::sinks::sink::Unplaced;
+
+    use super::*;
+    use crate::recording_hdf5::record;
+
+    fn pulses(path: &Path) -> u64 {
+        verify(path).unwrap().pulses
+    }
+
+    fn opened(path: &Path, segment_s: Option<f64>, pulses: u64) -> Box<Hdf5Sink> {
+        let header = header(SampleFormat::Cf32);
+        let mut sink = Box::new(unlocked(|| Hdf5Sink::create(path, segment_s, true, &header)));
+        (0..pulses).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
+        sink
+    }
+
+    #[test]
+    fn older_segments_go_only_with_a_whole_run() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rec.h5");
+        let names: Vec<PathBuf> = (0..4).map(|k| dir.path().join(format!("rec_{k:04}.h5"))).collect();
+        record(&path, Some(0.1), &header(SampleFormat::Cf32), 0, 110);
+        // Stopped before its first pulse.
+        let report = opened(&path, Some(0.1), 0).finish().unwrap();
+        assert_eq!((report.files.len(), &report.kept), (0, &names));
+        assert!(
+            report.notes()[0].contains("rec_0000.h5 and 3 more: not overwritten"),
+            "{:?}",
+            report.notes()
+        );
+        assert_eq!((pulses(&names[0]), listing(dir.path()).len()), (34, 4));
+        // Stopped, or a part of the pulses.
+        let report = opened(&path, Some(0.1), 10).close().unwrap().place(false).unwrap();
+        assert_eq!((report.files.as_slice(), report.kept.as_slice()), (&names[..1], &names[1..]));
+        assert!(
+            report.notes()[0].contains("because the run was stopped or was a part"),
+            "{:?}",
+            report.notes()
+        );
+        assert_eq!((pulses(&names[0]), pulses(&names[3]), listing(dir.path()).len()), (10, 10, 4));
+        // Whole.
+        let report = opened(&path, Some(0.1), 40).close().unwrap().place(true).unwrap();
+        assert_eq!((report.files.as_slice(), report.kept.len()), (&names[..2], 0));
+        assert_eq!(listing(dir.path()), ["rec_0000.h5", "rec_0001.h5"]);
+    }
+
+    #[test]
+    fn an_empty_file_takes_no_recordings_place() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rec.h5");
+        record(&path, None, &header(SampleFormat::Cf32), 0, 70);
+        let report = opened(&path, None, 0).finish().unwrap();
+        assert_eq!((report.files.len(), report.kept, pulses(&path)), (0, vec![path.clone()], 70));
+        assert_eq!(listing(dir.path()), ["rec.h5"]);
+    }
+
+    /// A segment that cannot be put in its place does not hide the others, and none of the old ones goes.
+    #[test]
+    fn segments_that_cannot_be_put_in_place_are_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rec.h5");
+        let names: Vec<PathBuf> = (0..4).map(|k| dir.path().join(format!("rec_{k:04}.h5"))).collect();
+        record(&path, Some(0.1), &header(SampleFormat::Cf32), 0, 110);
+        let mut new = opened(&path, Some(0.1), 90);
+        let reader = fs::File::open(&names[1]).unwrap();
+        reader.lock_shared().unwrap();
+        let Unplaced { report, error } = *new.close().unwrap().place(true).unwrap_err();
+        let SinkError::Lost(FileFault::Kept { at, path: of, .. }) = &error else { panic!("{error}") };
+        assert_eq!(of, &names[1]);
+        assert_eq!(report.files, [names[0].clone(), at.clone(), names[2].clone()]);
+        assert_eq!(report.kept, names[3..]);
+        assert_eq!(report.files.iter().map(|file| pulses(file)).collect::<Vec<_>>(), [34, 33, 23]);
+        assert_eq!((pulses(&names[1]), pulses(&names[3])), (33, 10));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_removed_while_it_grows_is_no_success() {
+        let dir = tempfile::tempdir().unwrap();
+        let (path, stored) = (dir.path().join("rec.h5"), dir.path().join("stored.h5"));
+        let mut sink = opened(&path, None, 20);
+        fs::remove_file(&path).unwrap();
+        let removed = sink.close().unwrap_err();
+        assert!(
+            matches!(&removed, SinkError::Lost(FileFault::Removed { path: at }) if *at == path),
+            "{removed}"
+        );
+        assert_eq!(sink.readable(), Some(0));
+        // Between the end of this sink and that of the run.
+        let mut sink = opened(&path, None, 20);
+        let closed = sink.close().unwrap();
+        fs::remove_file(&path).unwrap();
+        let unplaced = closed.place(true).unwrap_err();
+        assert!(matches!(unplaced.error, SinkError::Lost(FileFault::Removed { .. })), "{unplaced:?}");
+        assert!(unplaced.report.files.is_empty(), "{unplaced:?}");
+        if cfg!(target_os = "linux") {
+            let sink = opened(&path, None, 20);
+            fs::rename(&path, &stored).unwrap();
+            assert_eq!(sink.finish().unwrap().files, std::slice::from_ref(&stored));
+            assert_eq!(pulses(&stored), 20);
+            let sink = opened(&path, None, 20);
+            fs::rename(&path, &stored).unwrap();
+            fs::write(&path, "a letter").unwrap();
+            let Err(SinkError::Lost(moved)) = sink.finish() else { panic!("moved, and its name taken") };
+            assert!(matches!(&moved, FileFault::Moved { now: Some(now), .. } if *now == stored), "{moved}");
+            assert_eq!(fs::read_to_string(&path).unwrap(), "a letter");
+        }
+    }
+
+    /// Segments that are complete are moved on while the run goes on; what is known of them is reported.
+    #[cfg(unix)]
+    #[test]
+    fn segments_may_be_moved_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rec.h5");
+        let names: Vec<PathBuf> = (0..3).map(|k| dir.path().join(format!("rec_{k:04}.h5"))).collect();
+        let mut sink = opened(&path, Some(0.1), 80);
+        fs::rename(&names[0], dir.path().join("stored.h5")).unwrap();
+        let report = sink.close().unwrap().place(true).unwrap();
+        assert_eq!((report.files.as_slice(), report.gone.as_slice()), (&names[1..], &names[..1]));
+        assert!(report.notes()[0].contains("moved or removed by another program"), "{:?}", report.notes());
+        // One that still grows.
+        let dir = tempfile::tempdir().unwrap();
+        let mut sink = opened(&dir.path().join("rec.h5"), Some(0.1), 80);
+        fs::remove_file(dir.path().join("rec_0002.h5")).unwrap();
+        let removed = sink.close().unwrap_err();
+        assert!(removed.to_string().contains("rec_0002.h5: removed by another program"), "{removed}");
+        assert_eq!(sink.readable(), Some(67));
+    }
+
+    /// Somebody takes the name while the result is made: it is complete, so it stays.
+    #[test]
+    fn a_merge_that_cannot_be_put_in_place_is_kept() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        let header = header(SampleFormat::Cf32);
+        let shards: Vec<PathBuf> = (0..20).map(|k| at(&format!("{k:02}.h5"))).collect();
+        for (k, shard) in (0..).zip(&shards) {
+            record(shard, None, &header, 20 * k, 20 * (k + 1));
+        }
+        let out = at("out.h5");
+        // The other program may be too late: then both try again.
+        for _ in 0..50 {
+            let merged = thread::scope(|scope| {
+                let merging = scope.spawn(|| merge(&shards, &out, false));
+                while !merging.is_finished() {
+                    if listing(dir.path()).iter().any(|name| name.starts_with(".out.h5.")) {
+                        let _ = fs::File::create_new(&out);
+                        break;
+                    }
+                }
+                merging.join().unwrap()
+            });
+            match merged {
+                Err(MergeError::File(SinkError::Lost(FileFault::Kept { why, at, .. }))) => {
+                    assert!(matches!(*why, FileFault::Exists { .. }), "{why}");
+                    assert_eq!((pulses(&at), fs::metadata(&out).unwrap().len()), (400, 0));
+                    return;
+                }
+                Ok(_) => fs::remove_file(&out).unwrap(),
+                Err(other) => panic!("{other}"),
+            }
+        }
+        panic!("50 merges were faster than the other program");
+    }
+}
