@@ -39,12 +39,17 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
         listener.buffer_bytes() >> 10
     ));
     let until = Until { pulses: args.pulses, duration: args.duration_s, idle: args.idle_s };
-    let report = listener.receive(until, &stop, record, |_| {})?;
+    let (report, error) = match listener.receive(until, &stop, record, |_| {}) {
+        Ok(report) => (report, None),
+        Err(interrupted) => (interrupted.report, Some(interrupted.error)),
+    };
     if args.json {
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        return writeln!(out, "{text}").map_err(CliError::Output);
+        writeln!(out, "{text}").map_err(CliError::Output)?;
+    } else {
+        tell(&report, out).map_err(CliError::Output)?;
     }
-    tell(&report, out).map_err(CliError::Output)
+    error.map_or(Ok(()), |error| Err(error.into()))
 }
 
 /// What makes the recordings of further runs: `name-2.h5`, `name-3.h5`, ...
@@ -127,8 +132,9 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
     )?;
     writeln!(
         out,
-        "sender      {} with implausible time stamps, {} of other senders; began again {}",
+        "sender      {} with implausible time stamps, {} with implausible pulse numbers, {} of other senders; began again {}",
         counted(report.implausible, "packet"),
+        counted(report.misnumbered, "state"),
         counted(report.strangers, "datagram"),
         counted(report.restarts, "time")
     )?;
@@ -166,6 +172,9 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         {
             writeln!(out, "            ECEF {x:.3}, {y:.3}, {z:.3} m")?;
         }
+    }
+    if let Some(recorded) = report.recorded {
+        writeln!(out, "recorded    {recorded} of {}", counted(report.pulses, "whole pulse"))?;
     }
     for file in &report.out {
         writeln!(

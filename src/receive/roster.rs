@@ -11,6 +11,28 @@ use super::context::{ChannelDescription, Context, Extension, Format, RunDescript
 /// Most channels and platforms that are taken.
 const CHANNELS: usize = 1024;
 const PLATFORMS: usize = 1024;
+/// Stream identifiers: those of channels and platforms count from here.
+const CHANNEL_STREAMS: u32 = 0x1000_0000;
+const PLATFORM_STREAMS: u32 = 0x2000_0000;
+const NAME_STREAMS: u32 = 0x3000_0000;
+const RUN_STREAM: u32 = 0x4000_0000;
+
+/// Whether a stream is one that may have standard contexts.
+pub(super) fn has_contexts(stream: u32) -> bool {
+    let within = |first: u32, most: usize| stream.checked_sub(first).is_some_and(|n| (n as usize) < most);
+    within(CHANNEL_STREAMS, CHANNELS) || within(PLATFORM_STREAMS, PLATFORMS)
+}
+
+/// Whether an extension context comes in the stream that it belongs to.
+pub(super) fn belongs(stream: u32, extension: &Extension) -> bool {
+    let (first, number, most) = match extension {
+        Extension::State(state) => (PLATFORM_STREAMS, state.platform[0], PLATFORMS),
+        Extension::Channel(channel) => (CHANNEL_STREAMS, channel.number[0], CHANNELS),
+        Extension::Platform([number, _], _) => (NAME_STREAMS, *number, PLATFORMS),
+        Extension::Run(_) => (RUN_STREAM, 0, 1),
+    };
+    (number as usize) < most && stream == first + number
+}
 /// Most samples of a pulse over all channels.
 const SAMPLES: usize = 1 << 24;
 
@@ -60,7 +82,8 @@ impl Roster {
     }
 
     /// Takes a description. What differs from an earlier one is counted and left.
-    pub(super) fn learn(&mut self, stream: u32, extension: Extension) {
+    /// Whether it agrees.
+    pub(super) fn learn(&mut self, stream: u32, extension: Extension) -> bool {
         let agrees = match extension {
             Extension::State(_) => true,
             Extension::Run(run) => {
@@ -89,12 +112,24 @@ impl Roster {
         };
         self.contradictions += u64::from(!agrees);
         self.complete();
+        agrees
+    }
+
+    /// Takes a description that contradicts what was learned, in the place of that.
+    pub(super) fn learn_anew(&mut self, stream: u32, extension: Extension) {
+        match extension {
+            Extension::State(_) => {}
+            Extension::Run(_) => self.run = None,
+            Extension::Platform(..) => self.platforms.clear(),
+            Extension::Channel(_) => self.channels.clear(),
+        }
+        self.known = None;
+        self.learn(stream, extension);
     }
 
     /// Takes the standard context of a stream.
     pub(super) fn hear(&mut self, stream: u32, context: Context) {
-        let room = self.contexts.len() < CHANNELS + PLATFORMS;
-        if room || self.contexts.contains_key(&stream) {
+        if has_contexts(stream) {
             self.contexts.insert(stream, context);
         }
         self.complete();
@@ -115,7 +150,7 @@ impl Roster {
         let run = self.run.as_ref()?;
         let channels: Vec<&(u32, ChannelDescription)> =
             self.channels.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let platforms: Vec<String> = self.platforms.iter().cloned().collect::<Option<_>>()?;
+        let names: Vec<&String> = self.platforms.iter().map(Option::as_ref).collect::<Option<_>>()?;
         let (_, first) = channels.first()?;
         let samples = first.samples as usize;
         let total = samples.checked_mul(channels.len())?;
@@ -129,7 +164,7 @@ impl Roster {
                     && channel.samples == first.samples
             })
         });
-        if platforms.is_empty() || total == 0 || total > SAMPLES || !alike {
+        if names.is_empty() || total == 0 || total > SAMPLES || !alike {
             return None;
         }
         let layout = Layout {
@@ -139,7 +174,7 @@ impl Roster {
                 Format::Cf32 => SampleFormat::Cf32,
                 Format::Ci16 => SampleFormat::Ci16,
             },
-            platforms: platforms.len(),
+            platforms: names.len(),
             antennas: 0,
             targets: 0,
             pairs: 0,
@@ -169,7 +204,7 @@ impl Roster {
             seed: run.seed,
             config: "# received over the wire, which does not carry the scenario\n".to_owned(),
             replica: Vec::new(),
-            platforms,
+            platforms: names.into_iter().cloned().collect(),
             transmitters: Vec::new(),
             receivers: Vec::new(),
             targets: Vec::new(),
@@ -194,5 +229,6 @@ pub(super) fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
         let [lat, lon, h] = run.origin;
         [lat, lon, h, run.carrier_hz, run.sample_rate_hz, run.prf_hz, run.start.1].map(f64::to_bits)
     };
-    bits(a) == bits(b) && (a.start.0, a.seed, a.first_pulse) == (b.start.0, b.seed, b.first_pulse)
+    bits(a) == bits(b)
+        && (a.start.0, a.seed, a.first_pulse, a.pulses) == (b.start.0, b.seed, b.first_pulse, b.pulses)
 }

@@ -5,15 +5,15 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use nereus::pulse::SampleFormat;
+use nereus::pulse::{Pulse, SampleFormat};
 use nereus::receive::Receiver;
 use nereus::receive::listener::{Listener, Senders, Until, senders};
 use nereus::receive::report::Report;
-use nereus::sinks::sink::Header;
+use nereus::sinks::sink::{Header, Sink};
 use nereus::time::TimeTag;
 
-use crate::recording_fixture::header;
-use crate::wire_fixture::{datagrams, kind, word};
+use crate::recording_fixture::{PRF_HZ, header, pulse};
+use crate::wire_fixture::{caught, datagrams, kind, long, word};
 
 /// Descriptions before the first pulse: the run, two platforms, two channels with their contexts.
 const DESCRIPTIONS: usize = 7;
@@ -145,4 +145,194 @@ fn only_the_sender_that_was_named_is_heard() {
     assert_eq!(report.strangers, all.len() as u64);
     assert!(senders("no such host.").is_err());
     assert_eq!(senders("127.0.0.1").unwrap()[0].port(), 0);
+}
+
+/// Three datagrams a channel: time stamps step back at each channel of a pulse.
+fn wide(format: SampleFormat) -> Header {
+    let mut header = run(format);
+    header.layout.samples = 900;
+    header
+}
+
+/// Where the body of an extension context begins.
+const BODY: usize = 28;
+
+fn put<const N: usize>(datagram: &mut [u8], at: usize, bytes: [u8; N]) {
+    datagram[at..at + N].copy_from_slice(&bytes);
+}
+
+/// The states among datagrams: extension contexts of platforms.
+fn states(all: &[Vec<u8>]) -> impl Iterator<Item = &Vec<u8>> {
+    all.iter().filter(|datagram| kind(datagram) == 5 && word(datagram, 4) >> 28 == 2)
+}
+
+/// A state of so much later, in its stamp, its emission and its number.
+fn later(state: &[u8], by_s: f64) -> Vec<u8> {
+    let mut forged = state.to_vec();
+    let emission =
+        TimeTag::new(long(state, BODY + 24) as i64, f64::from_bits(long(state, BODY + 32))).plus(by_s);
+    put(&mut forged, 16, (emission.seconds() as u32).to_be_bytes());
+    put(&mut forged, 20, ((emission.fraction_s() * 1e12).round() as u64).to_be_bytes());
+    put(&mut forged, BODY, (long(state, BODY) + (by_s * PRF_HZ) as u64).to_be_bytes());
+    put(&mut forged, BODY + 24, emission.seconds().to_be_bytes());
+    put(&mut forged, BODY + 32, emission.fraction_s().to_bits().to_be_bytes());
+    forged
+}
+
+/// The datagrams of pulses whose windows open 30 us after the emission.
+fn near(header: &Header, count: u64) -> Vec<Vec<u8>> {
+    let (socket, mut sink) = caught(header, 1500);
+    socket.set_nonblocking(true).unwrap();
+    let (mut all, mut buffer) = (Vec::new(), vec![0; 1 << 16]);
+    for n in 0..count {
+        sink.write(&Pulse { window_start_s: 30e-6, ..pulse(header, n) }).unwrap();
+        while let Ok(length) = socket.recv(&mut buffer) {
+            all.push(buffer[..length].to_vec());
+        }
+    }
+    all
+}
+
+/// Before: 64 rising stamps in a row were needed, and none came of two channels with three datagrams each.
+#[test]
+fn the_same_run_again_is_followed_over_several_channels() {
+    let header = wide(SampleFormat::Ci16);
+    let (all, _) = datagrams(&header, 1500, 0, 100);
+    for receiver in [Receiver::following(), Receiver::new()] {
+        let (indices, report) = received(receiver, all.iter().chain(&all));
+        assert_eq!(report.restarts, 1, "{report:?}");
+        assert!(indices.len() >= 180 && *indices.last().unwrap() == 99, "{}", indices.len());
+    }
+    // A run that was cut short begins again: its pulses are remembered, and not taken for datagrams that came twice.
+    let cut = all.len() / 2;
+    let (indices, report) = received(Receiver::following(), all[..cut].iter().chain(&all));
+    assert_eq!((report.restarts, *indices.last().unwrap()), (1, 99));
+    assert!(indices.len() >= 130, "{}", indices.len());
+}
+
+/// Before: pulses 50 minutes ahead were opened, and every true one after them was too late.
+#[test]
+fn states_that_lie_ahead_deafen_nobody() {
+    let mut header = run(SampleFormat::Ci16);
+    header.pulses = 100_000_000;
+    let all = near(&header, 200);
+    let per_pulse = (all.len() - DESCRIPTIONS) / 200;
+    let at = DESCRIPTIONS + 20 * per_pulse;
+    for (by_s, of) in [
+        (3000.0, "number and time"),
+        (3000.0, "stamp alone"),
+        (30.0, "number and time"),
+        (0.9, "number and time"),
+        (0.1, "number and time"),
+    ] {
+        let forged: Vec<Vec<u8>> = states(&all[at..])
+            .step_by(2)
+            .take(20)
+            .map(|state| match of {
+                "stamp alone" => restamped(state, |seconds| seconds + by_s as u32),
+                _ => later(state, by_s),
+            })
+            .collect();
+        // All at once: nothing true is lost, and what was refused is counted.
+        let (indices, report) = received(Receiver::new(), all[..at].iter().chain(&forged).chain(&all[at..]));
+        println!("{by_s} s, {of}: {} whole, {report:?}", indices.len());
+        assert!(indices.len() >= 190 && *indices.last().unwrap() == 199, "{}", indices.len());
+        assert_eq!(report.restarts, 0);
+        if by_s > 1.0 {
+            assert_eq!((indices.len(), report.incomplete), (200, 0));
+            assert_eq!(report.implausible, 20);
+        }
+        // One after each pulse, without end.
+        let mut mixed = all[..at].to_vec();
+        let mut forged = forged.iter().cycle();
+        for pulse in all[at..].chunks(per_pulse) {
+            mixed.extend(forged.next().cloned());
+            mixed.extend_from_slice(pulse);
+        }
+        let (indices, report) = received(Receiver::new(), &mixed);
+        println!("mixed: {} whole, {report:?}", indices.len());
+        assert!(
+            indices.len() >= 160 && *indices.last().unwrap() >= 190,
+            "{by_s} s: {} {report:?}",
+            indices.len()
+        );
+    }
+}
+
+/// Before: the pulse was handed on with that number, and no later one was recorded any more.
+#[test]
+fn numbers_outside_the_run_are_refused() {
+    let header = run(SampleFormat::Ci16);
+    let (all, _) = datagrams(&header, 1500, 0, 60);
+    let second = |datagram: &&Vec<u8>| word(datagram, 4) == 0x2000_0001;
+    for index in [u64::MAX - 5, 100, 59, 0] {
+        let mut mixed = all.clone();
+        let state = states(&all).filter(second).nth(20).unwrap();
+        let at = all.iter().position(|datagram| datagram == state).unwrap();
+        let mut forged = state.clone();
+        put(&mut forged, BODY, index.to_be_bytes());
+        // Another packet count, so that it is not taken for the same packet.
+        forged[1] ^= 8;
+        mixed.insert(at, forged.clone());
+        let (indices, report) = received(Receiver::new(), &mixed);
+        assert_eq!(indices, (0..60).collect::<Vec<_>>(), "{index}");
+        assert_eq!((report.missing.pulses_by_index, report.backwards), (0, 0), "{index}");
+        // As the first state of its pulse, too, but for numbers near the true one: those cost one pulse at most.
+        mixed.remove(at);
+        mixed.insert(at - 3, forged);
+        let (indices, _) = received(Receiver::new(), &mixed);
+        assert!(indices.iter().is_sorted() && indices.len() >= 59, "{index}: {indices:?}");
+    }
+}
+
+/// Before: sums of counts of 2^64 ended the program with `--restart`.
+#[test]
+fn counts_that_are_large_do_not_overflow() {
+    let header = run(SampleFormat::Ci16);
+    let (mut all, _) = datagrams(&header, 1500, 0, 100);
+    let at =
+        all.iter().rposition(|datagram| word(datagram, 4) == 0x2000_0001 && kind(datagram) == 5).unwrap();
+    put(&mut all[at], BODY, (u64::MAX - 5).to_be_bytes());
+    let (indices, report) = received(Receiver::following(), all.iter().chain(&all).chain(&all));
+    assert_eq!(report.restarts, 2);
+    assert!(indices.iter().all(|index| *index < 100));
+}
+
+/// Before: what came first held for ever.
+#[test]
+fn forged_descriptions_before_the_first_pulse_are_forgotten() {
+    let mut header = run(SampleFormat::Ci16);
+    header.pulses = 1000;
+    let (all, _) = datagrams(&header, 1500, 0, 900);
+    let other = Header { seed: 7, ..header.clone() };
+    let wider = Header { layout: nereus::pulse::Layout { samples: 60, ..header.layout }, ..header.clone() };
+    let mut crowd = all[1].clone();
+    // Platform 0 of 2: of five.
+    put(&mut crowd, BODY + 4, 5u32.to_be_bytes());
+    let contexts: Vec<Vec<u8>> = (0..3000u32)
+        .map(|k| {
+            let mut context = all[DESCRIPTIONS - 1].clone();
+            assert_eq!(kind(&context), 4);
+            put(&mut context, 4, (0x1000_0100 + k).to_be_bytes());
+            context
+        })
+        .collect();
+    for (what, forged) in [
+        ("another run", datagrams(&other, 1500, 0, 1).0[..1].to_vec()),
+        ("a whole run", datagrams(&other, 1500, 0, 1).0[..DESCRIPTIONS].to_vec()),
+        ("wider windows", datagrams(&wider, 1500, 0, 1).0[..DESCRIPTIONS].to_vec()),
+        ("five platforms", vec![crowd]),
+        ("contexts", contexts),
+    ] {
+        for receiver in [Receiver::new(), Receiver::following()] {
+            let (indices, report) = received(receiver, forged.iter().chain(&all));
+            // Descriptions come every second: 334 pulses.
+            assert!(
+                indices.len() >= 230 && *indices.last().unwrap() == 899,
+                "{what}: {} {report:?}",
+                indices.len()
+            );
+            assert_eq!(report.pulses, indices.len() as u64);
+        }
+    }
 }
