@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -100,6 +101,8 @@ pub struct Senders {
     pub restart: bool,
     /// Where further runs are recorded, by their number from 2.
     pub next: Option<Box<dyn Fn(usize) -> Opener + Send + Sync>>,
+    /// Recordings of an earlier reception that are removed when this one has ended well, where it makes none of its own.
+    pub older: Vec<PathBuf>,
     /// Takes what the user should know at once.
     pub notice: Option<fn(&str)>,
 }
@@ -198,7 +201,7 @@ impl Listener {
         let mut receiver = if self.senders.restart { Receiver::following() } else { Receiver::new() };
         let (mut strangers, mut restarts, mut runs, mut known) = (0u64, 0, 0, 0);
         let recorded = record.is_some();
-        let mut recordings = Recordings::default();
+        let mut recordings = Recordings::replacing(self.senders.older.clone());
         recordings.begin(record);
         let mut fault = None;
         let mut datagram = vec![0; DATAGRAM];

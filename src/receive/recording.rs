@@ -12,6 +12,7 @@ use std::thread;
 use crossbeam_channel::{Receiver as Inbox, RecvTimeoutError, Sender, TrySendError, bounded};
 
 use crate::pulse::Pulse;
+use crate::sinks;
 use crate::sinks::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError};
 
 /// Whole pulses that may wait to be recorded, and samples that they may have together.
@@ -99,6 +100,8 @@ pub(super) struct Recordings {
     /// Pulses that a reader finds.
     pulses: u64,
     fault: Option<SinkError>,
+    /// Recordings of an earlier reception that are removed where this one makes none of its own.
+    older: Vec<PathBuf>,
 }
 
 /// What was recorded.
@@ -109,6 +112,11 @@ pub(super) struct Recorded {
 }
 
 impl Recordings {
+    /// None yet. Older ones are removed in the end, where it makes none of its own in their places.
+    pub(super) fn replacing(older: Vec<PathBuf>) -> Self {
+        Self { older, ..Self::default() }
+    }
+
     /// The next pulse begins a recording, after that of the run before has ended.
     pub(super) fn begin(&mut self, next: Option<Opener>) {
         self.end_one();
@@ -157,6 +165,11 @@ impl Recordings {
     /// Ends the last recording, and puts all in their places if nothing has failed and the reception itself has not.
     pub(super) fn finish(mut self, went_well: bool) -> Recorded {
         self.end_one();
+        let own: Vec<PathBuf> = self.closed.iter().flat_map(|closed| &closed.report.files).cloned().collect();
+        self.older.retain(|old| own.iter().all(|own| own.file_name() != old.file_name()));
+        if let Some(last) = self.closed.pop() {
+            self.closed.push(sinks::with_surplus(last, self.older));
+        }
         let mut files = Vec::new();
         for closed in self.closed {
             if !went_well || self.fault.is_some() {

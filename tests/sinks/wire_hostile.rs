@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use nereus::pulse::{Pulse, SampleFormat};
 use nereus::receive::Receiver;
-use nereus::receive::listener::{Listener, Senders, Until, senders};
+use nereus::receive::listener::{Listener, Opener, Senders, Until, senders};
 use nereus::receive::report::Report;
+use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::{Header, Sink};
 use nereus::time::TimeTag;
 
@@ -335,4 +336,83 @@ fn forged_descriptions_before_the_first_pulse_are_forgotten() {
             assert_eq!(report.pulses, indices.len() as u64);
         }
     }
+}
+
+/// A listener of two runs that records into plain folders `1`, `2`, ..., what it leaves, and its report.
+fn recorded(all: &[Vec<u8>]) -> (Vec<(String, u64)>, Report) {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path().to_owned();
+    let opener = move |number: usize| -> Opener {
+        let path = at.join(number.to_string());
+        Box::new(move |header| Ok(Box::new(PlainSink::create(&path, false, header)?) as Box<dyn Sink>))
+    };
+    let first = opener(1);
+    let senders = Senders { restart: true, next: Some(Box::new(opener)), ..Senders::default() };
+    let listener = Listener::bind("127.0.0.1:0").unwrap().with(senders);
+    let to = listener.address();
+    let receiving = thread::spawn(move || {
+        let until = Until { idle: Some(Duration::from_millis(500)), ..Until::default() };
+        listener.receive(until, &AtomicBool::new(false), Some(first), |_| {}).unwrap()
+    });
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for (k, datagram) in all.iter().enumerate() {
+        socket.send_to(datagram, to).unwrap();
+        if k % 50 == 49 {
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+    let report = receiving.join().unwrap();
+    let pulses = |path: &std::path::Path| std::fs::metadata(path.join("pulse/index.bin")).unwrap().len() / 8;
+    let mut left: Vec<(String, u64)> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .map(|path| (path.file_name().unwrap().to_string_lossy().into_owned(), pulses(&path)))
+        .collect();
+    left.sort();
+    (left, report)
+}
+
+/// Before: a run that was only described left an empty recording.
+#[test]
+fn a_run_without_pulses_leaves_no_recording() {
+    let first = run(SampleFormat::Ci16);
+    let second = Header { seed: 7, ..first.clone() };
+    let (mut all, _) = datagrams(&first, 1500, 0, 40);
+    let (begun, _) = datagrams(&second, 1500, 0, 1);
+    all.extend_from_slice(&begun[..DESCRIPTIONS]);
+    all.extend_from_slice(&begun[..DESCRIPTIONS]);
+    let (left, report) = recorded(&all);
+    assert_eq!((report.restarts, report.pulses), (1, 40));
+    assert_eq!(left, [("1".to_owned(), 40)]);
+    assert_eq!((report.out.len(), report.recorded), (1, Some(40)));
+    // With a pulse there are two, and the counts are those of both.
+    all.extend_from_slice(&begun[DESCRIPTIONS..]);
+    let (left, report) = recorded(&all);
+    assert_eq!(left, [("1".to_owned(), 40), ("2".to_owned(), 1)]);
+    assert_eq!((report.out.len(), report.pulses, report.recorded), (2, 41, Some(41)));
+}
+
+/// Pulses of a stream that goes back are received and not recorded: the report tells the two apart.
+#[test]
+fn pulses_that_cannot_be_recorded_are_told_apart() {
+    let header = run(SampleFormat::Ci16);
+    let (all, _) = datagrams(&header, 1500, 0, 60);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("got");
+    let listener = Listener::bind("127.0.0.1:0").unwrap();
+    let to = listener.address();
+    let receiving = thread::spawn(move || {
+        let until = Until { idle: Some(Duration::from_millis(500)), ..Until::default() };
+        let open: Opener =
+            Box::new(move |header| Ok(Box::new(PlainSink::create(&path, false, header)?) as Box<dyn Sink>));
+        listener.receive(until, &AtomicBool::new(false), Some(open), |_| {}).unwrap()
+    });
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for datagram in all.iter().chain(&all) {
+        socket.send_to(datagram, to).unwrap();
+        thread::sleep(Duration::from_micros(50));
+    }
+    let report = receiving.join().unwrap();
+    assert!(report.pulses >= 60 + 40, "{report:?}");
+    assert_eq!(report.recorded, Some(60));
 }
