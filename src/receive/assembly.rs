@@ -96,6 +96,8 @@ pub(super) struct Assembly {
     /// Emission of the last pulse that was closed and known.
     last_emission: Option<TimeTag>,
     gap: bool,
+    /// Numbers of pulses of which only states came, since the last one with samples.
+    unsound: Vec<u64>,
     /// Times that the run can have, as it was described.
     span_ps: (i128, i128),
     /// First sample of the last whole pulse, or of the first that was opened.
@@ -153,6 +155,7 @@ impl Assembly {
             last_ps: None,
             last_emission: None,
             gap: false,
+            unsound: Vec::new(),
             span_ps: span_ps(header),
             base_ps: None,
             apart_ps: (APART / header.prf_hz * SECOND_PS as f64) as i128,
@@ -206,7 +209,8 @@ impl Assembly {
         done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
     ) -> Taken {
         let first_ps = time_ps + (state.window_start_s * SECOND_PS as f64).round() as i128;
-        if state.platform[0] as usize >= self.header.layout.platforms {
+        let [platform, of] = state.platform;
+        if platform >= of || of as usize != self.header.layout.platforms {
             return Taken::Stray;
         }
         // The stamp is that of the emission.
@@ -330,10 +334,18 @@ impl Assembly {
     /// Opens a pulse at its place among the others, and gives up the oldest where there are too many.
     fn begin(&mut self, first_ps: i128, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> usize {
         while self.open.len() >= self.most {
-            match self.open.back() {
-                // None that comes soon: it shall not cost those that do, nor make them late.
-                Some(last) if last.first_ps - first_ps > self.apart_ps => self.drop_last(),
-                _ => self.close(done),
+            // First one of which only states came, or only samples: who opens many shall not close those that become whole.
+            // Then a pulse that lies apart, or all others if this one comes before them: it would be late.
+            let last = self.open.len() - 1;
+            let weak = self.open.iter().rposition(|open| !open.is_sound());
+            let apart = |open: &Open| open.first_ps - first_ps > self.apart_ps;
+            let is_first = self.open.front().is_some_and(|front| first_ps < front.first_ps);
+            if let Some(place) = weak {
+                self.give_up(place);
+            } else if is_first || self.open.back().is_some_and(apart) {
+                self.give_up(last);
+            } else {
+                self.close(done);
             }
         }
         self.base_ps.get_or_insert(first_ps);
@@ -360,12 +372,45 @@ impl Assembly {
         }
     }
 
-    /// Gives up the latest pulse.
-    fn drop_last(&mut self) {
-        if let Some(open) = self.open.pop_back() {
+    /// Gives up a pulse as if nothing had come of it.
+    fn give_up(&mut self, place: usize) {
+        if let Some(open) = self.open.remove(place) {
             self.pulses.incomplete += 1;
+            self.note_unsound(&open);
             self.free.push(open);
         }
+    }
+
+    /// Remembers the number of a pulse of which only states came: it is not missing, but says nothing of others.
+    fn note_unsound(&mut self, open: &Open) {
+        if open.known && self.unsound.len() < CLOSED_PULSES {
+            self.unsound.push(open.pulse.index);
+        }
+    }
+
+    /// Counts what is missing before a pulse, by its number and its emission.
+    fn count(&mut self, index: u64, emission: TimeTag) {
+        let pulses = &mut self.pulses;
+        let mut between = std::mem::take(&mut self.unsound);
+        match pulses.last {
+            Some(last) if index <= last => pulses.backwards += 1,
+            Some(last) => {
+                between.retain(|other| last < *other && *other < index);
+                between.sort_unstable();
+                between.dedup();
+                let missing = index - last - 1 - between.len() as u64;
+                pulses.missing_by_index = pulses.missing_by_index.saturating_add(missing);
+                self.gap |= index - last > 1;
+            }
+            None => pulses.first = Some(index),
+        }
+        if let Some(last) = self.last_emission {
+            let intervals = (emission.since(last) * self.header.prf_hz).round();
+            let missing = (intervals - 1.0 - between.len() as f64).max(0.0) as u64;
+            pulses.missing_by_time = pulses.missing_by_time.saturating_add(missing);
+        }
+        pulses.last = Some(index);
+        self.last_emission = Some(emission);
     }
 
     /// Closes the oldest pulse, complete or not.
@@ -376,30 +421,15 @@ impl Assembly {
             self.closed.pop_front();
         }
         self.closed.push_back((open.first_ps, complete));
-        // One of which only states came makes no others late.
-        if open.has_samples() {
-            self.last_ps = Some(open.first_ps);
+        if open.is_sound() {
+            self.last_ps = self.last_ps.max(Some(open.first_ps));
+        }
+        if open.is_sound() {
+            self.count(open.pulse.index, open.pulse.time);
+        } else {
+            self.note_unsound(&open);
         }
         let pulses = &mut self.pulses;
-        if open.known {
-            let (index, time) = (open.pulse.index, open.pulse.time);
-            match pulses.last {
-                Some(last) if index <= last => pulses.backwards += 1,
-                Some(last) => {
-                    let missing = index - last - 1;
-                    pulses.missing_by_index = pulses.missing_by_index.saturating_add(missing);
-                    self.gap |= missing > 0;
-                }
-                None => pulses.first = Some(index),
-            }
-            if let Some(last) = self.last_emission {
-                let intervals = (time.since(last) * self.header.prf_hz).round();
-                let missing = (intervals - 1.0).max(0.0) as u64;
-                pulses.missing_by_time = pulses.missing_by_time.saturating_add(missing);
-            }
-            pulses.last = Some(index);
-            self.last_emission = Some(time);
-        }
         if complete {
             self.track.whole(emission_ps(open.pulse.time));
             self.base_ps = Some(open.first_ps);

@@ -35,7 +35,7 @@ pub struct Until {
     pub pulses: Option<u64>,
     /// After so long.
     pub duration: Option<Duration>,
-    /// When nothing has come for so long, once something has.
+    /// When nothing of a run has come for so long, once something has.
     pub idle: Option<Duration>,
 }
 
@@ -218,10 +218,13 @@ impl Listener {
             match self.socket.recv_from(&mut datagram) {
                 Ok((_, sender)) if !self.senders.hears(&sender) => strangers = strangers.saturating_add(1),
                 Ok((length, _)) => {
-                    let arrival = Instant::now();
-                    last = Some(arrival);
+                    let (arrival, refused) = (Instant::now(), receiver.refused());
                     let packet = datagram.get(..length).unwrap_or(&[]);
                     receiver.take(packet, arrival, &mut outlet(&mut recordings, &mut see));
+                    // Who sends nonsense does not keep a reception from its end.
+                    if receiver.refused() == refused {
+                        last = Some(arrival);
+                    }
                     if receiver.restarts() > restarts {
                         restarts = receiver.restarts();
                         self.say_restarted(restarts);

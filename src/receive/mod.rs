@@ -139,6 +139,12 @@ impl Receiver {
         self.assembly.as_ref().map_or(0, |assembly| assembly.pulses.complete)
     }
 
+    /// Datagrams that are none of the run, as far as can be seen.
+    pub(super) fn refused(&self) -> u64 {
+        let Report { malformed, unknown, implausible, misnumbered, .. } = self.report;
+        malformed.saturating_add(unknown).saturating_add(implausible).saturating_add(misnumbered)
+    }
+
     /// Whether another run may be followed.
     fn may_follow(&self) -> bool {
         self.follows && self.runs_before < RUNS
@@ -247,9 +253,14 @@ impl Receiver {
                 };
                 if self.is_new(stream, &packet) {
                     self.note(stream, &packet);
-                    self.roster.hear(stream, context);
-                    self.look_ready();
                 }
+                // Heard even when it comes again: a forged one may have had the same count and time.
+                let anew = self.whole_pulses() == 0;
+                if anew && !self.roster.agrees(stream, &context) {
+                    self.close_run(outlet);
+                }
+                self.roster.hear(stream, context, anew);
+                self.look_ready();
             }
             Kind::ExtensionContext => {
                 let body = packet.class.map(|class| Extension::parse(class, packet.payload)).transpose()?;

@@ -52,9 +52,9 @@ impl Open {
         self.got.get(at / 64).is_some_and(|word| word >> (at % 64) & 1 == 1)
     }
 
-    /// Whether any sample has come.
-    pub(super) fn has_samples(&self) -> bool {
-        !self.touched.is_empty()
+    /// Whether states and samples have come. One that has but one kind makes no others late.
+    pub(super) fn is_sound(&self) -> bool {
+        self.known && !self.touched.is_empty()
     }
 
     pub(super) fn is_complete(&self) -> bool {
