@@ -22,6 +22,7 @@ use sink::SinkError;
 
 pub mod sink;
 pub mod columns;
+pub mod descriptions;
 pub mod port;
 pub mod nav;
 pub mod null;

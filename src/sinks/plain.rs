@@ -28,6 +28,7 @@ use crate::files::{self, Draft, Holding};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
+use super::descriptions;
 use super::sink::{Closed, FLUSH_INTERVAL, FORMAT_VERSION, Header, Sink, SinkError, SinkReport};
 use super::unwritten::Unwritten;
 
@@ -298,12 +299,19 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         .iter()
         .map(|column| {
             let mut shape = column.shape.clone();
+            let mut entry = json!(descriptions::of_column(column));
             if column.element == Element::Ci16 {
                 shape.push(2);
+                entry["axes"] =
+                    format!("{}, in-phase and quadrature", entry["axes"].as_str().unwrap_or("")).into();
             }
-            (column.path.clone(), json!({ "dtype": column.element.numpy(), "shape": shape }))
+            entry["dtype"] = column.element.numpy().into();
+            entry["shape"] = shape.into();
+            (column.path.clone(), entry)
         })
         .collect();
+    let others: Map<String, Value> =
+        descriptions::of_header(header).map(|of| (of.path.to_owned(), json!(of))).collect();
     json!({
         "format": "nereus",
         "version": FORMAT_VERSION,
@@ -336,5 +344,6 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         "pulses": header.pulses,
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,
+        "descriptions": others,
     })
 }
