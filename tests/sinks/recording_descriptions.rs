@@ -52,6 +52,7 @@ fn section<'a>(page: &'a str, title: &str) -> &'a str {
 }
 
 /// What stands between backticks in the first cell of the rows of a table.
+#[cfg(feature = "hdf5")]
 fn listed(section: &str) -> BTreeSet<String> {
     let names = section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
     names.map(str::to_owned).collect()
