@@ -23,6 +23,7 @@ use sink::SinkError;
 mod fault;
 pub mod sink;
 pub mod columns;
+pub mod descriptions;
 pub mod port;
 pub mod nav;
 pub mod null;
