@@ -12,13 +12,15 @@ mod inspection;
 mod live_navigation;
 #[cfg(feature = "hdf5")]
 mod oracle;
+mod pages;
+#[cfg(all(unix, feature = "hdf5"))]
+mod pages_run;
 mod plausible;
 mod mocomp;
 mod nav;
 mod polarisation_check;
 mod program;
 mod python_tools;
-mod readme;
 mod receive;
 mod running;
 mod sea;
