@@ -42,9 +42,11 @@ const NOT_RUN: [(&str, &str); 19] = [
 ];
 
 /// What a page expects to be there, as commands.
-const BEFORE: [(&str, &str); 3] = [
+const BEFORE: [(&str, &str); 5] = [
     ("docs/tutorial.md", "nereus run configs/quickstart.toml"),
     ("docs/reading.md", "nereus run configs/quickstart.toml"),
+    ("docs/recording.md", "nereus run configs/coastal.toml --out rec.h5"),
+    ("docs/recording.md", "nereus run configs/monostatic.toml --out rec"),
     ("docs/navigation.md", "nereus nav convert configs/tracks/cart.inspvax cart.nmea"),
 ];
 
