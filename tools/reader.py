@@ -18,9 +18,16 @@ import time
 
 import numpy as np
 
-FLAGS = {1: "late", 2: "after a gap", 4: "ADC saturated", 8: "outside the window"}
-
-
+FLAGS = {
+    1: "late",
+    2: "after a gap",
+    4: "ADC saturated",
+    8: "outside the window",
+    16: "motion extrapolated",
+    32: "navigation stale",
+    64: "report dropped out",
+}
+WORDS = ("description", "unit", "axes", "frame")
 CHANGE_KEYS = ("pulse", "time_ns", "platform", "text", "source")
 
 
@@ -63,6 +70,10 @@ class Recording:
         names = ("position_m", "velocity_mps", "attitude_quat")
         return tuple(self[base + name][: self.pulses] for name in names)
 
+    def words(self, column):
+        """What a dataset is: description, unit, axes, frame. Empty in recordings of earlier versions."""
+        raise NotImplementedError
+
     def ships(self):
         """Names of the ships whose tracks are in the truth record."""
         raise NotImplementedError
@@ -97,7 +108,7 @@ class Hdf5Recording(Recording):
         self.meta = {k: _plain(v) for k, v in self.file.attrs.items()}
         if self.meta.get("format") != "nereus":
             raise ValueError(f"{path}: not a recording of nereus")
-        self.meta.update({k: _plain(v) for k, v in self.file["iq"].attrs.items()})
+        self.meta.update({k: _plain(v) for k, v in self.file["iq"].attrs.items() if k not in WORDS})
         self.columns = []
         self.file.visititems(self._note)
         self.refresh()
@@ -118,6 +129,9 @@ class Hdf5Recording(Recording):
 
     def __getitem__(self, column):
         return self.file[column]
+
+    def words(self, column):
+        return {k: _plain(v) for k, v in self.file[column].attrs.items() if k in WORDS}
 
     def ships(self):
         return [name.decode() for name in self.file["truth/ships"][:]] if "truth/ships" in self.file else []
@@ -157,6 +171,10 @@ class PlainRecording(Recording):
             return np.zeros((0, *shape), dtype)
         file = os.path.join(self.path, column + ".bin")
         return np.memmap(file, dtype, "r", shape=(self.pulses, *shape))
+
+    def words(self, column):
+        entry = self.meta["columns"].get(column) or self.meta.get("descriptions", {}).get(column, {})
+        return {k: v for k, v in entry.items() if k in WORDS}
 
     def ships(self):
         return self.meta.get("ships", [])
@@ -203,6 +221,7 @@ def summary(rec):
         "channels": rec.meta["channels"],
         "iq_shape": [int(n), *(int(k) for k in rec["iq"].shape[1:])],
         "columns": {c: list(map(int, rec[c].shape)) for c in sorted(rec.columns)},
+        "words": {c: rec.words(c) for c in sorted(rec.columns)},
     }
     keys = ("carrier_hz", "sample_rate_hz", "bandwidth_hz", "pulse_s", "prf_hz", "seed", "software")
     out.update({k: rec.meta[k] for k in keys})
@@ -225,7 +244,8 @@ def show(s):
         rms = ", ".join(f"{c} {v:.3e}" for c, v in zip(s["channels"], s["last_rms"]))
         print(f"  rms of the last pulse, sqrt(W): {rms}")
     for name, shape in s["columns"].items():
-        print(f"  /{name} {shape}")
+        words = s["words"][name]
+        print(f"  /{name} {shape}" + (f": {words['unit']}, {words['axes']}" if words else ""))
 
 
 def follow(rec, patience_s):

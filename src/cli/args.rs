@@ -237,7 +237,7 @@ pub struct ReceiveArgs {
     /// End after so long
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration_s: Option<Duration>,
-    /// End when nothing has come for so long, once something has
+    /// End when nothing of a run has come for so long, once something has
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub idle_s: Option<Duration>,
     /// Take datagrams of this sender only: an address or name, with or without a port

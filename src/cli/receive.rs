@@ -9,6 +9,7 @@ use super::args::ReceiveArgs;
 use super::error::CliError;
 use super::run::names_hdf5;
 use super::{counted, say};
+use crate::files;
 use crate::pipeline::fault::BuildErrors;
 use crate::receive::Listener;
 use crate::receive::listener::{Opener, Senders, Until, senders};
@@ -20,10 +21,13 @@ use crate::sinks::{self, Kind};
 /// Receives, and reports.
 pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let record = args.out.as_deref().map(|path| opener(path, args.force)).transpose()?;
+    // The recordings of all runs are one output: what an earlier reception left is not taken for a part of it.
+    let older = args.out.as_deref().filter(|_| args.restart).map(parts).unwrap_or_default();
+    preflight(older.iter().map(|path| kind(path, args.force)))?;
     let from = args.from.as_deref().map(senders).transpose()?;
     let next = args.out.clone().filter(|_| args.restart).map(|path| further(path, args.force));
     let notice: Option<fn(&str)> = Some(|line| say(format_args!("warning: {line}")));
-    let senders = Senders { from, restart: args.restart, next, notice };
+    let senders = Senders { from, restart: args.restart, next, older, notice };
     let listener = Listener::bind(&args.listen)?.with(senders);
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
@@ -39,41 +43,70 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
         listener.buffer_bytes() >> 10
     ));
     let until = Until { pulses: args.pulses, duration: args.duration_s, idle: args.idle_s };
-    let report = listener.receive(until, &stop, record, |_| {})?;
+    let (report, error) = match listener.receive(until, &stop, record, |_| {}) {
+        Ok(report) => (report, None),
+        Err(interrupted) => (interrupted.report, Some(interrupted.error)),
+    };
     if args.json {
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        return writeln!(out, "{text}").map_err(CliError::Output);
+        writeln!(out, "{text}").map_err(CliError::Output)?;
+    } else {
+        tell(&report, out).map_err(CliError::Output)?;
     }
-    tell(&report, out).map_err(CliError::Output)
+    error.map_or(Ok(()), |error| Err(error.into()))
 }
 
-/// What makes the recordings of further runs: `name-2.h5`, `name-3.h5`, ...
+/// Name of the recording of a further run: `name-2.h5`, `name-3.h5`, ...
+fn part(path: &Path, number: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut name = format!("{stem}-{number}");
+    if let Some(extension) = path.extension() {
+        name = format!("{name}.{}", extension.to_string_lossy());
+    }
+    path.with_file_name(name)
+}
+
+/// Recordings of further runs that are there.
+fn parts(path: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(files::folder(path)) else { return Vec::new() };
+    let stem = format!("{}-", path.file_stem().unwrap_or_default().to_string_lossy());
+    let mut found: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| path.with_file_name(entry.file_name()))
+        .filter(|candidate| {
+            let name = candidate.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let number = name.strip_prefix(&stem).and_then(|number| number.parse().ok());
+            number.is_some_and(|number| number >= 2 && part(path, number) == *candidate)
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+/// What makes the recordings of further runs.
 fn further(path: PathBuf, force: bool) -> Box<dyn Fn(usize) -> Opener + Send + Sync> {
-    Box::new(move |number| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let mut name = format!("{stem}-{number}");
-        if let Some(extension) = path.extension() {
-            name = format!("{name}.{}", extension.to_string_lossy());
-        }
-        made_at(path.with_file_name(name), force)
-    })
+    Box::new(move |number| made_at(part(&path, number), force))
+}
+
+fn kind(path: &Path, force: bool) -> Kind {
+    match names_hdf5(path) {
+        true => Kind::Hdf5 { path: path.to_owned(), segment_s: None, force },
+        false => Kind::Plain { path: path.to_owned(), force },
+    }
+}
+
+fn preflight(kinds: impl Iterator<Item = Kind>) -> Result<(), CliError> {
+    let settings: Vec<_> = kinds.map(|kind| sinks::Settings { kind, queue_pulses: 1 }).collect();
+    sinks::preflight(&settings).pop().map_or(Ok(()), |fault| Err(BuildErrors::from(fault).into()))
 }
 
 /// What makes the recording, when what is allowed has been looked at.
 fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
-    let hdf5 = names_hdf5(path);
-    if hdf5 && !cfg!(feature = "hdf5") {
+    if names_hdf5(path) && !cfg!(feature = "hdf5") {
         return Err(CliError::NoHdf5 { out: path.to_owned() });
     }
-    let path = path.to_owned();
-    let kind = match hdf5 {
-        true => Kind::Hdf5 { path: path.clone(), segment_s: None, force },
-        false => Kind::Plain { path: path.clone(), force },
-    };
-    if let Some(fault) = sinks::preflight(&[sinks::Settings { kind, queue_pulses: 1 }]).pop() {
-        return Err(BuildErrors::from(fault).into());
-    }
-    Ok(made_at(path, force))
+    preflight(std::iter::once(kind(path, force)))?;
+    Ok(made_at(path.to_owned(), force))
 }
 
 /// What makes a recording at a path.
@@ -127,8 +160,9 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
     )?;
     writeln!(
         out,
-        "sender      {} with implausible time stamps, {} of other senders; began again {}",
+        "sender      {} with implausible time stamps, {} with implausible pulse numbers, {} of other senders; began again {}",
         counted(report.implausible, "packet"),
+        counted(report.misnumbered, "state"),
         counted(report.strangers, "datagram"),
         counted(report.restarts, "time")
     )?;
@@ -166,6 +200,9 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         {
             writeln!(out, "            ECEF {x:.3}, {y:.3}, {z:.3} m")?;
         }
+    }
+    if let Some(recorded) = report.recorded {
+        writeln!(out, "recorded    {recorded} of {}", counted(report.pulses, "whole pulse"))?;
     }
     for file in &report.out {
         writeln!(

@@ -6,14 +6,14 @@
 
 use std::collections::VecDeque;
 
-use num_complex::Complex32;
-
-use crate::pulse::{PlatformRecord, Pulse, SampleFormat, Samples, flags};
+use crate::pulse::{Pulse, SampleFormat, flags};
 use crate::sinks::sink::Header;
 use crate::time::TimeTag;
 
 use super::context::State;
+use super::open::Open;
 use super::packet::{Frame, SECOND_PS};
+use super::track::{Numbers, Track, Verdict};
 
 /// Pulses that may be open at a time: a packet that comes later than so many pulses after its own is too late.
 const OPEN_PULSES: usize = 8;
@@ -26,29 +26,13 @@ const WAITING: usize = 64;
 /// How far a stamp may lie outside the run as it was described: the farthest window, and runs that slip a little.
 const BESIDE_S: f64 = 1e6;
 const SLIP: f64 = 0.01;
-/// A stamp so far after all others is first taken for a wrong one, s.
-const LEAP_PS: i128 = 3600 * SECOND_PS;
-/// So many datagrams in a row are no accident: a leap is followed, and so is a stream that goes back.
-const AGREEING: u32 = 64;
+/// Samples so far after those of the last whole pulse are none of this stream.
+const FAR_PS: i128 = 3600 * SECOND_PS;
+/// Mean intervals between pulses that are no neighbours: twice as many as may be open.
+const APART: f64 = 16.0;
 /// How far a stamp may lie from the grid: half a picosecond for it and for the first sample's, and one more for the
 /// arithmetic of a window in f64.
 const GRID_PS: f64 = 2.0;
-
-/// A pulse that is being put together.
-#[derive(Debug)]
-struct Open {
-    /// Time of the first sample.
-    first_ps: i128,
-    /// Whether its number is known: a state has come.
-    known: bool,
-    states: Vec<bool>,
-    /// A bit for every sample, channels one after the other.
-    got: Vec<u64>,
-    /// Words of `got` that are not all 0 lie within: a long window is not wiped for every datagram.
-    touched: std::ops::Range<usize>,
-    missing: usize,
-    pulse: Box<Pulse>,
-}
 
 /// What became of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +49,15 @@ pub(super) enum Taken {
     Stray,
     /// Its time is not one of this run, or far from all others.
     Implausible,
+    /// Its number is not one of this run, not that of its time, or not that of its pulse.
+    Misnumbered,
+}
+
+impl Taken {
+    /// Whether the packet is none of the run, as far as can be seen.
+    pub(super) fn is_refused(self) -> bool {
+        matches!(self, Self::Implausible | Self::Misnumbered)
+    }
 }
 
 /// Counters of pulses.
@@ -103,15 +96,17 @@ pub(super) struct Assembly {
     /// Emission of the last pulse that was closed and known.
     last_emission: Option<TimeTag>,
     gap: bool,
+    /// Numbers of pulses of which only states came, since the last one with samples.
+    unsound: Vec<u64>,
     /// Times that the run can have, as it was described.
     span_ps: (i128, i128),
-    /// Latest first sample of a pulse that was opened.
-    latest_ps: Option<i128>,
-    /// Datagrams in a row that lie far ahead, and that are too late; the time of the last one of these.
-    ahead: u32,
-    late: u32,
-    late_ps: i128,
-    /// Times that the stream went back.
+    /// First sample of the last whole pulse, or of the first that was opened.
+    base_ps: Option<i128>,
+    /// A pulse so far after another is none of its neighbours.
+    apart_ps: i128,
+    track: Track,
+    numbers: Numbers,
+    /// Times that the stream went back to where it had been.
     pub(super) rewound: u64,
     pub(super) pulses: Pulses,
 }
@@ -122,8 +117,15 @@ fn span_ps(header: &Header) -> (i128, i128) {
     // Conversions of what is too large, or no number, end at the limits.
     let after =
         |pulse: u64| (pulse as f64 / header.prf_hz * (1.0 + SLIP) + BESIDE_S).min(1e15) * SECOND_PS as f64;
-    let end = header.first_pulse.saturating_add(header.pulses);
+    // A run that does not say how long it is may be as long as it likes.
+    let pulses = if header.pulses == 0 { u64::MAX } else { header.pulses };
+    let end = header.first_pulse.saturating_add(pulses);
     (start_ps - (BESIDE_S * SECOND_PS as f64) as i128, start_ps + after(end) as i128)
+}
+
+/// An emission as a stamp has it.
+fn emission_ps(emission: TimeTag) -> i128 {
+    i128::from(emission.seconds()) * SECOND_PS + (emission.fraction_s() * SECOND_PS as f64).round() as i128
 }
 
 /// Where a time lies on a grid: the sample, if it is near one.
@@ -140,103 +142,6 @@ fn sample_at(time_ps: i128, first_ps: i128, rate_hz: f64) -> Option<usize> {
         .then_some(sample as usize)
 }
 
-impl Open {
-    fn new(header: &Header) -> Self {
-        let layout = &header.layout;
-        let total = layout.channels * layout.samples;
-        Self {
-            first_ps: 0,
-            known: false,
-            states: vec![false; layout.platforms],
-            got: vec![0; total.div_ceil(64)],
-            touched: 0..0,
-            missing: total,
-            pulse: Box::new(Pulse::new(layout)),
-        }
-    }
-
-    fn begin(&mut self, first_ps: i128, total: usize) {
-        self.first_ps = first_ps;
-        self.known = false;
-        self.states.fill(false);
-        if let Some(words) = self.got.get_mut(std::mem::take(&mut self.touched)) {
-            words.fill(0);
-        }
-        self.missing = total;
-    }
-
-    fn has(&self, at: usize) -> bool {
-        self.got.get(at / 64).is_some_and(|word| word >> (at % 64) & 1 == 1)
-    }
-
-    fn is_complete(&self) -> bool {
-        self.missing == 0 && self.known && self.states.iter().all(|&came| came)
-    }
-
-    /// Copies the samples of a packet to `at..`; counts those that are new.
-    fn fill(&mut self, at: usize, count: usize, payload: &[u8]) {
-        let words = at / 64..(at + count).div_ceil(64);
-        self.touched = match self.touched.is_empty() {
-            true => words,
-            false => self.touched.start.min(words.start)..self.touched.end.max(words.end),
-        };
-        for k in at..at + count {
-            if let Some(word) = self.got.get_mut(k / 64) {
-                let bit = 1 << (k % 64);
-                self.missing -= usize::from(*word & bit == 0);
-                *word |= bit;
-            }
-        }
-        match &mut self.pulse.samples {
-            Samples::Cf32(all) => {
-                for (sample, bytes) in all.iter_mut().skip(at).zip(payload.chunks_exact(8)) {
-                    let part = |from: usize| {
-                        bytes
-                            .get(from..from + 4)
-                            .and_then(|b| b.try_into().ok())
-                            .map_or(0.0, f32::from_be_bytes)
-                    };
-                    *sample = Complex32::new(part(0), part(4));
-                }
-            }
-            Samples::Ci16(all) => {
-                for (sample, bytes) in all.iter_mut().skip(at).zip(payload.chunks_exact(4)) {
-                    let part = |from: usize| {
-                        bytes
-                            .get(from..from + 2)
-                            .and_then(|b| b.try_into().ok())
-                            .map_or(0, i16::from_be_bytes)
-                    };
-                    *sample = [part(0), part(2)];
-                }
-            }
-        }
-    }
-
-    fn state(&mut self, state: &State) {
-        let pulse = &mut *self.pulse;
-        pulse.index = state.index;
-        pulse.time = TimeTag::new(state.emission.0, state.emission.1);
-        pulse.window_start_s = state.window_start_s;
-        pulse.flags = state.flags;
-        pulse.tx_pol = state.tx_pol;
-        self.known = true;
-        let platform = state.platform[0] as usize;
-        if let (Some(record), Some(came)) =
-            (pulse.nav_reported.get_mut(platform), self.states.get_mut(platform))
-        {
-            *came = true;
-            *record = PlatformRecord {
-                position_m: state.position_m,
-                velocity_mps: state.velocity_mps,
-                attitude_quat: state.attitude_quat,
-                age_s: state.age_s,
-                flags: state.platform_flags,
-            };
-        }
-    }
-}
-
 impl Assembly {
     pub(super) fn new(header: &Header) -> Self {
         let total = (header.layout.channels * header.layout.samples).max(1);
@@ -250,11 +155,12 @@ impl Assembly {
             last_ps: None,
             last_emission: None,
             gap: false,
+            unsound: Vec::new(),
             span_ps: span_ps(header),
-            latest_ps: None,
-            ahead: 0,
-            late: 0,
-            late_ps: 0,
+            base_ps: None,
+            apart_ps: (APART / header.prf_hz * SECOND_PS as f64) as i128,
+            track: Track::new(header),
+            numbers: Numbers::new(header),
             rewound: 0,
             pulses: Pulses::default(),
         }
@@ -265,45 +171,26 @@ impl Assembly {
         (self.span_ps.0..=self.span_ps.1).contains(&time_ps)
     }
 
-    /// Whether a pulse may be opened at a time: not at a single stamp far ahead of all others.
-    fn may_begin(&mut self, first_ps: i128) -> bool {
-        if self.latest_ps.is_some_and(|latest| first_ps - latest > LEAP_PS) {
-            self.ahead += 1;
-            return self.ahead >= AGREEING;
-        }
-        true
-    }
-
-    /// What is in its time ends every suspicion.
-    fn in_time(&mut self) {
-        (self.ahead, self.late) = (0, 0);
-    }
-
-    /// Counts what is too late. Datagrams that only are late do not come in a row and in their order: when so many do, the
-    /// stream has gone back, or was led astray by wrong stamps, and is followed to where it is.
-    fn follow_back(
-        &mut self,
-        time_ps: i128,
-        taken: Taken,
-        done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
-    ) -> bool {
-        if taken != Taken::Late {
-            return false;
-        }
-        self.late = if time_ps >= self.late_ps { self.late + 1 } else { 1 };
-        self.late_ps = time_ps;
-        if self.late < AGREEING {
+    /// Whether the stream is followed to where an emission is out of its place.
+    fn follow(&mut self, emission_ps: i128, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> bool {
+        let verdict = self.track.elsewhere(emission_ps);
+        if verdict == Verdict::Waits {
             return false;
         }
         while !self.open.is_empty() {
             self.close(done);
         }
         self.closed.clear();
-        self.early.clear();
-        (self.last_ps, self.latest_ps, self.last_emission) = (None, None, None);
-        self.rewound += 1;
-        self.in_time();
+        self.strand();
+        (self.last_ps, self.last_emission, self.base_ps) = (None, None, None);
+        self.rewound += u64::from(verdict == Verdict::Rewound);
         true
+    }
+
+    /// Gives up packets that wait for their pulse.
+    fn strand(&mut self) {
+        self.pulses.strays += self.early.len() as u64;
+        self.early.clear();
     }
 
     /// Bytes of a sample.
@@ -322,23 +209,27 @@ impl Assembly {
         done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
     ) -> Taken {
         let first_ps = time_ps + (state.window_start_s * SECOND_PS as f64).round() as i128;
-        if state.platform[0] as usize >= self.header.layout.platforms {
+        let [platform, of] = state.platform;
+        if platform >= of || of as usize != self.header.layout.platforms {
             return Taken::Stray;
         }
-        if !self.is_plausible(time_ps) {
+        // The stamp is that of the emission.
+        let emission = state.time();
+        if !self.is_plausible(time_ps) || (emission_ps(emission) - time_ps).abs() > GRID_PS as i128 {
             return Taken::Implausible;
+        }
+        if !self.numbers.allow(state.index, emission) {
+            return Taken::Misnumbered;
         }
         let near = |open: &Open| (open.first_ps - first_ps).unsigned_abs() <= GRID_PS as u128;
         let place = match self.open.iter().position(near) {
             Some(place) => place,
             None => {
-                if let Some(taken) = self.closed(first_ps, 1)
-                    && !self.follow_back(first_ps, taken, done)
+                let ahead = || self.track.is_ahead(time_ps).then_some(Taken::Implausible);
+                if let Some(taken) = self.closed(first_ps, 1).or_else(ahead)
+                    && !self.follow(time_ps, done)
                 {
                     return taken;
-                }
-                if !self.may_begin(first_ps) {
-                    return Taken::Implausible;
                 }
                 self.begin(first_ps, done)
             }
@@ -347,8 +238,11 @@ impl Assembly {
         if open.states.get(state.platform[0] as usize) == Some(&true) {
             return Taken::Double;
         }
+        if !open.agrees(state) {
+            return Taken::Misnumbered;
+        }
         open.state(state);
-        self.in_time();
+        self.track.here(time_ps);
         self.hand_on(done);
         Taken::Yes
     }
@@ -373,19 +267,16 @@ impl Assembly {
         }
         let begins = matches!(frame, Some(Frame::First | Frame::Only));
         if let Some(taken) = self.place(channel, time_ps, begins, count, payload) {
-            self.in_time();
             self.hand_on(done);
             return taken;
         }
-        if let Some(taken) = self.closed(time_ps, samples)
-            && !self.follow_back(time_ps, taken, done)
-        {
+        if let Some(taken) = self.closed(time_ps, samples) {
             return taken;
         }
+        if self.base_ps.is_some_and(|base| time_ps - base > FAR_PS) {
+            return Taken::Implausible;
+        }
         if begins {
-            if !self.may_begin(time_ps) {
-                return Taken::Implausible;
-            }
             // The first word of a pulse whose states are missing or still to come.
             let place = self.begin(time_ps, done);
             if let Some(open) = self.open.get_mut(place) {
@@ -443,9 +334,21 @@ impl Assembly {
     /// Opens a pulse at its place among the others, and gives up the oldest where there are too many.
     fn begin(&mut self, first_ps: i128, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> usize {
         while self.open.len() >= self.most {
-            self.close(done);
+            // First one of which only states came, or only samples: who opens many shall not close those that become whole.
+            // Then a pulse that lies apart, or all others if this one comes before them: it would be late.
+            let last = self.open.len() - 1;
+            let weak = self.open.iter().rposition(|open| !open.is_sound());
+            let apart = |open: &Open| open.first_ps - first_ps > self.apart_ps;
+            let is_first = self.open.front().is_some_and(|front| first_ps < front.first_ps);
+            if let Some(place) = weak {
+                self.give_up(place);
+            } else if is_first || self.open.back().is_some_and(apart) {
+                self.give_up(last);
+            } else {
+                self.close(done);
+            }
         }
-        self.latest_ps = Some(self.latest_ps.map_or(first_ps, |latest| latest.max(first_ps)));
+        self.base_ps.get_or_insert(first_ps);
         let mut open = self.free.pop().unwrap_or_else(|| Open::new(&self.header));
         open.begin(first_ps, self.header.layout.channels * self.header.layout.samples);
         let place = self.open.partition_point(|other| other.first_ps < first_ps);
@@ -469,6 +372,47 @@ impl Assembly {
         }
     }
 
+    /// Gives up a pulse as if nothing had come of it.
+    fn give_up(&mut self, place: usize) {
+        if let Some(open) = self.open.remove(place) {
+            self.pulses.incomplete += 1;
+            self.note_unsound(&open);
+            self.free.push(open);
+        }
+    }
+
+    /// Remembers the number of a pulse of which only states came: it is not missing, but says nothing of others.
+    fn note_unsound(&mut self, open: &Open) {
+        if open.known && self.unsound.len() < CLOSED_PULSES {
+            self.unsound.push(open.pulse.index);
+        }
+    }
+
+    /// Counts what is missing before a pulse, by its number and its emission.
+    fn count(&mut self, index: u64, emission: TimeTag) {
+        let pulses = &mut self.pulses;
+        let mut between = std::mem::take(&mut self.unsound);
+        match pulses.last {
+            Some(last) if index <= last => pulses.backwards += 1,
+            Some(last) => {
+                between.retain(|other| last < *other && *other < index);
+                between.sort_unstable();
+                between.dedup();
+                let missing = index - last - 1 - between.len() as u64;
+                pulses.missing_by_index = pulses.missing_by_index.saturating_add(missing);
+                self.gap |= index - last > 1;
+            }
+            None => pulses.first = Some(index),
+        }
+        if let Some(last) = self.last_emission {
+            let intervals = (emission.since(last) * self.header.prf_hz).round();
+            let missing = (intervals - 1.0 - between.len() as f64).max(0.0) as u64;
+            pulses.missing_by_time = pulses.missing_by_time.saturating_add(missing);
+        }
+        pulses.last = Some(index);
+        self.last_emission = Some(emission);
+    }
+
     /// Closes the oldest pulse, complete or not.
     fn close(&mut self, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
         let Some(mut open) = self.open.pop_front() else { return };
@@ -477,35 +421,24 @@ impl Assembly {
             self.closed.pop_front();
         }
         self.closed.push_back((open.first_ps, complete));
-        self.last_ps = Some(open.first_ps);
-        let pulses = &mut self.pulses;
-        if open.known {
-            let (index, time) = (open.pulse.index, open.pulse.time);
-            match pulses.last {
-                Some(last) if index <= last => pulses.backwards += 1,
-                Some(last) => {
-                    let missing = index - last - 1;
-                    pulses.missing_by_index = pulses.missing_by_index.saturating_add(missing);
-                    self.gap |= missing > 0;
-                }
-                None => pulses.first = Some(index),
-            }
-            if let Some(last) = self.last_emission {
-                let intervals = (time.since(last) * self.header.prf_hz).round();
-                let missing = (intervals - 1.0).max(0.0) as u64;
-                pulses.missing_by_time = pulses.missing_by_time.saturating_add(missing);
-            }
-            pulses.last = Some(index);
-            self.last_emission = Some(time);
+        if open.is_sound() {
+            self.last_ps = self.last_ps.max(Some(open.first_ps));
         }
+        if open.is_sound() {
+            self.count(open.pulse.index, open.pulse.time);
+        } else {
+            self.note_unsound(&open);
+        }
+        let pulses = &mut self.pulses;
         if complete {
+            self.track.whole(emission_ps(open.pulse.time));
+            self.base_ps = Some(open.first_ps);
             pulses.complete += 1;
             if std::mem::take(&mut self.gap) {
                 open.pulse.flags |= flags::AFTER_GAP;
             }
-            let Open { first_ps, known, states, got, touched, missing, pulse } = open;
-            let pulse = done(pulse).unwrap_or_else(|| Box::new(Pulse::new(&self.header.layout)));
-            open = Open { first_ps, known, states, got, touched, missing, pulse };
+            let pulse = done(open.pulse).unwrap_or_else(|| Box::new(Pulse::new(&self.header.layout)));
+            open.pulse = pulse;
         } else {
             pulses.incomplete += 1;
             self.gap = true;
@@ -518,7 +451,6 @@ impl Assembly {
         while !self.open.is_empty() {
             self.close(done);
         }
-        self.pulses.strays += self.early.len() as u64;
-        self.early.clear();
+        self.strand();
     }
 }

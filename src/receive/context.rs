@@ -3,6 +3,8 @@
 
 use serde::Serialize;
 
+use crate::time::TimeTag;
+
 use super::packet::{Class, Malformed, Words};
 
 /// Class identifiers of the extension contexts that are understood.
@@ -207,6 +209,13 @@ pub struct State {
     pub ecef_attitude_quat: [f64; 4],
 }
 
+impl State {
+    /// The emission.
+    pub fn time(&self) -> TimeTag {
+        TimeTag::new(self.emission.0, self.emission.1)
+    }
+}
+
 /// An extension context.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Extension {
@@ -220,8 +229,14 @@ pub enum Extension {
     Run(Box<RunDescription>),
 }
 
+/// Longest text, bytes: names of platforms and channels, the software.
+const TEXT: usize = 1024;
+
 fn text(words: &mut Words<'_>) -> Result<String, Malformed> {
     let length = words.u32()? as usize;
+    if length > TEXT {
+        return Err(Malformed::Value("a text of more than 1024 bytes"));
+    }
     let bytes = words.bytes(length)?;
     words.bytes(length.next_multiple_of(4) - length)?;
     let text = std::str::from_utf8(bytes).map_err(|_| Malformed::Value("a text that is not UTF-8"))?;

@@ -5,18 +5,19 @@ use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver as Inbox, RecvTimeoutError, Sender, TrySendError, bounded};
 use socket2::SockRef;
 use thiserror::Error;
 
 use crate::pulse::Pulse;
-use crate::sinks::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
+use crate::sinks::sink::SinkError;
 
+use super::recording::Recordings;
 use super::report::Report;
 use super::{Outlet, Receiver};
+
+pub use super::recording::Opener;
 
 /// Receive buffer that is asked for, bytes: the system may give less.
 const RECEIVE_BUFFER: usize = 16 << 20;
@@ -24,9 +25,8 @@ const RECEIVE_BUFFER: usize = 16 << 20;
 const DATAGRAM: usize = 65_536;
 /// How often the end is looked for.
 const GLANCE: Duration = Duration::from_millis(50);
-/// Whole pulses that may wait to be recorded, and samples that they may have together.
-const WAITING: usize = 512;
-const WAITING_SAMPLES: usize = 1 << 25;
+/// Restarts that are reported one by one: whoever can begin runs does not fill a log.
+const NOTICES: u64 = 20;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Until {
     pub pulses: Option<u64>,
     /// After so long.
     pub duration: Option<Duration>,
-    /// When nothing has come for so long, once something has.
+    /// When nothing of a run has come for so long, once something has.
     pub idle: Option<Duration>,
 }
 
@@ -71,6 +71,17 @@ pub enum ReceiveError {
     Record(#[from] SinkError),
 }
 
+/// A reception that was to go on: what was received until then, and why it ended.
+#[derive(Debug, Error)]
+#[error("{error}")]
+pub struct Interrupted {
+    /// The report until then.
+    pub report: Report,
+    /// Why it ended.
+    #[source]
+    pub error: ReceiveError,
+}
+
 /// A bound socket.
 #[derive(Debug)]
 pub struct Listener {
@@ -90,6 +101,8 @@ pub struct Senders {
     pub restart: bool,
     /// Where further runs are recorded, by their number from 2.
     pub next: Option<Box<dyn Fn(usize) -> Opener + Send + Sync>>,
+    /// Recordings of an earlier reception that are removed when this one has ended well, where it makes none of its own.
+    pub older: Vec<PathBuf>,
     /// Takes what the user should know at once.
     pub notice: Option<fn(&str)>,
 }
@@ -124,66 +137,6 @@ pub fn senders(text: &str) -> Result<Vec<SocketAddr>, ReceiveError> {
     let fault = |source| ReceiveError::From { address: text.to_owned(), source };
     let list: Vec<SocketAddr> = found.map_err(fault)?.collect();
     if list.is_empty() { Err(fault(ErrorKind::NotFound.into())) } else { Ok(list) }
-}
-
-/// Makes the sink of a recording when its header is known.
-pub type Opener = Box<dyn FnOnce(&Header) -> Result<Box<dyn Sink>, SinkError> + Send>;
-
-/// A recording that is written in a thread of its own, so that the socket is read meanwhile.
-struct Recorder {
-    pulses: Sender<Box<Pulse>>,
-    free: Inbox<Box<Pulse>>,
-    /// One past the last pulse that was recorded.
-    next: std::cell::Cell<u64>,
-    thread: thread::JoinHandle<Result<SinkReport, SinkError>>,
-}
-
-impl Recorder {
-    fn start(header: &Header, open: Opener) -> Result<Self, SinkError> {
-        let mut sink = open(header)?;
-        let samples = header.layout.channels.saturating_mul(header.layout.samples).max(1);
-        let waiting = (WAITING_SAMPLES / samples).clamp(2, WAITING);
-        let (pulses, inbox) = bounded::<Box<Pulse>>(waiting);
-        let (give, free) = bounded(waiting);
-        let thread = thread::spawn(move || {
-            loop {
-                match inbox.recv_timeout(FLUSH_INTERVAL) {
-                    Ok(pulse) => {
-                        sink.write(&pulse)?;
-                        match give.try_send(pulse) {
-                            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
-                        }
-                    }
-                    // Silence: what has come is made readable.
-                    Err(RecvTimeoutError::Timeout) => sink.flush()?,
-                    Err(RecvTimeoutError::Disconnected) => return sink.finish(),
-                }
-            }
-        });
-        Ok(Self { pulses, free, next: std::cell::Cell::new(0), thread })
-    }
-
-    /// Hands a pulse over and takes back one that was written.
-    fn record(&self, pulse: Box<Pulse>) -> Option<Box<Pulse>> {
-        // Pulses of a recording ascend: those of a stream that went back are counted alone.
-        if pulse.index < self.next.get() {
-            return Some(pulse);
-        }
-        self.next.set(pulse.index.saturating_add(1));
-        // A recording that failed is told in the end.
-        let _ = self.pulses.send(pulse);
-        self.free.try_recv().ok()
-    }
-
-    fn has_failed(&self) -> bool {
-        self.thread.is_finished()
-    }
-
-    fn finish(self) -> Result<Option<SinkReport>, SinkError> {
-        drop(self.pulses);
-        // A panic of the thread has been told by the thread.
-        self.thread.join().ok().transpose()
-    }
 }
 
 /// Datagrams that the system dropped at a local UDP port, by its own table.
@@ -235,17 +188,22 @@ impl Listener {
 
     /// Receives until the end that was asked for, or until `stop` is set. Whole pulses go to the recording, if there is
     /// one, and to `see`.
+    ///
+    /// # Errors
+    /// What ended the reception or the recording early, with the report until then.
     pub fn receive(
         &self,
         until: Until,
         stop: &AtomicBool,
-        mut record: Option<Opener>,
+        record: Option<Opener>,
         mut see: impl FnMut(&Pulse),
-    ) -> Result<Report, ReceiveError> {
+    ) -> Result<Report, Box<Interrupted>> {
         let mut receiver = if self.senders.restart { Receiver::following() } else { Receiver::new() };
-        let (mut strangers, mut restarts, mut runs, mut files) = (0, 0, 0, Vec::new());
+        let (mut strangers, mut restarts, mut runs, mut known) = (0u64, 0, 0, 0);
         let recorded = record.is_some();
-        let mut recorder: Option<Recorder> = None;
+        let mut recordings = Recordings::replacing(self.senders.older.clone());
+        recordings.begin(record);
+        let mut fault = None;
         let mut datagram = vec![0; DATAGRAM];
         let begun = Instant::now();
         let mut last: Option<Instant> = None;
@@ -253,32 +211,32 @@ impl Listener {
             if until.pulses.is_some_and(|pulses| receiver.pulses() >= pulses)
                 || until.duration.is_some_and(|duration| begun.elapsed() >= duration)
                 || until.idle.zip(last).is_some_and(|(idle, last)| last.elapsed() >= idle)
-                || recorder.as_ref().is_some_and(Recorder::has_failed)
+                || recordings.has_failed()
             {
                 break;
             }
             match self.socket.recv_from(&mut datagram) {
-                Ok((_, sender)) if !self.senders.hears(&sender) => strangers += 1,
+                Ok((_, sender)) if !self.senders.hears(&sender) => strangers = strangers.saturating_add(1),
                 Ok((length, _)) => {
-                    let arrival = Instant::now();
-                    last = Some(arrival);
+                    let (arrival, refused) = (Instant::now(), receiver.refused());
                     let packet = datagram.get(..length).unwrap_or(&[]);
-                    receiver.take(packet, arrival, &mut outlet(recorder.as_ref(), &mut see));
+                    receiver.take(packet, arrival, &mut outlet(&mut recordings, &mut see));
+                    // Who sends nonsense does not keep a reception from its end.
+                    if receiver.refused() == refused {
+                        last = Some(arrival);
+                    }
                     if receiver.restarts() > restarts {
                         restarts = receiver.restarts();
-                        self.say_restarted();
+                        self.say_restarted(restarts);
                     }
                     if receiver.runs_before() > runs {
                         runs = receiver.runs_before();
-                        if let Some(done) = recorder.take() {
-                            files.extend(self.recorded(done.finish()?));
-                        }
-                        record = self.senders.next.as_ref().filter(|_| recorded).map(|next| next(runs + 1));
+                        let next = self.senders.next.as_ref().filter(|_| recorded);
+                        recordings.begin(next.map(|next| next(runs + 1)));
                     }
-                    if let (Some(header), true) = (receiver.header(), record.is_some())
-                        && let Some(open) = record.take()
-                    {
-                        recorder = Some(Recorder::start(header, open)?);
+                    if let Some(header) = receiver.header().filter(|_| receiver.times_known() > known) {
+                        known = receiver.times_known();
+                        recordings.describe(header);
                     }
                 }
                 Err(error) => match error.kind() {
@@ -286,55 +244,50 @@ impl Listener {
                     // An answer to something that another program sent from this port.
                     ErrorKind::ConnectionRefused | ErrorKind::ConnectionReset => {}
                     _ => {
-                        return Err(ReceiveError::Socket {
-                            address: self.address.to_string(),
-                            source: error,
-                        });
+                        let address = self.address.to_string();
+                        fault = Some(ReceiveError::Socket { address, source: error });
+                        break;
                     }
                 },
             }
         }
-        let mut report = receiver.finish(&mut outlet(recorder.as_ref(), &mut see));
-        if let Some(recorder) = recorder {
-            files.extend(self.recorded(recorder.finish()?));
+        let mut report = receiver.finish(&mut outlet(&mut recordings, &mut see));
+        let done = recordings.finish(fault.is_none());
+        if let Some(notice) = self.senders.notice {
+            done.notes.iter().for_each(|note| notice(note));
         }
-        report.out = files;
+        report.out = done.files;
+        report.recorded = recorded.then_some(done.pulses);
         report.strangers = strangers;
         report.listen = self.address.to_string();
         report.receive_buffer_bytes = self.buffer_bytes;
         let now = kernel_drops(&self.address);
         report.kernel_drops = now.zip(self.drops_before).map(|(now, before)| now.saturating_sub(before));
-        Ok(report)
-    }
-}
-
-impl Listener {
-    /// The files of a recording that has ended; reports what did not become of it.
-    fn recorded(&self, done: Option<SinkReport>) -> Vec<PathBuf> {
-        let Some(done) = done else { return Vec::new() };
-        if let Some(notice) = self.senders.notice {
-            done.notes().iter().for_each(|note| notice(note));
+        match fault.or(done.fault.map(ReceiveError::Record)) {
+            None => Ok(report),
+            Some(error) => {
+                report.error = Some(error.to_string());
+                Err(Box::new(Interrupted { report, error }))
+            }
         }
-        done.files
     }
 
-    /// Reports that the sender began again.
-    fn say_restarted(&self) {
+    /// Reports that the sender began again; not for ever.
+    fn say_restarted(&self, times: u64) {
+        let Some(notice) = self.senders.notice.filter(|_| times <= NOTICES) else { return };
         let what =
             if self.senders.restart { "it is followed" } else { "not followed (--restart follows it)" };
-        if let Some(notice) = self.senders.notice {
-            notice(&format!("the sender began another run, or the same one again: {what}"));
+        notice(&format!("the sender began another run, or the same one again: {what}"));
+        if times == NOTICES {
+            notice(&format!("it began again {NOTICES} times; from now on that is only counted"));
         }
     }
 }
 
 /// Where whole pulses go.
-fn outlet<'a>(recorder: Option<&'a Recorder>, see: &'a mut impl FnMut(&Pulse)) -> impl Outlet + 'a {
+fn outlet<'a>(recordings: &'a mut Recordings, see: &'a mut impl FnMut(&Pulse)) -> impl Outlet + 'a {
     move |pulse: Box<Pulse>| {
         see(&pulse);
-        match recorder {
-            Some(recorder) => recorder.record(pulse),
-            None => Some(pulse),
-        }
+        recordings.take(pulse)
     }
 }

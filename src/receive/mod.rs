@@ -9,9 +9,11 @@
 //!
 //! Lateness is `arrival - emission` above its least value: it needs no common clock, only two that run alike.
 //!
-//! One wrong or forged time stamp does not make the others late: times must be of the run as it was described, a leap of an
-//! hour is followed when 64 datagrams in a row agree, and so is a stream that goes back. A sender that begins again is counted
-//! in `restarts`; [`Receiver::following`] begins again with it.
+//! Nothing hangs on one datagram, for anybody may have sent it. Times and numbers of pulses must be of the run as it was
+//! described and agree with each other. A leap of more than a second is followed when a majority of the datagrams that begin
+//! pulses, 64 of 16 pulses at least, agree, and so is a stream that goes back. Until the first pulse is whole, descriptions
+//! that contradict what was learned make the receiver learn anew. A sender that begins again is counted in `restarts`;
+//! [`Receiver::following`] begins again with it.
 //!
 //! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits do not see sixteen
 //! lost packets in a row, time stamps and pulse numbers do.
@@ -27,12 +29,16 @@
 mod assembly;
 pub mod context;
 pub mod listener;
+mod open;
 mod order;
 pub mod packet;
+mod recording;
 pub mod report;
 mod roster;
+mod track;
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::pulse::Pulse;
@@ -48,8 +54,8 @@ use roster::Roster;
 
 pub use listener::{Listener, ReceiveError};
 
-/// Streams whose counts are followed.
-const STREAMS: usize = 4096;
+/// Further runs that are followed: whoever can begin runs does not fill a disk with their files.
+const RUNS: usize = 999;
 
 /// What the wire does not carry.
 pub const NOT_CARRIED: &[&str] = &[
@@ -85,6 +91,8 @@ pub struct Receiver {
     runs_before: usize,
     /// Times that the present assembly was seen to go back.
     rewound: u64,
+    /// Times that a run was known.
+    known: u64,
 }
 
 /// Descriptions of another run that must come in a row before it is believed: one datagram may be anybody's.
@@ -116,9 +124,30 @@ impl Receiver {
         self.roster.known().map(|known| &known.header)
     }
 
+    /// Times that a run, or the same one again, was known: another header then holds.
+    pub(super) fn times_known(&self) -> u64 {
+        self.known
+    }
+
     /// Whole pulses so far.
     pub fn pulses(&self) -> u64 {
-        self.report.pulses + self.assembly.as_ref().map_or(0, |assembly| assembly.pulses.complete)
+        self.report.pulses.saturating_add(self.whole_pulses())
+    }
+
+    /// Whole pulses of the present run.
+    fn whole_pulses(&self) -> u64 {
+        self.assembly.as_ref().map_or(0, |assembly| assembly.pulses.complete)
+    }
+
+    /// Datagrams that are none of the run, as far as can be seen.
+    pub(super) fn refused(&self) -> u64 {
+        let Report { malformed, unknown, implausible, misnumbered, .. } = self.report;
+        malformed.saturating_add(unknown).saturating_add(implausible).saturating_add(misnumbered)
+    }
+
+    /// Whether another run may be followed.
+    fn may_follow(&self) -> bool {
+        self.follows && self.runs_before < RUNS
     }
 
     /// Takes a datagram; whole pulses go to `outlet`.
@@ -133,47 +162,72 @@ impl Receiver {
         if rewound > self.rewound {
             self.rewound = rewound;
             self.report.restarts += 1;
-            if self.follows {
+            if self.may_follow() {
                 self.begin_again(outlet);
                 self.look_ready();
+            } else {
+                // Counts and times of the streams are those from before.
+                self.forget_streams();
             }
         }
     }
 
     /// Ends the run that is received. What is known of it stays known, for the same run may begin again.
     fn begin_again(&mut self, outlet: &mut impl Outlet) {
-        self.settle(outlet);
-        self.assembly = None;
-        self.report.missing.packets_by_count += self.streams.values().map(Stream::missing).sum::<u64>();
-        self.streams.clear();
-        self.other = None;
-        self.rewound = 0;
+        self.close_run(outlet);
         self.runs_before += 1;
     }
 
-    /// Looks whether a description is of another run; whether that is followed.
-    fn another(&mut self, description: &Extension, outlet: &mut impl Outlet) -> bool {
-        let Extension::Run(run) = description else { return false };
+    fn close_run(&mut self, outlet: &mut impl Outlet) {
+        self.settle(outlet);
+        self.assembly = None;
+        self.forget_streams();
+        self.other = None;
+        self.rewound = 0;
+    }
+
+    fn forget_streams(&mut self) {
+        let by_count = &mut self.report.missing.packets_by_count;
+        *by_count = self.streams.values().fold(*by_count, |sum, stream| sum.saturating_add(stream.missing()));
+        self.streams.clear();
+    }
+
+    /// Forgets what was learned.
+    fn forget_roster(&mut self) {
+        self.report.contradictions = self.report.contradictions.saturating_add(self.roster.contradictions);
+        self.roster = Roster::default();
+    }
+
+    /// Looks whether a description is of another run, which may be followed.
+    fn another(&mut self, description: &Extension, outlet: &mut impl Outlet) {
+        let Extension::Run(run) = description else { return };
         if !self.roster.is_another(run) {
             self.other = None;
-            return false;
+            return;
         }
         let times = match &self.other {
             Some((other, times)) if roster::same_run(other, run) => times.saturating_add(1),
             _ => 1,
         };
         self.other = Some((run.clone(), times));
-        if times != AGREEING {
-            return false;
+        if times != AGREEING || self.whole_pulses() == 0 {
+            return;
         }
         self.report.restarts += 1;
-        if !self.follows {
-            return false;
+        if !self.may_follow() {
+            return;
         }
         self.begin_again(outlet);
-        self.report.contradictions += self.roster.contradictions;
-        self.roster = Roster::default();
-        true
+        self.forget_roster();
+    }
+
+    /// Learns a description. What came first holds once a pulse of it has been whole; until then, what came last does.
+    fn learn(&mut self, stream: u32, description: Extension, outlet: &mut impl Outlet) {
+        if self.roster.learn(stream, description.clone()) || self.whole_pulses() > 0 {
+            return;
+        }
+        self.close_run(outlet);
+        self.roster.learn_anew(stream, description);
     }
 
     fn read(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut impl Outlet) -> Result<(), Malformed> {
@@ -184,34 +238,49 @@ impl Receiver {
         };
         match packet.kind {
             Kind::Signal => {
-                if self.is_plausible(&packet) && self.in_order(stream, &packet) {
-                    self.signal(stream, &packet, arrival, outlet);
+                if self.is_plausible(&packet)
+                    && self.is_new(stream, &packet)
+                    && self.signal(stream, &packet, arrival, outlet)
+                {
+                    self.note(stream, &packet);
                 }
             }
             Kind::Context => {
-                let Some(context) = Context::parse(packet.payload)? else {
+                let context = Context::parse(packet.payload)?.filter(|_| roster::has_contexts(stream));
+                let Some(context) = context else {
                     self.report.unknown += 1;
                     return Ok(());
                 };
-                if self.in_order(stream, &packet) {
-                    self.roster.hear(stream, context);
-                    self.look_ready();
+                if self.is_new(stream, &packet) {
+                    self.note(stream, &packet);
                 }
+                // Heard even when it comes again: a forged one may have had the same count and time.
+                let anew = self.whole_pulses() == 0;
+                if anew && !self.roster.agrees(stream, &context) {
+                    self.close_run(outlet);
+                }
+                self.roster.hear(stream, context, anew);
+                self.look_ready();
             }
             Kind::ExtensionContext => {
                 let body = packet.class.map(|class| Extension::parse(class, packet.payload)).transpose()?;
-                match body.flatten() {
+                match body.flatten().filter(|extension| roster::belongs(stream, extension)) {
                     None => self.report.unknown += 1,
                     Some(Extension::State(state)) => {
-                        if self.is_plausible(&packet) && self.in_order(stream, &packet) {
-                            self.state(stream, &packet, &state, arrival, outlet);
+                        if self.is_plausible(&packet)
+                            && self.is_new(stream, &packet)
+                            && self.state(stream, &packet, &state, arrival, outlet)
+                        {
+                            self.note(stream, &packet);
                         }
                     }
                     Some(description) => {
                         // Looked at even when it comes again: another run may begin with the same count and time.
                         self.another(&description, outlet);
-                        self.in_order(stream, &packet);
-                        self.roster.learn(stream, description);
+                        if self.is_new(stream, &packet) {
+                            self.note(stream, &packet);
+                        }
+                        self.learn(stream, description, outlet);
                         self.look_ready();
                     }
                 }
@@ -236,24 +305,22 @@ impl Receiver {
         plausible
     }
 
-    /// Judges the packet count; whether the packet is new.
-    fn in_order(&mut self, stream: u32, packet: &Packet<'_>) -> bool {
-        let key = (stream, packet.kind);
-        let Some(known) = self.streams.get_mut(&key) else {
-            if self.streams.len() < STREAMS {
-                self.streams.insert(key, Stream::begin(packet.count, packet.time_ps));
-            }
-            return true;
-        };
-        match known.judge(packet.count, packet.time_ps) {
-            Order::Next => true,
-            Order::Overtaken => {
-                self.report.overtaken += 1;
-                true
-            }
-            Order::Double => {
-                self.report.duplicates += 1;
-                false
+    /// Whether a packet is new by its count and time; one that is not is counted.
+    fn is_new(&mut self, stream: u32, packet: &Packet<'_>) -> bool {
+        let known = self.streams.get(&(stream, packet.kind));
+        let double = known.is_some_and(|known| known.is_double(packet.count, packet.time_ps));
+        self.report.duplicates += u64::from(double);
+        !double
+    }
+
+    /// Notes the count of a packet in a stream of the run: those that are refused say nothing of what is missing.
+    fn note(&mut self, stream: u32, packet: &Packet<'_>) {
+        match self.streams.entry((stream, packet.kind)) {
+            Entry::Vacant(place) => drop(place.insert(Stream::begin(packet.count, packet.time_ps))),
+            Entry::Occupied(mut known) => {
+                if known.get_mut().judge(packet.count, packet.time_ps) == Order::Overtaken {
+                    self.report.overtaken += 1;
+                }
             }
         }
     }
@@ -261,6 +328,7 @@ impl Receiver {
     fn look_ready(&mut self) {
         if let (None, Some(known)) = (&self.assembly, self.roster.known()) {
             self.assembly = Some(Assembly::new(&known.header));
+            self.known += 1;
             self.report.platforms = known
                 .header
                 .platforms
@@ -270,21 +338,30 @@ impl Receiver {
         }
     }
 
-    fn signal(&mut self, stream: u32, packet: &Packet<'_>, arrival: Instant, outlet: &mut impl Outlet) {
+    /// Takes samples; whether they are of the run.
+    fn signal(
+        &mut self,
+        stream: u32,
+        packet: &Packet<'_>,
+        arrival: Instant,
+        outlet: &mut impl Outlet,
+    ) -> bool {
         let Self { assembly: Some(assembly), roster, report, arrivals, first, .. } = self else {
             self.report.undescribed += 1;
-            return;
+            return false;
         };
         let channel = roster.known().and_then(|known| known.streams.iter().position(|of| *of == stream));
         let (Some(channel), Some(time_ps)) = (channel, packet.time_ps) else {
             report.unknown += 1;
-            return;
+            return false;
         };
         let mut done = timed(arrivals, first, arrival, outlet);
         let taken = assembly.samples(channel, time_ps, packet.frame(), packet.payload, &mut done);
         count(report, taken);
+        !taken.is_refused()
     }
 
+    /// Takes a state; whether it is of the run.
     fn state(
         &mut self,
         stream: u32,
@@ -292,14 +369,14 @@ impl Receiver {
         state: &State,
         arrival: Instant,
         outlet: &mut impl Outlet,
-    ) {
+    ) -> bool {
         let Self { assembly: Some(assembly), roster, report, arrivals, first, .. } = self else {
             self.report.undescribed += 1;
-            return;
+            return false;
         };
         let Some(time_ps) = packet.time_ps else {
             report.unknown += 1;
-            return;
+            return false;
         };
         let mut done = timed(arrivals, first, arrival, outlet);
         let taken = assembly.state(time_ps, state, &mut done);
@@ -316,6 +393,7 @@ impl Receiver {
             platform.flags = state.platform_flags;
             platform.ephemeris = roster.context(stream).and_then(|context| context.ephemeris);
         }
+        !taken.is_refused()
     }
 
     /// Gives up what is open, and adds the counts of this run to those before.
@@ -324,25 +402,29 @@ impl Receiver {
         assembly.finish(outlet);
         let pulses = assembly.pulses;
         let report = &mut self.report;
-        report.pulses += pulses.complete;
-        report.incomplete += pulses.incomplete;
         report.first_pulse = report.first_pulse.or(pulses.first);
         report.last_pulse = pulses.last.or(report.last_pulse);
-        report.backwards += pulses.backwards;
-        report.stray += pulses.strays;
-        report.missing.pulses_by_index += pulses.missing_by_index;
-        report.missing.pulses_by_time += pulses.missing_by_time;
+        for (sum, count) in [
+            (&mut report.pulses, pulses.complete),
+            (&mut report.incomplete, pulses.incomplete),
+            (&mut report.backwards, pulses.backwards),
+            (&mut report.stray, pulses.strays),
+            (&mut report.missing.pulses_by_index, pulses.missing_by_index),
+            (&mut report.missing.pulses_by_time, pulses.missing_by_time),
+        ] {
+            *sum = sum.saturating_add(count);
+        }
     }
 
     /// The end: gives up what is open, and reports.
     pub fn finish(mut self, outlet: &mut impl Outlet) -> Report {
-        self.report.missing.packets_by_count += self.streams.values().map(Stream::missing).sum::<u64>();
+        self.forget_streams();
         self.settle(outlet);
         if let Some(known) = self.roster.known() {
             self.report.contexts =
                 known.streams.iter().filter_map(|stream| self.roster.context(*stream).copied()).collect();
         }
-        self.report.contradictions += self.roster.contradictions;
+        self.forget_roster();
         self.report.emission_span_s = self.arrivals.emission_span_s;
         self.report.arrival_span_s = self.arrivals.arrival_span_s;
         self.report.lateness = self.arrivals.lateness();
@@ -378,5 +460,6 @@ fn count(report: &mut Report, taken: Taken) {
         Taken::Late => report.too_late += 1,
         Taken::Stray => report.stray += 1,
         Taken::Implausible => report.implausible += 1,
+        Taken::Misnumbered => report.misnumbered += 1,
     }
 }

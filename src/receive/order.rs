@@ -39,20 +39,24 @@ impl Stream {
         self.missing
     }
 
+    /// Whether a packet is one of the last sixteen again.
+    pub(super) fn is_double(&self, count: u8, time_ps: Option<i128>) -> bool {
+        time_ps.is_some() && self.seen[usize::from(count & 15)] == time_ps
+    }
+
     /// Judges the next packet.
     pub(super) fn judge(&mut self, count: u8, time_ps: Option<i128>) -> Order {
-        let seen = &mut self.seen[usize::from(count & 15)];
-        if time_ps.is_some() && *seen == time_ps {
+        if self.is_double(count, time_ps) {
             return Order::Double;
         }
-        *seen = time_ps;
+        self.seen[usize::from(count & 15)] = time_ps;
         if time_ps < self.latest {
             // It had been counted as missing, unless the stream began after it.
             self.missing = self.missing.saturating_sub(1);
             return Order::Overtaken;
         }
         self.latest = time_ps;
-        self.missing += u64::from(count.wrapping_sub(self.next) & 15);
+        self.missing = self.missing.saturating_add(u64::from(count.wrapping_sub(self.next) & 15));
         self.next = (count + 1) & 15;
         Order::Next
     }

@@ -29,8 +29,10 @@ pub struct Report {
     pub undescribed: u64,
     /// Descriptions that contradict earlier ones: another run began, or two send here.
     pub contradictions: u64,
-    /// Whole pulses.
+    /// Whole pulses that were received.
     pub pulses: u64,
+    /// Pulses of the recordings, as a reader finds them; none where nothing was to be recorded.
+    pub recorded: Option<u64>,
     /// Pulses of which something is missing.
     pub incomplete: u64,
     /// Number of the first pulse.
@@ -49,6 +51,9 @@ pub struct Report {
     pub stray: u64,
     /// Packets whose time stamp is not of the run as it was described, or far from all others.
     pub implausible: u64,
+    /// States whose pulse number is not of the run as it was described, not that of their time, or not that of the other
+    /// states of their pulse.
+    pub misnumbered: u64,
     /// Datagrams of senders that are not listened to (`--from`).
     pub strangers: u64,
     /// Times that the sender began again: another run was described, or the time stamps went back.
@@ -67,6 +72,8 @@ pub struct Report {
     pub platforms: Vec<Platform>,
     /// What was recorded.
     pub out: Vec<PathBuf>,
+    /// What ended the reception or the recording early.
+    pub error: Option<String>,
     /// What a recording of a run has and the wire does not carry.
     pub not_carried: &'static [&'static str],
 }

@@ -13,6 +13,28 @@ const CHANNELS: usize = 1024;
 const PLATFORMS: usize = 1024;
 /// Most samples of a pulse over all channels.
 const SAMPLES: usize = 1 << 24;
+/// Stream identifiers: those of channels and platforms count from here.
+const CHANNEL_STREAMS: u32 = 0x1000_0000;
+const PLATFORM_STREAMS: u32 = 0x2000_0000;
+const NAME_STREAMS: u32 = 0x3000_0000;
+const RUN_STREAM: u32 = 0x4000_0000;
+
+/// Whether a stream is one that may have standard contexts.
+pub(super) fn has_contexts(stream: u32) -> bool {
+    let within = |first: u32, most: usize| stream.checked_sub(first).is_some_and(|n| (n as usize) < most);
+    within(CHANNEL_STREAMS, CHANNELS) || within(PLATFORM_STREAMS, PLATFORMS)
+}
+
+/// Whether an extension context comes in the stream that it belongs to.
+pub(super) fn belongs(stream: u32, extension: &Extension) -> bool {
+    let (first, [number, of], most) = match extension {
+        Extension::State(state) => (PLATFORM_STREAMS, state.platform, PLATFORMS),
+        Extension::Channel(channel) => (CHANNEL_STREAMS, channel.number, CHANNELS),
+        Extension::Platform(number, _) => (NAME_STREAMS, *number, PLATFORMS),
+        Extension::Run(_) => (RUN_STREAM, [0, 1], 1),
+    };
+    number < of && (of as usize) <= most && stream == first + number
+}
 
 /// The run as far as it is known.
 #[derive(Debug, Default)]
@@ -60,7 +82,8 @@ impl Roster {
     }
 
     /// Takes a description. What differs from an earlier one is counted and left.
-    pub(super) fn learn(&mut self, stream: u32, extension: Extension) {
+    /// Whether it agrees.
+    pub(super) fn learn(&mut self, stream: u32, extension: Extension) -> bool {
         let agrees = match extension {
             Extension::State(_) => true,
             Extension::Run(run) => {
@@ -77,8 +100,9 @@ impl Roster {
             Extension::Channel(channel) => match entry(&mut self.channels, channel.number, CHANNELS) {
                 Some(Some((known, of))) => {
                     // The step is NaN without a converter.
+                    let adc = |channel: &ChannelDescription| (channel.adc.0.to_bits(), channel.adc.1);
                     let same = of.names == channel.names && of.bases == channel.bases;
-                    *known == stream && same && of.samples == channel.samples
+                    *known == stream && same && of.samples == channel.samples && adc(of) == adc(&channel)
                 }
                 Some(entry) => {
                     *entry = Some((stream, channel));
@@ -89,14 +113,38 @@ impl Roster {
         };
         self.contradictions += u64::from(!agrees);
         self.complete();
+        agrees
     }
 
-    /// Takes the standard context of a stream.
-    pub(super) fn hear(&mut self, stream: u32, context: Context) {
-        let room = self.contexts.len() < CHANNELS + PLATFORMS;
-        if room || self.contexts.contains_key(&stream) {
-            self.contexts.insert(stream, context);
+    /// Takes a description that contradicts what was learned, in the place of that.
+    pub(super) fn learn_anew(&mut self, stream: u32, extension: Extension) {
+        match extension {
+            Extension::State(_) => {}
+            Extension::Run(_) => self.run = None,
+            Extension::Platform(..) => self.platforms.clear(),
+            Extension::Channel(_) => self.channels.clear(),
         }
+        self.known = None;
+        self.learn(stream, extension);
+    }
+
+    /// Whether a standard context is of the run that is known.
+    pub(super) fn agrees(&self, stream: u32, context: &Context) -> bool {
+        let Some(Known { header, streams }) = &self.known else { return true };
+        !streams.contains(&stream) || is_of(context, header.layout.format, header.sample_rate_hz)
+    }
+
+    /// Takes the standard context of a stream. One that contradicts what is known is counted, and left unless all is to be
+    /// learned anew.
+    pub(super) fn hear(&mut self, stream: u32, context: Context, anew: bool) {
+        if !self.agrees(stream, &context) {
+            self.contradictions += 1;
+            if !anew {
+                return;
+            }
+            self.known = None;
+        }
+        self.contexts.insert(stream, context);
         self.complete();
     }
 
@@ -115,31 +163,26 @@ impl Roster {
         let run = self.run.as_ref()?;
         let channels: Vec<&(u32, ChannelDescription)> =
             self.channels.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let platforms: Vec<String> = self.platforms.iter().cloned().collect::<Option<_>>()?;
+        let names: Vec<&String> = self.platforms.iter().map(Option::as_ref).collect::<Option<_>>()?;
         let (_, first) = channels.first()?;
         let samples = first.samples as usize;
         let total = samples.checked_mul(channels.len())?;
-        let format = self.context(channels.first()?.0)?.format?;
+        let format = match self.context(channels.first()?.0)?.format? {
+            Format::Cf32 => SampleFormat::Cf32,
+            Format::Ci16 => SampleFormat::Ci16,
+        };
         let alike = channels.iter().all(|(stream, channel)| {
-            self.context(*stream).is_some_and(|context| {
-                let rate = context.sample_rate_hz.unwrap_or(f64::NAN);
-                // The field has 20 bits below the point.
-                context.format == Some(format)
-                    && (rate - run.sample_rate_hz).abs() <= 2f64.powi(-20) + run.sample_rate_hz * f64::EPSILON
-                    && channel.samples == first.samples
-            })
+            channel.samples == first.samples
+                && self.context(*stream).is_some_and(|context| is_of(context, format, run.sample_rate_hz))
         });
-        if platforms.is_empty() || total == 0 || total > SAMPLES || !alike {
+        if names.is_empty() || total == 0 || total > SAMPLES || !alike {
             return None;
         }
         let layout = Layout {
             channels: channels.len(),
             samples,
-            format: match format {
-                Format::Cf32 => SampleFormat::Cf32,
-                Format::Ci16 => SampleFormat::Ci16,
-            },
-            platforms: platforms.len(),
+            format,
+            platforms: names.len(),
             antennas: 0,
             targets: 0,
             pairs: 0,
@@ -169,14 +212,14 @@ impl Roster {
             seed: run.seed,
             config: "# received over the wire, which does not carry the scenario\n".to_owned(),
             replica: Vec::new(),
-            platforms,
+            platforms: names.into_iter().cloned().collect(),
             transmitters: Vec::new(),
             receivers: Vec::new(),
             targets: Vec::new(),
             ships: Vec::new(),
             clocks: Vec::new(),
             layout,
-            adc: (format == Format::Ci16).then_some(AdcRow { bits, step }),
+            adc: (format == SampleFormat::Ci16).then_some(AdcRow { bits, step }),
             start: TimeTag::new(seconds, fraction_s),
             first_pulse: run.first_pulse,
             pulses: run.pulses,
@@ -188,11 +231,25 @@ impl Roster {
     }
 }
 
+/// Whether a standard context says of its samples what a run has.
+fn is_of(context: &Context, format: SampleFormat, sample_rate_hz: f64) -> bool {
+    let same_format = match context.format {
+        Some(Format::Cf32) => format == SampleFormat::Cf32,
+        Some(Format::Ci16) => format == SampleFormat::Ci16,
+        None => false,
+    };
+    let rate_hz = context.sample_rate_hz.unwrap_or(f64::NAN);
+    // The field has 20 bits below the point.
+    same_format && (rate_hz - sample_rate_hz).abs() <= 2f64.powi(-20) + sample_rate_hz * f64::EPSILON
+}
+
 /// Whether two descriptions are of one run.
 pub(super) fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
     let bits = |run: &RunDescription| {
         let [lat, lon, h] = run.origin;
-        [lat, lon, h, run.carrier_hz, run.sample_rate_hz, run.prf_hz, run.start.1].map(f64::to_bits)
+        let signal = [run.carrier_hz, run.sample_rate_hz, run.bandwidth_hz, run.pulse_s, run.prf_hz];
+        ([lat, lon, h].map(f64::to_bits), signal.map(f64::to_bits), run.start.1.to_bits())
     };
-    bits(a) == bits(b) && (a.start.0, a.seed, a.first_pulse) == (b.start.0, b.seed, b.first_pulse)
+    bits(a) == bits(b)
+        && (a.start.0, a.seed, a.first_pulse, a.pulses) == (b.start.0, b.seed, b.first_pulse, b.pulses)
 }

@@ -1,22 +1,7 @@
 //! The per-pulse columns of a recording: which there are, of what type and shape, and how a pulse
 //! fills a row. HDF5 and plain recordings hold the same columns under the same paths.
 //!
-//! | path | element | row |
-//! | --- | --- | --- |
-//! | `iq` | complex64, or {r, i} of i16 | `[channel, sample]` |
-//! | `pulse/time_ns`, `pulse/time_frac_ns` | i64, f64 | emission, UTC, floored to ns, and the rest |
-//! | `pulse/window_start_s` | f64 | first sample after the exact emission |
-//! | `pulse/flags`, `pulse/tx_pol` | u32, u8 | see [`crate::pulse`] |
-//! | `nav/<platform>/{true,reported}/position_m`, `velocity_mps` | f64 | ENU `[3]`; `true` is missing in what was received over the wire |
-//! | `nav/<platform>/{true,reported}/attitude_quat` | f64 | body to ENU `[4]`, scalar first |
-//! | `nav/<platform>/{true,reported}/age_s`, `flags` | f64, u32 | emission less epoch of the navigation that this rests on; see [`crate::pulse::flags`] |
-//! | `nav/<antenna>/phase_centre_m`, `reported_phase_centre_m` | f64 | ENU `[3]`: true; by reported state and the lever arm as designed |
-//! | `nav/<antenna>/boresight_quat` | f64 | true axes of the antenna (x the boresight) to ENU `[4]`, scalar first |
-//! | `truth/delay_s`, `truth/doppler_hz` | f64 | `[pair, target]`; only when there are targets |
-//! | `truth/ship_position_m`, `truth/ship_velocity_mps` | f64 | ENU `[ship, 3]`, midship at the waterline; only when there are ships |
-//! | `truth/ship_heading_deg` | f64 | `[ship]`, clockwise from the North of the scene |
-//! | `truth/clock/<name>/x_s` | f64 | reading less time of the clock of an antenna, at the emission |
-//! | `pulse/index` | u64 | always last: it is written after all others |
+//! What each of them is, in words: [`super::descriptions`]. [`INDEX`] is always last, because it is written after all others.
 
 use bytemuck::cast_slice;
 use num_complex::{Complex, Complex32};

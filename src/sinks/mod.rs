@@ -23,6 +23,7 @@ use sink::SinkError;
 mod fault;
 pub mod sink;
 pub mod columns;
+pub mod descriptions;
 pub mod port;
 pub mod nav;
 pub mod null;
@@ -113,6 +114,13 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
         faults.extend(result.err());
     }
     faults
+}
+
+/// A complete output that replaces older ones of its kind without one of its own in their places, too: they are removed
+/// when it has been put in its place.
+pub fn with_surplus(mut closed: sink::Closed, older: Vec<PathBuf>) -> sink::Closed {
+    closed.surplus.extend(older);
+    closed
 }
 
 /// The names that an output takes.

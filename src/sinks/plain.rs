@@ -1,6 +1,7 @@
 //! A recording as a folder of plain files, for machines without HDF5.
 //!
-//! `meta.json` holds the header and, under `columns`, the type and row shape of every per-pulse file.
+//! `meta.json` holds the header and, under `columns`, the type, row shape and words ([`super::descriptions`]) of every per-pulse
+//! file; under `descriptions` the words for what is there once.
 //! Column `a/b` is the file `a/b.bin`: rows one after the other in C order, without any header, so
 //!
 //! ```python
@@ -28,6 +29,7 @@ use crate::files::{self, Draft, FileFault, Holding};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
+use super::descriptions;
 use super::sink::{Closed, FLUSH_INTERVAL, FORMAT_VERSION, Header, Sink, SinkError, SinkReport};
 use super::unwritten::Unwritten;
 
@@ -324,12 +326,19 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         .iter()
         .map(|column| {
             let mut shape = column.shape.clone();
+            let mut entry = json!(descriptions::of_column(column));
             if column.element == Element::Ci16 {
                 shape.push(2);
+                entry["axes"] =
+                    format!("{}, in-phase and quadrature", entry["axes"].as_str().unwrap_or("")).into();
             }
-            (column.path.clone(), json!({ "dtype": column.element.numpy(), "shape": shape }))
+            entry["dtype"] = column.element.numpy().into();
+            entry["shape"] = shape.into();
+            (column.path.clone(), entry)
         })
         .collect();
+    let others: Map<String, Value> =
+        descriptions::of_header(header).map(|of| (of.path.to_owned(), json!(of))).collect();
     json!({
         "format": "nereus",
         "version": FORMAT_VERSION,
@@ -362,5 +371,6 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         "pulses": header.pulses,
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,
+        "descriptions": others,
     })
 }

@@ -394,8 +394,8 @@ impl Port {
     }
 
     /// Waits some time for what is left, then counts it as lost. A file is put in its place.
-    pub fn finish(mut self, patience: Duration) -> Result<PortCounts, PortFault> {
-        self.wait(patience);
+    pub fn finish(mut self, timeout: Duration) -> Result<PortCounts, PortFault> {
+        self.wait(timeout);
         if let Some(fault) = self.fault {
             return Err(fault.into());
         }
@@ -406,8 +406,8 @@ impl Port {
     }
 
     /// The same, but a file is left to the caller, with whether it is to replace another.
-    pub(super) fn close(&mut self, patience: Duration) -> (PortCounts, Option<(Draft, bool)>) {
-        self.wait(patience);
+    pub(super) fn close(&mut self, timeout: Duration) -> (PortCounts, Option<(Draft, bool)>) {
+        self.wait(timeout);
         (self.counts, self.made.take().map(|made| (made.draft, made.force)))
     }
 
@@ -418,8 +418,8 @@ impl Port {
         }
     }
 
-    fn wait(&mut self, patience: Duration) {
-        let until = Instant::now() + patience;
+    fn wait(&mut self, timeout: Duration) {
+        let until = Instant::now() + timeout;
         self.flush();
         while !self.held.is_empty() && self.link.is_some() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(5));

@@ -3,7 +3,6 @@
 use std::fs;
 
 use crate::program::{nereus, package};
-use crate::readme::commands_understood;
 
 /// One aircraft over two points, in all channels; noise, a converter.
 const SCENARIO: &str = r#"
@@ -344,10 +343,4 @@ fn the_independent_processor_does_not_pass_what_it_did_not_compare() {
         let (ended, said) = python(&given);
         assert!(ended == code && said.contains(words), "{more:?}: {ended}, {said}");
     }
-}
-
-#[test]
-fn commands_of_the_page_are_understood() {
-    let page = fs::read_to_string(package().join("docs/imaging.md")).unwrap();
-    assert!(commands_understood(&page) >= 5);
 }

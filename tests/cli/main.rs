@@ -15,13 +15,15 @@ mod live_navigation;
 mod listing;
 #[cfg(feature = "hdf5")]
 mod oracle;
+mod pages;
+#[cfg(all(unix, feature = "hdf5"))]
+mod pages_run;
 mod plausible;
 mod mocomp;
 mod nav;
 mod polarisation_check;
 mod program;
 mod python_tools;
-mod readme;
 mod receive;
 mod running;
 mod sea;

@@ -1,5 +1,6 @@
 //! `nereus run` to `nereus receive`, two programs on one machine.
 
+use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -8,7 +9,20 @@ use crate::program::{nereus, package};
 
 /// A receiver that listens at a port of the system's choice.
 fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
+    begun(Command::new(env!("CARGO_BIN_EXE_nereus")), folder, arguments)
+}
+
+/// The same under a limit of the size of files.
+#[cfg(unix)]
+fn limited(folder: &Path, kib: u64, arguments: &[&str]) -> (Child, String) {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("ulimit -f {}; exec \"$0\" \"$@\"", kib * 2)]);
+    shell.arg(env!("CARGO_BIN_EXE_nereus"));
+    begun(shell, folder, arguments)
+}
+
+fn begun(mut program: Command, folder: &Path, arguments: &[&str]) -> (Child, String) {
+    let mut child = program
         .args(["receive", "--listen", "127.0.0.1:0", "--duration-s", "60"])
         .args(arguments)
         .current_dir(folder)
@@ -172,4 +186,107 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
         nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!((ended.code, &report["pulses"]), (0, &0.into()));
+}
+
+/// A limit of the size of files is what a full disk is: the recording can be read, and what is counted is what is in it.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_what_is_counted() {
+    let names = if cfg!(feature = "hdf5") { vec!["got.h5", "got"] } else { vec!["got"] };
+    for name in names {
+        let folder = tempfile::tempdir().unwrap();
+        let (receiver, address) = limited(folder.path(), 2048, &["--idle-s", "3", "--out", name, "--json"]);
+        live_wire(folder.path(), &address, if cfg!(feature = "hdf5") { "sent.h5" } else { "sent" });
+        let ended = receiver.wait_with_output().unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&ended.stdout).unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{report}");
+        let error = report["error"].as_str().unwrap();
+        assert!(error.contains("File too large") && error.contains(name), "{report}");
+        let found = nereus(folder.path(), &["verify", name, "--json"]);
+        let found: serde_json::Value = serde_json::from_str(&found.stdout).unwrap();
+        println!("{name}: {} received, {} recorded: {found}", report["pulses"], report["recorded"]);
+        assert_eq!(report["recorded"], found["pulses"], "{found}");
+        // 222 pulses have 2.7 MB; they are written twice a second.
+        assert!(found["pulses"].as_u64().unwrap() > 0, "{found}");
+    }
+}
+
+/// A description of some run, as `docs/wire.md` has it.
+fn announcement() -> Vec<u8> {
+    let mut words: Vec<u8> = Vec::new();
+    // Extension context with class, UTC and picoseconds; stream; organisation and class 4; stamp.
+    for word in [0x5860_0000u32, 0x4000_0000, 0x004e_4552, 0x0001_0004, 0, 0, 0] {
+        words.extend(word.to_be_bytes());
+    }
+    // Origin; carrier, sample rate, bandwidth, pulse, PRF.
+    for value in [f64::NAN, f64::NAN, f64::NAN, 1e10, 1e8, 8e7, 1e-6, 100.0] {
+        words.extend(value.to_be_bytes());
+    }
+    // Start; first pulse, pulses, seed; no text.
+    words.extend([0u8; 8 + 8]);
+    for value in [0u64, 1000, 1] {
+        words.extend(value.to_be_bytes());
+    }
+    words.extend([0u8; 4]);
+    let count = (words.len() / 4) as u16;
+    words[2..4].copy_from_slice(&count.to_be_bytes());
+    words
+}
+
+/// With `--restart` the recordings of all runs are one output.
+#[test]
+fn further_recordings_follow_the_rule_of_outputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, second, third) = match cfg!(feature = "hdf5") {
+        true => ("left.h5", "left-2.h5", "left-3.h5"),
+        false => ("left", "left-2", "left-3"),
+    };
+    let sent = if cfg!(feature = "hdf5") { "sent.h5" } else { "sent" };
+    let there = |name: &str| folder.path().join(name).exists();
+    // A run that is only announced leaves no recording.
+    let (receiver, address) =
+        listening(folder.path(), &["--idle-s", "2", "--restart", "--out", out, "--json"]);
+    live_wire(folder.path(), &address, sent);
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    for _ in 0..2 {
+        socket.send_to(&announcement(), &address).unwrap();
+    }
+    let report: serde_json::Value = serde_json::from_str(&stdout(receiver)).unwrap();
+    assert_eq!((&report["restarts"], &report["recorded"]), (&1.into(), &222.into()), "{report}");
+    assert_eq!(report["out"], serde_json::json!([out]));
+    assert!(there(out) && !there(second));
+    // What an earlier reception left is no part of this one: without --force it stands in the way, and is said so at once.
+    fs::rename(folder.path().join(out), folder.path().join(second)).unwrap();
+    let ended = nereus(
+        folder.path(),
+        &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--restart", "--out", out],
+    );
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains(&format!("{second}: exists already")), "{}", ended.stderr);
+    // With it, it goes when the reception has ended well and made no second recording of its own.
+    fs::write(folder.path().join("left-4.txt"), "a note").unwrap();
+    fs::create_dir(folder.path().join("left-x")).unwrap();
+    let again = ["--idle-s", "2", "--restart", "--force", "--out", out, "--json"];
+    let (receiver, address) = listening(folder.path(), &again);
+    fs::remove_dir_all(folder.path().join(sent))
+        .or_else(|_| fs::remove_file(folder.path().join(sent)))
+        .unwrap();
+    live_wire(folder.path(), &address, sent);
+    assert!(there(second));
+    stdout(receiver);
+    assert!(there(out) && !there(second) && there("left-4.txt") && there("left-x"));
+    // What is no recording is not replaced.
+    fs::create_dir(folder.path().join("notes")).unwrap();
+    fs::write(folder.path().join("notes/important.txt"), "kept").unwrap();
+    fs::rename(folder.path().join("notes"), folder.path().join(third)).unwrap();
+    let ended = nereus(
+        folder.path(),
+        &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--restart", "--force", "--out", out],
+    );
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains(third) && folder.path().join(third).join("important.txt").exists(),
+        "{}",
+        ended.stderr
+    );
 }

@@ -89,9 +89,9 @@ fn arms_and_divergent(folder: &Path, speed_mps: f64) -> [f64; 2] {
 }
 
 #[test]
-fn the_figures_of_the_readme_are_those_of_the_cuts() {
+fn the_figures_of_the_page_are_those_of_the_cuts() {
     let folder = tempfile::tempdir().unwrap();
-    let page = fs::read_to_string(package().join("README.md")).unwrap();
+    let page = fs::read_to_string(package().join("docs/ships.md")).unwrap();
     let [slow, fast] = [4.5, 9.0].map(|speed_mps| arms_and_divergent(folder.path(), speed_mps));
     let figures = [
         format!(

@@ -20,6 +20,7 @@ mod wire_tshark;
 #[cfg(feature = "hdf5")]
 mod recording_breakdowns;
 mod recording_changes;
+mod recording_descriptions;
 #[cfg(feature = "hdf5")]
 mod recording_hdf5;
 #[cfg(feature = "hdf5")]

@@ -1,11 +1,15 @@
 //! A header and pulses whose every value follows from the pulse index, in Rust and in Python.
 
+#[cfg(feature = "hdf5")]
+use std::path::Path;
 use std::process::Command;
 
 use num_complex::Complex32;
 
 use nereus::files::FileFault;
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
+#[cfg(feature = "hdf5")]
+use nereus::recording::verify::{Ending, Verdict, verify};
 use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, SinkError};
 use nereus::time::{PulseTimes, TimeTag};
 
@@ -205,6 +209,20 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
     let out = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{script}\n{out}\n{}", String::from_utf8_lossy(&output.stderr));
     Some(out)
+}
+
+/// What `verify` says of a recording that is closed, as soon as no child has inherited its lock: see [`unlocked`].
+#[cfg(feature = "hdf5")]
+pub fn verified(path: &Path) -> Verdict {
+    for _ in 0..600 {
+        match verify(path).unwrap() {
+            Verdict { ending: Ending::Growing, .. } => {
+                std::thread::sleep(std::time::Duration::from_millis(50))
+            }
+            verdict => return verdict,
+        }
+    }
+    panic!("{}: locked for 30 s", path.display());
 }
 
 /// Tries again while a file is in use. Tests run side by side: a child that another one starts while the HDF5 library has

@@ -126,7 +126,7 @@ mod hdf5 {
     use nereus::sinks::merge::{MergeError, merge};
 
     use super::*;
-    use crate::recording_fixture::unlocked;
+    use crate::recording_fixture::{unlocked, verified};
     use crate::recording_hdf5::record;
 
     fn pulses(path: &Path) -> u64 {
@@ -168,7 +168,7 @@ mod hdf5 {
         let mut sink = Box::new(unlocked(|| Hdf5Sink::create(&path, None, true, &header)));
         (0..10).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
         assert_eq!(sink.finish().unwrap().files, std::slice::from_ref(&path));
-        assert_eq!((pulses(&path), verify(&path).unwrap().whole), (10, true));
+        assert_eq!((pulses(&path), verified(&path).whole), (10, true));
     }
 
     #[test]
@@ -217,7 +217,7 @@ mod hdf5 {
         let path = dir.path().join("rec.h5");
         let header = header(SampleFormat::Cf32);
         record(&path, None, &header, 0, 300);
-        let whole = verify(&path).unwrap();
+        let whole = verified(&path);
         assert!(whole.whole && whole.ending == Ending::Closed, "{whole:?}");
         assert_eq!((whole.pulses, whole.first, whole.last, whole.dropped), (300, Some(0), Some(299), 0));
         // One bit of a sample of pulse 100: its value is 100 + k / 128 - i k.
@@ -229,7 +229,7 @@ mod hdf5 {
         let at = bytes.windows(wanted.len()).position(|window| window == wanted).unwrap();
         bytes[at] ^= 1;
         fs::write(&path, bytes).unwrap();
-        let damaged = verify(&path).unwrap();
+        let damaged = verified(&path);
         assert!(!damaged.whole && damaged.faults == 1, "{damaged:?}");
         assert!(damaged.findings[0].place.starts_with("/iq, rows 0.."), "{damaged:?}");
     }
@@ -253,7 +253,7 @@ mod hdf5 {
         // Pulses that no flag explains.
         (25..30).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
         sink.finish().unwrap();
-        let gap = verify(&path).unwrap();
+        let gap = verified(&path);
         assert_eq!(gap.findings.len(), 1, "{gap:?}");
         assert!(gap.findings[0].what.contains("pulses 20..25 are missing"), "{gap:?}");
         // Half a file.

@@ -39,6 +39,7 @@ fn expected(header: &Header, from: u64, to: u64) -> Vec<Pulse> {
 fn wide(format: SampleFormat) -> Header {
     let mut header = header(format);
     header.layout.samples = 900;
+    header.pulses = 500;
     header
 }
 

@@ -209,6 +209,7 @@ impl Recording {
             header::write(&file, iq, header, after)?;
         }
         let changes = header.changes.as_ref().map(|log| ChangeTable::create(&file, log)).transpose()?;
+        header::describe(&file, list.iter().zip(&datasets), header)?;
         file.flush()?;
         // Also gives up the library's lock on the file, which a forked child would keep.
         file.start_swmr()?;

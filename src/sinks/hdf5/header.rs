@@ -9,6 +9,8 @@ use ::hdf5::{Dataset, File, H5Type, Location};
 use num_complex::{Complex, Complex32};
 
 use crate::pulse::{Layout, SampleFormat};
+use crate::sinks::columns::Column;
+use crate::sinks::descriptions::{self, Description};
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
 use crate::time::TimeTag;
 
@@ -134,6 +136,23 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
         truth.new_dataset_builder().with_data(pairs.as_slice()).create("pairs")?;
     }
     Ok(())
+}
+
+/// Writes the words for every dataset: what it is, its unit, axes and frame.
+pub(super) fn describe<'a>(
+    file: &File,
+    columns: impl Iterator<Item = (&'a Column, &'a Dataset)>,
+    header: &Header,
+) -> Result<(), Fault> {
+    let write = |dataset: &Dataset, of: &Description| {
+        [("description", of.description), ("unit", of.unit), ("axes", of.axes), ("frame", of.frame)]
+            .into_iter()
+            .try_for_each(|(name, words)| attribute(dataset, name, &text(words)?))
+    };
+    for (column, dataset) in columns {
+        descriptions::of_column(column).map_or(Ok(()), |of| write(dataset, of))?;
+    }
+    descriptions::of_header(header).try_for_each(|of| write(&file.dataset(of.path)?, of))
 }
 
 fn value<T: H5Type>(place: &Location, name: &str) -> Result<T, Fault> {
