@@ -153,7 +153,8 @@ impl Source {
         }
         #[cfg(feature = "hdf5")]
         {
-            use crate::sinks::hdf5::file::{Fault, Recorded};
+            use crate::sinks::hdf5::fault::Fault;
+            use crate::sinks::hdf5::file::Recorded;
             let recorded = Recorded::open(path).map_err(Fault::at(path, "reading the recording"))?;
             Ok(Self::Hdf5(recorded))
         }
@@ -190,7 +191,7 @@ impl Source {
         match self {
             #[cfg(feature = "hdf5")]
             Self::Hdf5(recorded) => {
-                use crate::sinks::hdf5::file::Fault;
+                use crate::sinks::hdf5::fault::Fault;
                 let rows =
                     recorded.length(column).map_err(Fault::at(column.path.as_ref(), "reading its size"))?;
                 Ok((rows, 0))
@@ -222,7 +223,7 @@ impl Source {
         match self {
             #[cfg(feature = "hdf5")]
             Self::Hdf5(recorded) => {
-                use crate::sinks::hdf5::file::Fault;
+                use crate::sinks::hdf5::fault::Fault;
                 let read = recorded.column(column, rows.start, rows.end);
                 Ok(read.map_err(Fault::at(path, "reading the recording"))?)
             }

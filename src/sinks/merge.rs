@@ -19,8 +19,9 @@ use crate::pulse::flags;
 use crate::pulse::log::Entry;
 
 use super::columns::Rows;
-use super::hdf5::file::{Fault, Recorded, Recording};
+use super::hdf5::file::{Recorded, Recording};
 use super::sink::{Header, SinkError};
+use crate::sinks::hdf5::fault::Fault;
 
 /// A block of a copy takes about this much memory.
 const BLOCK_BYTES: usize = 8 << 20;

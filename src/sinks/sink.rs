@@ -1,5 +1,6 @@
 //! What every sink is, and what it is told before the first pulse.
 
+use super::vita49::WireReport;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,8 +16,6 @@ use crate::pulse::{Layout, Pulse, SampleFormat};
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 use crate::transport::fanout::{Fed, Feed};
-
-use super::vita49::WireReport;
 
 pub use super::fault::SinkError;
 

@@ -8,10 +8,10 @@ use std::sync::Arc;
 use ::hdf5::types::FixedUnicode;
 use ::hdf5::{Dataset, Extent, File, H5Type};
 
-use super::file::Fault;
-use super::header::checked;
 use super::sizes;
 use crate::pulse::log::{Entry, Log, Origin};
+use crate::sinks::hdf5::attributes::checked;
+use crate::sinks::hdf5::fault::Fault;
 use crate::sinks::unwritten::Unwritten;
 
 /// Where it is.

@@ -5,6 +5,7 @@
 //! handed to the system, so its length says how many pulses are complete whatever happened to the
 //! writer.
 
+use super::fault::Fault;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -14,11 +15,10 @@ use ::hdf5::filters::Filter;
 use ::hdf5::types::VarLenUnicode;
 use ::hdf5::{Dataset, Extent, File, Group, H5Type, Hyperslab, LinkType, OpenMode, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
-use thiserror::Error;
 
 use crate::files::{Draft, FileFault, Holding};
 use crate::sinks::columns::{Column, Element, INDEX, Rows, columns};
-use crate::sinks::sink::{Header, SinkError};
+use crate::sinks::sink::Header;
 
 use super::changes::ChangeTable;
 use super::{header, sizes, superblock};
@@ -28,34 +28,6 @@ pub const CHUNK_PULSES: usize = 16;
 
 /// A chunk is not made larger than this where the layout allows.
 const CHUNK_BYTES: usize = 1 << 20;
-
-/// What the library said; becomes an error that names the file.
-#[derive(Debug, Error)]
-pub(crate) enum Fault {
-    /// A text that says it all.
-    #[error("{0}")]
-    Text(String),
-    /// The library's error stack.
-    #[error("{}", one_line(.0))]
-    Library(#[from] ::hdf5::Error),
-}
-
-/// One line: what was tried and, where the system said why (`No space left on device`), that.
-fn one_line(error: &::hdf5::Error) -> String {
-    let text = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    let reason = text.split_once("error message = '").and_then(|(_, rest)| rest.split('\'').next());
-    match (reason, text.split(": time = ").next()) {
-        (Some(reason), Some(tried)) => format!("{tried}: {reason}"),
-        _ => text,
-    }
-}
-
-impl Fault {
-    pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(Self) -> SinkError {
-        let path = path.to_owned();
-        move |fault| SinkError::Hdf5 { path, action, detail: fault.to_string() }
-    }
-}
 
 /// A recording that is being written.
 #[derive(Debug)]

@@ -2,10 +2,10 @@
 
 // `repr(C)` below: the library reads these rows by the offsets of their fields.
 
-use std::str::FromStr;
+use super::attributes::{attribute, checked, list, optional, string, strings, text, texts, value};
 
 use ::hdf5::types::VarLenUnicode;
-use ::hdf5::{Dataset, File, H5Type, Location};
+use ::hdf5::{Dataset, File, H5Type};
 use num_complex::{Complex, Complex32};
 
 use crate::pulse::{Layout, SampleFormat};
@@ -14,8 +14,8 @@ use crate::sinks::descriptions::{self, Description};
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
 use crate::time::TimeTag;
 
-use super::file::Fault;
 use super::{changes, sizes};
+use crate::sinks::hdf5::fault::Fault;
 
 #[derive(Clone, H5Type)]
 #[repr(C)]
@@ -31,25 +31,6 @@ struct ChannelRecord {
 struct PairRecord {
     transmitter: VarLenUnicode,
     receiver: VarLenUnicode,
-}
-
-/// A text as the library takes it.
-pub(crate) fn text(value: &str) -> Result<VarLenUnicode, Fault> {
-    VarLenUnicode::from_str(value).map_err(|e| Fault::Text(e.to_string()))
-}
-
-fn texts<'a>(values: impl IntoIterator<Item = &'a String>) -> Result<Vec<VarLenUnicode>, Fault> {
-    values.into_iter().map(|v| text(v)).collect()
-}
-
-/// Writes an attribute.
-pub(crate) fn attribute<T: H5Type>(place: &Location, name: &str, value: &T) -> Result<(), Fault> {
-    Ok(place.new_attr::<T>().create(name)?.write_scalar(value)?)
-}
-
-/// Writes an attribute of several texts.
-pub(crate) fn list(place: &Location, name: &str, values: &[VarLenUnicode]) -> Result<(), Fault> {
-    Ok(place.new_attr_builder().with_data(values).create(name).map(|_| ())?)
 }
 
 /// Writes everything of the header that is not per pulse; `/iq` gets the converter's step. `after` is the last
@@ -154,41 +135,6 @@ pub(super) fn describe<'a>(
     }
     descriptions::of_header(header).try_for_each(|of| write(&file.dataset(of.path)?, of))
 }
-
-fn value<T: H5Type>(place: &Location, name: &str) -> Result<T, Fault> {
-    Ok(place.attr(name)?.read_scalar()?)
-}
-
-/// The text in some bytes of a file. The library's own strings take whatever stands there for UTF-8, unchecked.
-pub(super) fn checked(bytes: &[u8], name: &str) -> Result<String, Fault> {
-    let text = std::str::from_utf8(bytes);
-    Ok(text.map_err(|error| Fault::Text(format!("{name} is not UTF-8 text: {error}")))?.to_owned())
-}
-
-fn string(place: &Location, name: &str) -> Result<String, Fault> {
-    checked(value::<VarLenUnicode>(place, name)?.as_bytes(), name)
-}
-
-fn optional<T: H5Type>(place: &Location, name: &str) -> Result<Option<T>, Fault> {
-    if place.attr_names()?.iter().any(|n| n == name) { value(place, name).map(Some) } else { Ok(None) }
-}
-
-fn strings(place: &Location, name: &str) -> Result<Vec<String>, Fault> {
-    if !place.attr_names()?.iter().any(|n| n == name) {
-        return Ok(Vec::new());
-    }
-    let values = place.attr(name)?;
-    if values.size() > MOST_NAMES {
-        return Err(Fault::Text(format!(
-            "{name} has {} names; at most {MOST_NAMES} are read",
-            values.size()
-        )));
-    }
-    values.read_raw::<VarLenUnicode>()?.iter().map(|value| checked(value.as_bytes(), name)).collect()
-}
-
-/// Most names in a list.
-const MOST_NAMES: usize = 1 << 16;
 
 /// Reads what [`write`] wrote; nothing is read of which the file cannot hold as much as it says.
 pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {

@@ -33,12 +33,15 @@ use super::columns::{Column, Rows, columns};
 use super::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
 
 mod changes;
+pub(crate) mod attributes;
+pub(crate) mod fault;
 pub(crate) mod file;
 pub(crate) mod header;
 mod sizes;
 mod superblock;
 
-use file::{Fault, Recording};
+use fault::Fault;
+use file::Recording;
 
 pub use file::CHUNK_PULSES;
 

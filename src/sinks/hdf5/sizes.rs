@@ -7,7 +7,7 @@ use ::hdf5::Dataset;
 use ::hdf5::dataset::Layout;
 use ::hdf5::filters::Filter;
 
-use super::file::Fault;
+use crate::sinks::hdf5::fault::Fault;
 
 /// Deflate makes nothing smaller than this part of it.
 const MOST_DEFLATED: u64 = 1032;

@@ -1,10 +1,10 @@
 //! The socket, and what became of the datagrams given to it.
 
+use super::report::WireReport;
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
-use serde::Serialize;
 use socket2::SockRef;
 
 use crate::sinks::sink::SinkError;
@@ -16,34 +16,6 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// What IP and UDP add to a datagram at least, bytes.
 const IPV4_UDP: usize = 28;
 const IPV6_UDP: usize = 48;
-
-/// What became of the datagrams of a network sink.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct WireReport {
-    /// Where they were sent.
-    pub address: String,
-    /// Where they came from.
-    pub local: String,
-    /// Room for datagrams on their way out, bytes.
-    pub send_buffer_bytes: usize,
-    /// Datagrams that the system took.
-    pub datagrams: u64,
-    /// Datagrams of `datagrams` that were answered by a refusal: nobody listens there.
-    pub refused: u64,
-    /// Datagrams lost because the send buffer stayed full.
-    pub blocked: u64,
-    /// Datagrams lost because the system had no buffer for them.
-    pub no_buffer: u64,
-    /// Datagrams lost for other reasons.
-    pub failed: u64,
-}
-
-impl WireReport {
-    /// Datagrams that cannot have arrived.
-    pub fn lost(&self) -> u64 {
-        self.refused + self.blocked + self.no_buffer + self.failed
-    }
-}
 
 /// A connected socket.
 #[derive(Debug)]

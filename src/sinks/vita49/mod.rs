@@ -54,6 +54,7 @@
 
 mod datagram;
 mod link;
+mod report;
 mod packets;
 mod stamp;
 
@@ -66,8 +67,8 @@ use link::Link;
 use packets::{CHANNEL_STREAM, Globe, Part};
 use stamp::{Span, Stamp};
 
-pub use link::WireReport;
 pub(super) use link::resolve;
+pub use report::WireReport;
 
 /// Emission time between two descriptions, s.
 const DESCRIBE_S: f64 = 1.0;
