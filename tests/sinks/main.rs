@@ -8,6 +8,7 @@ mod recording_fixture;
 mod recording_outputs;
 mod recording_plain;
 mod recording_rule;
+mod recording_verify;
 mod wire;
 mod wire_fixture;
 mod wire_hostile;
