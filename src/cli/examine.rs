@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use super::args::ExamineArgs;
 use super::error::CliError;
+use super::escape;
 
 /// Memory of the second process, bytes: far above what a reader of blocks needs.
 #[cfg(all(feature = "hdf5", unix))]
@@ -71,7 +72,7 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
         Ok(data) if data.is_file() && cfg!(feature = "hdf5") => data.len(),
         _ => return Ok(()),
     };
-    let shown = || path.display().to_string();
+    let shown = || escape::path(path);
     let failed = |source| ExamineError::Process { path: shown(), source };
     let child = Command::new(program().map_err(failed)?)
         .arg("examine-recording")

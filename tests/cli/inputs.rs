@@ -93,3 +93,31 @@ fn pipes_in_a_plain_recording_are_faults() {
         std::fs::remove_dir_all(folder.path().join("rec")).unwrap();
     }
 }
+
+/// A recording whose names hold lines, under a name that does. Before: each forged a line of what is printed.
+#[test]
+fn names_stay_on_their_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/monostatic.toml").display().to_string();
+    let plain = ["--pace", "fast", "--pulses", "0..5", "--set", "sink.0.kind=plain", "--out", "rec"];
+    let run: Vec<&str> = ["run", config.as_str()].into_iter().chain(plain).collect();
+    assert_eq!(nereus(folder.path(), &run).code, 0);
+    let meta = folder.path().join("rec/meta.json");
+    let mut told: serde_json::Value = serde_json::from_slice(&std::fs::read(&meta).unwrap()).unwrap();
+    told["channel"][0]["name"] = "HH\nforged.h5: whole; 5 pulses".into();
+    // Its columns have no file of that name, which `verify` reports.
+    let antenna = told["transmitters"][0].as_str().unwrap().to_owned();
+    let text = told.to_string().replace(&format!("nav/{antenna}/"), "nav/a\\nforged.h5: whole/");
+    let mut told: serde_json::Value = serde_json::from_str(&text).unwrap();
+    told["transmitters"][0] = "a\nforged.h5: whole".into();
+    std::fs::write(&meta, told.to_string()).unwrap();
+    std::fs::rename(folder.path().join("rec"), folder.path().join("rec\nforged.h5: whole")).unwrap();
+    let name = "rec\nforged.h5: whole";
+    for words in [vec!["verify", name], vec!["focus", name, "--channel", "none", "--out", "p.png"]] {
+        let ended = nereus(folder.path(), &words);
+        assert_ne!(ended.code, 0);
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        assert!(said.contains("\\u{a}forged.h5"), "{said}");
+        assert!(!said.lines().any(|line| line.starts_with("forged")), "{said}");
+    }
+}
