@@ -7,9 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::args::ReceiveArgs;
 use super::error::CliError;
+use super::escape;
 use super::run::names_hdf5;
 use super::{counted, say};
 use crate::pipeline::build::BuildErrors;
+use crate::pipeline::outputs;
 use crate::receive::Listener;
 use crate::receive::listener::{Opener, Senders, Until, senders};
 use crate::receive::report::Report;
@@ -70,7 +72,8 @@ fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
         true => Kind::Hdf5 { path: path.clone(), segment_s: None, force },
         false => Kind::Plain { path: path.clone(), force },
     };
-    if let Some(fault) = sinks::preflight(&[sinks::Settings { kind, queue_pulses: 1 }]).pop() {
+    let faults = outputs::preflight(&[sinks::Settings { kind, queue_pulses: 1 }]);
+    if let Some(fault) = faults.into_iter().next() {
         return Err(BuildErrors::from(fault).into());
     }
     Ok(made_at(path, force))
@@ -133,7 +136,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         counted(report.restarts, "time")
     )?;
     if let Some(fault) = &report.first_fault {
-        writeln!(out, "            first malformed: {fault}")?;
+        writeln!(out, "            first malformed: {}", escape::name(fault))?;
     }
     let drops = report.kernel_drops.map_or("not told".to_owned(), |drops| drops.to_string());
     writeln!(
@@ -159,7 +162,10 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "platform    {} at pulse {}: {e:.3} m East, {n:.3} m North, {u:.3} m up; {ve:.3}, {vn:.3}, {vu:.3} m/s; report {:.3} s old, flags {:#x}",
-            platform.name, platform.pulse, platform.age_s, platform.flags
+            escape::name(&platform.name),
+            platform.pulse,
+            platform.age_s,
+            platform.flags
         )?;
         if let [x, y, z] = platform.ecef_position_m
             && x.is_finite()
@@ -171,7 +177,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "recording   {}; the wire does not carry {}",
-            file.display(),
+            escape::path(file),
             report.not_carried.join(", ")
         )?;
     }
