@@ -31,7 +31,7 @@ use crate::imaging::multilook::{multilook, percentile};
 use crate::imaging::output::{FileKind, Output, OutputError};
 use crate::imaging::phase_path::PhasePath;
 use crate::imaging::picture::{Axis, Limits, Picture, Reduction};
-use crate::imaging::point_target::{PointTarget, Support, analyse, locate};
+use crate::imaging::point_target::{PointTarget, Sought, Support, analyse, locate};
 use crate::imaging::range_compress::{
     CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
@@ -624,13 +624,27 @@ fn targets(
     ground: &Ground,
     channel: usize,
 ) -> Result<Vec<(String, Option<PointTarget>)>, FocusError> {
-    let (names, places): (Vec<_>, Vec<_>) = expected(recording, ground, channel).into_iter().unzip();
+    let used = (args.nav == FocusNav::Reported).then_some([aperture.transmitter, aperture.receiver]);
+    let (names, places): (Vec<_>, Vec<_>) = sought(recording, ground, channel, used).into_iter().unzip();
     let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
     Ok(names.into_iter().zip(found).collect())
 }
 
 /// Targets of the truth record, and where they should be on the image.
 fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(String, [f64; 3])> {
+    sought(recording, ground, channel, None)
+        .into_iter()
+        .map(|(name, point)| (name, point.expected_m))
+        .collect()
+}
+
+/// The same, and where the paths in use put them, if these are others.
+fn sought(
+    recording: &Recording,
+    ground: &Ground,
+    channel: usize,
+    used: Option<[&PhasePath; 2]>,
+) -> Vec<(String, Sought)> {
     let row = &recording.header.channels[channel];
     // Delays are true: where they belong is told by the true paths, whatever the processor believes.
     let (Ok(transmitter), Ok(receiver)) =
@@ -646,8 +660,13 @@ fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(Stri
     };
     let place = |(place, name): (usize, &String)| {
         let delays_s = recording.delays_s(&row.transmitter, &row.receiver, place)?;
-        let found = locate(&transmitter, &receiver, &recording.emission_s, &delays_s, ground.centre_m());
-        found.filter(inside).map(|point| (name.clone(), point))
+        let by = |[transmitter, receiver]: [&PhasePath; 2]| {
+            locate(transmitter, receiver, &recording.emission_s, &delays_s, ground.centre_m())
+        };
+        let expected_m = by([&transmitter, &receiver]).filter(inside)?;
+        // Errors of the navigation are known here; a point is sought where they move it.
+        let about_m = used.and_then(by).unwrap_or(expected_m);
+        Some((name.clone(), Sought { expected_m, about_m }))
     };
     recording.header.targets.iter().enumerate().filter_map(place).collect()
 }

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::cli::escape;
 use crate::cli::speckle::Speckle;
-use crate::imaging::point_target::PointTarget;
+use crate::imaging::point_target::{PointTarget, SEARCH_CELLS, WIDEST};
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -173,11 +173,19 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
         if let Some(found) = &channel.speckle {
             speckle::tell(found, out)?;
         }
+        // What is sought about the place that the navigation in use says.
+        let searched = channel.cell_m.map_or(String::new(), |cells| {
+            let [range, cross] = cells.map(|cell_m| SEARCH_CELLS as f64 * cell_m);
+            format!(
+                " within {range:.1} m in range and {cross:.1} m in cross-range (a wide one within {:.1} m)",
+                WIDEST * cross
+            )
+        });
         for target in &channel.targets {
             match &target.found {
                 None => writeln!(
                     out,
-                    "  {:<16} not found: no main lobe, or none that stands out",
+                    "  {:<16} not found: no main lobe{searched}, or none that stands out",
                     escape::name(&target.name)
                 )?,
                 Some(p) => writeln!(
