@@ -10,6 +10,8 @@
 //! | [`time`] | exact emission times |
 //! | [`rng`] | counter-based random streams |
 //! | [`pulse`] | one pulse under way: samples, time tag, navigation, flags |
+//! | [`files`] | output files, put in place when they are complete |
+//! | [`inputs`] | files that are read |
 //! | [`scene`] | what there is, resolved, no physics |
 //! | [`sea`] | the water: wind, spectra, the synthesised surface |
 //! | [`nav`] | where platforms say they are: track files, NMEA and NovAtel messages, in and out |
@@ -38,6 +40,7 @@ pub mod time;
 pub mod rng;
 pub mod pulse;
 pub mod files;
+pub mod inputs;
 pub mod scene;
 pub mod sea;
 pub mod nav;

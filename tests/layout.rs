@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in the order in which one may use another.
-const ROOMS: [&str; 22] = [
+const ROOMS: [&str; 23] = [
     "cpu",
     "units",
     "frames",
@@ -14,6 +14,7 @@ const ROOMS: [&str; 22] = [
     "rng",
     "pulse",
     "files",
+    "inputs",
     "scene",
     "sea",
     "nav",

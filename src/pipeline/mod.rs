@@ -17,7 +17,7 @@ pub mod live;
 pub mod memory;
 mod navigation;
 pub mod outlook;
-mod outputs;
+pub(crate) mod outputs;
 pub mod plausible;
 pub mod prices;
 mod single;

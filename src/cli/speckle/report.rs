@@ -9,6 +9,7 @@ use super::fits::{Shape, Speckle};
 use super::image::Geometry;
 use super::{Files, SpeckleArgs};
 use crate::cli::counted;
+use crate::cli::escape;
 use crate::config::Run;
 use crate::imaging::canvas::Canvas;
 use crate::imaging::plot::{Curve, Mark, Plot, PlotAxis, PlotError, Spacing};
@@ -269,7 +270,7 @@ impl Report {
             );
         }
         for path in &self.out {
-            let _ = writeln!(text, "{}", path.display());
+            let _ = writeln!(text, "{}", escape::path(path));
         }
         text
     }
