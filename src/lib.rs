@@ -11,6 +11,7 @@
 //! | [`rng`] | counter-based random streams |
 //! | [`pulse`] | one pulse under way: samples, time tag, navigation, flags |
 //! | [`files`] | outputs that are whole or not there |
+//! | [`inputs`] | files that are read |
 //! | [`scene`] | what there is, resolved, no physics |
 //! | [`sea`] | the water: wind, spectra, the synthesised surface |
 //! | [`nav`] | where platforms say they are: track files, NMEA and NovAtel messages, in and out |
@@ -45,6 +46,7 @@ pub mod time;
 pub mod rng;
 pub mod pulse;
 pub mod files;
+pub mod inputs;
 pub mod scene;
 pub mod sea;
 pub mod nav;

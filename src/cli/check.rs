@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::args::CheckArgs;
 use super::error::CliError;
+use super::escape;
 use super::run::overrides;
 use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
@@ -28,12 +29,13 @@ use crate::nav::TrackSource;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, VerticalDatum};
 use crate::pipeline::build;
 use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::outputs;
 use crate::pipeline::plausible;
 use crate::pulse::SampleFormat;
 use crate::radar::filter::ReceiveFilter;
 use crate::radar::receiver::thermal_noise_w;
 use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
-use crate::sinks::{self, Kind};
+use crate::sinks::Kind;
 use crate::transport::{Pace, Policy};
 use crate::units::Decibels;
 
@@ -88,7 +90,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     let run = config::load(&args.config, &overrides(&args.settings))?;
     let mut report = report(&run);
     // An output that exists stands in the way of a run, not of a look at the scenario.
-    report.warnings.extend(sinks::preflight(&run.sinks).iter().map(ToString::to_string));
+    report.warnings.extend(outputs::preflight(&run.sinks).iter().map(ToString::to_string));
     warn(&report.warnings);
     let nominal = without_trajectory(&run);
     if !nominal.is_empty() {
@@ -308,7 +310,7 @@ fn lines(run: &Run, report: &Report) -> Vec<Described> {
             bandwidth_hz * duration_s
         ),
         Waveform::Samples { path, rate_hz } => {
-            format!("samples of {} at {} MHz", path.display(), neat(rate_hz / 1e6))
+            format!("samples of {} at {} MHz", escape::path(path), neat(rate_hz / 1e6))
         }
     };
     let window_us = radar.window.samples as f64 / radar.sample_rate_hz * 1e6;
@@ -399,11 +401,11 @@ fn aim_text(aim: &Aim, platforms: &[String]) -> String {
 
 fn sink_text(kind: &Kind) -> String {
     match kind {
-        Kind::Hdf5 { path, segment_s: None, .. } => format!("HDF5 recording {}", path.display()),
+        Kind::Hdf5 { path, segment_s: None, .. } => format!("HDF5 recording {}", escape::path(path)),
         Kind::Hdf5 { path, segment_s: Some(segment_s), .. } => {
-            format!("HDF5 recordings {} of {segment_s} s each", path.display())
+            format!("HDF5 recordings {} of {segment_s} s each", escape::path(path))
         }
-        Kind::Plain { path, .. } => format!("plain folder {}", path.display()),
+        Kind::Plain { path, .. } => format!("plain folder {}", escape::path(path)),
         Kind::Vita49(settings) => {
             format!("VITA 49.2 over UDP to {}, packets of {} bytes", settings.address, settings.mtu_bytes)
         }
@@ -455,7 +457,7 @@ fn file_text(source: &FileSource) -> String {
         AttitudeSource::Level => "level along the track (derived)",
         AttitudeSource::Constant(_) => "constant",
     };
-    format!("{format} recording {}, heights {datum}, attitude {attitude}", source.path.display())
+    format!("{format} recording {}, heights {datum}, attitude {attitude}", escape::path(&source.path))
 }
 
 fn place_text(place: &Place) -> String {

@@ -59,7 +59,10 @@ pub enum CliError {
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[source] ctrlc::Error),
     /// `--out` with several recordings.
-    #[error("--out {} does not say which of {recordings} recordings; allowed with one, else --set sink.<n>.path=...", out.display())]
+    #[error(
+        "--out {} does not say which of {recordings} recordings; allowed with one, else --set sink.<n>.path=...",
+        super::escape::path(out)
+    )]
     WhichSink {
         /// What was asked.
         out: PathBuf,
@@ -67,7 +70,10 @@ pub enum CliError {
         recordings: usize,
     },
     /// An HDF5 file asked of a build without HDF5.
-    #[error("this build has no HDF5 (feature `hdf5`): --out {} cannot be an HDF5 file; allowed: a folder", out.display())]
+    #[error(
+        "this build has no HDF5 (feature `hdf5`): --out {} cannot be an HDF5 file; allowed: a folder",
+        super::escape::path(out)
+    )]
     NoHdf5 {
         /// What was asked.
         out: PathBuf,
@@ -91,7 +97,7 @@ pub enum CliError {
     #[error(transparent)]
     Verify(RecordingError),
     /// A recording that is not whole.
-    #[error("{}: not whole: {faults} {}", path.display(), if *faults == 1 { "fault" } else { "faults" })]
+    #[error("{}: not whole: {faults} {}", super::escape::path(path), if *faults == 1 { "fault" } else { "faults" })]
     NotWhole {
         /// The recording.
         path: PathBuf,

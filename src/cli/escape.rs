@@ -1,30 +1,27 @@
 //! Text for a terminal: names in recordings, datagrams and scenarios may hold what moves its cursor, sets its title or turns
 //! its text around. Such characters are shown as `\u{1b}`, everywhere, because everything that is printed goes through here.
+//! A line feed in a [`name`] or a [`path()`] would forge a line of a report, so these are made printable where they are
+//! inserted.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
+use std::path::Path;
 
-/// Whether a character does something to a terminal instead of standing there.
-fn acts(c: char) -> bool {
-    let ends_line = matches!(c, '\n' | '\t');
-    (c.is_control() && !ends_line)
-        || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{200e}' | '\u{200f}')
+use crate::inputs::{acts, one_line, written_out};
+
+/// The text with such characters written out; its lines stay.
+pub(super) fn printable(text: &str) -> Cow<'_, str> {
+    written_out(text, |c| acts(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// The text with such characters written out.
-pub(super) fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(acts) {
-        return Cow::Borrowed(text);
-    }
-    let mut shown = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        if acts(c) {
-            shown.extend(c.escape_unicode());
-        } else {
-            shown.push(c);
-        }
-    }
-    Cow::Owned(shown)
+/// A name from elsewhere, on one line.
+pub(super) fn name(text: &str) -> Cow<'_, str> {
+    one_line(text)
+}
+
+/// A path, on one line.
+pub(super) fn path(path: &Path) -> String {
+    one_line(&path.to_string_lossy()).into_owned()
 }
 
 /// Writes text on, made printable. What is written at a time must be whole characters, as `write!` has it.
@@ -52,6 +49,7 @@ mod tests {
     fn what_acts_on_a_terminal_is_written_out() {
         assert_eq!(printable("HH \u{1b}[2J\r\u{9b}x\u{7f}"), "HH \\u{1b}[2J\\u{d}\\u{9b}x\\u{7f}");
         assert_eq!(printable("a\u{202e}b"), "a\\u{202e}b");
+        assert_eq!(path(Path::new("a\nb: whole")), "a\\u{a}b: whole");
         assert!(matches!(printable("Größe\t1 m\n"), Cow::Borrowed(_)));
         let mut out = Printable(Vec::new());
         out.write_all("é x\u{1b}]0;y\u{7}\n".as_bytes()).unwrap();

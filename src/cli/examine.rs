@@ -5,14 +5,15 @@
 //! limits of memory and of time. Only what that process survived is read again, by the same functions, in this one.
 //! docs/decisions/0041-hostile-files.md has the reasons.
 
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use super::args::ExamineArgs;
 use super::error::CliError;
+use super::escape;
 
 /// Memory of the second process, bytes: far above what a reader of blocks needs.
 #[cfg(all(feature = "hdf5", unix))]
@@ -51,7 +52,7 @@ pub enum ExamineError {
         /// The recording.
         path: String,
         /// What the system says.
-        source: std::io::Error,
+        source: io::Error,
     },
 }
 
@@ -61,7 +62,7 @@ fn seconds(bytes: u64) -> u64 {
 }
 
 /// The program itself, also where its file was replaced meanwhile.
-fn program() -> std::io::Result<std::path::PathBuf> {
+fn program() -> io::Result<std::path::PathBuf> {
     if cfg!(target_os = "linux") { Ok("/proc/self/exe".into()) } else { std::env::current_exe() }
 }
 
@@ -71,9 +72,9 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
         Ok(data) if data.is_file() && cfg!(feature = "hdf5") => data.len(),
         _ => return Ok(()),
     };
-    let shown = || path.display().to_string();
+    let shown = || escape::path(path);
     let failed = |source| ExamineError::Process { path: shown(), source };
-    let mut child = Command::new(program().map_err(failed)?)
+    let child = Command::new(program().map_err(failed)?)
         .arg("examine-recording")
         .arg("--")
         .arg(path)
@@ -84,16 +85,11 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
         .map_err(failed)?;
     let fatal = |how: String| ExamineError::Fatal { path: shown(), how };
     let limit = Duration::from_secs(seconds(length).saturating_mul(4));
-    let Some(status) = wait(&mut child, limit).map_err(failed)? else {
+    let Some((status, said)) = listen(child, limit).map_err(failed)? else {
         return Err(fatal(format!("nothing came of it within {} s", limit.as_secs())));
     };
     if status.success() {
         return Ok(());
-    }
-    let mut said = Vec::new();
-    if let Some(errors) = child.stderr.take() {
-        // What is lost of a message is no reason to read the file.
-        let _ = errors.take(MESSAGE).read_to_end(&mut said);
     }
     let said = String::from_utf8_lossy(&said);
     match (status.code(), said.trim().strip_prefix("error: ")) {
@@ -102,8 +98,32 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
     }
 }
 
+/// How a process ended and the first of what it reported; `None`, and its end, when it takes longer than it may.
+fn listen(mut child: Child, limit: Duration) -> io::Result<Option<(ExitStatus, Vec<u8>)>> {
+    let errors = child.stderr.take();
+    // A full pipe would hold up the process, so all of it is read while it runs. What is lost of a message is no reason to
+    // read the file.
+    let reader = thread::Builder::new().spawn(move || {
+        let mut said = Vec::new();
+        if let Some(mut errors) = errors {
+            let _ = errors.by_ref().take(MESSAGE).read_to_end(&mut said);
+            let _ = io::copy(&mut errors, &mut io::sink());
+        }
+        said
+    });
+    let reader = match reader {
+        Ok(reader) => reader,
+        Err(error) => {
+            child.kill()?;
+            child.wait()?;
+            return Err(error);
+        }
+    };
+    Ok(wait(&mut child, limit)?.map(|status| (status, reader.join().unwrap_or_default())))
+}
+
 /// How a process ended; `None`, and its end, when it takes longer than it may.
-fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<std::process::ExitStatus>> {
+fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<ExitStatus>> {
     let begun = Instant::now();
     let mut pause = Duration::from_millis(1);
     loop {
@@ -148,3 +168,22 @@ fn limit(length: u64) {
 
 #[cfg(all(feature = "hdf5", not(unix)))]
 fn limit(_length: u64) {}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// Before: a message longer than the pipe (64 KiB) was never read, and its process counted as hung.
+    #[test]
+    fn a_long_message_holds_up_nobody() {
+        let child = Command::new("sh")
+            .args(["-c", "printf 'error: ' >&2; head -c 300000 /dev/zero | tr '\\0' x >&2; exit 2"])
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (status, said) = listen(child, Duration::from_secs(20)).unwrap().expect("it ends by itself");
+        assert_eq!((status.code(), said.len()), (Some(2), MESSAGE as usize));
+        assert!(said.starts_with(b"error: xxx"));
+    }
+}

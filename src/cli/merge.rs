@@ -5,7 +5,7 @@ use std::io::Write;
 use super::args::MergeArgs;
 use super::error::CliError;
 #[cfg(feature = "hdf5")]
-use super::say;
+use super::{escape, say};
 
 /// Joins the recordings.
 #[cfg(feature = "hdf5")]
@@ -21,7 +21,7 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
     let shards = report.shards.len();
     say(format_args!(
         "{}: pulses {} to {} of {shards} recordings, {} in all, {} dropped",
-        report.out.display(),
+        escape::path(&report.out),
         report.first,
         report.last,
         report.pulses,

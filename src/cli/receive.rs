@@ -7,10 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::args::ReceiveArgs;
 use super::error::CliError;
+use super::escape;
 use super::run::names_hdf5;
 use super::{counted, say};
 use crate::files;
 use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::outputs;
 use crate::receive::Listener;
 use crate::receive::listener::{Opener, Senders, Until, senders};
 use crate::receive::report::Report;
@@ -97,7 +99,7 @@ fn kind(path: &Path, force: bool) -> Kind {
 
 fn preflight(kinds: impl Iterator<Item = Kind>) -> Result<(), CliError> {
     let settings: Vec<_> = kinds.map(|kind| sinks::Settings { kind, queue_pulses: 1 }).collect();
-    sinks::preflight(&settings).pop().map_or(Ok(()), |fault| Err(BuildErrors::from(fault).into()))
+    outputs::preflight(&settings).pop().map_or(Ok(()), |fault| Err(BuildErrors::from(fault).into()))
 }
 
 /// What makes the recording, when what is allowed has been looked at.
@@ -167,7 +169,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         counted(report.restarts, "time")
     )?;
     if let Some(fault) = &report.first_fault {
-        writeln!(out, "            first malformed: {fault}")?;
+        writeln!(out, "            first malformed: {}", escape::name(fault))?;
     }
     let drops = report.kernel_drops.map_or("not told".to_owned(), |drops| drops.to_string());
     writeln!(
@@ -193,7 +195,10 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "platform    {} at pulse {}: {e:.3} m East, {n:.3} m North, {u:.3} m up; {ve:.3}, {vn:.3}, {vu:.3} m/s; report {:.3} s old, flags {:#x}",
-            platform.name, platform.pulse, platform.age_s, platform.flags
+            escape::name(&platform.name),
+            platform.pulse,
+            platform.age_s,
+            platform.flags
         )?;
         if let [x, y, z] = platform.ecef_position_m
             && x.is_finite()
@@ -208,7 +213,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "recording   {}; the wire does not carry {}",
-            file.display(),
+            escape::path(file),
             report.not_carried.join(", ")
         )?;
     }

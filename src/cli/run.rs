@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::args::{Pace, RunArgs, Setting};
 use super::control::{ControlSocket, Subject};
 use super::error::CliError;
+use super::escape;
 use super::progress;
 use super::{counted, say, warn};
 use crate::adequacy::outlook;
@@ -207,7 +208,7 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
             ));
         }
         for file in &report.files {
-            say(format_args!("{}: {}", report.name, file.display()));
+            say(format_args!("{}: {}", report.name, escape::path(file)));
         }
         warn(report.notes());
         if let Some(wire) = &report.wire {

@@ -11,6 +11,7 @@ use serde_json::{Map, Value};
 use super::args::TradeoffArgs;
 use super::bench::{load, reference, settings_text};
 use super::error::CliError;
+use super::escape;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
@@ -250,7 +251,7 @@ fn text(report: &Report) -> String {
         let _ = writeln!(text, "not tried: {}: {}", refused.change, refused.why);
     }
     for path in &report.out {
-        let _ = writeln!(text, "{}", path.display());
+        let _ = writeln!(text, "{}", escape::path(path));
     }
     text
 }

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use super::args::VerifyArgs;
 use super::counted;
 use super::error::CliError;
+use super::escape;
 use super::examine::{ExamineError, examine};
 use crate::recording::verify::{Verdict, verify as look};
 
@@ -32,13 +33,13 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
 /// The verdict for people.
 fn report(verdict: &Verdict, out: &mut dyn Write) -> io::Result<()> {
     let word = if verdict.whole { "whole" } else { "not whole" };
-    write!(out, "{}: {word}; {}", verdict.path.display(), counted(verdict.pulses, "pulse"))?;
+    write!(out, "{}: {word}; {}", escape::path(&verdict.path), counted(verdict.pulses, "pulse"))?;
     if let (Some(first), Some(last)) = (verdict.first, verdict.last) {
         write!(out, " ({first} to {last}), {} dropped in real time", verdict.dropped)?;
     }
     writeln!(out, "; {} bytes read", verdict.bytes)?;
     for finding in &verdict.findings {
-        writeln!(out, "  {}: {}", finding.place, finding.what)?;
+        writeln!(out, "  {}: {}", escape::name(&finding.place), escape::name(&finding.what))?;
     }
     let more = verdict.faults.saturating_sub(verdict.findings.len() as u64);
     if more > 0 {

@@ -59,10 +59,10 @@ mod resolve;
 mod section;
 
 use std::collections::BTreeSet;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::echo::Fidelity;
+use crate::inputs;
 use crate::motion::PlatformNav;
 use crate::motion::changes::Event;
 use crate::scene::Scene;
@@ -112,10 +112,7 @@ pub struct Run {
 /// number from 0 (`target.0.rcs_m2`) or `+` for a new one (`sink.+`), and the value as TOML, or as plain text where it is not TOML.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
     let read_error = |source| ConfigError::Read { path: path.to_owned(), source };
-    let file = std::fs::File::open(path).map_err(read_error)?;
-    let mut bytes = Vec::new();
-    // One byte more than allowed, so that a file of any length (or a device) is refused without being read.
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(read_error)?;
+    let bytes = inputs::read(path, LARGEST_FILE).map_err(read_error)?;
     let size = bytes.len() as u64;
     if size > LARGEST_FILE {
         let bytes = std::fs::metadata(path).map_or(size, |data| data.len().max(size));

@@ -22,11 +22,10 @@
 //! ```
 
 use super::recording::Recording;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use super::{FileFormat, FileSource, NavError};
+use crate::inputs;
 
 /// The most bytes that are read of a file.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -43,10 +42,7 @@ pub fn load(source: &FileSource) -> Result<Recording, NavError> {
 /// The bytes of a file.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
     let read_error = |error| NavError::Read { path: path.to_owned(), source: error };
-    let file = File::open(path).map_err(read_error)?;
-    let mut bytes = Vec::new();
-    // One byte past the bound tells a file at the bound from one beyond it.
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(read_error)?;
+    let bytes = inputs::read(path, MAX_FILE_BYTES).map_err(read_error)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(NavError::TooLarge { path: path.to_owned(), allowed_bytes: MAX_FILE_BYTES });
     }

@@ -45,7 +45,7 @@ use super::changing;
 use super::control::{CommandQueue, Control, control};
 use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
-use super::outputs::{header, open_all, placed, same_kind};
+use super::outputs::{self, header, open_all, placed, same_kind};
 use super::plausible;
 use super::stages::{PulseFactory, Workspace};
 use super::tracks::set_tracks;
@@ -125,7 +125,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
 /// Faults of outputs and of the pulses that are asked.
 fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
     let mut faults: Vec<BuildError> =
-        sinks::preflight(&run.sinks).into_iter().map(BuildError::from).collect();
+        outputs::preflight(&run.sinks).into_iter().map(BuildError::from).collect();
     let pulses = run.scene.pulses;
     if range.is_empty() || range.end > pulses {
         faults.push(BuildError::Range { from: range.start, to: range.end, pulses });

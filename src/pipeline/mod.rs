@@ -14,7 +14,7 @@ pub mod fault;
 pub mod live;
 pub mod memory;
 mod navigation;
-mod outputs;
+pub(crate) mod outputs;
 pub mod plausible;
 pub(crate) mod power;
 mod single;

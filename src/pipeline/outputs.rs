@@ -17,6 +17,19 @@ use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError};
 
+/// What can be known of outputs to be made before anything is: all their faults.
+pub(crate) fn preflight(sinks: &[sinks::Settings]) -> Vec<SinkError> {
+    sinks.iter().filter_map(unnamed).chain(sinks::preflight(sinks)).collect()
+}
+
+/// A recording gets its name when it is begun, in place of what is replaced: `.` and `..` are no names that can be given.
+fn unnamed(settings: &sinks::Settings) -> Option<SinkError> {
+    let (Kind::Hdf5 { path, .. } | Kind::Plain { path, .. }) = &settings.kind else { return None };
+    let words = "the path ends in no name; allowed: the name of a file or folder that is to be made";
+    let source = std::io::Error::new(std::io::ErrorKind::InvalidInput, words);
+    path.file_name().is_none().then(|| SinkError::io(path, "making the recording")(source))
+}
+
 /// What the run is.
 pub(super) fn header(
     run: &Run,

@@ -45,8 +45,14 @@ use super::taper::Taper;
 use crate::geometry::phase_path::{PhasePath, delay_gradient, delay_s};
 use crate::recording::ground::Ground;
 
-/// Points of the search to either side, and in a cell.
-const SEARCH: [usize; 2] = [30, 5];
+/// Cells to either side of its place within which a point is sought.
+pub const SEARCH_CELLS: usize = 6;
+/// Points of the search in a cell.
+const SEARCH_FINE: usize = 5;
+/// Lengths of steps in cross-range, in cells by theory, that are tried one after the other.
+const WIDENINGS: [f64; 3] = [1.0, 4.0, WIDEST];
+/// The longest of them.
+pub const WIDEST: f64 = 16.0;
 /// A point is one when its peak is so far above the median of what is around it, dB.
 const CLEAR_DB: f64 = 13.0;
 /// Cells of a cut to either side, and points in a cell.
@@ -187,27 +193,73 @@ pub struct PointTarget {
     pub cross_range: Cut,
 }
 
-/// Measures points that are expected at given places; none for those that show no main lobe there, or none that stands out of noise and sea. `tapers` are those over
-/// the band and over the pulses.
-pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2]) -> Vec<Option<PointTarget>> {
-    let supports: Vec<Option<Support>> = expected_m.iter().map(|p| Support::of(aperture, *p)).collect();
+/// A point that is sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sought {
+    /// Where it should be, m: the error of its place is counted from here.
+    pub expected_m: [f64; 3],
+    /// About where it is sought, m: the same place, moved by what is known to be wrong with the navigation.
+    pub about_m: [f64; 3],
+}
+
+impl From<[f64; 3]> for Sought {
+    fn from(place_m: [f64; 3]) -> Self {
+        Self { expected_m: place_m, about_m: place_m }
+    }
+}
+
+/// Measures points about given places; none for those that show no main lobe within [`SEARCH_CELLS`] of theirs, or none that stands out of noise and sea. `tapers` are
+/// those over the band and over the pulses.
+///
+/// A cell in cross-range is that of all pulses. Where a narrow beam passes over a point, few of them carry its echo, and its
+/// main lobe is wider than what is searched. Points that are not found are sought again in cross-range steps that are
+/// 4 and 16 times as long, for main lobes of at least as many cells: what is sharp is not taken from further away.
+pub fn analyse(aperture: &Aperture, sought: &[Sought], tapers: [Taper; 2]) -> Vec<Option<PointTarget>> {
+    let supports: Vec<Option<Support>> =
+        sought.iter().map(|point| Support::of(aperture, point.about_m)).collect();
+    let mut found = vec![None; sought.len()];
+    for widening in WIDENINGS {
+        let left: Vec<usize> = (0..sought.len()).filter(|place| found[*place].is_none()).collect();
+        let points: Vec<(Sought, Option<Support>)> =
+            left.iter().map(|place| (sought[*place], supports[*place])).collect();
+        for (place, point) in left.iter().zip(measure(aperture, &points, tapers, widening)) {
+            found[*place] = point;
+        }
+    }
+    found
+}
+
+/// The same in cross-range steps so many times as long.
+fn measure(
+    aperture: &Aperture,
+    points: &[(Sought, Option<Support>)],
+    tapers: [Taper; 2],
+    widening: f64,
+) -> Vec<Option<PointTarget>> {
+    let scaled = |step: [f64; 3], by: f64| step.map(|x| x * by);
+    let scales = [1.0, widening];
     // An aperture without cross-range still gets a grid, of no use, so that places in the lists agree.
-    let steps: Vec<[[f64; 3]; 2]> = supports
+    let steps: Vec<[[f64; 3]; 2]> = points
         .iter()
-        .map(|support| {
-            support.map_or([[0.0; 3]; 2], |s| s.cuts().map(|([x, y], cell)| [x * cell, y * cell, 0.0]))
+        .map(|(_, support)| {
+            support.map_or([[0.0; 3]; 2], |s| {
+                let cuts = s.cuts();
+                std::array::from_fn(|i| {
+                    let ([x, y], cell) = cuts[i];
+                    scaled([x, y, 0.0], cell * scales[i])
+                })
+            })
         })
         .collect();
-    let scaled = |step: [f64; 3], by: f64| step.map(|x| x * by);
-    let [side, fine] = SEARCH;
-    let chips: Vec<Ground> = expected_m
+    let (side, fine) = (SEARCH_CELLS * SEARCH_FINE, SEARCH_FINE);
+    let chips: Vec<Ground> = points
         .iter()
         .zip(&steps)
-        .map(|(centre, step)| {
+        .map(|((point, _), step)| {
             let [x, y] = step.map(|s| scaled(s, 1.0 / fine as f64));
             let back = -(side as f64);
             Ground {
-                first_m: std::array::from_fn(|k| centre[k] + back * (x[k] + y[k])),
+                first_m: std::array::from_fn(|k| point.about_m[k] + back * (x[k] + y[k])),
                 step_x_m: x,
                 step_y_m: y,
                 pixels: [2 * side + 1; 2],
@@ -227,25 +279,28 @@ pub fn analyse(aperture: &Aperture, expected_m: &[[f64; 3]], tapers: [Taper; 2])
     let lines: Vec<Ground> = peaks
         .iter()
         .zip(&steps)
-        .zip(expected_m)
-        .flat_map(|((peak, [range, cross]), expected)| {
+        .zip(points)
+        .flat_map(|((peak, [range, cross]), (point, _))| {
             let line = |step: &[f64; 3]| {
                 Ground::line(*peak, scaled(*step, 1.0 / dense as f64), 2 * cells * dense + 1)
             };
-            [line(range), line(cross), Ground::line(*expected, [0.0; 3], 1)]
+            [line(range), line(cross), Ground::line(point.expected_m, [0.0; 3], 1)]
         })
         .collect();
     let images = fast(aperture, &lines, &|_| ());
-    supports
+    points
         .iter()
-        .zip(expected_m)
         .zip(lines.chunks_exact(3).zip(images.chunks_exact(3)))
         .zip(clear)
-        .map(
-            |(((support, expected), (lines, images)), clear)| {
-                if clear { judge((*support)?, *expected, lines, images, tapers) } else { None }
-            },
-        )
+        .map(|(((point, support), (lines, images)), clear)| {
+            let found = if clear {
+                judge((*support)?, point.expected_m, lines, images, tapers, scales)?
+            } else {
+                return None;
+            };
+            let cells = found.cross_range.width_m / support.as_ref()?.cuts()[1].1;
+            (widening == 1.0 || cells >= widening).then_some(found)
+        })
         .collect()
 }
 
@@ -255,6 +310,7 @@ fn judge(
     lines: &[Ground],
     images: &[Vec<Complex32>],
     tapers: [Taper; 2],
+    scales: [f64; 2],
 ) -> Option<PointTarget> {
     let power = |image: &[Complex32]| -> Vec<f64> { image.iter().map(|z| f64::from(z.norm_sqr())).collect() };
     let cuts = [measure_cut(&power(&images[0]))?, measure_cut(&power(&images[1]))?];
@@ -268,7 +324,7 @@ fn judge(
         let (direction, cell_m) = support.cuts()[i];
         Cut {
             direction,
-            width_m: cuts[i].width * cell_m / CUT[1] as f64,
+            width_m: cuts[i].width * cell_m * scales[i] / CUT[1] as f64,
             theory_m: tapers[i].width() * cell_m,
             pslr_db: cuts[i].pslr_db,
             islr_db: cuts[i].islr_db,

@@ -24,13 +24,12 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use num_complex::Complex64;
 use thiserror::Error;
 
+use crate::inputs;
 use crate::units::Decibels;
 
 const MOST_BYTES: u64 = 64 << 20;
@@ -280,8 +279,7 @@ impl GridPattern {
     /// Reads a pattern file; `floor_dbi` is the gain outside its grid.
     pub fn open(path: &Path, floor_dbi: f64) -> Result<Self, PatternError> {
         let read = |source| PatternError::Read { path: path.to_owned(), source };
-        let mut bytes = Vec::new();
-        File::open(path).map_err(read)?.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(read)?;
+        let bytes = inputs::read(path, MOST_BYTES).map_err(read)?;
         if bytes.len() as u64 > MOST_BYTES {
             return Err(PatternError::TooLarge { path: path.to_owned() });
         }

@@ -32,6 +32,7 @@ use glam::{DQuat, DVec3};
 use num_complex::Complex32;
 
 use crate::geometry::phase_path::{PhasePath, PhasePathError};
+use crate::inputs::one_line;
 use crate::scene::radar::Polarisation;
 use crate::sinks::columns::{Column, Rows, columns};
 use crate::sinks::sink::{Header, SinkError};
@@ -56,7 +57,7 @@ pub enum RecordingError {
         path: PathBuf,
     },
     /// Not a recording of this program.
-    #[error("{}: {detail}", path.display())]
+    #[error("{}: {}", path.display(), one_line(detail))]
     Foreign {
         /// The file.
         path: PathBuf,
@@ -94,7 +95,7 @@ pub enum RecordingError {
         available_mib: u64,
     },
     /// A column that is not there.
-    #[error("{}: /{column} is not in the recording", path.display())]
+    #[error("{}: /{} is not in the recording", path.display(), one_line(column))]
     Missing {
         /// The recording.
         path: PathBuf,

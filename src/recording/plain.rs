@@ -10,6 +10,7 @@ use num_complex::{Complex, Complex32};
 use serde_json::Value;
 
 use super::RecordingError;
+use crate::inputs;
 use crate::pulse::{Layout, SampleFormat};
 use crate::sinks::columns::{Column, Element, Rows, columns};
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow, SinkError};
@@ -18,15 +19,15 @@ use crate::time::TimeTag;
 /// Longest `meta.json` and `replica.bin`.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// A file of a recording and its length. Pipes and devices, which may never end, are refused before they are opened.
+/// A file of a recording and its length.
 fn regular(path: &Path) -> Result<(File, u64), SinkError> {
     let fault = || SinkError::io(path, "reading the recording");
-    if !fs::metadata(path).map_err(fault())?.is_file() {
-        return Err(fault()(ErrorKind::Unsupported.into()));
+    let file = inputs::open(path).map_err(fault())?;
+    let data = file.metadata().map_err(fault())?;
+    if !data.is_file() {
+        return Err(fault()(ErrorKind::IsADirectory.into()));
     }
-    let file = File::open(path).map_err(fault())?;
-    let length = file.metadata().map_err(fault())?.len();
-    Ok((file, length))
+    Ok((file, data.len()))
 }
 
 /// A folder that is read.

@@ -16,13 +16,16 @@
 //! ```
 
 use std::fs;
-use std::io::Read;
+use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use serde::Serialize;
 
 use super::{RecordingError, Source};
+use crate::inputs;
 use crate::pulse::flags::AFTER_GAP;
 use crate::sinks::columns::{Column, INDEX, Rows, columns};
 use crate::sinks::sink::SinkError;
@@ -33,6 +36,9 @@ const BLOCK_BYTES: usize = 4 << 20;
 const BLOCK_ROWS: usize = 1024;
 /// Faults that are listed; all are counted.
 const LISTED: usize = 50;
+/// Another `verify` holds the lock for an instant: so often, and at such intervals, is it tried.
+const LOCK_TRIES: usize = 10;
+const LOCK_PAUSE: Duration = Duration::from_millis(10);
 
 /// What is wrong, and where.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -50,7 +56,7 @@ pub struct Finding {
 pub enum Ending {
     /// Its writer has closed it, as far as can be known.
     Closed,
-    /// A program has it locked: it grows.
+    /// It is being written.
     Growing,
     /// The mark of an open writer is set, and no writer is there.
     WriterLost,
@@ -95,17 +101,42 @@ impl Verdict {
     }
 }
 
-/// How a recording ends, from its locks and the mark of an open writer in the superblock of HDF5.
+/// Whether the superblock of an HDF5 file bears the mark of an open writer.
+fn is_marked(file: &mut fs::File) -> bool {
+    // Signature (8 bytes), version, two sizes, then the flags: version 3 has the mark there.
+    let mut start = [0; 12];
+    let read = file.rewind().and_then(|()| file.read_exact(&mut start));
+    read.is_ok() && start.starts_with(b"\x89HDF\r\n\x1a\n") && start[8] >= 3 && start[11] != 0
+}
+
+/// Whether a program keeps a file locked.
+fn is_locked(file: &fs::File) -> bool {
+    for attempt in 0..LOCK_TRIES {
+        if attempt > 0 {
+            thread::sleep(LOCK_PAUSE);
+        }
+        if !matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
+            return false;
+        }
+    }
+    true
+}
+
+/// How a recording ends. In HDF5 a writer leaves its mark in the superblock until it has closed the file; readers lock the
+/// file too, so a lock counts only beside that mark. In a plain recording writers alone lock `meta.json`.
 fn ending(path: &Path) -> Ending {
-    let file = if path.is_dir() { path.join("meta.json") } else { path.to_owned() };
-    let Ok(mut file) = fs::File::open(file) else { return Ending::Closed };
-    if matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
+    let is_folder = path.is_dir();
+    let Ok(mut file) = inputs::open(&if is_folder { path.join("meta.json") } else { path.to_owned() }) else {
+        return Ending::Closed;
+    };
+    if !is_folder && !is_marked(&mut file) {
+        return Ending::Closed;
+    }
+    if is_locked(&file) {
         return Ending::Growing;
     }
-    // Signature (8 bytes), version, two sizes, then the flags: version 3 marks an open writer there.
-    let mut start = [0; 12];
-    let is_hdf5 = file.read_exact(&mut start).is_ok() && start.starts_with(b"\x89HDF\r\n\x1a\n");
-    if is_hdf5 && start[8] >= 3 && start[11] != 0 { Ending::WriterLost } else { Ending::Closed }
+    // The writer may have closed it since.
+    if !is_folder && is_marked(&mut file) { Ending::WriterLost } else { Ending::Closed }
 }
 
 /// Reads all of a recording. The error is for what cannot be looked at; what is damaged is in the verdict.
@@ -136,7 +167,9 @@ pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
     };
     match ending {
         Ending::Closed => {}
-        Ending::Growing => verdict.fault("end", "a program is writing it, or reads it under a lock"),
+        Ending::Growing => {
+            verdict.fault("end", "being written (or its writer was killed, and another program reads it)");
+        }
         Ending::WriterLost => {
             verdict.fault("end", "its writer did not close it: pulses after its last flush are lost");
         }
@@ -190,7 +223,12 @@ fn may_be_nan(column: &Column) -> bool {
 
 /// Reads every row of a column.
 fn read_through(path: &Path, source: &Source, column: &Column, verdict: &mut Verdict) {
+    let held = source.length(column).map_or(0, |(rows, _)| rows);
     for part in parts(verdict.pulses as usize, column.row_bytes()) {
+        // What lies behind the end of the column has been reported as its length.
+        if part.start as u64 >= held.max(1) {
+            break;
+        }
         let place = || format!("/{}, rows {}..{}", column.path, part.start, part.end);
         let bad = match source.rows(path, column, part.clone()) {
             Err(error) => {
@@ -240,7 +278,8 @@ fn order(path: &Path, source: &Source, list: &[Column], verdict: &mut Verdict) {
                         format!("pulses {}..{index} are missing, and the run did not drop them", last + 1),
                     );
                 } else {
-                    verdict.dropped += index - last - 1;
+                    // Numbers of a damaged index may rise and fall, so the sum has no bound.
+                    verdict.dropped = verdict.dropped.saturating_add(index - last - 1);
                 }
                 if ns < last_ns || ns == last_ns && part_ns <= last_part_ns {
                     verdict.fault(format!("/pulse/time_ns, row {row}"), "not after the pulse before it");

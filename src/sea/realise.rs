@@ -36,13 +36,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::PathBuf;
 
 use super::spectrum::{Spectrum, SpectrumError, of_water};
 use super::surface::{Grid, StateError, Surface, SurfaceError};
 use super::wind::{Wind, WindError};
+use crate::inputs;
 use crate::scene::Sea;
 use crate::scene::sea::Realisation;
 use crate::scene::water::Dispersion;
@@ -126,7 +126,7 @@ pub fn realise(sea: &Sea, seed: u64) -> Result<Realised, RealiseError> {
         Realisation::Saved { path } => {
             let path = path.clone();
             let file =
-                File::open(&path).map_err(|source| RealiseError::Open { path: path.clone(), source })?;
+                inputs::open(&path).map_err(|source| RealiseError::Open { path: path.clone(), source })?;
             let surface = Surface::load(&mut BufReader::new(file))
                 .map_err(|source| RealiseError::State { path: path.clone(), source })?;
             if *surface.grid() != grid {

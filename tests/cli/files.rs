@@ -160,6 +160,26 @@ fn an_old_recording_survives_a_run_that_cannot_begin_or_fails() {
     assert_eq!(verdict(folder.path(), name)["pulses"], 30);
 }
 
+/// Before: refused when the run had ended, whose pulses were lost.
+#[test]
+fn an_output_without_a_name_is_refused_before_the_run() {
+    let config = scenario();
+    for (out, into) in [(".", "empty"), ("..", "empty/below")] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir_all(folder.path().join(into)).unwrap();
+        let mut words = run_of(&config, "0..5", out);
+        words.push("--force");
+        let ended = nereus(&folder.path().join("empty"), &words);
+        assert_eq!(ended.code, 2, "{out}: {}", ended.stderr);
+        let allowed = "the path ends in no name; allowed: the name of a file or folder that is to be made";
+        assert!(ended.stderr.contains(allowed), "{out}: {}", ended.stderr);
+        assert_eq!(ended.stdout, "", "{out}");
+        let receive = ["receive", "--listen", "127.0.0.1:0", "--out", out, "--force", "--duration-s", "1"];
+        let ended = nereus(&folder.path().join("empty"), &receive);
+        assert!(ended.code == 2 && ended.stderr.contains(allowed), "{out}: {}", ended.stderr);
+    }
+}
+
 #[test]
 fn verify_says_by_its_exit_what_it_found() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,6 +7,8 @@ mod control;
 #[cfg(unix)]
 mod files;
 mod focus;
+#[cfg(unix)]
+mod inputs;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]
 mod live_navigation;

@@ -90,7 +90,7 @@ fn the_band_sets_width_side_lobes_place_and_phase() {
     aperture.pulses = all;
     for (taper, pslr_db) in [(Taper::Uniform, -13.26), (Taper::Hann, -31.5)] {
         aperture.gate = Some(Gate { bandwidth_hz: 100.0, taper, aim_hz: aim_hz.clone() });
-        let found = analyse(&aperture, &[TARGET_M], [Taper::Uniform, taper])[0].unwrap();
+        let found = analyse(&aperture, &[TARGET_M.into()], [Taper::Uniform, taper])[0].unwrap();
         println!("{taper:?}: {found:?}");
         let cut = found.cross_range;
         // v/B: 2.22 m. Some 65 pulses, so that the edges of the band are met to half a pulse: 1 %.
@@ -148,6 +148,6 @@ fn a_pixel_in_no_band_is_dark_and_a_gate_without_aims_takes_nothing() {
         aperture.gate = Some(Gate { bandwidth_hz: 50.0, taper: Taper::Uniform, aim_hz });
         assert!(fast(&aperture, &[ground], &|_| ())[0].iter().all(|z| z.norm() == 0.0));
         assert!(reference(&aperture, &ground).iter().all(|z| z.norm() == 0.0));
-        assert!(analyse(&aperture, &[TARGET_M], [Taper::Uniform; 2])[0].is_none());
+        assert!(analyse(&aperture, &[TARGET_M.into()], [Taper::Uniform; 2])[0].is_none());
     }
 }

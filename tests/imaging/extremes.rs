@@ -116,7 +116,7 @@ fn image(case: &Case) -> Result<usize, TestCaseError> {
         let middle = 2 * 7 + 3;
         prop_assert!(made[middle] != Complex32::ZERO && wanted[middle].norm() > 0.0);
     }
-    for found in analyse(&aperture, &[[0.0; 3]], [taper; 2]).into_iter().flatten() {
+    for found in analyse(&aperture, &[[0.0; 3].into()], [taper; 2]).into_iter().flatten() {
         prop_assert!(found.found_m.iter().all(|x| x.is_finite()) && found.phase_rad.is_finite());
     }
     let delays_s: Vec<f64> =

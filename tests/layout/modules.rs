@@ -8,7 +8,7 @@ use crate::code::{Segments, code, passed_on, paths, without_tests};
 use crate::{files, root};
 
 /// Modules in the order in which one may use another. `cli` may use all.
-const ORDER: [&str; 30] = [
+const ORDER: [&str; 31] = [
     "cpu",
     "units",
     "frames",
@@ -16,6 +16,7 @@ const ORDER: [&str; 30] = [
     "rng",
     "pulse",
     "files",
+    "inputs",
     "scene",
     "sea",
     "nav",

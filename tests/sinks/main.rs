@@ -11,6 +11,7 @@ mod recording_outputs;
 mod recording_plain;
 mod recording_replaced;
 mod recording_rule;
+mod recording_verify;
 mod wire;
 mod wire_fixture;
 mod wire_hostile;

@@ -2,6 +2,7 @@
 
 use super::{Described, described, neat};
 use crate::adequacy::{AZIMUTH_M, Adequacy};
+use crate::cli::escape;
 use crate::scene::Scene;
 use crate::scene::sea::{
     Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing,
@@ -166,10 +167,10 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
         SpectrumKind::Measured { path, tail: true } => {
             format!(
                 "measured, {}, with Elfouhaily's waves of the wind beyond its last wave number",
-                path.display()
+                escape::path(path)
             )
         }
-        SpectrumKind::Measured { path, tail: false } => format!("measured, {}", path.display()),
+        SpectrumKind::Measured { path, tail: false } => format!("measured, {}", escape::path(path)),
     };
     let drawn = match &sea.realisation {
         Realisation::Drawn { averaging } => {
@@ -180,7 +181,7 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
             };
             format!("drawn{how} from seed {seed}")
         }
-        Realisation::Saved { path } => format!("saved state {}", path.display()),
+        Realisation::Saved { path } => format!("saved state {}", escape::path(path)),
     };
     let depth = dispersion.depth_m.map_or("deep water".to_owned(), |depth_m| format!("{depth_m} m deep"));
     let tension = if dispersion.capillary { ", surface tension" } else { "" };

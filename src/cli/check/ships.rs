@@ -2,6 +2,7 @@
 
 use super::{Described, described, neat};
 use crate::adequacy::ShipOutlook;
+use crate::cli::escape;
 use crate::scene::Scene;
 use crate::scene::ship::{HullGiven, Ship};
 
@@ -37,7 +38,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
 
 fn ship_text(ship: &Ship) -> String {
     let hull = match &ship.hull {
-        HullGiven::File(path) => path.display().to_string(),
+        HullGiven::File(path) => escape::path(path),
         HullGiven::Wigley { beam_m, draught_m } => {
             format!("Wigley's hull of {beam_m} m beam and {draught_m} m draught")
         }

@@ -18,16 +18,19 @@ use num_complex::Complex32;
 
 use super::args::{PulseRange, distinct};
 use super::error::CliError;
+use super::escape;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{counted, say, warn};
 use crate::clutter::SampleFault;
 use crate::geometry::phase_path::PhasePath;
+use crate::inputs::one_line;
 use crate::pipeline::memory::available_bytes;
 use crate::plot::canvas::Canvas;
 use crate::plot::picture::{Axis, Limits, Picture, Reduction};
 use crate::processor::backproject::{Aperture, PulseEcho, fast};
 use crate::processor::multilook::{multilook, percentile};
+use crate::processor::point_target::Sought;
 use crate::processor::point_target::{PointTarget, Support, analyse, locate};
 use crate::processor::range_compress::{
     CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
@@ -170,7 +173,7 @@ pub enum FocusError {
     #[error(transparent)]
     Ground(#[from] GroundError),
     /// The recording has no pulse to compress with.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", escape::path(path))]
     Compress {
         /// The recording.
         path: PathBuf,
@@ -178,7 +181,7 @@ pub enum FocusError {
         source: CompressError,
     },
     /// A channel that is not there.
-    #[error("channel {name} is not in the recording; allowed: {allowed}")]
+    #[error("channel {} is not in the recording; allowed: {allowed}", one_line(name))]
     Channel {
         /// What was asked.
         name: String,
@@ -186,7 +189,11 @@ pub enum FocusError {
         allowed: String,
     },
     /// A channel that carries no echo.
-    #[error("channel {name} is a calibration channel ({kind}) and carries no echo; allowed: {allowed}")]
+    #[error(
+        "channel {} is a calibration channel ({}) and carries no echo; allowed: {allowed}",
+        one_line(name),
+        one_line(kind)
+    )]
     Calibration {
         /// What was asked.
         name: String,
@@ -196,7 +203,7 @@ pub enum FocusError {
         allowed: String,
     },
     /// Nothing but calibration channels.
-    #[error("{}: holds no channel of echoes", path.display())]
+    #[error("{}: holds no channel of echoes", escape::path(path))]
     NoEchoes {
         /// The recording.
         path: PathBuf,
@@ -225,7 +232,8 @@ pub enum FocusError {
     },
     /// A Doppler band about the aim of an antenna that has none.
     #[error(
-        "--doppler-hz {hz}: channel {channel} has no aim that it could lie about: its antennas are isotropic, or the recording does not hold where they look; allowed: all"
+        "--doppler-hz {hz}: channel {} has no aim that it could lie about: its antennas are isotropic, or the recording does not hold where they look; allowed: all",
+        one_line(channel)
     )]
     NoAim {
         /// As asked.
@@ -234,13 +242,16 @@ pub enum FocusError {
         channel: String,
     },
     /// No pulse carries what a channel listens to.
-    #[error("channel {channel}: none of the pulses left in its polarisation")]
+    #[error("channel {}: none of the pulses left in its polarisation", one_line(channel))]
     Dark {
         /// The channel.
         channel: String,
     },
     /// A recording to compare with that is of something else.
-    #[error("--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets", path.display())]
+    #[error(
+        "--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets",
+        escape::path(path)
+    )]
     Against {
         /// The recording.
         path: PathBuf,
@@ -249,26 +260,30 @@ pub enum FocusError {
     },
     /// An image without resolution cells.
     #[error(
-        "--speckle, channel {channel}: no cross-range, so that a resolution cell has no length; allowed: more pulses, from an end that moves"
+        "--speckle, channel {}: no cross-range, so that a resolution cell has no length; allowed: more pulses, from an end that moves",
+        one_line(channel)
     )]
     NoCells {
         /// The channel.
         channel: String,
     },
     /// What came over the wire.
-    #[error("{}: holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused", path.display())]
+    #[error(
+        "{}: holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused",
+        escape::path(path)
+    )]
     Wire {
         /// The recording.
         path: PathBuf,
     },
     /// More outputs than can be made.
-    #[error("--out {}: allowed: one name that ends in .png and one that ends in .h5", path.display())]
+    #[error("--out {}: allowed: one name that ends in .png and one that ends in .h5", escape::path(path))]
     Several {
         /// What was given beyond that.
         path: PathBuf,
     },
     /// Pixels that no law can be fitted to.
-    #[error("--speckle, channel {channel}: {source}")]
+    #[error("--speckle, channel {}: {source}", one_line(channel))]
     Speckle {
         /// The channel.
         channel: String,
@@ -276,7 +291,7 @@ pub enum FocusError {
         source: SampleFault,
     },
     /// An output that is neither picture nor HDF5.
-    #[error("--out {}: allowed: a name that ends in .png or .h5", path.display())]
+    #[error("--out {}: allowed: a name that ends in .png or .h5", escape::path(path))]
     Kind {
         /// What was given.
         path: PathBuf,
@@ -418,7 +433,7 @@ fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError>
     if args.channel.is_empty() {
         return Ok(echoes);
     }
-    let allowed = || echoes.iter().map(|place| all[*place].name.as_str()).collect::<Vec<_>>().join(", ");
+    let allowed = || echoes.iter().map(|place| one_line(&all[*place].name)).collect::<Vec<_>>().join(", ");
     let place = |name: &String| match all.iter().position(|channel| channel.name == *name) {
         None => Err(FocusError::Channel { name: name.clone(), allowed: allowed() }),
         Some(place) if !echoes.contains(&place) => Err(FocusError::Calibration {
@@ -582,7 +597,7 @@ fn one(
     let aperture = aperture(args, recording, scenario, compressor, ground, ends, channel)?;
     let image = watched(&aperture, ground);
     if image.iter().all(|z| *z == Complex32::ZERO) {
-        let name = &recording.header.channels[channel].name;
+        let name = one_line(&recording.header.channels[channel].name);
         match &aperture.gate {
             Some(gate) => say(format_args!(
                 "channel {name}: no power on the image; does it lie within {} Hz of Doppler about the aim (--doppler-hz all), and in the receive windows?",
@@ -611,13 +626,27 @@ fn targets(
     ground: &Ground,
     channel: usize,
 ) -> Result<Vec<(String, Option<PointTarget>)>, FocusError> {
-    let (names, places): (Vec<_>, Vec<_>) = expected(recording, ground, channel).into_iter().unzip();
+    let used = (args.nav == FocusNav::Reported).then_some([aperture.transmitter, aperture.receiver]);
+    let (names, places): (Vec<_>, Vec<_>) = sought(recording, ground, channel, used).into_iter().unzip();
     let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
     Ok(names.into_iter().zip(found).collect())
 }
 
 /// Targets of the truth record, and where they should be on the image.
 fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(String, [f64; 3])> {
+    sought(recording, ground, channel, None)
+        .into_iter()
+        .map(|(name, point)| (name, point.expected_m))
+        .collect()
+}
+
+/// The same, and where the paths in use put them, if these are others.
+fn sought(
+    recording: &Recording,
+    ground: &Ground,
+    channel: usize,
+    used: Option<[&PhasePath; 2]>,
+) -> Vec<(String, Sought)> {
     let row = &recording.header.channels[channel];
     // Delays are true: where they belong is told by the true paths, whatever the processor believes.
     let (Ok(transmitter), Ok(receiver)) =
@@ -633,8 +662,13 @@ fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(Stri
     };
     let place = |(place, name): (usize, &String)| {
         let delays_s = recording.delays_s(&row.transmitter, &row.receiver, place)?;
-        let found = locate(&transmitter, &receiver, &recording.emission_s, &delays_s, ground.centre_m());
-        found.filter(inside).map(|point| (name.clone(), point))
+        let by = |[transmitter, receiver]: [&PhasePath; 2]| {
+            locate(transmitter, receiver, &recording.emission_s, &delays_s, ground.centre_m())
+        };
+        let expected_m = by([&transmitter, &receiver]).filter(inside)?;
+        // Errors of the navigation are known here; a point is sought where they move it.
+        let about_m = used.and_then(by).unwrap_or(expected_m);
+        Some((name.clone(), Sought { expected_m, about_m }))
     };
     recording.header.targets.iter().enumerate().filter_map(place).collect()
 }

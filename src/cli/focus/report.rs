@@ -9,8 +9,10 @@ use super::{
     CliError, FocusArgs, FocusError, FocusNav, Focused, Ground, Recording, counted, interpolation_error_db,
     multilook, oversampling, percentile, say, speckle,
 };
+use crate::cli::escape;
 use crate::cli::speckle::Speckle;
 use crate::processor::point_target::PointTarget;
+use crate::processor::point_target::{SEARCH_CELLS, WIDEST};
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -129,7 +131,7 @@ pub(super) fn print(args: &FocusArgs, report: &Report, out: &mut dyn Write) -> R
     }
     tell(report, out).map_err(CliError::Output)?;
     for path in &report.out {
-        say(format_args!("{}", path.display()));
+        say(format_args!("{}", escape::path(path)));
     }
     Ok(())
 }
@@ -163,19 +165,34 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
             _ => "no power".to_owned(),
         };
         let band = channel.doppler_hz.map_or(String::new(), |hz| format!(" in a band of {hz:.1} Hz"));
-        writeln!(out, "{:<11} {power}; {}{band}, {cells}", channel.name, counted(channel.pulses, "pulse"))?;
+        writeln!(
+            out,
+            "{:<11} {power}; {}{band}, {cells}",
+            escape::name(&channel.name),
+            counted(channel.pulses, "pulse")
+        )?;
         if let Some(found) = &channel.speckle {
             speckle::tell(found, out)?;
         }
+        // What is sought about the place that the navigation in use says.
+        let searched = channel.cell_m.map_or(String::new(), |cells| {
+            let [range, cross] = cells.map(|cell_m| SEARCH_CELLS as f64 * cell_m);
+            format!(
+                " within {range:.1} m in range and {cross:.1} m in cross-range (a wide one within {:.1} m)",
+                WIDEST * cross
+            )
+        });
         for target in &channel.targets {
             match &target.found {
-                None => {
-                    writeln!(out, "  {:<16} not found: no main lobe, or none that stands out", target.name)?
-                }
+                None => writeln!(
+                    out,
+                    "  {:<16} not found: no main lobe{searched}, or none that stands out",
+                    escape::name(&target.name)
+                )?,
                 Some(p) => writeln!(
                     out,
                     "  {:<16} range {:.3} m ({:.3}), PSLR {:.1} dB, off {:+.3} cells; cross-range {:.3} m ({:.3}), PSLR {:.1} dB, off {:+.3} cells; phase {:+.3} rad",
-                    target.name,
+                    escape::name(&target.name),
                     p.range.width_m,
                     p.range.theory_m,
                     p.range.pslr_db,

@@ -5,6 +5,7 @@ use std::io::Write;
 use super::compare::{Channel, Comparison, Figures, Target};
 use super::forecast::Law;
 use super::{CliError, FocusArgs, counted, say};
+use crate::cli::escape;
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
@@ -13,7 +14,7 @@ pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Wri
     }
     tell(comparison, out).map_err(CliError::Output)?;
     for path in &comparison.out {
-        say(format_args!("{}", path.display()));
+        say(format_args!("{}", escape::path(path)));
     }
     Ok(())
 }
@@ -31,7 +32,7 @@ fn tell(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
         of.pulses,
         of.first_pulse,
         of.last_pulse,
-        of.against.as_ref().map_or(String::new(), |path| format!(" navigation of {path}"))
+        of.against.as_ref().map_or(String::new(), |path| format!(" navigation of {}", escape::name(path)))
     )?;
     for channel in &of.channels {
         tell_channel(channel, out)?;
@@ -44,7 +45,7 @@ fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
         Some([range, cross]) => format!("cells of {range:.2} m by {cross:.3} m"),
         None => "no cross-range".to_owned(),
     };
-    writeln!(out, "{:<11} {}, {cells}", channel.name, counted(channel.pulses, "pulse"))?;
+    writeln!(out, "{:<11} {}, {cells}", escape::name(&channel.name), counted(channel.pulses, "pulse"))?;
     let pixels = &channel.pixels;
     if let (Some(loss), Some([right, wrong]), Some(coherence)) =
         (pixels.mean_loss_db, pixels.contrast, pixels.coherence)
@@ -95,7 +96,7 @@ fn tell_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
             )
         }
     };
-    writeln!(out, "{}", row(&target.name, "predicted", target.predicted.as_ref()))?;
+    writeln!(out, "{}", row(&escape::name(&target.name), "predicted", target.predicted.as_ref()))?;
     writeln!(out, "{}", row("", "measured", target.measured.as_ref()))?;
     if let Some(terms) = &target.terms {
         writeln!(

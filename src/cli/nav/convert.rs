@@ -9,6 +9,7 @@ use super::error::NavToolError;
 use super::recorded::solutions;
 use super::{SourceArgs, Target, TargetArgs, write_file};
 use crate::cli::error::CliError;
+use crate::cli::escape;
 use crate::cli::say;
 use crate::nav::encode::Format;
 use crate::nav::solution::Solution;
@@ -53,7 +54,7 @@ pub(super) fn convert(args: &NavConvertArgs) -> Result<(), CliError> {
     }
     // Nothing is made before all could be written.
     write_file(&args.out, args.force, &bytes)?;
-    say(format_args!("{}: {} fixes, {} bytes", args.out.display(), solutions.len(), bytes.len()));
+    say(format_args!("{}: {} fixes, {} bytes", escape::path(&args.out), solutions.len(), bytes.len()));
     Ok(())
 }
 

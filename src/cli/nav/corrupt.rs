@@ -8,6 +8,7 @@ use rand::RngExt;
 use super::error::NavToolError;
 use super::write_file;
 use crate::cli::error::CliError;
+use crate::cli::escape;
 use crate::cli::say;
 use crate::nav::replay::read_bytes;
 use crate::rng::{Room, stream};
@@ -76,7 +77,7 @@ pub(super) fn corrupt(args: &NavCorruptArgs) -> Result<(), CliError> {
     write_file(&args.out, args.force, &spoiled)?;
     say(format_args!(
         "{}: {} bytes; {dropped} dropped, {flipped} with a bit flipped, {cut_bytes} cut in {cuts} stretches",
-        args.out.display(),
+        escape::path(&args.out),
         spoiled.len()
     ));
     Ok(())

@@ -18,7 +18,7 @@ pub enum NavToolError {
     #[error(transparent)]
     Nav(#[from] NavError),
     /// The capture cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", crate::cli::escape::path(path))]
     Capture {
         /// The file.
         path: PathBuf,
@@ -26,19 +26,25 @@ pub enum NavToolError {
         source: CaptureError,
     },
     /// An SBET has no week of its own.
-    #[error("{}: an SBET says neither date nor week; needed: --gps-week, such as 2000 (from 2018-05-06)", path.display())]
+    #[error(
+        "{}: an SBET says neither date nor week; needed: --gps-week, such as 2000 (from 2018-05-06)",
+        crate::cli::escape::path(path)
+    )]
     Week {
         /// The file.
         path: PathBuf,
     },
     /// A capture without navigation.
-    #[error("{}: no stream of this capture holds a message that is read", path.display())]
+    #[error("{}: no stream of this capture holds a message that is read", crate::cli::escape::path(path))]
     Silent {
         /// The file.
         path: PathBuf,
     },
     /// Positions that lie nowhere on Earth.
-    #[error("{}: positions are in the frame of a scene (x_m, y_m, z_m); allowed: lat_deg, lon_deg, height_m", path.display())]
+    #[error(
+        "{}: positions are in the frame of a scene (x_m, y_m, z_m); allowed: lat_deg, lon_deg, height_m",
+        crate::cli::escape::path(path)
+    )]
     Local {
         /// The file.
         path: PathBuf,
@@ -54,7 +60,10 @@ pub enum NavToolError {
         source: EncodeError,
     },
     /// A name that says nothing of the format.
-    #[error("{}: its name says no format; allowed: .csv, .nmea, .inspvax, or --to", path.display())]
+    #[error(
+        "{}: its name says no format; allowed: .csv, .nmea, .inspvax, or --to",
+        crate::cli::escape::path(path)
+    )]
     Target {
         /// The output.
         path: PathBuf,
@@ -71,7 +80,7 @@ pub enum NavToolError {
         source: io::Error,
     },
     /// The output cannot be written.
-    #[error("{}: cannot write: {source}", path.display())]
+    #[error("{}: cannot write: {source}", crate::cli::escape::path(path))]
     Write {
         /// The output.
         path: PathBuf,
@@ -96,7 +105,10 @@ pub enum NavToolError {
         bytes: usize,
     },
     /// No run answers.
-    #[error("{}: {source}; allowed: the socket of a run under way (nereus run --control)", path.display())]
+    #[error(
+        "{}: {source}; allowed: the socket of a run under way (nereus run --control)",
+        crate::cli::escape::path(path)
+    )]
     Control {
         /// The socket.
         path: PathBuf,

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::SourceArgs;
 use super::recorded::{KINDS, Recorded};
 use crate::cli::error::CliError;
+use crate::cli::escape::name;
 use crate::nav::decode::Counts;
 use crate::nav::{Fix, Place};
 
@@ -192,8 +193,10 @@ impl TrackReport {
 
 impl Report {
     fn text(&self) -> String {
-        let mut rows: Vec<(&str, String)> =
-            vec![("file", self.file.clone()), ("format", format!("{}, {} bytes", self.format, self.bytes))];
+        let mut rows: Vec<(&str, String)> = vec![
+            ("file", name(&self.file).into_owned()),
+            ("format", format!("{}, {} bytes", self.format, self.bytes)),
+        ];
         if let Some(capture) = &self.capture {
             let Captured { packets, packets_left, stream, missing_bytes } = capture;
             rows.push((

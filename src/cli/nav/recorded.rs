@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::error::NavToolError;
 use super::{Datum, Source, SourceArgs};
+use crate::cli::escape;
 use crate::cli::say;
 use crate::nav::decode::{Content, Counts, Decoder};
 use crate::nav::replay::{self, read_bytes};
@@ -133,7 +134,7 @@ impl Recorded {
 pub(super) fn solutions(path: &Path, args: &SourceArgs) -> Result<Vec<Solution>, NavToolError> {
     let recorded = Recorded::read(path, args)?;
     let recording = recorded.track?;
-    say(format_args!("{}: {}", path.display(), recording.report));
+    say(format_args!("{}: {}", escape::path(path), recording.report));
     if recording.fixes.iter().any(|fix| matches!(fix.place, Place::Local(_))) {
         return Err(NavToolError::Local { path: path.to_owned() });
     }

@@ -18,13 +18,13 @@ use crate::sea::wake::WakeError;
 #[derive(Debug, Error)]
 pub enum SeaError {
     /// Point targets alone.
-    #[error("{}: the scenario has no [sea]", path.display())]
+    #[error("{}: the scenario has no [sea]", crate::cli::escape::path(path))]
     NoSea {
         /// The scenario.
         path: PathBuf,
     },
     /// Wind waves alone.
-    #[error("{}: the scenario has no [[ship]]", path.display())]
+    #[error("{}: the scenario has no [[ship]]", crate::cli::escape::path(path))]
     NoShip {
         /// The scenario.
         path: PathBuf,
@@ -58,7 +58,10 @@ pub enum SeaError {
         pulses: u64,
     },
     /// An HDF5 file asked of a build without HDF5.
-    #[error("this build has no HDF5 (feature `hdf5`): {} cannot be made; allowed: --png, --save-state", out.display())]
+    #[error(
+        "this build has no HDF5 (feature `hdf5`): {} cannot be made; allowed: --png, --save-state",
+        crate::cli::escape::path(out)
+    )]
     NoHdf5 {
         /// What was asked.
         out: PathBuf,

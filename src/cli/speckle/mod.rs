@@ -14,6 +14,7 @@ use glam::DVec2;
 use super::args::{Setting, counts, distinct, threads};
 use super::bench::load;
 use super::error::CliError;
+use super::escape;
 use super::progress;
 use super::sea::{SeaError, save_canvas};
 use super::{say, warn};
@@ -86,7 +87,7 @@ pub enum SpeckleError {
     /// No cell across the look.
     #[error(
         "{}: channel {channel} has no cross-range from the pulses that left in its polarisation; allowed: at least two, from different places that see the patch at different angles",
-        path.display()
+        escape::path(path)
     )]
     NoAperture {
         /// The scenario.
@@ -104,7 +105,7 @@ pub enum SpeckleError {
     #[error(
         "{}: channel {channel} has {} x {} resolution cells of {:.3} m x {:.3} m (across the look and along it) on the patch; \
          allowed: at least {least} cells along both: a larger scene.patch_size_m, a longer aperture, more bandwidth, or more --pixels",
-        path.display(), pixels[0], pixels[1], cell_m[0], cell_m[1]
+        escape::path(path), pixels[0], pixels[1], cell_m[0], cell_m[1]
     )]
     FewPixels {
         /// The scenario.
@@ -147,7 +148,7 @@ pub enum SpeckleError {
     /// Pulses that do not fit in memory.
     #[error(
         "{}: {pulses} pulses are {needed_mib} MiB of samples, {available_mib} MiB are free; allowed: a shorter scene.duration_s or fewer channels",
-        path.display()
+        escape::path(path)
     )]
     Memory {
         /// The scenario.

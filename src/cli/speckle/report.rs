@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::image::Geometry;
 use super::{Files, SpeckleArgs};
 use crate::cli::counted;
+use crate::cli::escape;
 use crate::clutter::empirical::GRAZING_DEG;
 use crate::clutter::fits::{Shape, Speckle};
 use crate::clutter::regression::{self, Cosine};
@@ -269,7 +270,7 @@ impl Report {
             );
         }
         for path in &self.out {
-            let _ = writeln!(text, "{}", path.display());
+            let _ = writeln!(text, "{}", escape::path(path));
         }
         text
     }

@@ -16,14 +16,13 @@
 //! `= 1.8e-13` of `sum |p_j| / rate`, plus rounding of the transform.
 
 use std::f64::consts::PI;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use num_complex::Complex64;
 use rustfft::FftPlanner;
 
 use super::{SampleFault, SampleFaults, Waveform, WaveformError};
+use crate::inputs;
 use crate::radar::phasor::phasor;
 
 /// Samples a pulse may have (the table takes 256 bytes for each).
@@ -99,8 +98,7 @@ impl Sampled {
         check_rate(rate_hz)?;
         let file = |source| WaveformError::File { path: path.to_owned(), source };
         let content = |faults| WaveformError::Content { path: path.to_owned(), faults };
-        let mut bytes = Vec::new();
-        File::open(path).map_err(file)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(file)?;
+        let bytes = inputs::read(path, MAX_BYTES).map_err(file)?;
         Self::new(parse(&bytes).map_err(content)?, rate_hz).map_err(|error| match error {
             WaveformError::Samples(faults) => content(faults),
             other => other,

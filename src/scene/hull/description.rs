@@ -27,8 +27,6 @@
 //! ```
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use toml::Spanned;
@@ -39,6 +37,7 @@ use super::particulars::QUANTITIES;
 use super::table::{self, quote};
 use super::{Facts, Hull, Particulars, Scatterer, Stated, check};
 use crate::frames::Point;
+use crate::inputs;
 use crate::scene::hull::limits::MOST_BYTES;
 
 const KEYS: [&str; 7] = ["name", "offsets", "source", "licence", "draught_m", "stated", "scatterer"];
@@ -78,8 +77,7 @@ pub(super) fn load(path: &Path) -> Result<Hull, HullError> {
 
 /// The text of a file, or what is wrong with it as a text.
 fn contents(path: &Path) -> std::io::Result<(String, Option<What>)> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    let bytes = inputs::read(path, MOST_BYTES)?;
     if bytes.len() as u64 > MOST_BYTES {
         return Ok((String::new(), Some(What::Long)));
     }

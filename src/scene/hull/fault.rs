@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::inputs::reason;
 use crate::scene::hull::limits::MOST_BYTES;
 use crate::scene::hull::limits::{LENGTH_RANGE_M, MOST_STATIONS, MOST_WATERLINES};
 
@@ -15,7 +16,7 @@ const LISTED: usize = 50;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum HullError {
     /// A file cannot be read.
-    #[error("hull {}: cannot be read: {kind}", path.display())]
+    #[error("hull {}: cannot be read: {}", path.display(), reason(*kind))]
     Read {
         /// The file.
         path: PathBuf,
@@ -111,7 +112,7 @@ pub enum What {
     #[error("not UTF-8 text")]
     Encoding,
     /// A file that cannot be read.
-    #[error("{} cannot be read: {kind}", path.display())]
+    #[error("{} cannot be read: {}", path.display(), reason(*kind))]
     Unreadable {
         /// The file.
         path: PathBuf,

@@ -18,11 +18,10 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::{Spectrum, WaveVector, cells, in_range};
+use crate::inputs;
 
 /// Most nodes of a grid.
 pub const MAX_NODES: usize = 1 << 22;
@@ -38,7 +37,7 @@ const HEADER: &str = "kx_rad_m,ky_rad_m,psi_m4";
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeasuredError {
     /// The file cannot be read.
-    #[error("measured spectrum {}: cannot be read: {kind}", path.display())]
+    #[error("measured spectrum {}: cannot be read: {}", path.display(), inputs::reason(*kind))]
     Read {
         /// The file.
         path: PathBuf,
@@ -225,9 +224,7 @@ impl Measured {
     pub fn load(path: &Path) -> Result<Self, MeasuredError> {
         let unreadable =
             |error: std::io::Error| MeasuredError::Read { path: path.to_path_buf(), kind: error.kind() };
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(unreadable)?;
-        file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        let bytes = inputs::read(path, MAX_BYTES).map_err(unreadable)?;
         Self::read(&bytes).map_err(|faults| MeasuredError::File { path: path.to_path_buf(), faults })
     }
 

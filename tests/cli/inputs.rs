@@ -1,0 +1,123 @@
+//! What is given to read and is no file, and names that would write lines of their own.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::program::{Ended, nereus, package};
+
+/// Runs `nereus`; `None`, and its end, if it takes longer than it may.
+fn within(limit: Duration, folder: &Path, words: &[&str]) -> Option<Ended> {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
+        .args(words)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if begun.elapsed() > limit {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().unwrap();
+    Some(Ended {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    })
+}
+
+/// Before: `nereus verify` and every command with a scenario, a log or a table waited for a writer, for ever.
+#[test]
+fn a_pipe_is_refused_by_every_command_that_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let fifo = folder.path().join("fifo");
+    nix::unistd::mkfifo(&fifo, nix::sys::stat::Mode::S_IRWXU).unwrap();
+    let commands = [
+        "check fifo",
+        "run fifo",
+        "bench fifo",
+        "tradeoff fifo",
+        "sea fifo",
+        "wake fifo",
+        "snapshot fifo",
+        "speckle fifo",
+        "verify fifo",
+        "focus fifo --out p.png",
+        "merge fifo fifo --out all.h5",
+        "nav inspect fifo",
+        "nav convert fifo out.csv",
+        "nav corrupt fifo out.nmea",
+        "nav play fifo file:out.nmea",
+        "table hull fifo",
+        "table spectrum --kind measured --spectrum-path fifo --from-rad-m 0.1 --to-rad-m 1",
+    ];
+    for command in commands {
+        let words: Vec<&str> = command.split(' ').collect();
+        let ended = within(Duration::from_secs(20), folder.path(), &words);
+        let ended = ended.unwrap_or_else(|| panic!("nereus {command} waits for ever"));
+        // `verify` reports what is wrong with a recording, and `merge` that it cannot be read; both end with 1.
+        let is_recording = ["verify", "merge"].iter().any(|word| command.starts_with(word));
+        let expected = if is_recording && cfg!(feature = "hdf5") { 1 } else { 2 };
+        assert_eq!(ended.code, expected, "nereus {command}: {}{}", ended.stdout, ended.stderr);
+        assert!(!ended.stderr.contains("panicked"), "nereus {command}: {}", ended.stderr);
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        let words = ["is a pipe or a device; allowed: a regular file", "is no regular file; recordings are"];
+        assert!(words.iter().any(|words| said.contains(words)), "nereus {command}: {said}");
+    }
+}
+
+#[test]
+fn pipes_in_a_plain_recording_are_faults() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/monostatic.toml").display().to_string();
+    let run =
+        ["run", &config, "--pace", "fast", "--pulses", "0..5", "--out", "rec", "--set", "sink.0.kind=plain"];
+    for name in ["meta.json", "replica.bin", "iq.bin", "pulse/index.bin"] {
+        let mut words = run.to_vec();
+        words.push("--force");
+        assert_eq!(nereus(folder.path(), &words).code, 0);
+        let path = folder.path().join("rec").join(name);
+        std::fs::remove_file(&path).unwrap();
+        nix::unistd::mkfifo(&path, nix::sys::stat::Mode::S_IRWXU).unwrap();
+        let ended = within(Duration::from_secs(20), folder.path(), &["verify", "rec"]);
+        let ended = ended.unwrap_or_else(|| panic!("verify waits for {name}"));
+        assert_eq!(ended.code, 1, "{name}: {}{}", ended.stdout, ended.stderr);
+        assert!(ended.stdout.contains("is a pipe or a device; allowed: a regular file"), "{}", ended.stdout);
+        std::fs::remove_dir_all(folder.path().join("rec")).unwrap();
+    }
+}
+
+/// A recording whose names hold lines, under a name that does. Before: each forged a line of what is printed.
+#[test]
+fn names_stay_on_their_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/monostatic.toml").display().to_string();
+    let plain = ["--pace", "fast", "--pulses", "0..5", "--set", "sink.0.kind=plain", "--out", "rec"];
+    let run: Vec<&str> = ["run", config.as_str()].into_iter().chain(plain).collect();
+    assert_eq!(nereus(folder.path(), &run).code, 0);
+    let meta = folder.path().join("rec/meta.json");
+    let mut told: serde_json::Value = serde_json::from_slice(&std::fs::read(&meta).unwrap()).unwrap();
+    told["channel"][0]["name"] = "HH\nforged.h5: whole; 5 pulses".into();
+    // Its columns have no file of that name, which `verify` reports.
+    let antenna = told["transmitters"][0].as_str().unwrap().to_owned();
+    let text = told.to_string().replace(&format!("nav/{antenna}/"), "nav/a\\nforged.h5: whole/");
+    let mut told: serde_json::Value = serde_json::from_str(&text).unwrap();
+    told["transmitters"][0] = "a\nforged.h5: whole".into();
+    std::fs::write(&meta, told.to_string()).unwrap();
+    std::fs::rename(folder.path().join("rec"), folder.path().join("rec\nforged.h5: whole")).unwrap();
+    let name = "rec\nforged.h5: whole";
+    for words in [vec!["verify", name], vec!["focus", name, "--channel", "none", "--out", "p.png"]] {
+        let ended = nereus(folder.path(), &words);
+        assert_ne!(ended.code, 0);
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        assert!(said.contains("\\u{a}forged.h5"), "{said}");
+        assert!(!said.lines().any(|line| line.starts_with("forged")), "{said}");
+    }
+}
