@@ -1,27 +1,53 @@
 //! `nereus bench`: what a scenario reaches on this machine, and the error of its echo.
 
+use super::check::plan::settings_text;
+use super::scenario::load;
+use super::values::{counts, pulses_or_all, threads};
+use clap::Args;
 use std::fmt::Write as _;
 use std::io::Write;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::args::{BenchArgs, Setting};
 use super::check::plan::{not_kept, parts_db};
 use super::error::CliError;
 use super::progress;
-use super::run::overrides;
 use super::{counted, say, warn};
 use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
 use crate::bench::cost::Calibrated;
 use crate::bench::settings;
 use crate::bench::speed::{self, Speed, TRIAL};
-use crate::config::{self, Run};
+use crate::cli::values::Setting;
+use crate::config::Run;
 use crate::pipeline::build;
 use crate::pulse::costs::Stage;
-use crate::transport::Pace;
 use crate::transport::pacer::Status;
+
+/// `nereus bench`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct BenchArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Make the first so many pulses of the run [default: what fits in some 10 s, at least two blocks for every thread]
+    #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
+    pub pulses: Option<u64>,
+    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
+    #[arg(long, value_name = "T", value_parser = threads())]
+    pub threads: Option<u64>,
+    /// Pulses, spread over the run, at which the error is measured, or all; 0: none
+    #[arg(long, value_name = "N|all", default_value = "16", value_parser = pulses_or_all)]
+    pub error_pulses: u64,
+    /// Set a key of the scenario, e.g. fidelity.node_pulses=2
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -77,22 +103,6 @@ struct ErrorReport {
     /// Worst of each channel, dB.
     channel_db: Map<String, Value>,
     reference_pulses_per_s: f64,
-}
-
-/// A scenario as it is measured: without sinks, as fast as it can.
-pub(super) fn load(
-    config: &std::path::Path,
-    settings: &[Setting],
-    more: &[(String, String)],
-    threads: Option<u64>,
-) -> Result<Run, config::ConfigError> {
-    let mut overrides = overrides(settings);
-    overrides.extend(threads.map(|threads| ("stream.threads".to_owned(), threads.to_string())));
-    overrides.extend_from_slice(more);
-    let mut run = config::load(config, &overrides)?;
-    run.sinks.clear();
-    run.stream.pace = Pace::Fast;
-    Ok(run)
 }
 
 /// Measures and prints.
@@ -202,15 +212,6 @@ fn report(
             .collect(),
         settings: settings::settings(speed.plan.as_ref().map(|plan| &plan.chosen)),
     }
-}
-
-/// `name = value` of every setting.
-pub(super) fn settings_text(settings: &Map<String, Value>) -> String {
-    let one = |(name, value): (&String, &Value)| match value {
-        Value::String(word) => format!("{name} {word}"),
-        value => format!("{name} {value}"),
-    };
-    settings.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 fn text(report: &Report) -> String {

@@ -7,19 +7,21 @@ pub(super) mod plan;
 mod sea;
 pub(super) mod ships;
 
+use super::values::Setting;
+use clap::Args;
 use std::fmt::Write as _;
 use std::io::Write;
+use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::args::CheckArgs;
 use super::error::CliError;
 use super::escape;
-use super::run::overrides;
 use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
 use crate::bench::resources::Resources;
+use crate::cli::scenario::overrides;
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
 use crate::fidelity::cost::CostTable;
@@ -38,6 +40,19 @@ use crate::scene::radar::{Aim, AimFrom, Gate, Sweep, TxPolarisation, Waveform};
 use crate::sinks::Kind;
 use crate::transport::{Pace, Policy};
 use crate::units::Decibels;
+
+/// `nereus check`
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// What a scenario is and takes.
 #[derive(Debug, Serialize)]

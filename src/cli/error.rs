@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::control::ControlFault;
-use super::examine::ExamineError;
-use super::focus::FocusError;
 use super::nav::NavToolError;
 use super::sea::SeaError;
-use super::speckle::SpeckleError;
 use super::table::TableError;
 use crate::bench::speed::SpeedError;
+use crate::cli::examine::error::ExamineError;
+use crate::cli::focus::error::FocusError;
+use crate::cli::speckle::error::SpeckleError;
 use crate::config::ConfigError;
 use crate::pipeline::build::RunFailure;
 use crate::pipeline::fault::BuildErrors;

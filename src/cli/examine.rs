@@ -5,15 +5,25 @@
 //! limits of memory and of time. Only what that process survived is read again, by the same functions, in this one.
 //! docs/decisions/0041-hostile-files.md has the reasons.
 
+pub mod error;
+use clap::Args;
+use error::ExamineError;
 use std::io::{self, Read};
 use std::path::Path;
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::args::ExamineArgs;
 use super::error::CliError;
 use super::escape;
+
+/// `nereus examine-recording`
+#[derive(Debug, Args)]
+pub struct ExamineArgs {
+    /// Recording (HDF5)
+    pub recording: PathBuf,
+}
 
 /// Memory of the second process, bytes: far above what a reader of blocks needs.
 #[cfg(all(feature = "hdf5", unix))]
@@ -25,36 +35,6 @@ const BYTES_PER_S: u64 = 20 << 20;
 const GLANCE: Duration = Duration::from_millis(20);
 /// Most of its message that is passed on, bytes.
 const MESSAGE: u64 = 16 << 10;
-
-/// Why a recording is not read.
-#[derive(Debug, thiserror::Error)]
-pub enum ExamineError {
-    /// It is wrong, as the process that read it says.
-    #[error("{message}")]
-    Refused {
-        /// What it says.
-        message: String,
-    },
-    /// The process did not come to an end by itself.
-    #[error(
-        "{path}: not read: {how} when it was examined in a process of its own; the file is damaged or was forged; \
-         allowed: recordings of nereus as they were written"
-    )]
-    Fatal {
-        /// The recording.
-        path: String,
-        /// How it ended.
-        how: String,
-    },
-    /// There is no such process.
-    #[error("{path}: cannot be examined in a process of its own: {source}")]
-    Process {
-        /// The recording.
-        path: String,
-        /// What the system says.
-        source: io::Error,
-    },
-}
 
 /// Seconds that a file of this length may take.
 fn seconds(bytes: u64) -> u64 {

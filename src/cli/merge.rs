@@ -1,11 +1,29 @@
 //! `nereus merge`: parts of one run become one recording.
 
+use clap::Args;
 use std::io::Write;
+use std::path::PathBuf;
 
-use super::args::MergeArgs;
 use super::error::CliError;
 #[cfg(feature = "hdf5")]
 use super::{escape, say};
+
+/// `nereus merge`
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Recordings of parts of one run
+    #[arg(required = true)]
+    pub shards: Vec<PathBuf>,
+    /// The recording to make
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Overwrite a recording that exists
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Joins the recordings.
 #[cfg(feature = "hdf5")]

@@ -13,14 +13,17 @@ mod examine;
 mod focus;
 mod merge;
 mod nav;
+mod outputs;
 mod new;
 mod progress;
 mod receive;
 mod run;
+mod scenario;
 mod sea;
 mod speckle;
 mod table;
 mod tradeoff;
+mod values;
 mod verify;
 mod wake;
 
@@ -31,27 +34,36 @@ use std::time::Instant;
 
 use clap::Parser;
 
-pub use args::{
-    Arguments, BenchArgs, CheckArgs, Command, ExamineArgs, MergeArgs, NewArgs, NotACount, NotADuration,
-    NotASpan, Pace, PulseRange, ReceiveArgs, RunArgs, Setting, Template, TradeoffArgs, VerifyArgs,
-};
+pub use args::{Arguments, Command};
+pub use bench::BenchArgs;
+pub use check::CheckArgs;
 pub use control::ControlFault;
 pub use error::CliError;
-pub use examine::ExamineError;
-pub use focus::{FocusArgs, FocusError, FocusFilter, FocusNav, FocusTaper};
+pub use examine::ExamineArgs;
+pub use examine::error::ExamineError;
+pub use focus::error::FocusError;
+pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
+pub use merge::MergeArgs;
 pub use nav::{
     NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
     NavToolError,
 };
+pub use new::{NewArgs, Template};
+pub use receive::ReceiveArgs;
+pub use run::{Pace, RunArgs};
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
-pub use speckle::{SpeckleArgs, SpeckleError};
+pub use speckle::SpeckleArgs;
+pub use speckle::error::SpeckleError;
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
     TableFresnelArgs, TableHullArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs,
     TableSigma0Args, TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWakeResistanceArgs,
     TableWindArgs, Transom,
 };
+pub use tradeoff::TradeoffArgs;
+pub use values::{NotACount, NotADuration, NotASpan, PulseRange, Setting};
+pub use verify::VerifyArgs;
 pub use wake::WakeArgs;
 
 /// Runs the program.

@@ -1,10 +1,38 @@
 //! `nereus new`: scenarios to start from.
 
+use clap::Args;
+use clap::ValueEnum;
 use std::io::Write;
 
-use super::args::{NewArgs, Template};
 use super::error::CliError;
 use crate::config::manual;
+
+/// `nereus new`
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// What to print
+    #[arg(value_enum, default_value_t = Template::Coastal)]
+    pub kind: Template,
+}
+
+/// What `nereus new` prints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Template {
+    /// Coastal transmitter, airborne receiver; stands alone
+    Coastal,
+    /// One aircraft, alternating polarisation, ADC; stands alone
+    Monostatic,
+    /// From orbit, several pulses in the air; stands alone
+    Spaceborne,
+    /// A small patch of sea under one aircraft, with swell and a slick; stands alone
+    Sea,
+    /// The whole thing: recorded flight, sea, ship, targets; needs configs/tracks and hulls as in the repository
+    Quickstart,
+    /// Recorded flight and a field of point targets; needs configs/tracks beside it
+    Calibration,
+    /// Every key with unit, default and range (Markdown)
+    Keys,
+}
 
 /// Prints the template.
 pub(super) fn new(args: &NewArgs, out: &mut dyn Write) -> Result<(), CliError> {

@@ -1,11 +1,13 @@
 //! `nereus receive`: the reference receiver of the wire.
 
+use super::values::{counts, seconds};
+use clap::Args;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-use super::args::ReceiveArgs;
 use super::error::CliError;
 use super::escape;
 use super::run::names_hdf5;
@@ -19,6 +21,39 @@ use crate::receive::report::Report;
 use crate::sinks::plain::PlainSink;
 use crate::sinks::sink::Sink;
 use crate::sinks::{self, Kind};
+
+/// `nereus receive`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct ReceiveArgs {
+    /// Address and port of this machine; port 0 takes a free one and says which
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4991")]
+    pub listen: String,
+    /// End after so many whole pulses
+    #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
+    pub pulses: Option<u64>,
+    /// End after so long
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub duration_s: Option<Duration>,
+    /// End when nothing of a run has come for so long, once something has
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub idle_s: Option<Duration>,
+    /// Take datagrams of this sender only: an address or name, with or without a port
+    #[arg(long, value_name = "ADDR")]
+    pub from: Option<String>,
+    /// When the sender begins another run, follow it (with --out into a recording of its own: name-2, name-3, ...)
+    #[arg(long)]
+    pub restart: bool,
+    /// Record whole pulses: HDF5 (.h5, .hdf5), or else a folder of plain files
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Overwrite a recording that exists
+    #[arg(long)]
+    pub force: bool,
+    /// Print the report as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Receives, and reports.
 pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), CliError> {

@@ -1,5 +1,9 @@
 //! `nereus run`: a scenario becomes a running stream.
 
+use super::scenario::overrides;
+use super::values::{PulseRange, duration};
+use clap::Args;
+use clap::ValueEnum;
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -8,13 +12,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use super::args::{Pace, RunArgs, Setting};
 use super::control::{ControlSocket, Subject};
 use super::error::CliError;
 use super::escape;
 use super::progress;
 use super::{counted, say, warn};
 use crate::adequacy::outlook;
+use crate::cli::values::Setting;
 use crate::config::{self, Run};
 use crate::nav::AttitudeSource;
 use crate::nav::TrackSource;
@@ -26,6 +30,47 @@ use crate::sinks::sink::SinkReport;
 use crate::sinks::{self, Kind};
 use crate::transport;
 use crate::transport::stage::Summary;
+
+/// How pulses are released.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Pace {
+    /// At their emission times plus the latency
+    Realtime,
+    /// As soon as they are made
+    Fast,
+}
+
+/// `nereus run`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct RunArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Release pulses in real time or as fast as they are made (instead of stream.pace)
+    #[arg(long, value_enum)]
+    pub pace: Option<Pace>,
+    /// Length of the run (instead of scene.duration_s)
+    #[arg(long, value_name = "S", value_parser = duration)]
+    pub duration_s: Option<String>,
+    /// Make only these pulses of the run, the last one excluded
+    #[arg(long, value_name = "A..B")]
+    pub pulses: Option<PulseRange>,
+    /// Recording (instead of the path of the scenario's recording)
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// Take changes of reports while the run goes on: a Unix socket to be made, or - for standard input (docs/control.md)
+    #[arg(long, value_name = "PATH")]
+    pub control: Option<PathBuf>,
+    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite recordings that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -298,11 +343,6 @@ fn tell_navigation(run: &Run, live: &LiveNav, outcome: &RunOutcome) {
             health.stale
         ));
     }
-}
-
-/// Overrides as `config` takes them.
-pub(super) fn overrides(settings: &[Setting]) -> Vec<(String, String)> {
-    settings.iter().map(|setting| (setting.key.clone(), setting.value.clone())).collect()
 }
 
 /// The run that the arguments ask for, and its pulses. Options that change what is emulated become part

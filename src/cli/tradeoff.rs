@@ -1,5 +1,8 @@
 //! `nereus tradeoff`: error and speed over the settings of `[fidelity]`, as a table, as CSV and as a picture.
 
+use super::values::Setting;
+use super::values::{counts, threads};
+use clap::Args;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write;
@@ -8,22 +11,56 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::args::TradeoffArgs;
-use super::bench::{load, reference, settings_text};
+use super::bench::reference;
 use super::error::CliError;
 use super::escape;
 use super::progress;
-use super::sea::{SeaError, save_canvas};
+use super::sea::SeaError;
 use super::{counted, say, warn};
 use crate::bench::accuracy;
 use crate::bench::settings::{ERROR_KEY, SETTINGS, settings};
 use crate::bench::sweep::{Overrides, Point, Sweep, sweep, taken};
+use crate::cli::check::plan::settings_text;
+use crate::cli::outputs::save_canvas;
+use crate::cli::scenario::load;
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::pipeline::build;
 use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
 use crate::recording::output::{FileKind, Output, OutputError};
 use crate::transport::pacer::Status;
+
+/// `nereus tradeoff`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct TradeoffArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Folder for tradeoff.csv and tradeoff.png
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Every combination of the settings, instead of one setting at a time
+    #[arg(long)]
+    pub grid: bool,
+    /// Pulses, spread over the run, at which errors are measured
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = counts(1, u64::MAX))]
+    pub error_pulses: u64,
+    /// Error that is wanted, dB (instead of fidelity.error_db)
+    #[arg(long, value_name = "DB")]
+    pub error_db: Option<f64>,
+    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
+    #[arg(long, value_name = "T", value_parser = threads())]
+    pub threads: Option<u64>,
+    /// Set a key of the scenario, e.g. scene.facet_m=2
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Error that is wanted of a scenario that asks for none, dB.
 const DEFAULT_DB: f64 = -60.0;

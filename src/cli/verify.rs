@@ -1,13 +1,25 @@
 //! `nereus verify`: whether a recording is whole.
 
+use clap::Args;
 use std::io::{self, Write};
+use std::path::PathBuf;
 
-use super::args::VerifyArgs;
 use super::counted;
 use super::error::CliError;
 use super::escape;
-use super::examine::{ExamineError, examine};
+use super::examine::examine;
+use crate::cli::examine::error::ExamineError;
 use crate::recording::verify::{Verdict, verify as look};
+
+/// `nereus verify`
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// HDF5 file or folder
+    pub recording: PathBuf,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Reads all of it, and reports.
 pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliError> {

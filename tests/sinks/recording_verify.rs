@@ -5,8 +5,8 @@ use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
-use nereus::recording::verify::{Ending, verify};
 use nereus::pulse::SampleFormat;
+use nereus::recording::verify::{Ending, verify};
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::Sink;
 

@@ -5,7 +5,6 @@ use serde_json::{Map, Value};
 
 use super::{Described, described, digits};
 use crate::bench::settings;
-use crate::cli::bench::settings_text;
 use crate::cli::counted;
 use crate::config::keys;
 use crate::fidelity::budget::Plan;
@@ -136,4 +135,13 @@ impl PlanReport {
         ]);
         rows
     }
+}
+
+/// `name = value` of every setting.
+pub(in crate::cli) fn settings_text(settings: &Map<String, Value>) -> String {
+    let one = |(name, value): (&String, &Value)| match value {
+        Value::String(word) => format!("{name} {word}"),
+        value => format!("{name} {value}"),
+    };
+    settings.iter().map(one).collect::<Vec<_>>().join(", ")
 }

@@ -3,7 +3,8 @@
 use std::str::FromStr;
 
 use super::scenario::Scenario;
-use super::{FocusArgs, FocusError, Ground, Recording, RecordingError};
+use super::{FocusArgs, Ground, Recording, RecordingError};
+use crate::cli::focus::error::FocusError;
 use crate::processor::backproject::{Aperture, Gate};
 
 /// A processed Doppler bandwidth as asked for.

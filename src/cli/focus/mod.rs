@@ -1,5 +1,7 @@
 //! `nereus focus`: an image of a recording.
 
+pub mod error;
+mod figures;
 mod aim;
 mod compare;
 mod forecast;
@@ -9,6 +11,7 @@ mod scenario;
 mod speckle;
 mod table;
 
+use error::FocusError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -16,13 +19,12 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use num_complex::Complex32;
 
-use super::args::{PulseRange, distinct};
 use super::error::CliError;
-use super::escape;
 use super::progress;
-use super::sea::{SeaError, save_canvas};
+use super::sea::SeaError;
 use super::{counted, say, warn};
-use crate::clutter::SampleFault;
+use crate::cli::outputs::save_canvas;
+use crate::cli::values::{PulseRange, distinct};
 use crate::geometry::phase_path::PhasePath;
 use crate::inputs::one_line;
 use crate::pipeline::memory::available_bytes;
@@ -33,13 +35,13 @@ use crate::processor::multilook::{multilook, percentile};
 use crate::processor::point_target::Sought;
 use crate::processor::point_target::{PointTarget, Support, analyse, locate};
 use crate::processor::range_compress::{
-    CompressError, Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
+    Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
 use crate::processor::taper::Taper;
-use crate::recording::ground::{Ground, GroundError};
-use crate::recording::image_file::{ImageFile, ImageFileError};
+use crate::recording::ground::Ground;
+use crate::recording::image_file::ImageFile;
 use crate::recording::map_file::Attribute;
-use crate::recording::output::{FileKind, Output, OutputError};
+use crate::recording::output::{FileKind, Output};
 use crate::recording::{Recording, RecordingError};
 use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
@@ -161,158 +163,6 @@ pub struct FocusArgs {
     /// Print a summary as one JSON object
     #[arg(long)]
     pub json: bool,
-}
-
-/// Why a recording cannot be focused.
-#[derive(Debug, thiserror::Error)]
-pub enum FocusError {
-    /// It cannot be read.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// No image of such a size.
-    #[error(transparent)]
-    Ground(#[from] GroundError),
-    /// The recording has no pulse to compress with.
-    #[error("{}: {source}", escape::path(path))]
-    Compress {
-        /// The recording.
-        path: PathBuf,
-        /// What is wrong.
-        source: CompressError,
-    },
-    /// A channel that is not there.
-    #[error("channel {} is not in the recording; allowed: {allowed}", one_line(name))]
-    Channel {
-        /// What was asked.
-        name: String,
-        /// What there is.
-        allowed: String,
-    },
-    /// A channel that carries no echo.
-    #[error(
-        "channel {} is a calibration channel ({}) and carries no echo; allowed: {allowed}",
-        one_line(name),
-        one_line(kind)
-    )]
-    Calibration {
-        /// What was asked.
-        name: String,
-        /// `tone` or `loopback`.
-        kind: String,
-        /// Channels of echoes.
-        allowed: String,
-    },
-    /// Nothing but calibration channels.
-    #[error("{}: holds no channel of echoes", escape::path(path))]
-    NoEchoes {
-        /// The recording.
-        path: PathBuf,
-    },
-    /// A value out of range.
-    #[error("--{key} {found}: allowed: {allowed}")]
-    Value {
-        /// The key.
-        key: &'static str,
-        /// What was given.
-        found: String,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// More looks than pixels.
-    #[error(
-        "--looks {looks}: allowed: up to the shorter side of the image, which has {columns} x {rows} pixels"
-    )]
-    Looks {
-        /// As asked.
-        looks: usize,
-        /// Pixels to the East.
-        columns: usize,
-        /// Pixels to the North.
-        rows: usize,
-    },
-    /// A Doppler band about the aim of an antenna that has none.
-    #[error(
-        "--doppler-hz {hz}: channel {} has no aim that it could lie about: its antennas are isotropic, or the recording does not hold where they look; allowed: all",
-        one_line(channel)
-    )]
-    NoAim {
-        /// As asked.
-        hz: f64,
-        /// The channel.
-        channel: String,
-    },
-    /// No pulse carries what a channel listens to.
-    #[error("channel {}: none of the pulses left in its polarisation", one_line(channel))]
-    Dark {
-        /// The channel.
-        channel: String,
-    },
-    /// A recording to compare with that is of something else.
-    #[error(
-        "--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets",
-        escape::path(path)
-    )]
-    Against {
-        /// The recording.
-        path: PathBuf,
-        /// What is not the same.
-        what: &'static str,
-    },
-    /// An image without resolution cells.
-    #[error(
-        "--speckle, channel {}: no cross-range, so that a resolution cell has no length; allowed: more pulses, from an end that moves",
-        one_line(channel)
-    )]
-    NoCells {
-        /// The channel.
-        channel: String,
-    },
-    /// What came over the wire.
-    #[error(
-        "{}: holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused",
-        escape::path(path)
-    )]
-    Wire {
-        /// The recording.
-        path: PathBuf,
-    },
-    /// More outputs than can be made.
-    #[error("--out {}: allowed: one name that ends in .png and one that ends in .h5", escape::path(path))]
-    Several {
-        /// What was given beyond that.
-        path: PathBuf,
-    },
-    /// Pixels that no law can be fitted to.
-    #[error("--speckle, channel {}: {source}", one_line(channel))]
-    Speckle {
-        /// The channel.
-        channel: String,
-        /// What is wrong.
-        source: SampleFault,
-    },
-    /// An output that is neither picture nor HDF5.
-    #[error("--out {}: allowed: a name that ends in .png or .h5", escape::path(path))]
-    Kind {
-        /// What was given.
-        path: PathBuf,
-    },
-    /// An output cannot be made.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The complex image cannot be written.
-    #[error(transparent)]
-    Image(#[from] ImageFileError),
-}
-
-impl FocusError {
-    /// Exit code: 2 when the input is wrong, 1 otherwise.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Output(OutputError::Io { .. } | OutputError::Lost(_))
-            | Self::Image(ImageFileError::Hdf5 { .. }) => 1,
-            _ => 2,
-        }
-    }
 }
 
 /// What is made of one channel.

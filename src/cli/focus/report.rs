@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{
-    CliError, FocusArgs, FocusError, FocusNav, Focused, Ground, Recording, counted, interpolation_error_db,
-    multilook, oversampling, percentile, say, speckle,
+    CliError, FocusArgs, FocusNav, Focused, Ground, Recording, counted, interpolation_error_db, multilook,
+    oversampling, percentile, say, speckle,
 };
 use crate::cli::escape;
+use crate::cli::focus::error::FocusError;
 use crate::cli::speckle::Speckle;
 use crate::processor::point_target::PointTarget;
 use crate::processor::point_target::{SEARCH_CELLS, WIDEST};

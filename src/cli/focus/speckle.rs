@@ -2,7 +2,8 @@
 
 use std::io::Write;
 
-use super::{FocusArgs, FocusError, Focused, Ground, Recording};
+use super::{FocusArgs, Focused, Ground, Recording};
+use crate::cli::focus::error::FocusError;
 use crate::cli::speckle::{Speckle, SpeckleSettings};
 use crate::processor::point_target::Support;
 

@@ -2,10 +2,10 @@
 
 use std::io::Write;
 
-use super::compare::{Channel, Comparison, Figures, Target};
 use super::forecast::Law;
 use super::{CliError, FocusArgs, counted, say};
 use crate::cli::escape;
+use crate::cli::focus::figures::{Channel, Comparison, Figures, Target};
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {

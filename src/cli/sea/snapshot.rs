@@ -14,11 +14,12 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::args::{Setting, counts};
 use super::super::error::CliError;
-use super::super::run::overrides;
 use super::super::{say, warn};
-use super::{SeaError, axes, contacts, outputs, save_png};
+use super::{SeaError, contacts};
+use crate::cli::outputs::{axes, outputs, save_png};
+use crate::cli::scenario::overrides;
+use crate::cli::values::{Setting, counts};
 use crate::config::{self, Run};
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;

@@ -3,9 +3,9 @@
 use glam::DVec2;
 use num_complex::Complex32;
 
-use super::SpeckleError;
 use crate::bench::gather::Gathered;
 use crate::cli::focus::watched;
+use crate::cli::speckle::error::SpeckleError;
 use crate::clutter::trend;
 use crate::config::Run;
 use crate::geometry::phase_path::PhasePath;

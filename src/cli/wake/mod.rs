@@ -12,13 +12,14 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::args::Setting;
 use super::check::ships::figures;
 use super::error::CliError;
-use super::run::overrides;
-use super::sea::{Field, SeaError, axes, field, outputs, save_png};
+use super::sea::{Field, SeaError, field};
 use super::{say, warn};
 use crate::adequacy::{ShipOutlook, patch_at};
+use crate::cli::outputs::{axes, outputs, save_png};
+use crate::cli::scenario::overrides;
+use crate::cli::values::Setting;
 use crate::config;
 use crate::pipeline::fault::BuildErrors;
 use crate::plot::picture::Picture;
