@@ -16,7 +16,7 @@ use thiserror::Error;
 
 /// Seconds of a week of GPS time.
 const WEEK_S: i64 = 604_800;
-/// Weeks are told in 13 bits by the newer satellites.
+/// Weeks are reported in 13 bits by the newer satellites.
 const MOST_GPS_WEEK: u32 = 8191;
 /// 1980-01-06, in UTC seconds since 1970-01-01.
 const GPS_START_S: i64 = 315_964_800;

@@ -49,7 +49,7 @@ use crate::time::TimeTag;
 use crate::transport::schedule::Schedule;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Power that may come and go with the edge rows of a following patch, dB below all that is heard.
+/// Power that may come and go with the edge rows of a following patch, dB below all that is received.
 pub const EDGE_BUDGET_DB: f64 = -60.0;
 /// Assumed extent of a resolution cell in azimuth, m.
 pub const AZIMUTH_M: f64 = 1.0;
@@ -94,8 +94,8 @@ pub struct Adequacy {
     pub warnings: Vec<SeaWarning>,
 }
 
-/// The power that comes and goes when a following patch moves by one row, dB below all that is heard: the worst of the first,
-/// middle and last pulse, all facets lit; along an axis on which the patch lies the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
+/// The power that comes and goes when a following patch moves by one row, dB below all that is received: the worst of the first,
+/// middle and last pulse, all facets illuminated; along an axis on which the patch lies the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
 pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
     if !factory.follows() {
         return Ok(None);
@@ -147,16 +147,16 @@ pub enum SeaWarning {
         /// The cell in ground range, m.
         ground_range_m: f64,
     },
-    /// Rows enter and leave where they are heard.
+    /// Rows enter and leave where they are received.
     #[error(
         "rows that enter and leave the following patch are heard at {edge_db:.0} dB of the whole echo; below {EDGE_BUDGET_DB} dB \
          the sea is without end: a larger patch or a shorter window helps"
     )]
     Edge {
-        /// Power of the edge rows, dB of all that is heard.
+        /// Power of the edge rows, dB of all that is received.
         edge_db: f64,
     },
-    /// Nothing is heard.
+    /// Nothing is received.
     #[error(
         "the window does not hear the patch at pulse {pulse}: whole echoes begin {window_us:?} us after the emission, \
          those of the patch {patch_us:?} us"
@@ -183,7 +183,7 @@ pub enum SeaWarning {
         "{:.0} % of the patch lie beyond the horizon of \"{antenna}\" at pulse {pulse}{}: it sees the sea to {:.1} km, the patch \
          lies {:.1} to {:.1} km away",
         100.0 * share,
-        if *hidden { " and are dark" } else { ", and are lit all the same (scene.horizon = false)" },
+        if *hidden { " and are dark" } else { ", and are illuminated all the same (scene.horizon = false)" },
         horizon_m / 1e3,
         distance_m[0] / 1e3,
         distance_m[1] / 1e3
@@ -362,7 +362,7 @@ impl View<'_> {
         let opens_s = self.opens_s(*first)?;
         let closes_s = opens_s + radar.window.samples as f64 / radar.sample_rate_hz - pulse_s;
         let interval_s = 1.0 / radar.emissions.mean_prf_hz();
-        // The echo of another emission may be the one that the window hears.
+        // The echo of another emission may be the one that the window receives.
         let heard = |delay_s: f64| {
             ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil()
         };

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! over samples before noise and converter, `||.||` the root of the sum of squares over a window. The mean error takes the mean of
-//! the squares over pulses and channels. Channels in which nothing is heard at all, and nothing should be, do not count.
+//! the squares over pulses and channels. Channels in which nothing is received at all, and nothing should be, do not count.
 //!
 //! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`] pulses spread evenly over it, or
 //! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within -40 dB of the reference (0.1 dB of the mean), and at least
@@ -16,7 +16,7 @@
 //! middle one of a block and any other: [`sample`].
 //!
 //! The figures are held within [`LEAST_DB`] and its opposite: samples are f32, and -150 dB is what that leaves to tell apart; samples
-//! that are the same bit for bit are told as [`LEAST_DB`].
+//! that are the same bit for bit are reported as [`LEAST_DB`].
 
 use crate::pipeline::power::{mean_of, of_channel, powers};
 use std::collections::BTreeSet;
@@ -40,7 +40,7 @@ use crate::pipeline::stages::PulseFactory;
 use crate::pulse::Samples;
 use crate::rng::{Room, stream};
 
-/// What no difference at all is told as, dB; twice the bits of an f64 lie above.
+/// What no difference at all is reported as, dB; twice the bits of an f64 lie above.
 pub const LEAST_DB: f64 = -400.0;
 
 /// Pulses of which the mean power is taken, without a sea and with one.
@@ -120,13 +120,13 @@ fn any_of(numbers: &mut impl Rng, from: u64, to: u64) -> u64 {
     numbers.random_range(from..to.max(from + 1))
 }
 
-/// A ratio of powers in dB, within what is told.
+/// A ratio of powers in dB, within what is reported.
 fn decibels(ratio: f64) -> f64 {
     (10.0 * ratio.log10()).clamp(LEAST_DB, -LEAST_DB)
 }
 
 impl Judge {
-    /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed` is told how many are done.
+    /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed` is reported how many are done.
     pub fn new(
         run: &Run,
         pulses: Vec<u64>,

@@ -209,7 +209,7 @@ pub struct Sweep {
     pub refused: Vec<Refused>,
 }
 
-/// Sweeps settings and models. `load` makes a run of the scenario with some keys set; `progress` is told how many of how many are
+/// Sweeps settings and models. `load` makes a run of the scenario with some keys set; `progress` is reported how many of how many are
 /// done, and what is found so far (which of it is on the front is known at the end). Settings and models that come to what is written already are left out.
 ///
 /// # Errors

@@ -57,9 +57,9 @@ pub enum Command {
     Focus(Box<FocusArgs>),
     /// Fit laws to the speckle of the sea over the azimuth of the wind: shape parameters, how well they fit, a picture
     Speckle(Box<SpeckleArgs>),
-    /// Receive pulses that are sent as VITA 49.2, and tell gaps, lateness and navigation
+    /// Receive pulses that are sent as VITA 49.2, and report gaps, lateness and navigation
     Receive(ReceiveArgs),
-    /// Inspect, convert, play and spoil recorded navigation
+    /// Inspect, convert, play and corrupt recorded navigation
     Nav(NavArgs),
     /// Read a recording to the end under limits of time and memory: `focus` and `merge` call it
     #[command(hide = true)]

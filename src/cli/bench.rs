@@ -55,8 +55,8 @@ struct Report {
     scenario: String,
     facets: usize,
     paths: usize,
-    /// Mean share of the facets that is lit, times the facets.
-    lit: f64,
+    /// Mean share of the facets that is illuminated, times the facets.
+    illuminated: f64,
     /// Those of them that were left out as too weak.
     culled: f64,
     /// In tiles that are looked at less often.
@@ -168,7 +168,7 @@ fn report(
         scenario: run.path.display().to_string(),
         facets: speed.facets,
         paths: speed.paths,
-        lit: facets * speed.costs.lit_share(),
+        illuminated: facets * speed.costs.illuminated_share(),
         sidelobe: facets * speed.costs.sidelobe_share(),
         culled: facets * speed.costs.culled_share(),
         accumulated: speed.costs.accumulated_per_pulse(),
@@ -224,9 +224,14 @@ fn text(report: &Report) -> String {
     row(
         "paths",
         format!(
-            "{}, {} of them facets; {:.0} facets lit, {:.0} of them culled; {:.0} accumulated in a pulse; {:.0} facets \
+            "{}, {} of them facets; {:.0} facets illuminated, {:.0} of them culled; {:.0} accumulated in a pulse; {:.0} facets \
              in sidelobe tiles",
-            report.paths, report.facets, report.lit, report.culled, report.accumulated, report.sidelobe
+            report.paths,
+            report.facets,
+            report.illuminated,
+            report.culled,
+            report.accumulated,
+            report.sidelobe
         ),
     );
     row("channels", report.channels.to_string());

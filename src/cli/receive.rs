@@ -26,7 +26,7 @@ use crate::sinks::{self, Kind};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct ReceiveArgs {
-    /// Address and port of this machine; port 0 takes a free one and says which
+    /// Address and port of this machine; port 0 takes a free one and prints it
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4991")]
     pub listen: String,
     /// End after so many whole pulses
@@ -206,7 +206,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
     if let Some(fault) = &report.first_fault {
         writeln!(out, "            first malformed: {}", escape::name(fault))?;
     }
-    let drops = report.kernel_drops.map_or("not told".to_owned(), |drops| drops.to_string());
+    let drops = report.kernel_drops.map_or("not reported".to_owned(), |drops| drops.to_string());
     writeln!(
         out,
         "socket      {} KiB of room; {drops} datagrams dropped by the system",
@@ -223,7 +223,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
             "lateness    p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; that one came {:.6} s after its emission by this clock",
             late.p50_us, late.p99_us, late.max_us, late.least_offset_s
         )?,
-        None => writeln!(out, "lateness    not told: the stream was not sent in real time")?,
+        None => writeln!(out, "lateness    not reported: the stream was not sent in real time")?,
     }
     for platform in &report.platforms {
         let ([e, n, u], [ve, vn, vu]) = (platform.position_m, platform.velocity_mps);

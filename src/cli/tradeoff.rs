@@ -117,7 +117,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         let swept = sweep(&judge, &run, args.grid, with_fast, |done, all, sweep| {
             let _ = status.try_send(Status { passed: done as u64, total: all as u64, late: 0, dropped: 0 });
             if let Some(files) = files.as_ref().filter(|_| sweep.points.len() > written) {
-                // What cannot be written now is told at the end, when the whole table is.
+                // What cannot be written now is reported at the end, when the whole table is.
                 let _ = files.write_table(csv(sweep, None), written == 0);
                 written = sweep.points.len();
             }

@@ -10,7 +10,7 @@ use super::bessel::digamma;
 use super::laws::{Kind, Law};
 use super::{Fit, Sample};
 
-/// Shapes of Weibull laws that are told.
+/// Shapes of Weibull laws that are reported.
 pub(super) const WEIBULL_SHAPES: [f64; 2] = [0.05, 1000.0];
 
 /// Logarithm of `<I^2>/<I>^2` of a Weibull law.

@@ -328,13 +328,13 @@ tables! {
     platform "[[platform]]" "Something that carries antennas." {
         NAME "name", Name, Required, "Its name, unique among platforms.";
         TRACK "track", Section(&track::TABLE), Required, "Where it is: drives delays, phases and gains.";
-        REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it says it is, in the same form.";
-        ERRORS "errors", Section(&errors::TABLE), Means("none"), "What is wrong with what it says.";
+        REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it reports to be, in the same form.";
+        ERRORS "errors", Section(&errors::TABLE), Means("none"), "Errors of its reports.";
         TURBULENCE "turbulence", Section(&turbulence::TABLE), Means("still air"), "Gusts that it flies through: true motion beside its track.";
     }
     errors "[platform.errors]" "Known errors of what a platform reports: report less truth. The same seed gives the same errors, in whole runs and in parts." {
         PRESET "preset", Choice(&["sps", "rtk", "tactical", "navigation"]), Means("no errors but those below"), "Class of navigation to start from: satellites, with carrier phase, aided tactical or navigation-grade inertial unit. The keys below stand above it.";
-        RECORDED "recorded", Choice(&["truth", "reported"]), Word("truth"), "What the track is. truth: what happened, errors are added to the report. reported: what was said, the true motion lies beside it; errors must then be smooth (bias, sinusoid, ramp, walk, Gauss-Markov of position and attitude).";
+        RECORDED "recorded", Choice(&["truth", "reported"]), Word("truth"), "What the track is. truth: what happened, errors are added to the report. reported: what was reported, the true motion lies beside it; errors must then be smooth (bias, sinusoid, ramp, walk, Gauss-Markov of position and attitude).";
         RATE_HZ "rate_hz", number("Hz", 0.0, 1e5), Means("that of the preset, or 0: a report at every pulse"), "Reports per second from pulse 0 on.";
         LATENCY_S "latency_s", number("s", 0.0, 60.0), Means("that of the preset, or 0"), "From the epoch of a report to its arrival.";
         JITTER_S "jitter_s", number("s", 0.0, 10.0), default(0.0), "Standard deviation of the arrival (Gaussian). Time stamps are right.";
@@ -406,7 +406,7 @@ tables! {
         TRACK_HOLD_S "track_hold_s", number("s", 0.0, 1e5), default(30.0), "Time in which it is steered back to its track; 0: it drifts.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
-        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet", "live"]), Required, "Stays; straight line at constant speed; recorded track; what a receiver says while the run goes on (docs/navigation.md).";
+        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet", "live"]), Required, "Stays; straight line at constant speed; recorded track; what a receiver reports during the run (docs/navigation.md).";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg, lon_deg and h_m are given"), "fixed, straight: East, North, up in the scene frame (tangent plane at the origin), at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "fixed, straight: latitude, WGS-84.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "fixed, straight: longitude.";
@@ -424,7 +424,7 @@ tables! {
         ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Means("recorded where the fixes have it, otherwise coordinated_turn; `check` and `run` report which"), "Recordings, live: where the attitude comes from. coordinated_turn: derived from the motion, nose along the velocity, roll of a coordinated turn. level: the same with level wings. ADS-B and GGA carry none.";
         SOURCE "source", Kind::Origin, Required, "live: where its messages come from, NMEA 0183 and NovAtel INSPVAX: a serial port, somebody to connect to, an address to which a sender connects or sends datagrams, a file that is replayed in time.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits a second.";
-        MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is told from it. Sentences come an epoch late: for a receiver of one epoch a second take 2.5.";
+        MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is extrapolated from it. Sentences come an epoch late: for a receiver of one epoch a second take 2.5.";
         TIMEOUT_S "timeout_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
         VEHICLE "vehicle", Choice(&["ship", "ground", "aircraft", "spacecraft"]), Word("aircraft"), "live: what carries the receiver. It sets the bounds of the plausibility gate: 40 m/s and 10 m/s^2 for a ship, 100 and 30 on the ground, 1000 and 100 in the air, 12000 and 100 in orbit.";
         MAX_SPEED_MPS "max_speed_mps", above("m/s", 0.0, FAST_MPS), Means("that of the vehicle"), "live: a fix that would need a higher speed is counted and refused.";
@@ -458,7 +458,7 @@ tables! {
         CLOCK "clock", Section(&clock::TABLE), Means("a clock that is right"), "What is wrong with its clock.";
     }
     antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
-        KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly lit. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
+        KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
         GAIN_DBI "gain_dbi", number("dBi", -200.0, 200.0), default(0.0), "isotropic: gain in every direction.";
         WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
         HEIGHT_M "height_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full height.";
@@ -623,20 +623,20 @@ tables! {
         CHANGE "change", Kind::Line, Required, "What changes, in the words of a control line: \"step position.up 5 m\", \"bias attitude.heading 0.3 deg\", \"ramp position.east 0.5 m/s\", \"dropout 2.5 s\", \"latency 250 ms\", \"clear\".";
     }
     fidelity "[fidelity]" "Speed against accuracy." {
-        ECHO "echo", Choice(&["reference", "fast"]), Word("fast"), "reference: every pulse from its own contacts, in f64. fast: blocks of pulses, contacts at nodes, all between interpolated, in f32.";
+        ECHO "echo", Choice(&["reference", "fast"]), Word("fast"), "reference: every pulse from its own scatterer paths, in f64. fast: blocks of pulses, paths at nodes and interpolated between them, in f32.";
         ERROR_DB "error_db", number("dB", -120.0, -20.0), default(-60.0), "fast: error allowed against the reference, worst pulse and channel. The keys below are chosen to keep it, but for those that are given.";
-        NODE_PULSES "node_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact contacts.";
+        NODE_PULSES "node_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact paths.";
         SCATTER_PULSES "scatter_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
         GAIN_PULSES "gain_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which antenna gains are found to the next.";
-        SIDELOBE_DB "sidelobe_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is looked at less often: paths and scattering at the ends of a block only (scattering in its middle, too, where facets turn away), gains at two thirds of the instants; -400: none is.";
-        KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a contact is spread; about 20 dB a cell.";
+        SIDELOBE_DB "sidelobe_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is evaluated less often: paths and scattering at the ends of a block only (scattering in its middle, too, where facets turn away), gains at two thirds of the instants; -400: none is.";
+        KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a path is spread; about 20 dB a cell.";
         DOPPLER "doppler", Choice(&["mean", "shift", "taylor"]), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
     }
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
         POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When generation cannot keep up: end with an error, stretch time, or drop pulses.";
         LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500"), "Release minus emission time: how far ahead pulses are made.";
-        PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs ahead of all ordinary ones (SCHED_FIFO), where the system allows that; `nereus run` tells.";
+        PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs ahead of all ordinary ones (SCHED_FIFO), where the system allows that; `nereus run` reports it.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
         LOCK_MEMORY "lock_memory", Kind::Flag, Absent::Flag(false), "Whether the stream asks the system that its memory is never moved out (mlockall).";
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";

@@ -368,7 +368,7 @@ fn a_file_that_is_no_toml_is_told_in_few_lines() {
     let long = told(300);
     assert_eq!(long.lines().filter(|line| line.contains(": not valid TOML: ")).count(), 5, "{long}");
     let found: usize = long.lines().last().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
-    // What is wrong with values is told all the same.
+    // What is wrong with values is reported all the same.
     assert!(long.contains("scene.duration_s: -1 is out of range") && found > 300, "{long}");
     let more = format!("bad.toml: not valid TOML in {} more places", found - (long.lines().count() - 2));
     assert!(long.contains(&more), "{more}: {long}");
@@ -636,9 +636,9 @@ proptest! {
         let chars: Vec<char> = text.chars().collect();
         let start = (at * chars.len() as f64) as usize;
         let end = (start + cut).min(chars.len());
-        let spoiled: String =
+        let corrupted: String =
             chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect();
-        survives(&spoiled);
+        survives(&corrupted);
     }
 
     #[test]

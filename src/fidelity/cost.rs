@@ -16,7 +16,7 @@
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
 //!
-//! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are told by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n` times as
+//! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n` times as
 //! many pulses, as far as they do not wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
@@ -118,7 +118,7 @@ pub struct Size {
     layers: f64,
     /// Share of the facets that is spread.
     kept: f64,
-    /// How often facets are lit for the sample of a block, on top of once.
+    /// How often facets are illuminated for the sample of a block, on top of once.
     again: f64,
     pulses: u64,
 }

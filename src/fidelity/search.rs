@@ -15,11 +15,11 @@ use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe};
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
 
-/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two scattering epochs is told where
+/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two scattering epochs is reported where
 /// to a part of that, and single facets make the worst pulses at grazing incidence.
 const LOOKS_PER_PERIOD: f64 = 30.0;
 
-/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is told late where it turns makes the worst pulse
+/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is reported late where it turns makes the worst pulse
 /// (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were predicted with tiles in the sidelobes below -25 dB).
 const OF_TURNING_DB: f64 = -40.0;
 

@@ -2,8 +2,8 @@
 //!
 //! Far off the beams a tile returns so little that few instants do for it ([`Tier::Sidelobe`](crate::paths::block::Tier)): of the power of
 //! a line source of width `a`, whose two-way pattern is `sinc^4`, `3.9e-3 / x^3` lies beyond `x = a sin(theta) / lambda`. What is left there is
-//! sounded at both tiers, in **bins** of gain between the rungs of a ladder, which fall from rung 0 on: a tile of bin `b` has `b` rungs above it,
-//! and is in the sidelobes at rung `r` where `r < b`.
+//! probed at both tiers, in **bins** of gain between the candidates of a ladder, which fall from candidate 0 on: a tile of bin `b` has `b` candidates above it,
+//! and is in the sidelobes at candidate `r` where `r < b`.
 //!
 //! ```
 //! use nereus::fidelity::sidelobe::Candidates;
@@ -31,7 +31,7 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// All rungs, or the one that was asked.
+    /// All candidates, or the one that was asked.
     pub fn new(asked_db: Option<f64>) -> Self {
         let thresholds_db = match asked_db {
             Some(none) if none <= NONE_DB => vec![None],
@@ -51,13 +51,13 @@ impl Candidates {
         self.thresholds_db.len() + 1
     }
 
-    /// Bin of a tile with such a share of the peak gain of field: rungs above it.
+    /// Bin of a tile with such a share of the peak gain of field: candidates above it.
     pub fn bin(&self, share: f32) -> usize {
         let gain_db = 20.0 * f64::from(share).log10();
         self.thresholds_db.iter().flatten().filter(|candidate| gain_db < **candidate).count()
     }
 
-    /// Whether tiles of a bin are in the sidelobes at a rung.
+    /// Whether tiles of a bin are in the sidelobes at a candidate.
     pub fn is_sidelobe(&self, bin: usize, candidate: usize) -> bool {
         self.thresholds_db[candidate].is_some() && bin > candidate
     }
@@ -72,7 +72,7 @@ impl Binned {
         Self(vec![Sum::default(); candidates.bins()])
     }
 
-    /// Adds those of the tiles that are in the sidelobes at a rung, or those of all others, to a sum.
+    /// Adds those of the tiles that are in the sidelobes at a candidate, or those of all others, to a sum.
     pub(super) fn join_into(&self, candidates: &Candidates, candidate: usize, sidelobe: bool, sum: &mut Sum) {
         for (_, own) in
             self.0.iter().enumerate().filter(|(bin, _)| candidates.is_sidelobe(*bin, candidate) == sidelobe)

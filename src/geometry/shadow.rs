@@ -150,7 +150,7 @@ pub enum ShadowError {
 /// How a facet passes from light to shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edge {
-    /// At once, as in the paper: lit if and only if nothing stands above the ray.
+    /// At once, as in the paper: illuminated if and only if nothing stands above the ray.
     Sharp,
     /// Over a range of clearance angles.
     Soft {
@@ -419,8 +419,8 @@ impl<T: Real> Shadow<T> {
         if width_m > 0.0 {
             self.march(map, terminal, out, |clearance_m| smoothstep((clearance_m + lift_m) / width_m))
         } else {
-            let lit = |clearance_m: f64| if clearance_m + lift_m > 0.0 { 1.0 } else { 0.0 };
-            self.march(map, terminal, out, lit)?;
+            let illuminated = |clearance_m: f64| if clearance_m + lift_m > 0.0 { 1.0 } else { 0.0 };
+            self.march(map, terminal, out, illuminated)?;
             // Where two marches are blended and differ, the nearer axis decides.
             for weight in out {
                 *weight = if weight.widen() >= 0.5 { T::one() } else { T::zero() };

@@ -13,13 +13,13 @@
 //! A fix that needs a later neighbour waits for it until an epoch comes that is more than `wait_s` later; then it is completed
 //! as at the end of a file, and so are those after it, at once, until a neighbour has come. An epoch without a date waits as
 //! long, then it is left. What becomes of epochs depends on them alone, never on the clock of the machine, so that a file and a
-//! stream of the same messages give the same bits: a file waits without end, a stream `wait_s`, and they differ only where
+//! stream of the same messages give bit-identical results: a file waits without end, a stream `wait_s`, and they differ only where
 //! height or heading is missing for longer.
 //!
 //! A stream does not believe a single date from the future: an epoch more than `wait_s` after the one before counts when the
 //! next one follows it; if the next one follows the one before instead, it was a step of the clock. Nor does it stay behind one that was
 //! believed: the third of three epochs that follow one another from more than 5 s earlier is taken, and its time may then be earlier than that
-//! of fixes that were told.
+//! of fixes that were reported.
 //!
 //! Limits: not more than 16,384 epochs of a stream wait.
 //!
@@ -59,7 +59,7 @@ const MOST_WAITING: usize = 1 << 14;
 /// What became of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reported {
-    /// It follows another one; its fix is told when it is complete.
+    /// It follows another one; its fix is reported when it is complete.
     Follows {
         /// Line of its first message.
         line: u64,
@@ -249,7 +249,7 @@ impl Completer {
             self.counts.clock_steps += 1;
             see(Reported::StepsBack { line: epoch.line, time, before: last });
             if self.wait_s.is_finite() && self.stays_back(time) {
-                // What came before was the step: a stream is heard from here on.
+                // What came before was the step: a stream is received from here on.
                 self.finish(see);
                 self.last = None;
                 self.take(time, epoch, see);

@@ -232,7 +232,7 @@ impl Layout {
             let result = read_number(&record[index], column, range);
             result.map_err(|kind| faults.push(line, kind)).ok()
         };
-        // Every field is read before the row is given up, so that all its faults are told.
+        // Every field is read before the row is given up, so that all its faults are reported.
         let place = match self.position {
             Position::Geodetic([lat, lon, height]) => {
                 let lat = number(lat, "lat_deg", (-90.0, 90.0));

@@ -147,7 +147,7 @@ impl Chunk {
         self.pairs.iter_mut().for_each(PairColumns::clear);
     }
 
-    /// Takes in the paths of a facet over every pair; of one that no pair hears nothing is kept. Says whether it was kept.
+    /// Takes in the paths of a facet over every pair; of one that no pair receives nothing is kept. Says whether it was kept.
     pub fn see(
         &mut self,
         lighting: &Lighting,

@@ -11,12 +11,12 @@
 //! are searched between bounds on their delays: those of emission `n`, widened by the fastest change of
 //! delay, `(|v_T| + |v_R| + 2 |v_s| + 1000 m/s) / c`, the last term for manoeuvres.
 //!
-//! The sea, if there is one, contributes a scatterer path for every facet that the window hears and that returns
+//! The sea, if there is one, contributes a scatterer path for every facet that the window receives and that returns
 //! anything. It does not count for [`flags::OUTSIDE_WINDOW`]: a patch that reaches beyond the window is the
 //! rule.
 //!
 //! Each emission has its own geometry: platforms, pointing and transmit polarisation at `t_e`, the
-//! receive antenna at reception. When polarisations alternate, a channel hears an emission only if that
+//! receive antenna at reception. When polarisations alternate, a channel receives an emission only if that
 //! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Scatterer paths
 //! without amplitude in any channel (behind the antenna, in an exact null) are left out.
 //!

@@ -35,7 +35,7 @@ impl PathGenerator {
         Ok(true)
     }
 
-    /// Share of the echo of a pulse with such a delay that some window hears, of those that open `opens_s` after their emission: 0 to 1.
+    /// Share of the echo of a pulse with such a delay that some window receives, of those that open `opens_s` after their emission: 0 to 1.
     pub fn heard_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
         let listens_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let begins_s = delay_s - opens_s;
@@ -43,7 +43,7 @@ impl PathGenerator {
             let begins_s = begins_s - later_s;
             self.pulse_length_s.min(listens_s - begins_s) - (-begins_s).max(0.0)
         };
-        // Where pulses are in the air a later window hears it, or an earlier one.
+        // Where pulses are in the air a later window receives it, or an earlier one.
         let emissions = &self.radar.emissions;
         let mut most_s = heard_s(0.0);
         if emissions.is_uniform() {

@@ -109,7 +109,7 @@ impl PathGenerator {
         low
     }
 
-    /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its window hears was sent that much later at
+    /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its window receives was sent that much later at
     /// most, and antennas are asked where they point a time of flight after that.
     pub fn asks_ahead_s(&self, index: u64) -> f64 {
         let opens_s = self.window_start_of(index).unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The sea of a run: drawn once, lit emission by emission.
+//! The sea of a run: drawn once, illuminated emission by emission.
 //!
 //! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch lies at a
 //! time and how long its echoes take, and visits its facets ([`super::facets`]).
@@ -39,7 +39,7 @@ const FASTEST_WATER_MPS: f64 = 100.0;
 /// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
 const CREST_RMS: f64 = 8.0;
 
-/// The sea of a run, ready to be lit. Immutable, shared by all threads.
+/// The sea of a run, ready to be illuminated. Immutable, shared by all threads.
 pub(super) struct SeaPlan {
     pub patch: Patch,
     place: PatchPlace,
@@ -140,7 +140,7 @@ pub(super) struct SeaWork {
     chunk: Chunk,
 }
 
-/// Why the sea cannot be lit at an instant.
+/// Why the sea cannot be illuminated at an instant.
 #[derive(Debug)]
 pub(super) enum SeaFailure {
     Track(TrackFailure),

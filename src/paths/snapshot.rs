@@ -9,7 +9,7 @@ use crate::scene::Patch;
 use crate::time::TimeTag;
 
 /// The facets of the sea as one emission lights them, whatever receive windows hear of it. Arrays over facets are
-/// `[iy][ix]` over the patch. A facet is lit when both antennas of any pair see it; whether it then scatters shows in its
+/// `[iy][ix]` over the patch. A facet is illuminated when both antennas of any pair see it; whether it then scatters shows in its
 /// amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
@@ -23,9 +23,9 @@ pub struct Snapshot {
     pub patch: Patch,
     /// `[facet]`: height above the mean surface, m.
     pub height_m: Vec<f64>,
-    /// `[pair][facet]`: delay, s; NaN where the facet is not lit.
+    /// `[pair][facet]`: delay, s; NaN where the facet is not illuminated.
     pub delay_s: Vec<Vec<f64>>,
-    /// `[pair][facet]`: d tau / dt; NaN where the facet is not lit.
+    /// `[pair][facet]`: d tau / dt; NaN where the facet is not illuminated.
     pub delay_rate: Vec<Vec<f64>>,
     /// `[channel][facet]`: amplitude without carrier phase, sqrt(W); zero where the facet is dark.
     pub amplitude: Vec<Vec<Complex64>>,
@@ -42,7 +42,7 @@ impl Snapshot {
     }
 
     /// Power of the heard facets along the edge of the patch over that of all heard facets, dB, in the worst channel:
-    /// what comes and goes when the patch moves by one row. Negative infinity where nothing is heard.
+    /// what comes and goes when the patch moves by one row. Negative infinity where nothing is received.
     ///
     /// `pair_of` is the pair of each channel; `moves` tells along which axes (East, North) the patch moves at all.
     pub fn edge_db(&self, pair_of: &[usize], moves: [bool; 2]) -> f64 {
@@ -65,7 +65,7 @@ impl Snapshot {
 }
 
 impl PathGenerator {
-    /// Whether an echo of pulse `index` is heard in a window like `window` of that pulse or a later one.
+    /// Whether an echo of pulse `index` is received in a window like `window` of that pulse or a later one.
     fn heard_later(&self, index: u64, window: &Window, delay_s: f64) -> bool {
         let from = self.first_emission(index, delay_s - window.close_s - window.guard_s).max(index);
         let to = self.first_emission(index, delay_s + window.pulse_s - window.open_s + window.guard_s);
@@ -144,7 +144,7 @@ mod tests {
             amplitude: vec![amplitude],
             heard: vec![heard],
         };
-        // 7 are heard: 2 in the outer columns, 3 in the outer rows, 2 within.
+        // 7 are received: 2 in the outer columns, 3 in the outer rows, 2 within.
         let share = |moves: [bool; 2]| 10f64.powf(snapshot.edge_db(&[0], moves) / 10.0) * 7.0;
         assert_eq!(snapshot.edge_db(&[0], [false, false]), f64::NEG_INFINITY);
         for (moves, facets) in [([true, false], 2.0), ([false, true], 3.0), ([true, true], 5.0)] {

@@ -38,7 +38,7 @@ pub(super) struct Update<T: Real = f64> {
     number: Option<u64>,
     patch: Patch,
     /// `[antenna]`: `None` where the geometry cannot shadow.
-    lit: Vec<bool>,
+    illuminated: Vec<bool>,
     weights: Vec<Vec<T>>,
 }
 
@@ -171,7 +171,7 @@ impl Visibility {
         let places = &mut places[..self.ends];
         update.patch = scenery(time_s, places)?.grown(self.margin);
         if !self.waves && places.iter().all(|place| self.within_horizon(*place, &update.patch)) {
-            update.lit.fill(true);
+            update.illuminated.fill(true);
             update.number = Some(wanted);
             return Ok(update);
         }
@@ -216,7 +216,7 @@ impl Visibility {
         for antenna in 0..places.len() {
             // Antennas at one place see the same.
             if let Some(twin) = places[..antenna].iter().position(|place| *place == places[antenna]) {
-                update.lit[antenna] = update.lit[twin];
+                update.illuminated[antenna] = update.illuminated[twin];
                 let (before, from) = update.weights.split_at_mut(antenna);
                 from[0].copy_from_slice(&before[twin]);
                 continue;
@@ -224,7 +224,7 @@ impl Visibility {
             let place = places[antenna];
             let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
             let earth = !self.within_horizon(place, patch);
-            update.lit[antenna] = !waves && !earth;
+            update.illuminated[antenna] = !waves && !earth;
             let weights = &mut update.weights[antenna];
             if waves {
                 shadow.weights(&map, place, weights)?;
@@ -263,7 +263,7 @@ impl Visibility {
         Update {
             number: None,
             patch: *patch,
-            lit: vec![false; self.ends],
+            illuminated: vec![false; self.ends],
             weights: vec![vec![0.0; patch.len()]; self.ends],
         }
     }
@@ -289,12 +289,17 @@ impl Visibility {
 impl Update {
     fn in_single_precision(&self) -> Update<f32> {
         let weights = self.weights.iter().map(|own| own.iter().map(|weight| *weight as f32).collect());
-        Update { number: self.number, patch: self.patch, lit: self.lit.clone(), weights: weights.collect() }
+        Update {
+            number: self.number,
+            patch: self.patch,
+            illuminated: self.illuminated.clone(),
+            weights: weights.collect(),
+        }
     }
 
     /// Weight of the facet with a global key from an antenna, 0 to 1.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
-        if self.lit[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
+        if self.illuminated[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
     }
 }
 
@@ -302,7 +307,7 @@ impl Update<f32> {
     /// Becomes another one of the same size.
     fn copy_from(&mut self, other: &Update) {
         (self.number, self.patch) = (other.number, other.patch);
-        self.lit.copy_from_slice(&other.lit);
+        self.illuminated.copy_from_slice(&other.illuminated);
         for (to, from) in self.weights.iter_mut().zip(&other.weights) {
             to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
         }
@@ -333,7 +338,7 @@ impl<T: Real> Update<T> {
 
     /// Whether an antenna sees every facet whole.
     pub fn sees_all(&self, antenna: usize) -> bool {
-        self.lit[antenna]
+        self.illuminated[antenna]
     }
 }
 

@@ -277,10 +277,11 @@ impl BlockEcho {
                         self.synth.spread_lanes(&batch, frame, lanes, grids);
                     }
                 });
-            let [facets, lit, culled] = [tally.facets, tally.lit, tally.culled].map(|n| n as usize);
-            light.costs.looked_at(facets, lit, culled);
+            let [facets, illuminated, culled] =
+                [tally.facets, tally.illuminated, tally.culled].map(|n| n as usize);
+            light.costs.looked_at(facets, illuminated, culled);
             light.costs.looked_at_less(tally.sidelobe as usize);
-            work.spread = (lit - culled) * generator.pairs().len();
+            work.spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.point_count() > 0 {
             let step = (NODES - 1) * self.gain_pulses;

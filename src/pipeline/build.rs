@@ -98,7 +98,7 @@ pub type RunFailure = RunError<PulseError, SinkError>;
 /// reported, and nothing has been written when there is one.
 pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     if run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_))) {
-        // Nobody waits for navigation to be told this.
+        // Nobody waits for navigation to be reported this.
         let faults = given(run, &range);
         if !faults.is_empty() {
             return Err(BuildErrors(faults));

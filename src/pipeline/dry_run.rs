@@ -202,7 +202,7 @@ impl<'a> Trial<'a> {
         Ok(Some(samples))
     }
 
-    /// Error of a pulse, a ratio of powers: the worst channel in which anything is heard.
+    /// Error of a pulse, a ratio of powers: the worst channel in which anything is received.
     fn error(&self, made: &[Complex32], exact: &[Complex32]) -> f64 {
         let len = exact.len() / self.means.len().max(1);
         let channels = made.chunks_exact(len).zip(exact.chunks_exact(len)).zip(&self.means);

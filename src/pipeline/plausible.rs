@@ -33,7 +33,7 @@ const ROUNDING_M: f64 = 1e-6;
 /// Share of saturated samples above which a converter clips.
 const CLIPPED_SHARE: f64 = 1e-4;
 
-/// A target that no window hears, at the pulse at which it comes nearest to one.
+/// A target that no window receives, at the pulse at which it comes nearest to one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Unheard {
     /// The target.
@@ -138,7 +138,7 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
             continue;
         }
         let depth = |pulse: u64| {
-            // A track that ends early is told by who needs it.
+            // A track that ends early is reported by who needs it.
             let [x_m, y_m, z_m] = phase_centre(tracks, mount, emission(scene, pulse))?.to_array();
             Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), pulse))
         };

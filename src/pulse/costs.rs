@@ -13,12 +13,12 @@
 //! costs.begin();
 //! // ... heights and slopes of 100 facets ...
 //! costs.lap(Stage::Surface);
-//! // ... scatterer paths; 60 are lit, 10 of them too weak to matter ...
+//! // ... scatterer paths; 60 are illuminated, 10 of them too weak to matter ...
 //! costs.lap(Stage::Scatterer paths);
 //! costs.looked_at(100, 60, 10);
 //! costs.accumulated(50);
 //! costs.made();
-//! assert_eq!((costs.counts().pulses, costs.lit_share()), (1, 0.6));
+//! assert_eq!((costs.counts().pulses, costs.illuminated_share()), (1, 0.6));
 //! assert!(costs.total_s() >= costs.seconds(Stage::Surface));
 //! ```
 
@@ -81,8 +81,8 @@ pub struct Counts {
     /// Facets whose path generator was found out, counted again at every instant at which it was.
     pub facets: u64,
     /// Those of them that an antenna pair lights and hears, and that return something.
-    pub lit: u64,
-    /// Those of the lit ones that were left out because they are too weak to matter.
+    pub illuminated: u64,
+    /// Those of the illuminated ones that were left out because they are too weak to matter.
     pub culled: u64,
     /// Facets of tiles that were looked at less often, since only side lobes light them.
     pub sidelobe: u64,
@@ -113,10 +113,10 @@ impl Costs {
         self.read = Some(now);
     }
 
-    /// Counts facets whose path generator was found out: how many, how many of them are lit, how many of the lit ones were left out.
-    pub fn looked_at(&mut self, facets: usize, lit: usize, culled: usize) {
+    /// Counts facets whose path generator was found out: how many, how many of them are illuminated, how many of the illuminated ones were left out.
+    pub fn looked_at(&mut self, facets: usize, illuminated: usize, culled: usize) {
         self.counts.facets += facets as u64;
-        self.counts.lit += lit as u64;
+        self.counts.illuminated += illuminated as u64;
         self.counts.culled += culled as u64;
     }
 
@@ -138,10 +138,10 @@ impl Costs {
     /// Takes in what another worker has spent and counted.
     pub fn add(&mut self, other: &Self) {
         self.spent.iter_mut().zip(other.spent).for_each(|(to, from)| *to += from);
-        let Counts { pulses, facets, lit, culled, sidelobe, accumulated } = other.counts;
+        let Counts { pulses, facets, illuminated, culled, sidelobe, accumulated } = other.counts;
         self.counts.pulses += pulses;
         self.counts.facets += facets;
-        self.counts.lit += lit;
+        self.counts.illuminated += illuminated;
         self.counts.culled += culled;
         self.counts.sidelobe += sidelobe;
         self.counts.accumulated += accumulated;
@@ -167,12 +167,12 @@ impl Costs {
         if self.counts.pulses == 0 { 0.0 } else { self.seconds(stage) / self.counts.pulses as f64 }
     }
 
-    /// Share of the facets that is lit, 0 to 1.
-    pub fn lit_share(&self) -> f64 {
-        share(self.counts.lit, self.counts.facets)
+    /// Share of the facets that is illuminated, 0 to 1.
+    pub fn illuminated_share(&self) -> f64 {
+        share(self.counts.illuminated, self.counts.facets)
     }
 
-    /// Share of the facets that is lit and left out, 0 to 1.
+    /// Share of the facets that is illuminated and left out, 0 to 1.
     pub fn culled_share(&self) -> f64 {
         share(self.counts.culled, self.counts.facets)
     }
@@ -239,10 +239,14 @@ mod tests {
         one.made();
         let mut both = one;
         both.add(&one);
-        let expected = Counts { pulses: 2, facets: 20, lit: 12, culled: 2, sidelobe: 8, accumulated: 10 };
+        let expected =
+            Counts { pulses: 2, facets: 20, illuminated: 12, culled: 2, sidelobe: 8, accumulated: 10 };
         assert_eq!(both.counts(), expected);
-        assert_eq!((both.lit_share(), both.culled_share(), both.accumulated_per_pulse()), (0.6, 0.1, 5.0));
-        assert_eq!(Costs::default().lit_share(), 0.0);
+        assert_eq!(
+            (both.illuminated_share(), both.culled_share(), both.accumulated_per_pulse()),
+            (0.6, 0.1, 5.0)
+        );
+        assert_eq!(Costs::default().illuminated_share(), 0.0);
     }
 
     #[test]

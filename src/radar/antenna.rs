@@ -1,6 +1,6 @@
 //! Field gain of an antenna.
 //!
-//! **Field gain** `g` (complex, `|g|^2` = power gain) of a uniformly lit aperture in direction cosines
+//! **Field gain** `g` (complex, `|g|^2` = power gain) of a uniformly illuminated aperture in direction cosines
 //! `u = d.y_a`, `v = d.z_a`, with full dimensions `a` along y and `b` along z:
 //!
 //! * rectangle: `g = sqrt(4 pi a b) / lambda  sinc(pi a u / lambda) sinc(pi b v / lambda)`, `sinc x = sin x / x`;
@@ -38,7 +38,7 @@ pub enum Antenna {
         /// Field gain.
         gain: f64,
     },
-    /// Uniformly lit rectangle.
+    /// Uniformly illuminated rectangle.
     Rectangle {
         /// Full width a along y, m.
         width_m: f64,
@@ -47,7 +47,7 @@ pub enum Antenna {
         /// Wavelength, m.
         wavelength_m: f64,
     },
-    /// Uniformly lit ellipse.
+    /// Uniformly illuminated ellipse.
     Ellipse {
         /// Full axis a along y, m.
         width_m: f64,

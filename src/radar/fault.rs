@@ -140,7 +140,7 @@ pub enum RadarFault {
     },
 }
 
-/// Why a scene's sea cannot be lit.
+/// Why a scene's sea cannot be illuminated.
 #[derive(Debug, Error)]
 pub enum SeaFault {
     /// It cannot be drawn.

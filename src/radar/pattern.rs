@@ -226,7 +226,7 @@ impl Axis {
         let len = sorted.len();
         let first_deg = sorted.first().copied().unwrap_or(0.0);
         // From the median step, made finer by every value that fits: neither the rounding of a file's
-        // decimals nor a stray value spoils it.
+        // decimals nor a stray value corrupts it.
         let mut steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         let Some(&median) = steps.get(steps.len() / 2) else {

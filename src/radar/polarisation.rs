@@ -22,7 +22,7 @@
 //!
 //! Fields are given in components `(v, h)` of the propagation direction ([`crate::geometry::bistatic::Basis`]). A receiver is
 //! described by the field that it would radiate towards the scatterer, `d = -k_s`, in the basis of `k_s`, **without**
-//! conjugate: what it hears is `e_r^T S e_t`.
+//! conjugate: what it receives is `e_r^T S e_t`.
 //!
 //! ```
 //! use glam::{DMat3, DVec3};

@@ -5,7 +5,7 @@ use crate::scene::Radar;
 /// Samples at both ends of the window whose scatterer paths still reach into it through the receive filter.
 pub const GUARD_SAMPLES: usize = 32;
 
-/// What is heard: from when to when, after the emission of the window's own pulse.
+/// What is received: from when to when, after the emission of the window's own pulse.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     pub(crate) open_s: f64,

@@ -150,7 +150,7 @@ fn kernel_drops(address: &SocketAddr) -> Option<u64> {
         .filter(of_port)
         .filter_map(|line| line.split_whitespace().last()?.parse().ok())
         .collect();
-    // Several sockets of one port cannot be told apart.
+    // Several sockets of one port cannot be reported apart.
     if let [drops] = drops[..] { Some(drops) } else { None }
 }
 

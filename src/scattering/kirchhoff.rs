@@ -80,7 +80,7 @@ impl Bend {
     }
 
     /// `sqrt(pi p) (|q|/q_n)^2`: what multiplies `rho` to give amplitudes per square root of
-    /// facet area. Zero when the facet is not both lit and seen.
+    /// facet area. Zero when the facet is not both illuminated and seen.
     #[inline]
     pub fn weight(&self, tangent: &Tangent, path: &Path, pdf: &SlopePdf) -> f64 {
         if path.local_cosines(tangent.normal).is_none() {

@@ -159,7 +159,7 @@ impl SlopePdf {
         let cross = self.downwind_cos * slope_y - self.downwind_sin * slope_x;
         let (e, x) = (-downwind * self.inverse_s_up, cross * self.inverse_s_cross);
         let half = 0.5 * (e * e + x * x);
-        // Beyond the smallest double the polynomial could still overflow and spoil 0 with inf.
+        // Beyond the smallest double the polynomial could still overflow and corrupt 0 with inf.
         if half.is_nan() || half > 745.0 {
             return 0.0;
         }

@@ -81,7 +81,7 @@ pub fn bragg_vector(wavenumber_radpm: f64, tangent: &Tangent, path: &Path) -> (f
 }
 
 /// Amplitude matrix per square root of facet area, in the bases of the vertical; `psi(kx, ky)` is the
-/// symmetrised spectrum on the facet's axes, m^4. Zero when the facet is not both lit and seen.
+/// symmetrised spectrum on the facet's axes, m^4. Zero when the facet is not both illuminated and seen.
 #[inline]
 pub fn amplitude(
     eps: Complex64,

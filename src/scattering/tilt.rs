@@ -6,7 +6,7 @@
 //! their components on these axes. (Two choices of the axis differ by an angle of second order in the
 //! slopes.)
 //!
-//! A facet is lit if `-ki.n > 0` and seen if `ks.n > 0`.
+//! A facet is illuminated if `-ki.n > 0` and seen if `ks.n > 0`.
 //!
 //! ```
 //! use glam::DVec3;
@@ -78,7 +78,7 @@ impl Path {
         Self { ki, ks, incident: Basis::of(ki), scattered: Basis::of(ks) }
     }
 
-    /// Cosines `(-ki.n, ks.n)` of the local angles, if the facet is both lit and seen.
+    /// Cosines `(-ki.n, ks.n)` of the local angles, if the facet is both illuminated and seen.
     #[inline]
     pub fn local_cosines(&self, normal: DVec3) -> Option<(f64, f64)> {
         let (cos_i, cos_s) = (-self.ki.dot(normal), self.ks.dot(normal));

@@ -253,14 +253,14 @@ pub enum Pattern {
         /// Gain, dBi.
         gain_dbi: f64,
     },
-    /// Uniformly lit rectangle: width along +y, height along +z.
+    /// Uniformly illuminated rectangle: width along +y, height along +z.
     Rectangle {
         /// Width a, m.
         width_m: f64,
         /// Height b, m.
         height_m: f64,
     },
-    /// Uniformly lit ellipse with the given full axes (a circle when they are equal).
+    /// Uniformly illuminated ellipse with the given full axes (a circle when they are equal).
     Ellipse {
         /// Width a, m.
         width_m: f64,

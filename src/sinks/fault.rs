@@ -90,7 +90,7 @@ pub enum SinkError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// States that cannot be told, because the scene lies nowhere on Earth.
+    /// States that cannot be reported, because the scene lies nowhere on Earth.
     #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     Nowhere,
     /// The HDF5 library refused.

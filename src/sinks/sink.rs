@@ -1,4 +1,4 @@
-//! What every sink is, and what it is told before the first pulse.
+//! What every sink is, and what it is reported before the first pulse.
 
 use super::vita49::WireReport;
 use std::collections::BTreeSet;
@@ -243,7 +243,7 @@ pub struct AdcRow {
     pub step: f64,
 }
 
-/// Everything that a sink is told before the first pulse.
+/// Everything that a sink is reported before the first pulse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
     /// Name and version of the program.

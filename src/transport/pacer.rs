@@ -63,7 +63,7 @@ const LEAST_PRI_AHEAD: Duration = Duration::from_millis(1);
 /// A long wait looks at the stop flag this often.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// Progress is told this often.
+/// Progress is reported this often.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 /// Why the pacer ended a run.

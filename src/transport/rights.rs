@@ -6,7 +6,7 @@
 //! | a core | the affinity of the pacer alone | a core that there is not, or that this process may not use |
 //! | memory that stays | `mlockall` of all that the stream has when it begins | without `CAP_IPC_LOCK`, beyond `RLIMIT_MEMLOCK` |
 //!
-//! Nothing of it is needed: what is refused is told, and the stream goes on without it.
+//! Nothing of it is needed: what is refused is reported, and the stream goes on without it.
 
 use serde::Serialize;
 
@@ -100,7 +100,7 @@ fn locked() -> Result<(), String> {
 mod tests {
     use super::*;
 
-    /// Whatever this process may do, it is told; a core that nobody has is refused.
+    /// Whatever this process may do, it is reported; a core that nobody has is refused.
     #[test]
     fn what_is_refused_is_told() {
         std::thread::spawn(|| {

@@ -63,7 +63,7 @@ impl Schedule {
         index.min(self.end())
     }
 
-    /// `start + by`, as far as an instant can be told.
+    /// `start + by`, as far as an instant can be reported.
     pub(crate) fn after(start: Instant, by: Duration) -> Instant {
         const CENTURY: Duration = Duration::from_secs(100 * 365 * 86_400);
         start.checked_add(by).or_else(|| start.checked_add(CENTURY)).unwrap_or(start)

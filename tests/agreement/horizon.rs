@@ -79,11 +79,11 @@ fn targets_vanish_at_the_sum_of_the_two_horizons() {
     let found = |range_m: f64| {
         let target = format!("[{{ name = \"t\", position_m = [{range_m:.3}, 0, 100], rcs_m2 = 10 }}]");
         let [window, ..] = at_range(range_m);
-        let lit = |horizon: &str| {
+        let illuminated = |horizon: &str| {
             let settings = [(window.0, window.1.as_str()), ("target", &target), ("scene.horizon", horizon)];
             power(&paths(&dry(), &settings))
         };
-        lit("true") / lit("false")
+        illuminated("true") / illuminated("false")
     };
     assert_eq!(found(horizon_m - 50.0), 1.0);
     assert_eq!(found(horizon_m + 500.0), 0.0);

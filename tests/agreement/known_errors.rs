@@ -1,4 +1,4 @@
-//! Late, lost and wrong reports, turbulence and clocks in a whole run: the same bits for any thread and range, the same in
+//! Late, lost and wrong reports, turbulence and clocks in a whole run: bit-identical results for any thread and range, the same in
 //! both echoes, and servo and range gate go by the report.
 
 use std::path::Path;

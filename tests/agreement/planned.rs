@@ -17,7 +17,7 @@ const PULSES: u64 = 66;
 const WITHIN_DB: f64 = 6.0;
 /// The same of targets alone, of which two may always be in phase, and each be where its images add; down to [`OF_BOUNDS_DB`].
 const TARGETS_WITHIN_DB: f64 = 8.0;
-/// Below it rounding counts, which is told by a bound for many scatterer paths, dB.
+/// Below it rounding counts, which is reported by a bound for many scatterer paths, dB.
 const OF_BOUNDS_DB: f64 = -60.0;
 
 fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
@@ -32,7 +32,7 @@ fn plan(run: &Run) -> Plan {
     *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
 }
 
-/// Measures every error of the sweep, each within its prediction, which is told to [`WITHIN_DB`] but for some.
+/// Measures every error of the sweep, each within its prediction, which is reported to [`WITHIN_DB`] but for some.
 fn holds(path: &str, settings: &[(&str, &str)], too_safe: &[f64]) {
     let with = |error_db: f64| {
         let error_db = format!("{error_db:?}");
@@ -145,7 +145,7 @@ fn targets_of_one_cell() {
     targets_hold("configs/coastal.toml", &[("target", &two)], &[-30.0, -60.0, -80.0]);
 }
 
-/// Two targets that cancel for a whole run: what is left of both is large to what is heard.
+/// Two targets that cancel for a whole run: what is left of both is large to what is received.
 #[test]
 fn targets_that_cancel() {
     let two = targets(&[([0.0; 3], 0.0), ([0.00879, 0.0, 0.0], 0.0)]);
@@ -161,7 +161,7 @@ fn targets_that_cancel() {
     assert!(measured_db <= predicted_db && predicted_db < measured_db + 25.0, "{predicted_db} {measured_db}");
 }
 
-/// A direct path that no window hears does not set the Doppler of blocks.
+/// A direct path that no window receives does not set the Doppler of blocks.
 #[test]
 fn paths_before_the_window() {
     let jet = targets(&[([0.0, -300.0, 300.0], 300.0)]);
@@ -201,7 +201,7 @@ fn plates_that_flash() {
     targets_hold("configs/coastal.toml", &settings, &[-30.0, -60.0]);
 }
 
-/// One of which the window hears the last twentieth.
+/// One of which the window receives the last twentieth.
 #[test]
 fn part_of_an_echo() {
     let two = targets(&[([0.0; 3], 0.0), ([-300.0, -60.0, 300.0], 300.0)]);

@@ -42,8 +42,11 @@ fn bench_tells_speed_memory_stages_and_error() {
     let (worst, mean) = (number(&report, "rel_rms_db"), number(&report, "rel_rms_db_mean"));
     assert!(mean <= worst && worst < -60.0 && mean > -150.0, "{worst} {mean}");
     assert_eq!(report["error"]["pulses"].as_array().unwrap().len(), 16);
-    let lit = number(&report, "lit");
-    assert!(lit > 0.0 && lit <= 256.0 && number(&report, "culled") <= lit, "{report}");
+    let illuminated = number(&report, "illuminated");
+    assert!(
+        illuminated > 0.0 && illuminated <= 256.0 && number(&report, "culled") <= illuminated,
+        "{report}"
+    );
     assert!(number(&report, "accumulated") <= 257.0);
     if cfg!(target_os = "linux") {
         assert!(number(&report, "peak_rss_mib") > 1.0);

@@ -238,7 +238,7 @@ fn what_an_older_recording_lacks_is_missed_where_it_is_asked_for() {
         "{}",
         ended.stderr
     );
-    // A column that is told but gone is no older recording.
+    // A column that is reported but gone is no older recording.
     fs::remove_file(folder.path().join("r.plain/nav/t/phase_centre_m.bin")).unwrap();
     let ended = of("true");
     assert_ne!(ended.code, 0);

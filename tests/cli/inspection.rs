@@ -137,7 +137,7 @@ fn wrong_arguments_exit_2_and_help_exits_0() {
     }
 }
 
-/// A number that is not allowed is told by the option that has it, with what is.
+/// A number that is not allowed is reported by the option that has it, with what is.
 #[test]
 fn numbers_out_of_range_name_their_option() {
     let sea = "configs/sea.toml";

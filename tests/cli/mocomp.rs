@@ -67,7 +67,7 @@ fn gain_that_an_aim_costs_is_told_against_a_recording_without_it() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
     let target = &report["channels"][0]["targets"][0];
-    // A uniformly lit width of 0.3 m at both ends, 2 degrees off.
+    // A uniformly illuminated width of 0.3 m at both ends, 2 degrees off.
     let x = std::f64::consts::PI * 0.3 * 2f64.to_radians().sin() / 0.029_979_245_8;
     let law = -40.0 * (x.sin() / x).log10();
     let of = |value: &serde_json::Value| value.as_f64().unwrap();

@@ -147,7 +147,7 @@ fn of_the_manual(word: &str, instead: &str) -> String {
     line.replace("--to inspvaxb", "--to inspvaxb --rate 5")
 }
 
-/// Runs a command of the manual while its fixes are heard; they are those of the file, of which the first and the last
+/// Runs a command of the manual while its fixes are received; they are those of the file, of which the first and the last
 /// may be missed.
 #[cfg(unix)]
 fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
@@ -229,12 +229,12 @@ fn a_recording_is_heard_through_a_pseudo_terminal() {
 #[test]
 fn corrupt_is_the_same_for_a_seed() {
     let folder = tempfile::tempdir().unwrap();
-    let spoil = |out: &str, seed: &str| {
+    let corrupt = |out: &str, seed: &str| {
         let chances = ["--drop", "1e-3", "--flip", "1e-3", "--cut", "1e-4", "--seed", seed];
         run(folder.path(), &[&["nav", "corrupt", &cart(), out], &chances[..]].concat());
         fs::read(folder.path().join(out)).unwrap()
     };
-    let (a, b, c) = (spoil("a", "1"), spoil("b", "1"), spoil("c", "2"));
+    let (a, b, c) = (corrupt("a", "1"), corrupt("b", "1"), corrupt("c", "2"));
     assert!(a == b && a != c);
     // Every message that is still whole is found: of 158 bytes each some 30 % are hit by a drop or a flip.
     let mut decoder = Decoder::new();

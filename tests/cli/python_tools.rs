@@ -59,7 +59,7 @@ fn baseline_agrees_with_the_recording_and_is_timed() {
         assert!(report["nereus"][count]["seconds"].as_f64().unwrap() > 0.0);
     }
 
-    // Without numba what is left is told.
+    // Without numba what is left is reported.
     fs::write(folder.path().join("numba.py"), "raise ImportError('none')").unwrap();
     let bare = [&arguments[..arguments.len() - 1], &["--no-bench"]].concat();
     let ended = tool("baseline.py", modules, &bare, folder.path()).unwrap();

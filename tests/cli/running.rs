@@ -36,7 +36,7 @@ fn a_run_says_what_it_did_in_json() {
     assert_eq!(summary["out"][0]["pulses"], 30);
     assert!(folder.path().join(&out).exists());
     assert!(!ended.stderr.contains("slipped"), "{}", ended.stderr);
-    // How the recorded track was made is told.
+    // How the recorded track was made is reported.
     assert!(ended.stderr.contains("smoothed"), "{}", ended.stderr);
 
     // What exists is not overwritten, and nothing of it is touched.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::program::{nereus, package};
 use crate::table_golden::golden;
 
-/// What is set is told as keys and as what follows from them, and what was asked otherwise beside it.
+/// What is set is reported as keys and as what follows from them, and what was asked otherwise beside it.
 #[test]
 fn settings_are_told_as_asked_and_as_set() {
     let check = |scatter: &str, more: &[&str]| {
@@ -203,7 +203,10 @@ warning: 100 % of the patch lie beyond the horizon of "rx" at pulse 0 and are da
     let has = |list: &str| report[list].as_array().unwrap().iter().any(|row| row["what"] == "horizon");
     assert!(has("modelled") && !has("not_modelled"));
     let (report, said) = check("tests/data/scenarios/coast.toml", &["scene.horizon=false"]);
-    assert!(!said.contains("buoy") && said.contains("lit all the same (scene.horizon = false)"), "{said}");
+    assert!(
+        !said.contains("buoy") && said.contains("illuminated all the same (scene.horizon = false)"),
+        "{said}"
+    );
     assert!(report["not_modelled"].as_array().unwrap().iter().any(|row| row["what"] == "horizon"));
 }
 

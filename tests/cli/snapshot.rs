@@ -18,7 +18,7 @@ fn snapshot(folder: &Path, arguments: &[&str]) -> Ended {
 #[test]
 fn levels_are_those_of_the_radar_equation() {
     let folder = tempfile::tempdir().unwrap();
-    // Pulse 250 is lit from abeam.
+    // Pulse 250 is illuminated from abeam.
     let ended = snapshot(folder.path(), &["--pulse", "250", "--json"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();

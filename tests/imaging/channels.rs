@@ -32,17 +32,17 @@ fn only_the_channels_asked_for_are_held_and_no_more_than_memory_takes() {
         let needed = 2 * 105 * SAMPLES as u64 * 8;
         let part = open(Some(needed), &[3, 1]).unwrap();
         assert_eq!(part.channels(), [3, 1]);
-        let mut lit = 0;
+        let mut illuminated = 0;
         for pulse in 0..105 {
             for channel in [3, 1] {
                 let window = part.window(pulse, channel);
                 assert_eq!(window.len(), SAMPLES);
                 assert!(window.iter().enumerate().all(|(i, z)| *z == sample(pulse + 5, channel, i)));
-                lit += window.iter().filter(|z| z.norm() > 0.0).count();
+                illuminated += window.iter().filter(|z| z.norm() > 0.0).count();
             }
             assert!(part.window(pulse, 0).is_empty() && part.window(pulse, 2).is_empty());
         }
-        assert!(lit > 0);
+        assert!(illuminated > 0);
         let whole = Recording::open(path, None).unwrap();
         assert_eq!(whole.channels(), [0, 1, 2, 3]);
         assert_eq!(whole.window(5, 3), part.window(0, 3));

@@ -31,7 +31,7 @@ struct Case {
 /// When windows open.
 #[derive(Clone, Copy, Debug)]
 enum Start {
-    /// The middle of the image is heard in the first pulse, at this part of the window.
+    /// The middle of the image is received in the first pulse, at this part of the window.
     Heard(f64),
     /// Anywhere, s.
     Wild(f64),

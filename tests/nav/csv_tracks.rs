@@ -1,4 +1,4 @@
-//! CSV tracks: what is read, and how every fault is told.
+//! CSV tracks: what is read, and how every fault is reported.
 
 use insta::assert_snapshot;
 use nereus::nav::{NavError, Place, VerticalDatum, csv};

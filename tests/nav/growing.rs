@@ -82,7 +82,7 @@ fn bits_are_those_of_a_file() {
     }
 }
 
-/// Asks every 20 ms for what is told up to then, as pulses would, with fixes that come `late_s` after their time.
+/// Asks every 20 ms for what is reported up to then, as pulses would, with fixes that come `late_s` after their time.
 fn fly(
     live: &LiveTrack,
     late_s: f64,
@@ -187,7 +187,7 @@ fn unusable_fixes_are_left() {
     assert_eq!(live.push(&fix(0.5), now), Err(Unusable::NotLater));
     let earth = Fix::at(at(2.0), Place::Geodetic(Geodetic::from_deg(1.0, 2.0, 3.0)));
     assert_eq!(live.push(&earth, now), Err(Unusable::NoPosition));
-    // One fix is no motion: nothing is told, and asking for more changes nothing.
+    // One fix is no motion: nothing is reported, and asking for more changes nothing.
     live.extend(at(5.0));
     assert!(!live.is_ready());
 }

@@ -119,7 +119,7 @@ fn a_stream_gives_the_fixes_of_its_file() {
     assert!(all > 600, "{all}");
 }
 
-/// INSPVAX is told with its last byte, an epoch of sentences with the next one.
+/// INSPVAX is reported with its last byte, an epoch of sentences with the next one.
 #[test]
 fn latency_of_messages() {
     let mut told = Vec::new();

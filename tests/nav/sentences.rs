@@ -147,7 +147,7 @@ fn angles_of_the_receiver_are_those_of_the_body() {
     }
 }
 
-/// A state in the frame of a scene is told in the frame of its place: 60 nautical miles North of an origin on the equator, a
+/// A state in the frame of a scene is reported in the frame of its place: 60 nautical miles North of an origin on the equator, a
 /// level velocity there points down into the ground here.
 #[test]
 fn states_of_a_scene_are_turned_to_their_place() {

@@ -1,4 +1,4 @@
-//! Which echoes a receive window hears.
+//! Which echoes a receive window receives.
 
 use nereus::frames::{Point, Rotation, Vector};
 use nereus::geometry::light_time::{LightTime, bistatic, direct};
@@ -135,7 +135,7 @@ fn flags_tell_partly_and_wholly_outside() {
     assert_eq!(with(delay - 2.56e-6 - 0.33e-6, 256), (0, flags::OUTSIDE_WINDOW));
 }
 
-/// When polarisations alternate a channel hears only emissions of its own: also of several in the air.
+/// When polarisations alternate a channel receives only emissions of its own: also of several in the air.
 #[test]
 fn alternating_polarisations() {
     use Polarisation::{H, V};

@@ -221,7 +221,7 @@ proptest! {
                 prop_assert!(finite(&response), "{path:?} {zx} {zy}: {response:?}");
                 let normal = DVec3::new(-zx, -zy, 1.0);
                 if path.ki.dot(normal) >= 0.0 || path.ks.dot(normal) <= 0.0 {
-                    prop_assert!(zero(&response), "neither lit nor seen: {path:?} {zx} {zy}");
+                    prop_assert!(zero(&response), "neither illuminated nor seen: {path:?} {zx} {zy}");
                 }
             }
         }

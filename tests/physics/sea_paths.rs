@@ -312,10 +312,10 @@ fn shadows_cost_nothing_where_there_are_none_and_darken_at_grazing() {
     let high = side_looking(&open);
     assert_eq!(paths(&open, &high, 5), paths(&shaded, &high, 5));
     let low = at_rest(&open, [0.0, -1000.0, 15.0], [0.0, -3000.0, 3000.0]);
-    let (lit, dark) = (paths(&open, &low, 5), paths(&shaded, &low, 5));
-    let share = power(&dark, 3) / power(&lit, 3);
+    let (illuminated, dark) = (paths(&open, &low, 5), paths(&shaded, &low, 5));
+    let share = power(&dark, 3) / power(&illuminated, 3);
     println!("a radar at 15 m sees {:.2} of the power", share);
-    assert!(dark.len() < lit.len() && (0.05..0.95).contains(&share));
+    assert!(dark.len() < illuminated.len() && (0.05..0.95).contains(&share));
 }
 
 #[test]

@@ -481,11 +481,11 @@ fn a_curved_sea_hides_what_is_beyond_the_horizon() {
     ground.first_m = [0.0, 0.0];
     for mast_m in [5.0, 20.0, 100.0] {
         let weights = ground.weights(Settings::SHARP, Point::new(50.0, -1e-3, mast_m));
-        let lit = weights.iter().filter(|&&v| v == 1.0).count() as f64 / 3.0;
+        let illuminated = weights.iter().filter(|&&v| v == 1.0).count() as f64 / 3.0;
         let reach_m = |height_m: f64| (2.0 * 4.0 / 3.0 * 6_371_000.0 * height_m).sqrt();
         let expected = (reach_m(mast_m) + reach_m(LIFT * facet_m)) / facet_m;
-        println!("mast of {mast_m} m: {lit} facets lit, {expected:.1} expected");
+        println!("mast of {mast_m} m: {illuminated} facets illuminated, {expected:.1} expected");
         // The facet at the mast's foot, and one for the horizon's own place among centres.
-        assert!((lit - expected).abs() <= 2.0);
+        assert!((illuminated - expected).abs() <= 2.0);
     }
 }

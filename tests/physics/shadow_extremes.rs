@@ -18,19 +18,20 @@ fn what_cannot_shadow_does_not() {
                 for grazing_deg in [2.0, 10.0, 25.0, 35.0, 45.0, 60.0, 80.0] {
                     for azimuth_deg in [0.0, 45.0, 100.0, 190.0, 293.0] {
                         let terminal = ground.terminal(range_m, azimuth_deg, grazing_deg);
-                        let lit = ground.weights(settings, terminal).iter().all(|v| (v - 1.0).abs() <= 1e-15);
+                        let illuminated =
+                            ground.weights(settings, terminal).iter().all(|v| (v - 1.0).abs() <= 1e-15);
                         asked += 1;
-                        fully_lit += usize::from(lit);
+                        fully_lit += usize::from(illuminated);
                         if relief.cannot_shadow(&ground.map(), terminal, settings) {
                             spared += 1;
-                            assert!(lit, "{terminal:?}");
+                            assert!(illuminated, "{terminal:?}");
                         }
                     }
                 }
             }
         }
     }
-    println!("{asked} look directions: {fully_lit} fully lit, {spared} known beforehand");
+    println!("{asked} look directions: {fully_lit} fully illuminated, {spared} known beforehand");
     assert!(spared > fully_lit / 2 && spared < asked);
 }
 
@@ -46,8 +47,8 @@ fn the_steepest_falling_slope_decides() {
         for (factor, expected) in [(0.98, false), (1.02, true)] {
             let terminal = ground.terminal(1e7, azimuth_deg, (slope * factor).atan().to_degrees());
             assert_eq!(relief.cannot_shadow(&ground.map(), terminal, Settings::SHARP), expected);
-            let lit = ground.weights(Settings::SHARP, terminal).iter().all(|&v| v == 1.0);
-            assert_eq!(lit, expected, "azimuth {azimuth_deg}, {factor} of the slope");
+            let illuminated = ground.weights(Settings::SHARP, terminal).iter().all(|&v| v == 1.0);
+            assert_eq!(illuminated, expected, "azimuth {azimuth_deg}, {factor} of the slope");
         }
     }
 }
@@ -242,7 +243,7 @@ fn weights_of((facets, heights_m, facet_m, [x, y, z], width_rad, rays_per_facet)
     let relief = Relief::of(&ground.map());
     let weights = ground.weights(settings, terminal);
     if relief.cannot_shadow(&ground.map(), terminal, settings) {
-        assert!(weights.iter().all(|v| (v - 1.0).abs() <= 1e-15), "said to be lit");
+        assert!(weights.iter().all(|v| (v - 1.0).abs() <= 1e-15), "said to be illuminated");
     }
     weights
 }

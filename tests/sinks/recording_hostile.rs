@@ -13,7 +13,7 @@ use nereus::time::PulseTimes;
 
 use crate::recording_fixture::{PRF_HZ, header};
 
-fn record(mut sink: Box<dyn Sink>, header: &Header, spoil: impl Fn(&mut Pulse)) {
+fn record(mut sink: Box<dyn Sink>, header: &Header, corrupt: impl Fn(&mut Pulse)) {
     let mut pulse = Pulse::new(&header.layout);
     let times = PulseTimes::uniform(PRF_HZ).unwrap();
     for n in 0..20 {
@@ -21,18 +21,18 @@ fn record(mut sink: Box<dyn Sink>, header: &Header, spoil: impl Fn(&mut Pulse)) 
         pulse.time = times.emission(header.start, n);
         pulse.window_start_s = 1e-5;
         if n == 7 {
-            spoil(&mut pulse);
+            corrupt(&mut pulse);
         }
         sink.write(&pulse).unwrap();
     }
     sink.finish().unwrap();
 }
 
-fn hdf5(path: &Path, spoil: impl Fn(&mut Pulse)) {
+fn hdf5(path: &Path, corrupt: impl Fn(&mut Pulse)) {
     let header = header(SampleFormat::Cf32);
     // Not replaced: a child of a test beside this one may have inherited the lock of the one before.
     let _ = fs::remove_file(path);
-    record(Box::new(Hdf5Sink::create(path, None, false, &header).unwrap()), &header, spoil);
+    record(Box::new(Hdf5Sink::create(path, None, false, &header).unwrap()), &header, corrupt);
 }
 
 fn refused(path: &Path) -> String {

@@ -133,10 +133,10 @@ fn headers_that_cannot_be_recorded_are_refused() {
             "layout",
         ),
     ];
-    for (spoil, field) in spoils {
+    for (corrupt, field) in spoils {
         let mut bad = header(SampleFormat::Cf32);
         assert!(bad.check().is_ok());
-        spoil(&mut bad);
+        corrupt(&mut bad);
         let error = bad.check().unwrap_err();
         assert!(error.to_string().contains(field), "{error}");
     }

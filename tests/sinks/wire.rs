@@ -108,7 +108,7 @@ fn trailers_tell_where_a_pulse_begins_and_ends() {
             let packet = &buffer[..length];
             if kind(packet) == SIGNAL && word(packet, 4) == CHANNELS {
                 let trailer = word(packet, length - 4);
-                // Calibrated time, valid data, reference lock, over-range and both bits of the frame are told.
+                // Calibrated time, valid data, reference lock, over-range and both bits of the frame are reported.
                 assert_eq!(trailer >> 20, 0b1110_0010_1100);
                 assert_eq!(trailer >> 17 & 7, 7);
                 codes.push((trailer >> 10 & 3, trailer >> 13 & 1));

@@ -19,7 +19,10 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     } else if scene.frame.earth() == Earth::Flat {
         without.push(described("horizon", "flat earth"));
     } else {
-        without.push(described("horizon", "scene.horizon = false: what lies beyond it is lit all the same"));
+        without.push(described(
+            "horizon",
+            "scene.horizon = false: what lies beyond it is illuminated all the same",
+        ));
     }
 }
 

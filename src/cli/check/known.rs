@@ -7,7 +7,7 @@ use crate::motion::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
 use crate::radar::clock::adev;
 use crate::scene::clock::{Clock, NamedClock};
 
-/// Events that are told one by one.
+/// Events that are reported one by one.
 const MOST_TOLD: usize = 8;
 
 /// Adds what is modelled, and what not.

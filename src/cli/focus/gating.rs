@@ -30,7 +30,7 @@ impl FromStr for DopplerBand {
     }
 }
 
-/// The gate of a channel, whose pulses in use are `lit`: as asked, or as wide as the pulse rate of the channel where some pixel lies
+/// The gate of a channel, whose pulses in use are `illuminated`: as asked, or as wide as the pulse rate of the channel where some pixel lies
 /// beyond that in some pulse.
 pub(super) fn gate(
     args: &FocusArgs,
@@ -39,7 +39,7 @@ pub(super) fn gate(
     aperture: &Aperture,
     ground: &Ground,
     channel: usize,
-    lit: &[usize],
+    illuminated: &[usize],
 ) -> Result<Option<Gate>, FocusError> {
     let asked_hz = match args.doppler_hz {
         Some(DopplerBand::All) => return Ok(None),
@@ -47,8 +47,8 @@ pub(super) fn gate(
         None => None,
     };
     let row = &recording.header.channels[channel];
-    let rate_hz = recording.header.prf_hz * lit.len() as f64 / recording.pulses().max(1) as f64;
-    let Some(aim_hz) = aims(recording, scenario, aperture, channel, lit)? else {
+    let rate_hz = recording.header.prf_hz * illuminated.len() as f64 / recording.pulses().max(1) as f64;
+    let Some(aim_hz) = aims(recording, scenario, aperture, channel, illuminated)? else {
         return match asked_hz {
             Some(hz) => Err(FocusError::NoAim { hz, channel: row.name.clone() }),
             None => Ok(None),
@@ -65,14 +65,14 @@ fn aims(
     scenario: &Scenario,
     aperture: &Aperture,
     channel: usize,
-    lit: &[usize],
+    illuminated: &[usize],
 ) -> Result<Option<Vec<f64>>, FocusError> {
     let row = &recording.header.channels[channel];
     let ends = [
         ("transmitter", &row.transmitter, aperture.transmitter),
         ("receiver", &row.receiver, aperture.receiver),
     ];
-    let (Some(first), Some(last)) = (lit.first(), lit.last()) else { return Ok(None) };
+    let (Some(first), Some(last)) = (illuminated.first(), illuminated.last()) else { return Ok(None) };
     let mut boresights = Vec::new();
     for (kind, name, path) in ends {
         let rests = path.at(recording.emission_s[*first]) == path.at(recording.emission_s[*last]);
@@ -92,7 +92,7 @@ fn aims(
         let at = |all: &[[f64; 3]]| all.get(pulse).copied().unwrap_or(none);
         aperture.aim_hz(echo, [at(out), at(back)])
     };
-    Ok(Some(aperture.pulses.iter().zip(lit.iter().copied()).map(aim).collect()))
+    Ok(Some(aperture.pulses.iter().zip(illuminated.iter().copied()).map(aim).collect()))
 }
 
 /// Whether a corner of the image lies beyond the band in any pulse.

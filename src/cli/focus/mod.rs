@@ -392,12 +392,12 @@ fn aperture<'a>(
     [transmitter, receiver]: [&'a PhasePath; 2],
     channel: usize,
 ) -> Result<Aperture<'a>, FocusError> {
-    let lit: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
-    if lit.is_empty() {
+    let illuminated: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
+    if illuminated.is_empty() {
         return Err(FocusError::Dark { channel: recording.header.channels[channel].name.clone() });
     }
     let taper = args.aperture.taper();
-    let weight = |place: usize| taper.weight((place as f64 + 0.5) / lit.len() as f64 - 0.5);
+    let weight = |place: usize| taper.weight((place as f64 + 0.5) / illuminated.len() as f64 - 0.5);
     let echo = |(place, pulse): (usize, &usize)| PulseEcho {
         emission_s: recording.emission_s[*pulse],
         window_start_s: recording.window_start_s[*pulse],
@@ -409,11 +409,11 @@ fn aperture<'a>(
         compressor,
         transmitter,
         receiver,
-        pulses: lit.iter().enumerate().map(echo).collect(),
+        pulses: illuminated.iter().enumerate().map(echo).collect(),
         centre_m: ground.centre_m(),
         gate: None,
     };
-    aperture.gate = gating::gate(args, recording, scenario, &aperture, ground, channel, &lit)?;
+    aperture.gate = gating::gate(args, recording, scenario, &aperture, ground, channel, &illuminated)?;
     if aperture.gate.is_some() {
         // The taper runs over the band then.
         aperture.pulses.iter_mut().for_each(|pulse| pulse.weight = 1.0);
@@ -498,7 +498,7 @@ fn sought(
     used: Option<[&PhasePath; 2]>,
 ) -> Vec<(String, Sought)> {
     let row = &recording.header.channels[channel];
-    // Delays are true: where they belong is told by the true paths, whatever the processor believes.
+    // Delays are true: where they belong is reported by the true paths, whatever the processor believes.
     let (Ok(transmitter), Ok(receiver)) =
         (recording.true_path(&row.transmitter), recording.true_path(&row.receiver))
     else {

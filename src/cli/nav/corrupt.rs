@@ -33,7 +33,7 @@ pub struct NavCorruptArgs {
     /// Chance of a stretch of 1 to 200 bytes to be cut out behind a byte
     #[arg(long, value_name = "P", default_value_t = 1e-5)]
     pub cut: f64,
-    /// The same seed spoils the same bytes
+    /// The same seed corrupts the same bytes
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Overwrite a file that exists
@@ -50,7 +50,7 @@ pub(super) fn corrupt(args: &NavCorruptArgs) -> Result<(), CliError> {
     }
     let bytes = read_bytes(&args.file).map_err(NavToolError::from)?;
     let mut random = stream(args.seed, Room::SpoiledBytes, 0, 0);
-    let mut spoiled = Vec::with_capacity(bytes.len());
+    let mut corrupted = Vec::with_capacity(bytes.len());
     let (mut dropped, mut flipped, mut cuts, mut cut_bytes) = (0u64, 0u64, 0u64, 0u64);
     let mut skip = 0;
     for byte in bytes {
@@ -72,13 +72,13 @@ pub(super) fn corrupt(args: &NavCorruptArgs) -> Result<(), CliError> {
         }
         let flip = draws[1] < args.flip;
         flipped += u64::from(flip);
-        spoiled.push(if flip { byte ^ (1 << bit) } else { byte });
+        corrupted.push(if flip { byte ^ (1 << bit) } else { byte });
     }
-    write_file(&args.out, args.force, &spoiled)?;
+    write_file(&args.out, args.force, &corrupted)?;
     say(format_args!(
         "{}: {} bytes; {dropped} dropped, {flipped} with a bit flipped, {cut_bytes} cut in {cuts} stretches",
         escape::path(&args.out),
-        spoiled.len()
+        corrupted.len()
     ));
     Ok(())
 }

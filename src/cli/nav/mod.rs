@@ -1,4 +1,4 @@
-//! `nereus nav`: recorded navigation inspected, converted, played, spoiled, and changed in a run under way.
+//! `nereus nav`: recorded navigation inspected, converted, played, corrupted, and changed in a run under way.
 
 mod convert;
 mod corrupt;

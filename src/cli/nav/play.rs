@@ -55,7 +55,7 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
         format_of(target, &args.target).unwrap_or_else(|| Format::Nmea(args.target.sentences.clone()));
     let Some(first) = solutions.first() else { return Ok(()) };
     let mut message = Vec::new();
-    // What cannot be told is known before the port is opened.
+    // What cannot be reported is known before the port is opened.
     for (number, said) in (1..).zip(&solutions) {
         message.clear();
         format.write(said, &mut message).map_err(|source: EncodeError| NavToolError::Encode {

@@ -88,7 +88,7 @@ impl Recorded {
                 Datum::Msl => VerticalDatum::MeanSeaLevel,
             },
             undulation_m: args.undulation_m,
-            // Gaps are told, not refused.
+            // Gaps are reported, not refused.
             max_gap_s: f64::INFINITY,
             smoothing: Smoothing::Off,
             attitude: AttitudeSource::Level,

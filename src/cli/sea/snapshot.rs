@@ -1,8 +1,8 @@
 //! `nereus snapshot`: what every facet contributes to the echo of one pulse.
 //!
 //! `10 log10 |a|^2` of each facet's amplitude `a` in a channel (sqrt(W), before noise and converter), for the emission
-//! of the pulse, whatever its receive window hears of it. Facets that return nothing (behind an antenna, hidden, turned
-//! away) are masked. The HDF5 file has the contributions of all channels, delays, Doppler, heights, and whether the window hears a
+//! of the pulse, whatever its receive window receives of it. Facets that return nothing (behind an antenna, hidden, turned
+//! away) are masked. The HDF5 file has the contributions of all channels, delays, Doppler, heights, and whether the window receives a
 //! facet.
 //!
 //! `--contacts` writes what the echo of the pulse is made of, facets, targets and direct paths alike
@@ -70,8 +70,8 @@ struct Report {
     pulse: u64,
     facets: usize,
     /// Facets that return something in any channel.
-    lit: usize,
-    /// Of these, how many the window hears.
+    illuminated: usize,
+    /// Of these, how many the window receives.
     heard: usize,
     /// By channel: name, its strongest facet, the sum of all, dBW (`None` where nothing is returned).
     channels: Vec<(String, Option<f64>, Option<f64>)>,
@@ -82,7 +82,7 @@ struct Report {
     contact_count: Option<usize>,
 }
 
-/// Makes the files that the arguments ask for, and tells what is lit.
+/// Makes the files that the arguments ask for, and tells what is illuminated.
 pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = config::load(&args.config, &overrides(&args.settings))?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
@@ -142,7 +142,7 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
         return Report {
             pulse,
             facets: 0,
-            lit: 0,
+            illuminated: 0,
             heard: 0,
             channels,
             out,
@@ -151,9 +151,10 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
             contact_count: None,
         };
     };
-    let lit = |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
-    let lit: Vec<usize> = (0..snapshot.patch.len()).filter(lit).collect();
-    let heard = lit.iter().filter(|&&facet| snapshot.heard.iter().any(|pair| pair[facet])).count();
+    let illuminated =
+        |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
+    let illuminated: Vec<usize> = (0..snapshot.patch.len()).filter(illuminated).collect();
+    let heard = illuminated.iter().filter(|&&facet| snapshot.heard.iter().any(|pair| pair[facet])).count();
     let dbw = |power: f64| (power > 0.0).then(|| 10.0 * power.log10());
     let channels = names
         .iter()
@@ -166,7 +167,7 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
     Report {
         pulse: snapshot.index,
         facets: snapshot.patch.len(),
-        lit: lit.len(),
+        illuminated: illuminated.len(),
         heard,
         channels,
         out,
@@ -177,8 +178,10 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
 }
 
 fn tell(report: &Report) {
-    let Report { pulse, facets, lit, heard, channels, .. } = report;
-    say(format_args!("pulse {pulse}: {lit} of {facets} facets return something, the window hears {heard}"));
+    let Report { pulse, facets, illuminated, heard, channels, .. } = report;
+    say(format_args!(
+        "pulse {pulse}: {illuminated} of {facets} facets return something; {heard} of them within the receive window"
+    ));
     for (name, strongest, sum) in channels {
         match (strongest, sum) {
             (Some(strongest), Some(sum)) => {

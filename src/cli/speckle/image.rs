@@ -87,7 +87,7 @@ fn one(
 ) -> Result<Image, SpeckleError> {
     let radar = &run.scene.radar;
     let row = &radar.channels[channel];
-    let lit: Vec<usize> = (0..gathered.samples.len())
+    let illuminated: Vec<usize> = (0..gathered.samples.len())
         .filter(|pulse| gathered.tx_pol[*pulse] == 0 || gathered.tx_pol[*pulse] == row.tx.code())
         .collect();
     let path = |place: usize| {
@@ -109,7 +109,7 @@ fn one(
         compressor,
         transmitter: &transmitter,
         receiver: &receiver,
-        pulses: lit.iter().map(echo).collect(),
+        pulses: illuminated.iter().map(echo).collect(),
         centre_m,
         gate: None,
     };

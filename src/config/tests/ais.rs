@@ -96,8 +96,8 @@ fn a_recorded_log_sails() {
 #[test]
 fn logs_that_are_none() {
     let placed = placed();
-    let spoiled = LOG.replace("50.001,", "north,").replace("8.0,120", "8.0,1200");
-    insta::assert_snapshot!(fault(&placed, &spoiled, ""), @r#"
+    let corrupted = LOG.replace("50.001,", "north,").replace("8.0,120", "8.0,1200");
+    insta::assert_snapshot!(fault(&placed, &corrupted, ""), @r#"
 ais.0.log: here/log.csv: 2 faults
   line 4: Latitude_degrees = 'north' is not a finite number
   line 10: Length_metres = 1200 is out of range: 0 to 1000

@@ -529,9 +529,9 @@ proptest! {
         let chars: Vec<char> = SEA.chars().collect();
         let start = (at * chars.len() as f64) as usize;
         let end = (start + cut).min(chars.len());
-        let spoiled: String =
+        let corrupted: String =
             chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect();
-        survives(&spoiled);
+        survives(&corrupted);
     }
 
     #[test]

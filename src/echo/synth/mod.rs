@@ -31,7 +31,7 @@
 //! # Threads
 //!
 //! This room knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one order, so that the result has
-//! the same bits however many shares there are. [`Variant`]s round differently: they agree to 1e-6 or better.
+//! bit-identical results however many shares there are. [`Variant`]s round differently: they agree to 1e-6 or better.
 //!
 //! # Limits
 //!

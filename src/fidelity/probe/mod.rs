@@ -2,7 +2,7 @@
 //!
 //! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
 //! sample of its facets, weighted by what they return. At a few **places** of the run some
-//! [`TILES`] tiles, runs of neighbours from all over the patch, are lit at the instants of a block, with all between interpolated as the echo
+//! [`TILES`] tiles, runs of neighbours from all over the patch, are illuminated at the instants of a block, with all between interpolated as the echo
 //! does it, once as tiles that are evaluated closely and once as in the sidelobes ones; and at **probes**, pulses between two nodes, as if these were nodes
 //! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever sidelobe tiles begin ([`sidelobe`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the gains and
 //! shadows, `tau` the delay, and a hat for what is interpolated,
@@ -292,7 +292,7 @@ impl<'a> ErrorSampler<'a> {
         self.interpolates
     }
 
-    /// Whether some facets turn away from an antenna while they are heard.
+    /// Whether some facets turn away from an antenna while they are received.
     pub fn turning(&self) -> bool {
         self.turning
     }

@@ -27,7 +27,7 @@ const MOST_FOLLOWED: u64 = 1 << 20;
 const STRETCHES: std::ops::RangeInclusive<u64> = 1..=64;
 /// Points that are followed.
 const MOST_POINTS: usize = 1024;
-/// Dopplers of which a [`Law`] is told, over the largest.
+/// Dopplers of which a [`Law`] is reported, over the largest.
 const KNOTS: [f64; 6] = [1e-9, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
 /// What the points of a run return.
@@ -70,7 +70,7 @@ struct Stretch {
     rates: Vec<Vec<Rates>>,
 }
 
-/// Powers, and sums of powers and delay rates, of points that are heard and of all.
+/// Powers, and sums of powers and delay rates, of points that are received and of all.
 type Rates = [(f64, f64); 2];
 
 /// Pulses of a block of so many at which its points are weighed for their mean Doppler: first, middle and last.
@@ -78,7 +78,7 @@ pub fn of_points(pulses: usize) -> [usize; 3] {
     [0, pulses / 2, pulses.saturating_sub(1)]
 }
 
-/// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of [`of_points`]: of those that are heard,
+/// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of [`of_points`]: of those that are received,
 /// or, where there is nothing else, of all.
 pub fn mean_rate((of_facets, rate): (f64, f64), heard: (f64, f64), all: (f64, f64)) -> f64 {
     let points = if of_facets + heard.0 > 0.0 { heard } else { all };

@@ -216,7 +216,7 @@ impl Changes {
         self.platforms.get(platform)
     }
 
-    /// What recordings are told.
+    /// What recordings are reported.
     pub fn log(&self) -> &Arc<Log> {
         &self.log
     }

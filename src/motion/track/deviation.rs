@@ -6,7 +6,7 @@
 //!
 //! `p = roll' - yaw' sin(pitch)`, `q = pitch' cos(roll) + yaw' cos(pitch) sin(roll)`,
 //! `r = -pitch' sin(roll) + yaw' cos(pitch) cos(roll)` along forward, starboard, down. Within 1e-6 of the vertical, where rates
-//! of yaw and roll cannot be told apart, the rate of the track is turned with the body.
+//! of yaw and roll cannot be reported apart, the rate of the track is turned with the body.
 
 use glam::DVec3;
 

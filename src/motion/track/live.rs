@@ -4,7 +4,7 @@
 //! quintic segments as in a recorded track ([`crate::motion::track`]).
 //!
 //! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven nearest fixes
-//!   ([`crate::motion::hermite`]); it is told once the three fixes after it have come (six where the attitude follows the motion), and is
+//!   ([`crate::motion::hermite`]); it is reported once the three fixes after it have come (six where the attitude follows the motion), and is
 //!   then, bit for bit, the node of a file with the same fixes. The **support** of the interpolant is thus four fixes
 //!   (seven) after the instant.
 //! * **Extrapolated** ([`LiveTrack::extend`]). Where an instant cannot wait: fixes at hand become nodes with derivatives from the three
@@ -15,9 +15,9 @@
 //! ```
 //!
 //!   with `p_n`, `v_n` the last fix and its velocity (as sent; else from the last three fixes), `t_e` the end of the path so far, and `o` the quintic
-//!   that brings what was told before back to what is known now, without a jump in position, velocity or acceleration, within
+//!   that brings what was reported before back to what is known now, without a jump in position, velocity or acceleration, within
 //!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2, and no faster than some 30 deg/s where the attitude is off. The attitude is held.
-//!   When fixes come again the path goes back to them in the same way, and what is told is flagged until it has.
+//!   When fixes come again the path goes back to them in the same way, and what is reported is flagged until it has.
 //! * **Stale**: more than `max_extrapolation_s` after the last fix. The motion still goes on as it was, flagged.
 //! * A time between fixes of more than `max_gap_s` is not interpolated: the fixes before it are as at the end of a file, those after it
 //!   as at the begin of another, and what lies between is flagged as extrapolated.
@@ -184,7 +184,7 @@ struct Jets {
     q: [DVec4; 3],
 }
 
-/// The way back from what was told to what is known.
+/// The way back from what was reported to what is known.
 #[derive(Clone, Copy, Debug)]
 struct Back {
     from: TimeTag,
@@ -334,7 +334,7 @@ impl LiveTrack {
         !self.read().path.is_empty()
     }
 
-    /// The first instant that is told without extrapolation.
+    /// The first instant that is reported without extrapolation.
     pub fn begin(&self) -> Option<TimeTag> {
         self.read().path.front().map(|step| step.node.time)
     }
@@ -349,7 +349,7 @@ impl LiveTrack {
         self.write().extend(&self.0, to);
     }
 
-    /// What is told of an instant. Nothing is allocated. Beyond the path, which nobody should ask, its end goes straight on.
+    /// What is reported of an instant. Nothing is allocated. Beyond the path, which nobody should ask, its end goes straight on.
     pub fn told(&self, t: TimeTag) -> Reported {
         self.read().told(&self.0, t)
     }
@@ -434,7 +434,7 @@ impl Grown {
         Some(Step { node, turn, rests: Rests::Fixes, fix, arrived, adrift: false })
     }
 
-    /// The attitude of a node, its sign that of the one before. One that cannot be told is that of the one before, or level to the North.
+    /// The attitude of a node, its sign that of the one before. One that cannot be reported is that of the one before, or level to the North.
     fn attitude(&mut self, of: &Shared, node: &Node, fix: &Fix) -> DVec4 {
         let found = attitude_of(node, fix, &of.frame, of.attitude()).map(DVec4::from);
         let before = self.last_attitude;

@@ -59,7 +59,7 @@ const STATUS: [(&str, u32); 12] = [
     ("MOTION_DETECT", 12),
     ("WAITING_ALIGNMENTORIENTATION", 14),
 ];
-/// States in which position, velocity and attitude are told: alignment done, whatever the variance.
+/// States in which position, velocity and attitude are reported: alignment done, whatever the variance.
 const SOLVED: [u32; 4] = [2, SOLUTION_GOOD, 6, 7];
 /// Status of a time that is not known.
 const TIME_UNKNOWN: u8 = 20;

@@ -5,12 +5,12 @@
 //! connect to may come later. Dropping the feed ends the thread within 200 ms.
 //!
 //! * **Faults.** Garbage and half sentences are counted and passed over. A line that vanishes is counted and opened again,
-//!   at most twice a second; half a message before the break is dropped. Silence is silence: nothing is told.
+//!   at most twice a second; half a message before the break is dropped. Silence is silence: nothing is reported.
 //! * **Time.** Fixes come with strictly increasing times. One that is not later than the one before is counted and left (more
-//!   than 5 s: as a step of the clock); a fix more than `max_gap_s` ahead is told when the next one confirms it. See
+//!   than 5 s: as a step of the clock); a fix more than `max_gap_s` ahead is reported when the next one confirms it. See
 //!   [`completion`](crate::nav::completion).
 //! * **Latency.** That of the receiver and its line; sentences wait for the next epoch, INSPVAX for nothing.
-//! * **A file** is replayed in time: fixes earlier than `from` less 10 s are left out, those before `from` are told at once, later
+//! * **A file** is replayed in time: fixes earlier than `from` less 10 s are left out, those before `from` are reported at once, later
 //!   ones when as much time has passed since the feed was opened as lies between `from` and them. Without `from` its first fix is
 //!   told at once. Behind its end it is silent.
 //! * **Memory** is bounded whatever comes in: the decoder holds 32 KiB, at most 16,384 fixes wait.
@@ -62,7 +62,7 @@ use crate::time::TimeTag;
 const READ_BYTES: usize = 1 << 16;
 /// Bytes of a file that are read at once.
 const FILE_BYTES: usize = 1 << 12;
-/// How much of a file is told that lies before the begin, s.
+/// How much of a file is reported that lies before the begin, s.
 pub const BEFORE_S: f64 = 10.0;
 
 /// Why nothing can be heard.
@@ -142,7 +142,7 @@ fn as_text<S: Serializer>(time: &Option<TimeTag>, to: S) -> Result<S::Ok, S::Err
     time.map(|time| time.to_string()).serialize(to)
 }
 
-/// A receiver that is heard.
+/// A receiver that is received.
 pub struct Feed {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -217,7 +217,7 @@ impl Drop for Feed {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // A panic of whoever is told has been reported on its thread.
+            // A panic of whoever is reported has been reported on its thread.
             let _ = thread.join();
         }
     }
@@ -249,7 +249,7 @@ impl<F: FnMut(Heard)> Teller<F> {
         });
     }
 
-    /// Counts first: whoever is told a fix finds it in the counts.
+    /// Counts first: whoever is reported a fix finds it in the counts.
     fn tell(&mut self, fix: Fix, arrived: Instant) {
         self.shared.count(|counts| {
             counts.fixes += 1;

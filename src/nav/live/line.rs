@@ -1,7 +1,7 @@
 //! Lines on which navigation comes: serial ports and sockets, opened again when they vanish.
 //!
 //! A [`Line`] never waits longer than [`PATIENCE`] for bytes, so that whoever reads it can be stopped. A device that vanishes, a
-//! connection that ends, are opened again, at most twice a second. Of those who connect one is heard, others are
+//! connection that ends, are opened again, at most twice a second. Of those who connect one is received, others are
 //! turned away; one that is silent because its machine is gone is noticed after some 10 s (TCP keep-alive).
 
 use std::io::{self, ErrorKind, Read};
@@ -105,7 +105,7 @@ impl Line {
         Look::Vanished
     }
 
-    /// Those who connect while somebody is heard.
+    /// Those who connect while somebody is received.
     fn turn_away(&mut self) {
         if let (Some(listener), Some(_)) = (&self.listener, &self.link)
             && listener.accept().is_ok()

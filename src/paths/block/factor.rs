@@ -13,7 +13,7 @@ const NEAR_GRAZING: f32 = 0.1;
 const TURNED_AWAY: f32 = -0.02;
 
 /// Marks the facets of a pair that may return something.
-pub(super) struct Lit<'a> {
+pub(super) struct Illuminated<'a> {
     pub count: usize,
     pub nodes: &'a [Node],
     pub slopes: &'a [[Row; 2]],
@@ -23,15 +23,15 @@ pub(super) struct Lit<'a> {
     pub ends: usize,
     /// Transmitter and receiver.
     pub of: [usize; 2],
-    pub lit: &'a mut Row,
+    pub illuminated: &'a mut Row,
 }
 
-impl Task for Lit<'_> {
+impl Task for Illuminated<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { count, nodes, slopes, gains, seen, ends, of, lit } = self;
+        let Self { count, nodes, slopes, gains, seen, ends, of, illuminated } = self;
         let n = lanes_for(count);
         let mut gain = [0.0f32; LANES];
         for row in gains {
@@ -67,7 +67,7 @@ impl Task for Lit<'_> {
             }
         }
         for i in 0..n {
-            lit[i] = if gain[i] > lit[i] { gain[i] } else { lit[i] };
+            illuminated[i] = if gain[i] > illuminated[i] { gain[i] } else { illuminated[i] };
         }
     }
 }

@@ -157,7 +157,7 @@ impl Task for Directions<'_> {
     }
 }
 
-/// Pattern of a uniformly lit rectangle.
+/// Pattern of a uniformly illuminated rectangle.
 struct Rectangle<'a> {
     count: usize,
     peak: f32,

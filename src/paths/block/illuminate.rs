@@ -1,8 +1,8 @@
-//! One tile of facets, lit at every node and pulse of a block.
+//! One tile of facets, illuminated at every node and pulse of a block.
 
 use num_complex::Complex32;
 
-use super::factor::{Lit, Shadowed, Turn, Turns, Weigh};
+use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::runs::Gather;
@@ -162,15 +162,24 @@ impl PathGenerator {
             return;
         }
         let count = tile.count;
-        let mut lit = [0.0f32; LANES];
+        let mut illuminated = [0.0f32; LANES];
         let ends = shades.first().map_or(0, |shade| shade.weights.len());
         for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
             let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
             let (nodes, gains) = (pair.nodes(), &gains[..instants]);
-            variant.run(Lit { count, nodes, slopes, gains, seen, ends, of, lit: &mut lit });
+            variant.run(Illuminated {
+                count,
+                nodes,
+                slopes,
+                gains,
+                seen,
+                ends,
+                of,
+                illuminated: &mut illuminated,
+            });
         }
         kept.clear();
-        kept.extend((0..count as u16).filter(|i| lit[usize::from(*i)] > 0.0));
+        kept.extend((0..count as u16).filter(|i| illuminated[usize::from(*i)] > 0.0));
         // Moving facets together costs something, and what is gained are whole groups.
         if lanes_for(kept.len()) == lanes_for(count) {
             return;

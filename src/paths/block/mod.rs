@@ -89,7 +89,7 @@ pub struct Tally {
     /// In the patch.
     pub facets: u64,
     /// That return anything at all.
-    pub lit: u64,
+    pub illuminated: u64,
     /// Left out because all of them together stay below the budget.
     pub culled: u64,
     /// In tiles that are in the sidelobes.
@@ -194,7 +194,7 @@ struct LookInstant {
 /// Weights of one update of the shadows over the patch.
 #[derive(Clone, Default)]
 struct Shade {
-    /// `[antenna]`; empty where all is lit.
+    /// `[antenna]`; empty where all is illuminated.
     weights: Vec<Vec<f32>>,
 }
 
@@ -509,7 +509,7 @@ impl Timing {
 }
 
 impl TileWork {
-    /// Facets of the tile to be lit; returns how many.
+    /// Facets of the tile to be illuminated; returns how many.
     fn take(&mut self, runs: impl Iterator<Item = Run>) -> usize {
         self.runs.clear();
         self.runs.extend(runs);

@@ -1,7 +1,7 @@
 //! A sample of the facets of a block, at instants of one's own choice: for whoever wants to know what interpolation leaves.
 //!
-//! Tiles spread over the patch are lit as [`PathGenerator::visit_tiles`] lights all of them, but for two things: shadows are those of one
-//! pulse throughout, or none (both sides of any comparison share them), and the product of gains is told apart from the factor.
+//! Tiles spread over the patch are illuminated as [`PathGenerator::visit_tiles`] lights all of them, but for two things: shadows are those of one
+//! pulse throughout, or none (both sides of any comparison share them), and the product of gains is reported apart from the factor.
 
 use super::instants::Tiers;
 use super::runs::{Cut, Run};
@@ -29,7 +29,7 @@ pub struct Heard<'a> {
     pub gains: &'a [Row],
 }
 
-/// Which shadows a sounding has.
+/// Which shadows a probe has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadows {
     /// Those at its first pulse.
@@ -41,7 +41,7 @@ pub enum Shadows {
     Without,
 }
 
-/// What a sounding takes over from the one before.
+/// What a probe takes over from the one before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Keep {
     /// Shadows.
@@ -111,7 +111,7 @@ impl PathGenerator {
         let peaks: Vec<f64> = (0..self.plans.len()).map(|pair| self.peak_gain(pair)).collect();
         for (place, runs) in Cut::of(patch.facets).sample(tiles).enumerate() {
             work.take(runs);
-            // Lanes stay facets, so that soundings can be compared.
+            // Lanes stay facets, so that probes can be compared.
             work.whole = true;
             self.light_tile(sea, patch, work);
             work.whole = false;

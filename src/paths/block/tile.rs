@@ -148,20 +148,20 @@ impl Tile {
     /// Leaves out facets that nobody would miss.
     pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
         let mut wanted = [false; LANES];
-        let mut lit = [false; LANES];
+        let mut illuminated = [false; LANES];
         let mut bound = [0.0; LANES];
         for (pair, sample) in self.pairs.iter().zip(samples) {
             variant.run(Bounds(pair, self.count, &mut bound));
             let least_w = (least * sample.mean_power_w) as f32;
             for i in 0..self.count {
-                lit[i] |= bound[i] > 0.0;
+                illuminated[i] |= bound[i] > 0.0;
                 wanted[i] |= bound[i] > least_w;
             }
         }
         let mut kept = [0u16; LANES];
         let mut count = 0;
-        let all_lit = lit[..self.count].iter().filter(|lit| **lit).count();
-        tally.lit += all_lit as u64;
+        let all_lit = illuminated[..self.count].iter().filter(|illuminated| **illuminated).count();
+        tally.illuminated += all_lit as u64;
         for i in 0..self.count {
             if wanted[i] {
                 kept[count] = i as u16;

@@ -33,7 +33,7 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 const MOST_AT_A_TIME: usize = 64;
 /// Memory of the cells of compressed pulses, bytes; one pulse may take more.
 const MOST_CELL_BYTES: usize = 256 << 20;
-/// Beyond so many cells from a run's middle, or from the window's start, nothing is heard: whole numbers then fit i32 in any sum of two.
+/// Beyond so many cells from a run's middle, or from the window's start, nothing is received: whole numbers then fit i32 in any sum of two.
 const FAR_CELLS: i32 = 1 << 29;
 /// Pixels of a tile along x and y.
 const TILE: [usize; 2] = [64, 16];

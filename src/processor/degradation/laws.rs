@@ -61,7 +61,7 @@ pub fn step_amplitude(phase_rad: f64, cells: f64) -> f64 {
 
 /// The highest of that: cells off the place expected (nearest to it, of two that are equal the negative one) and its level, dB.
 pub fn step_peak(phase_rad: f64) -> (f64, f64) {
-    // Steps are told but for whole turns; the lobe's top lies within half a cell.
+    // Steps are reported but for whole turns; the lobe's top lies within half a cell.
     let phase = phase_rad - 2.0 * PI * (phase_rad / (2.0 * PI)).round();
     let (mut low, mut high) = if phase >= 0.0 { (-1.0, 0.0) } else { (0.0, 1.0) };
     for _ in 0..100 {

@@ -115,12 +115,12 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
     batch.respond(Variant::fastest(), &lanes, kind, None);
     let (mut worst, mut all) = (0.0f64, 0.0);
     for i in 0..LANES {
-        let lit = batch.cosine[0][i] > 0.0 && batch.cosine[1][i] > 0.0;
+        let illuminated = batch.cosine[0][i] > 0.0 && batch.cosine[1][i] > 0.0;
         let area = (1.0 + zx[i] * zx[i] + zy[i] * zy[i]).sqrt().sqrt();
         for (entry, exact) in exact.iter().enumerate() {
             let [re, im] = batch.matrix[entry / 2][entry % 2].map(|row| f64::from(row[i]));
             assert!(re.is_finite() && im.is_finite(), "{i}: {re} {im}");
-            let found = if lit { Complex64::new(re, im) * area } else { Complex64::ZERO };
+            let found = if illuminated { Complex64::new(re, im) * area } else { Complex64::ZERO };
             all += exact[i].norm_sqr();
             worst = worst.max((found - exact[i]).norm_sqr());
         }

@@ -74,7 +74,7 @@ pub(super) fn offsets(stations_m: &[f64], waterlines_m: &[f64], half_breadths_m:
     }
     let (least_m, most_m) = (FLATTEST * length_m, length_m);
     let sizes = [("the beam", beam_m), ("the depth of the table", -waterlines_m[0])];
-    // No beam at all is told as no volume.
+    // No beam at all is reported as no volume.
     for (what, value_m) in sizes.into_iter().filter(|(_, size_m)| *size_m != 0.0) {
         if !(least_m..=most_m).contains(&value_m) {
             push(Place::Whole, What::Size { what, value_m, least_m, most_m });

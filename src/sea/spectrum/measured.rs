@@ -302,8 +302,8 @@ impl Measured {
                 [(x, node / y.count), (y, node % y.count)].map(|(axis, n)| axis.first + n as f64 * axis.step);
             kx.hypot(ky)
         };
-        let lit = self.psi_m4.iter().enumerate().filter(|(_, psi)| **psi > 0.0);
-        lit.map(|(node, _)| of_node(node)).fold(0.0, f64::max).min(all_around)
+        let illuminated = self.psi_m4.iter().enumerate().filter(|(_, psi)| **psi > 0.0);
+        illuminated.map(|(node, _)| of_node(node)).fold(0.0, f64::max).min(all_around)
     }
 
     /// `K` times the integral of a density over the circle, two points per step of the grid, m^3.

@@ -23,7 +23,7 @@
 //!
 //! Little of the integral counts: t with K(t) near K, and whose rays pass near the facet, `|y| = c x`, `c = t/(1 + 2 t^2)`, from
 //! anywhere on the hull. So short waves lie near the track, those of one K on two thin lines (four, where bow and
-//! stern are told apart).
+//! stern are reported apart).
 //!
 //! **What ends them.** Viscosity: an amplitude `exp(-2 nu K^2 a)`, `a = x/(V (1 - cos^2 theta/2))` the age of a ray from midship.
 //! Breaking: no spectrum is larger than that of a wave of steepness [`STEEPEST`], which thin-ship theory does not know: its slopes do not
