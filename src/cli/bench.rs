@@ -1,12 +1,11 @@
 //! `nereus bench`: what a scenario reaches on this machine, and the error of its echo.
 
 use super::check::plan::settings_text;
-use super::scenario::load;
 use super::values::{counts, pulses_or_all, threads};
+use crate::cli::scenario::ScenarioArgs;
 use clap::Args;
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -20,7 +19,6 @@ use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
 use crate::bench::cost::Calibrated;
 use crate::bench::settings;
 use crate::bench::speed::{self, Speed, TRIAL};
-use crate::cli::values::Setting;
 use crate::config::Run;
 use crate::pipeline::build;
 use crate::pulse::costs::Stage;
@@ -30,8 +28,9 @@ use crate::transport::pacer::Status;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct BenchArgs {
-    /// Scenario file
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Make the first so many pulses of the run [default: what fits in some 10 s, at least two blocks for every thread]
     #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
     pub pulses: Option<u64>,
@@ -41,9 +40,6 @@ pub struct BenchArgs {
     /// Pulses, spread over the run, at which the error is measured, or all; 0: none
     #[arg(long, value_name = "N|all", default_value = "16", value_parser = pulses_or_all)]
     pub error_pulses: u64,
-    /// Set a key of the scenario, e.g. fidelity.node_pulses=2
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
@@ -107,7 +103,7 @@ struct ErrorReport {
 
 /// Measures and prints.
 pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = load(&args.config, &args.settings, &[], args.threads)?;
+    let run = args.scenario.load_to_measure(args.threads, &[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::on_nominal_tracks(&run, 0..pulses)?;

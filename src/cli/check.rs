@@ -7,11 +7,10 @@ pub(super) mod plan;
 mod sea;
 pub(super) mod ships;
 
-use super::values::Setting;
+use crate::cli::scenario::ScenarioArgs;
 use clap::Args;
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::PathBuf;
 
 use serde::Serialize;
 
@@ -21,8 +20,7 @@ use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
 use crate::bench::resources::Resources;
-use crate::cli::scenario::overrides;
-use crate::config::{self, Run};
+use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::fidelity::cost::CostTable;
 use crate::frames::Earth;
@@ -44,11 +42,9 @@ use crate::units::Decibels;
 /// `nereus check`
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Scenario file
-    pub config: PathBuf,
-    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
@@ -102,7 +98,7 @@ fn described(what: &str, how: impl Into<String>) -> Described {
 
 /// Prints the report.
 pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = config::load(&args.config, &overrides(&args.settings))?;
+    let run = args.scenario.load(&[])?;
     let mut report = report(&run);
     // An output that exists stands in the way of a run, not of a look at the scenario.
     report.warnings.extend(outputs::preflight(&run.sinks).iter().map(ToString::to_string));

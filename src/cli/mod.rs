@@ -51,6 +51,7 @@ pub use nav::{
 pub use new::{NewArgs, Template};
 pub use receive::ReceiveArgs;
 pub use run::{Pace, RunArgs};
+pub use scenario::ScenarioArgs;
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError};
 pub use speckle::SpeckleArgs;

@@ -1,7 +1,7 @@
 //! `nereus run`: a scenario becomes a running stream.
 
-use super::scenario::overrides;
 use super::values::{PulseRange, duration};
+use crate::cli::scenario::ScenarioArgs;
 use clap::Args;
 use clap::ValueEnum;
 use std::io::Write;
@@ -18,8 +18,7 @@ use super::escape;
 use super::progress;
 use super::{counted, say, warn};
 use crate::adequacy::outlook;
-use crate::cli::values::Setting;
-use crate::config::{self, Run};
+use crate::config::Run;
 use crate::nav::AttitudeSource;
 use crate::nav::TrackSource;
 use crate::pipeline::build::{self, RunOutcome};
@@ -44,8 +43,9 @@ pub enum Pace {
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RunArgs {
-    /// Scenario file
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Release pulses in real time or as fast as they are made (instead of stream.pace)
     #[arg(long, value_enum)]
     pub pace: Option<Pace>,
@@ -61,9 +61,6 @@ pub struct RunArgs {
     /// Take changes of reports while the run goes on: a Unix socket to be made, or - for standard input (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
-    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Overwrite recordings that exist
     #[arg(long)]
     pub force: bool,
@@ -348,11 +345,8 @@ fn tell_navigation(run: &Run, live: &LiveNav, outcome: &RunOutcome) {
 /// The run that the arguments ask for, and its pulses. Options that change what is emulated become part
 /// of the recorded scenario text; pace, output and force do not, so that parts of a run can be joined.
 fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
-    let mut overrides = overrides(&args.settings);
-    if let Some(duration_s) = &args.duration_s {
-        overrides.push(("scene.duration_s".to_owned(), duration_s.clone()));
-    }
-    let mut run = config::load(&args.config, &overrides)?;
+    let duration_s = args.duration_s.iter().map(|text| ("scene.duration_s".to_owned(), text.clone()));
+    let mut run = args.scenario.load(&duration_s.collect::<Vec<_>>())?;
     run.control = args.control.is_some();
     if let Some(pace) = args.pace {
         run.stream.pace = match pace {

@@ -1,26 +1,43 @@
 //! The scenario of a command, with what its arguments change.
 
+use std::path::PathBuf;
+
+use clap::Args;
+
 use super::values::Setting;
-use crate::config::{self, Run};
+use crate::config::{self, ConfigError, Run};
 use crate::transport::Pace;
 
-/// Overrides as `config` takes them.
-pub(super) fn overrides(settings: &[Setting]) -> Vec<(String, String)> {
-    settings.iter().map(|setting| (setting.key.clone(), setting.value.clone())).collect()
+/// The scenario of a command.
+#[derive(Debug, Args)]
+pub struct ScenarioArgs {
+    /// Scenario file
+    pub config: PathBuf,
+    /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<Setting>,
 }
 
-/// A scenario as it is measured: without sinks, as fast as it can.
-pub(super) fn load(
-    config: &std::path::Path,
-    settings: &[Setting],
-    more: &[(String, String)],
-    threads: Option<u64>,
-) -> Result<Run, config::ConfigError> {
-    let mut overrides = overrides(settings);
-    overrides.extend(threads.map(|threads| ("stream.threads".to_owned(), threads.to_string())));
-    overrides.extend_from_slice(more);
-    let mut run = config::load(config, &overrides)?;
-    run.sinks.clear();
-    run.stream.pace = Pace::Fast;
-    Ok(run)
+impl ScenarioArgs {
+    /// The run that is asked for, with overrides of the command's own after those of `--set`.
+    pub(super) fn load(&self, more: &[(String, String)]) -> Result<Run, ConfigError> {
+        let of = |setting: &Setting| (setting.key.clone(), setting.value.clone());
+        let overrides: Vec<(String, String)> =
+            self.settings.iter().map(of).chain(more.iter().cloned()).collect();
+        config::load(&self.config, &overrides)
+    }
+
+    /// The run as it is measured: without sinks, as fast as it can.
+    pub(super) fn load_to_measure(
+        &self,
+        threads: Option<u64>,
+        more: &[(String, String)],
+    ) -> Result<Run, ConfigError> {
+        let threads = threads.map(|threads| ("stream.threads".to_owned(), threads.to_string()));
+        let more: Vec<(String, String)> = threads.into_iter().chain(more.iter().cloned()).collect();
+        let mut run = self.load(&more)?;
+        run.sinks.clear();
+        run.stream.pace = Pace::Fast;
+        Ok(run)
+    }
 }

@@ -1,7 +1,7 @@
 //! `nereus tradeoff`: error and speed over the settings of `[fidelity]`, as a table, as CSV and as a picture.
 
-use super::values::Setting;
 use super::values::{counts, threads};
+use crate::cli::scenario::ScenarioArgs;
 use clap::Args;
 use std::fmt::Write as _;
 use std::fs;
@@ -22,7 +22,6 @@ use crate::bench::settings::{ERROR_KEY, SETTINGS, settings};
 use crate::bench::sweep::{Overrides, Point, Sweep, sweep, taken};
 use crate::cli::check::plan::settings_text;
 use crate::cli::outputs::save_canvas;
-use crate::cli::scenario::load;
 use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::pipeline::build;
@@ -34,8 +33,9 @@ use crate::transport::pacer::Status;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct TradeoffArgs {
-    /// Scenario file
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Folder for tradeoff.csv and tradeoff.png
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -51,9 +51,6 @@ pub struct TradeoffArgs {
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<u64>,
-    /// Set a key of the scenario, e.g. scene.facet_m=2
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -89,7 +86,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let wanted = args.error_db.map(|error_db| (ERROR_KEY.to_owned(), format!("{error_db:?}")));
     let again = |change: &Overrides| {
         let change: Overrides = wanted.iter().chain(change).cloned().collect();
-        load(&args.config, &args.settings, &change, args.threads)
+        args.scenario.load_to_measure(args.threads, &change)
     };
     let mut run = again(&Vec::new())?;
     // There is nothing to sweep in the reference: its scenario is tried with the fast echo.

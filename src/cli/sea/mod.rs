@@ -12,6 +12,7 @@ pub mod snapshot;
 mod summary;
 
 use crate::cli::outputs::{axes, outputs, save_png};
+use crate::cli::scenario::ScenarioArgs;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -25,9 +26,6 @@ pub use field::Field;
 use super::error::CliError;
 use super::{say, warn};
 use crate::adequacy::patch_at;
-use crate::cli::scenario::overrides;
-use crate::cli::values::Setting;
-use crate::config;
 use crate::pipeline::fault::BuildErrors;
 use crate::plot::picture::Picture;
 use crate::recording::map_file::{Attribute, Layer, MapFile};
@@ -42,8 +40,9 @@ use summary::Summary;
 /// `nereus sea`
 #[derive(Debug, Args)]
 pub struct SeaArgs {
-    /// Scenario file
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Time after pulse 0
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     pub time_s: f64,
@@ -59,9 +58,6 @@ pub struct SeaArgs {
     /// State of the sea to save, for sea.state_path of other scenarios
     #[arg(long, value_name = "PATH")]
     pub save_state: Option<PathBuf>,
-    /// Set a key of the scenario, e.g. sea.wind_mps=12
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -82,9 +78,9 @@ struct Report<'a> {
 
 /// Makes the files that the arguments ask for, and tells what sea it is.
 pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = config::load(&args.config, &overrides(&args.settings))?;
+    let run = args.scenario.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
+    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.scenario.config.clone() })?;
     let [map, picture, state] = outputs(
         [(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png), (&args.save_state, FileKind::SeaState)],
         args.force,

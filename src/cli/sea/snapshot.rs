@@ -8,6 +8,7 @@
 //! `--contacts` writes what the echo of the pulse is made of, facets, targets and direct paths alike
 //! ([`contact_file`](crate::recording::path_file)); for that alone the scenario needs no sea.
 
+use crate::cli::scenario::ScenarioArgs;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -18,9 +19,8 @@ use super::super::error::CliError;
 use super::super::{say, warn};
 use super::{SeaError, contacts};
 use crate::cli::outputs::{axes, outputs, save_png};
-use crate::cli::scenario::overrides;
-use crate::cli::values::{Setting, counts};
-use crate::config::{self, Run};
+use crate::cli::values::counts;
+use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;
 use crate::pipeline::{changing, fault};
@@ -36,8 +36,9 @@ const SPAN_DB: f64 = 60.0;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct SnapshotArgs {
-    /// Scenario file
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// The pulse
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = counts(0, u64::MAX))]
     pub pulse: u64,
@@ -53,9 +54,6 @@ pub struct SnapshotArgs {
     /// Picture to make
     #[arg(long, value_name = "PATH.png")]
     pub png: Option<PathBuf>,
-    /// Set a key of the scenario, e.g. sea.wind_mps=12
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -84,10 +82,10 @@ struct Report {
 
 /// Makes the files that the arguments ask for, and tells what is illuminated.
 pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = config::load(&args.config, &overrides(&args.settings))?;
+    let run = args.scenario.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let scene = &run.scene;
-    let no_sea = || SeaError::NoSea { path: args.config.clone() };
+    let no_sea = || SeaError::NoSea { path: args.scenario.config.clone() };
     let mapped = args.out.is_some() || args.png.is_some();
     if scene.sea.is_none() && (mapped || args.contacts.is_none()) {
         return Err(no_sea().into());

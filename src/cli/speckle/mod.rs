@@ -4,6 +4,7 @@ pub mod error;
 mod image;
 mod report;
 
+use crate::cli::scenario::ScenarioArgs;
 use error::SpeckleError;
 use std::fs;
 use std::io::Write;
@@ -21,8 +22,7 @@ use crate::adequacy::patch_at;
 use crate::bench::accuracy::noiseless;
 use crate::bench::gather::gather;
 use crate::cli::outputs::save_canvas;
-use crate::cli::scenario::load;
-use crate::cli::values::{Setting, counts, distinct, threads};
+use crate::cli::values::{counts, distinct, threads};
 pub(crate) use crate::clutter::fits::{Speckle, SpeckleSettings};
 use crate::config::Run;
 use crate::pipeline::build;
@@ -37,8 +37,9 @@ use report::{Azimuth, Report};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct SpeckleArgs {
-    /// Scenario file, with a sea
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Azimuths of the wind, evenly over 360 degrees from 0: downwind
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = counts(1, 360))]
     pub winds: u64,
@@ -60,9 +61,6 @@ pub struct SpeckleArgs {
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<u64>,
-    /// Set a key of the scenario, e.g. sea.wind_ustar_mps=0.5
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -77,7 +75,7 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
         let found = format!("{:?}", args.pixels);
         return Err(SpeckleError::Value { key: "pixels", found, allowed: "two whole numbers X,Y" }.into());
     };
-    let mut run = noiseless(&load(&args.config, &args.settings, &[], args.threads)?);
+    let mut run = noiseless(&args.scenario.load_to_measure(args.threads, &[])?);
     // Nothing waits to be released in time.
     run.stream.ring_slots = 1;
     let path = run.path.clone();

@@ -136,7 +136,7 @@ impl Report {
             }
         }
         Self {
-            scenario: args.config.display().to_string(),
+            scenario: args.scenario.config.display().to_string(),
             pulses: run.scene.pulses,
             facets: run.scene.sea.as_ref().map_or(0, |sea| sea.patch.len()),
             seconds,

@@ -6,6 +6,7 @@
 
 mod cut;
 
+use crate::cli::scenario::ScenarioArgs;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -18,9 +19,6 @@ use super::sea::{Field, SeaError, field};
 use super::{say, warn};
 use crate::adequacy::{ShipOutlook, patch_at};
 use crate::cli::outputs::{axes, outputs, save_png};
-use crate::cli::scenario::overrides;
-use crate::cli::values::Setting;
-use crate::config;
 use crate::pipeline::fault::BuildErrors;
 use crate::plot::picture::Picture;
 use crate::recording::map_file::{Attribute, Layer, MapFile};
@@ -33,8 +31,9 @@ use cut::{Cut, Line, Way};
 /// `nereus wake`
 #[derive(Debug, Args)]
 pub struct WakeArgs {
-    /// Scenario file
-    pub config: PathBuf,
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
     /// Time after pulse 0
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     pub time_s: f64,
@@ -56,9 +55,6 @@ pub struct WakeArgs {
     /// Step along a cut, m [default: a facet]
     #[arg(long, value_name = "M")]
     pub cut_step_m: Option<f64>,
-    /// Set a key of the scenario, e.g. ship.0.speed_mps=9
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<Setting>,
     /// Overwrite files that exist
     #[arg(long)]
     pub force: bool,
@@ -83,12 +79,12 @@ struct Report<'a> {
 
 /// Makes the files that the arguments ask for, prints cuts, and tells what ships they are.
 pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = config::load(&args.config, &overrides(&args.settings))?;
+    let run = args.scenario.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.config.clone() })?;
+    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.scenario.config.clone() })?;
     let ships = &run.scene.ships;
     if ships.is_empty() {
-        return Err(SeaError::NoShip { path: args.config.clone() }.into());
+        return Err(SeaError::NoShip { path: args.scenario.config.clone() }.into());
     }
     let lines = lines(args, sea.patch.facet_m)?;
     let [map, picture] = outputs([(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png)], args.force)?;
