@@ -1,5 +1,22 @@
 //! `nereus`: a hardware-in-the-loop bistatic marine radar emulator.
 //!
+//! From a scenario to its pulses:
+//!
+//! ```
+//! use nereus::{Samples, Scenario};
+//!
+//! let scenario = Scenario::load("configs/selftest.toml", &[("radar.window.samples", "512")])?;
+//! scenario.each_pulse(0..4, |pulse| {
+//!     let Samples::Cf32(iq) = &pulse.samples else { return };
+//!     let peak = iq.iter().map(|sample| sample.norm_sqr()).fold(0.0, f32::max);
+//!     println!("pulse {} at {}: peak {:.1} dBW", pulse.index, pulse.time, 10.0 * peak.log10());
+//! })?;
+//! # Ok::<(), nereus::ScenarioError>(())
+//! ```
+//!
+//! [`Scenario`] reads and runs a scenario, [`PulseStream`] is a run with its sinks in real time, [`Recording`] reads what was recorded.
+//! The rest of the library is behind these modules.
+//!
 //! The modules, in the order in which one may use another (a module imports only modules above it):
 //!
 //! | module | what it holds |
@@ -69,3 +86,8 @@ pub mod pipeline;
 pub mod adequacy;
 pub mod bench;
 pub mod cli;
+
+pub use pipeline::build::PulseStream;
+pub use pipeline::scenario::{Scenario, ScenarioError};
+pub use pulse::{Pulse, Samples};
+pub use recording::Recording;

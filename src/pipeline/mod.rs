@@ -17,6 +17,7 @@ mod navigation;
 pub(crate) mod outputs;
 pub mod plausible;
 pub(crate) mod power;
+pub mod scenario;
 mod single;
 pub mod stages;
 pub mod tracks;
