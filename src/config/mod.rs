@@ -55,6 +55,7 @@ mod document;
 pub mod error;
 pub mod keys;
 pub mod manual;
+mod hint;
 mod resolve;
 mod section;
 

@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::document::{Entry, Node, Value};
-use super::error::{At, Fault, Hint, Problem, Warning};
+use super::error::{At, Fault, Problem, Warning};
+use super::hint::{hint, names};
 use super::keys::{self, Absent, Key, Kind, Table};
 use crate::nav::live::Origin;
 use crate::scene::radar::Polarisation;
@@ -589,11 +590,6 @@ impl<'a> Section<'a> {
     }
 }
 
-pub(super) fn names(keys: &[&'static Key]) -> String {
-    let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
-    names.join(", ")
-}
-
 fn plain_number(node: &Node) -> Option<f64> {
     match node.value {
         Value::Number(value) => Some(value),
@@ -641,35 +637,6 @@ fn utc(text: &str) -> Option<TimeTag> {
     }
     let iso: String = text.chars().map(|c| if matches!(c, ' ' | 't') { 'T' } else { c }).collect();
     TimeTag::from_iso8601(&iso).ok()
-}
-
-/// What may have been meant by a key that the table does not have.
-fn hint(name: &str, table: &'static Table) -> Hint {
-    let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
-    for key in table.keys {
-        let unit = key.kind.unit();
-        if !unit.is_empty() && (stem(key.name) == stem(name) || stem(key.name) == name) {
-            return Hint::Unit { key: key.name, unit };
-        }
-    }
-    let most = |key: &str| 1 + key.len() / 4;
-    let length = name.chars().count();
-    let near = table
-        .keys
-        .iter()
-        // What differs more in length is farther away than that.
-        .filter(|key| key.name.len().abs_diff(length) <= most(key.name))
-        .map(|key| (strsim::osa_distance(key.name, name), key.name))
-        .filter(|(distance, key)| *distance <= most(key))
-        .min();
-    if let Some((_, key)) = near {
-        return Hint::Like(key);
-    }
-    let elsewhere = keys::TABLES.iter().find(|other| other.keys.iter().any(|key| key.name == name));
-    match elsewhere {
-        Some(other) => Hint::Elsewhere { table: other.heading },
-        None => Hint::Known(names(table.keys)),
-    }
 }
 
 #[cfg(test)]

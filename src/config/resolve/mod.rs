@@ -276,7 +276,7 @@ fn ground(section: &Section<'_>) -> Ground {
     let written = trio.iter().filter(|key| section.has(key)).count();
     let [lat_deg, lon_deg, h_m] = trio.map(|key| section.number(key));
     if let Some(first) = trio.iter().find(|key| section.has(key)).filter(|_| written < trio.len()) {
-        section.fault(first, Problem::Alone { keys: super::section::names(&trio) });
+        section.fault(first, Problem::Alone { keys: crate::config::hint::names(&trio) });
     }
     let earth = section.choice(&EARTH);
     let curved = match earth {

@@ -2,8 +2,9 @@
 
 use super::Ground;
 use crate::config::error::Problem;
+use crate::config::hint::names;
 use crate::config::keys::{self, Key};
-use crate::config::section::{Section, names};
+use crate::config::section::Section;
 use crate::frames::{Enu, Geodetic, Point};
 use crate::nav::Place;
 

@@ -135,3 +135,14 @@ fn faults_of_live_navigation_are_told_together() {
     platform.0.track.baud: has no meaning here (kind = "fixed")
     "#);
 }
+
+#[test]
+fn keys_of_earlier_versions_lead_to_their_names() {
+    let track = "{ kind = 'live', source = 'udp://127.0.0.1:5002', patience_s = 3, \
+                 rehearsal = { kind = 'fixed', position_m = [0, 0, 0] } }";
+    insta::assert_snapshot!(faults(&[("platform.1.track", track), ("fidelity.faint_db", "-40")]), @r#"
+    platform.1.track.patience_s: unknown key; did you mean timeout_s?
+    platform.1.track.rehearsal: unknown key; did you mean nominal?
+    fidelity.faint_db: unknown key; did you mean sidelobe_db?
+    "#);
+}
