@@ -15,7 +15,8 @@
 //! ```
 //!
 //! [`Scenario`] reads and runs a scenario, [`PulseStream`] is a run with its sinks in real time, [`Recording`] reads what was recorded.
-//! The rest of the library is behind these modules.
+//! [`scene`], [`config`] and [`motion`] describe a run built in Rust instead of TOML, and [`processor`] focuses what was recorded. What
+//! these pages leave out is the inside of the emulator: open to its own tests and tools, and free to change with every version.
 //!
 //! The modules, in the order in which one may use another (a module imports only modules above it):
 //!
@@ -56,35 +57,51 @@
 //! Degrees appear at the scenario file and the command line only.
 
 // The order is the order of the modules (tests/layout reads it), not the alphabet's.
+#[doc(hidden)]
 pub mod cpu;
 pub mod units;
 pub mod frames;
 pub mod time;
 pub mod rng;
 pub mod pulse;
+#[doc(hidden)]
 pub mod files;
+#[doc(hidden)]
 pub mod inputs;
 pub mod scene;
+#[doc(hidden)]
 pub mod sea;
 pub mod nav;
 pub mod motion;
+#[doc(hidden)]
 pub mod geometry;
+#[doc(hidden)]
 pub mod scattering;
+#[doc(hidden)]
 pub mod radar;
+#[doc(hidden)]
 pub mod paths;
+#[doc(hidden)]
 pub mod echo;
 pub mod transport;
 pub mod sinks;
 pub mod recording;
+#[doc(hidden)]
 pub mod receive;
+#[doc(hidden)]
 pub mod plot;
 pub mod processor;
+#[doc(hidden)]
 pub mod clutter;
 pub mod config;
+#[doc(hidden)]
 pub mod fidelity;
 pub mod pipeline;
+#[doc(hidden)]
 pub mod adequacy;
+#[doc(hidden)]
 pub mod bench;
+#[doc(hidden)]
 pub mod cli;
 
 pub use pipeline::build::PulseStream;

@@ -4,7 +4,9 @@
 //! is counted in [`costs`], what a converter is fed with in [`converter`]; what was changed while a run went on
 //! is in [`log`].
 
+#[doc(hidden)]
 pub mod converter;
+#[doc(hidden)]
 pub mod costs;
 pub mod log;
 

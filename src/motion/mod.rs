@@ -5,14 +5,22 @@
 //! out. [`pointing`] mounts antennas on the body and turns them. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are what is
 //! wrong with a report, and what changes of it in mid-run.
 
+#[doc(hidden)]
 pub mod attitude;
+#[doc(hidden)]
 pub mod changes;
 pub mod errors;
+#[doc(hidden)]
 pub mod gate;
+#[doc(hidden)]
 pub mod gusts;
+#[doc(hidden)]
 pub mod hermite;
+#[doc(hidden)]
 pub mod outliers;
+#[doc(hidden)]
 pub mod pointing;
+#[doc(hidden)]
 pub mod smoother;
 mod source;
 pub mod track;

@@ -9,21 +9,37 @@
 //! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`] hears them while a run
 //! goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
+#[doc(hidden)]
 pub mod ais;
+#[doc(hidden)]
 pub mod completion;
+#[doc(hidden)]
 pub mod csv;
+#[doc(hidden)]
 pub mod decode;
+#[doc(hidden)]
 pub mod encode;
+#[doc(hidden)]
 pub mod epoch;
+#[doc(hidden)]
 pub mod faults;
+#[doc(hidden)]
 pub mod inspvax;
+#[doc(hidden)]
 pub mod live;
+#[doc(hidden)]
 pub mod load_report;
+#[doc(hidden)]
 pub mod nmea;
+#[doc(hidden)]
 pub mod pcap;
+#[doc(hidden)]
 pub mod recording;
+#[doc(hidden)]
 pub mod replay;
+#[doc(hidden)]
 pub mod sbet;
+#[doc(hidden)]
 pub mod solution;
 
 use std::path::PathBuf;

@@ -3,21 +3,28 @@
 //! This is the one floor that sees both halves of the house: the physics that makes a pulse
 //! ([`stages`]) and the transport that releases it ([`crate::transport`]).
 
+#[doc(hidden)]
 pub mod hull_scatterers;
 pub(crate) mod block;
 pub mod build;
+#[doc(hidden)]
 pub mod changing;
+#[doc(hidden)]
 pub mod control;
 mod dry_run;
 pub mod factory;
 pub mod fault;
+#[doc(hidden)]
 pub mod live;
+#[doc(hidden)]
 pub mod memory;
 mod navigation;
 pub(crate) mod outputs;
+#[doc(hidden)]
 pub mod plausible;
 pub(crate) mod power;
 pub mod scenario;
 mod single;
+#[doc(hidden)]
 pub mod stages;
 pub mod tracks;

@@ -16,8 +16,11 @@
 
 pub mod ground;
 pub mod image_file;
+#[doc(hidden)]
 pub mod map_file;
+#[doc(hidden)]
 pub mod output;
+#[doc(hidden)]
 pub mod path_file;
 mod plain;
 pub mod verify;

@@ -22,17 +22,26 @@ use sink::SinkError;
 
 mod fault;
 pub mod sink;
+#[doc(hidden)]
 pub mod columns;
+#[doc(hidden)]
 pub mod descriptions;
+#[doc(hidden)]
 pub mod port;
+#[doc(hidden)]
 pub mod nav;
+#[doc(hidden)]
 pub mod null;
+#[doc(hidden)]
 pub mod plain;
 mod unwritten;
+#[doc(hidden)]
 pub mod vita49;
 #[cfg(feature = "hdf5")]
+#[doc(hidden)]
 pub mod hdf5;
 #[cfg(feature = "hdf5")]
+#[doc(hidden)]
 pub mod merge;
 
 /// A place where pulses go.

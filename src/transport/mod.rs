@@ -9,13 +9,20 @@
 
 use thiserror::Error;
 
+#[doc(hidden)]
 pub mod rights;
+#[doc(hidden)]
 pub mod ring;
 pub mod schedule;
+#[doc(hidden)]
 pub mod health;
+#[doc(hidden)]
 pub mod fanout;
+#[doc(hidden)]
 pub mod pacer;
+#[doc(hidden)]
 pub mod dispatcher;
+#[doc(hidden)]
 pub mod stage;
 
 /// Why a stream cannot be set up.

@@ -26,10 +26,13 @@
 
 mod deviation;
 mod fault;
+#[doc(hidden)]
 pub mod fit;
+#[doc(hidden)]
 pub mod live;
 mod recorded;
 mod report;
+#[doc(hidden)]
 pub mod turbulence;
 
 pub use fault::{
