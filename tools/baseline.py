@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""What a user would write instead: the raw echo of one pulse from its contacts, in numpy and in Numba.
+"""What a user would write instead: the raw echo of one pulse from its paths, in numpy and in Numba.
 
     tools/baseline.py [--config configs/mars-1.toml] [--pulse 250] [--counts 1000,10000,all] [--repeats 5] [--json]
 
-1. `nereus snapshot CONFIG --pulse N --contacts` writes the contacts of a pulse: delays, rates, amplitudes of every channel.
+1. `nereus snapshot CONFIG --pulse N --paths` writes the paths of a pulse: delays, rates, amplitudes of every channel.
 2. `nereus run CONFIG --pulses N..N+1` records that pulse without noise and converter, with the scenario's own echo and with the reference.
-3. The echo is made from the contacts here, in several ways, and each is compared with both recordings.
-4. Each way is timed on subsets of the same contacts (median of several pulses), all channels at once, in f64.
+3. The echo is made from the paths here, in several ways, and each is compared with both recordings.
+4. Each way is timed on subsets of the same paths (median of several pulses), all channels at once, in f64.
 5. `nereus bench CONFIG` says what a whole pulse takes there, on patches of about as many facets.
 
 The ways:
 
-    numpy chirp      for every contact the samples that its chirp touches, in chunks, added up by bincount
-    numba chirp      the same as loops over contacts and samples, on all cores or one, whichever is faster; the chirp is stepped by two complex products
+    numpy chirp      for every path the samples that its chirp touches, in chunks, added up by bincount
+    numba chirp      the same as loops over paths and samples, on all cores or one, whichever is faster; the chirp is stepped by two complex products
     numba chirp x8   that at eight times the sample rate, then the receive filter
-    numba grid       each contact is spread over 5 cells of a grid twice as fine as the samples, which one FFT turns into the
+    numba grid       each path is spread over 5 cells of a grid twice as fine as the samples, which one FFT turns into the
                      spectrum (a nonuniform FFT of type 1); pulse, receive filter and kernel are dealt with there
 
 A chirp that is sampled in time is not what a receiver records. A rectangular chirp is not band limited: of 60 MHz sampled at 100 MHz
@@ -23,7 +23,7 @@ the echo. So the plain chirps agree with a recording to some -20 dB, however rig
 -40 dB are left; the grid, which has the filter exactly, agrees to its own error with the reference, and with the recording to that of
 the fast echo.
 
-Not the same work: the ways here begin with the contacts, nereus makes the contacts too (waves, shadows, antennas, scattering) and
+Not the same work: the ways here begin with the paths, nereus makes the paths too (waves, shadows, antennas, scattering) and
 receives. The ratio is that of the echo alone to a whole pulse of nereus, which flatters the ways here.
 
 Needs numpy and h5py; numba is optional (pip install numba), without it the numba ways are left out.
@@ -62,8 +62,8 @@ BETA = 2.30 * WIDTH
 GRID_LIMIT_DB = -60.0
 
 
-class Contacts:
-    """What `nereus snapshot --contacts` writes; the pair of all channels must be the same."""
+class Paths:
+    """What `nereus snapshot --paths` writes; the pair of all channels must be the same."""
 
     def __init__(self, path):
         with h5py.File(path, "r") as file:
@@ -83,14 +83,14 @@ class Contacts:
             # Seconds after the first sample, and the amplitude with the phase of the way: f0 tau is some 3e5 turns.
             self.after = file["emission_offset_s"][:] + tau - float(a["window_start_s"])
             phasor = np.exp(-2j * np.pi * np.mod(self.f0 * tau, 1.0))
-            self.amplitude = np.ascontiguousarray((file["amplitude"][:] * phasor).T)  # [contact, channel]
+            self.amplitude = np.ascontiguousarray((file["amplitude"][:] * phasor).T)  # [path, channel]
 
     def __len__(self):
         return len(self.after)
 
     def some(self, count, seed=1):
         """A random subset, in the order of the list."""
-        other = object.__new__(Contacts)
+        other = object.__new__(Paths)
         other.__dict__.update(self.__dict__)
         if count < len(self):
             these = np.sort(np.random.default_rng(seed).choice(len(self), count, replace=False))
@@ -201,7 +201,7 @@ def fast_length(least):
 
 
 class Grid:
-    """What does not depend on the contacts but on their mean rate."""
+    """What does not depend on the paths but on their mean rate."""
 
     def __init__(self, c):
         self.length = fast_length(c.samples + math.ceil(c.pulse_s * c.fs) + 2 * RINGING_SAMPLES)
@@ -291,7 +291,7 @@ def bench(nereus, config, settings, facet_m, count, patch_m):
         sized = ["--set", f"scene.patch_size_m=[{side}, {side}]"]
     told = json.loads(call([*nereus, "bench", config, *settings, *sized, "--error-pulses", "0", "--json"]))
     return {
-        "contacts": told["contacts"],
+        "paths": told["paths"],
         "seconds": 1 / told["pulses_per_s"],
         "threads": told["threads"],
         "prf_s": told["real_time_factor"] / told["pulses_per_s"],
@@ -337,7 +337,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", default=str(PACKAGE / "configs/mars-1.toml"))
     parser.add_argument("--pulse", type=int, help="[default: the middle one of mars-1, 250; else 0]")
-    parser.add_argument("--counts", default="1000,10000,all", help="contacts; all: every one of the pulse")
+    parser.add_argument("--counts", default="1000,10000,all", help="paths; all: every one of the pulse")
     parser.add_argument("--repeats", type=int, default=5, help="the median of so many is told")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as of nereus")
     parser.add_argument("--nereus", help="the program [default: target/release/nereus]")
@@ -350,15 +350,15 @@ def main():
     if index is None:
         index = 250 if pathlib.Path(args.config).stem == "mars-1" else 0
     with tempfile.TemporaryDirectory() as folder:
-        contacts, recording = f"{folder}/contacts.h5", f"{folder}/pulse.h5"
+        paths, recording = f"{folder}/paths.h5", f"{folder}/pulse.h5"
         quiet = noiseless(args.config, folder)
-        call([*nereus, "snapshot", quiet, *settings, "--pulse", str(index), "--contacts", contacts])
+        call([*nereus, "snapshot", quiet, *settings, "--pulse", str(index), "--paths", paths])
         span = f"{index}..{index + 1}"
         run = ["run", quiet, *settings, "--pace", "fast", "--pulses", span, "--out", recording]
         call([*nereus, *run])
         call([*nereus, *run[:-1], f"{folder}/exact.h5", "--set", "fidelity.echo=reference"])
         try:
-            whole = Contacts(contacts)
+            whole = Paths(paths)
         except ValueError as error:
             print(f"baseline.py: {args.config}: {error}", file=sys.stderr)
             return 2
@@ -386,7 +386,7 @@ def main():
     seconds = {}
     for count in counts:
         some = whole.some(count)
-        # Waking the other cores takes longer than a few contacts: the faster of one core and all.
+        # Waking the other cores takes longer than a few paths: the faster of one core and all.
         seconds[count] = {
             name: min(timed(lambda make=make: make(some), args.repeats) for make in makes)
             for name, makes in ways.items()
@@ -401,7 +401,7 @@ def main():
     result = {
         "config": args.config,
         "pulse": index,
-        "contacts": len(whole),
+        "paths": len(whole),
         "channels": whole.channels,
         "machine": machine(),
         "error_db": {name: {"recorded": a, "reference": b} for name, (a, b) in errors.items()},
@@ -417,16 +417,16 @@ def main():
 
 
 def show(args, result, errors, seconds, pulses):
-    print(f"{args.config}, pulse {result['pulse']}: {result['contacts']} contacts, {len(result['channels'])} channels")
+    print(f"{args.config}, pulse {result['pulse']}: {result['paths']} paths, {len(result['channels'])} channels")
     print(result["machine"])
     if not numba:
         print("numba is absent: pip install numba adds two ways")
     print("\nagainst the samples that nereus recorded, worst channel, dB (fast echo; reference echo)")
     for name, (fast, exact) in errors.items():
         print(f"  {name:15} {fast:7.1f} {exact:7.1f}")
-    print("\nms a pulse, all channels; in brackets times of a whole pulse of nereus, its contacts made anew")
+    print("\nms a pulse, all channels; in brackets times of a whole pulse of nereus, its paths regenerated")
     names = list(errors)
-    print("  " + f"{'contacts':>9}" + "".join(f"{name:>22}" for name in names) + f"{'nereus, whole pulse':>24}")
+    print("  " + f"{'paths':>9}" + "".join(f"{name:>22}" for name in names) + f"{'nereus, whole pulse':>24}")
     for count, times in seconds.items():
         row = f"  {count:9}"
         told = pulses.get(count)
@@ -434,7 +434,7 @@ def show(args, result, errors, seconds, pulses):
             ratio = f"({times[name] / told['seconds']:.1f} x)" if told else ""
             row += f"{1e3 * times[name]:11.2f} {ratio:>10}"
         if told:
-            row += f"{1e3 * told['seconds']:11.2f} of {told['contacts']}"
+            row += f"{1e3 * told['seconds']:11.2f} of {told['paths']}"
         print(row)
     if pulses:
         prf_s = next(iter(pulses.values()))["prf_s"]

@@ -134,7 +134,10 @@ fn kind(path: &Path, force: bool) -> Kind {
 
 fn preflight(kinds: impl Iterator<Item = Kind>) -> Result<(), CliError> {
     let settings: Vec<_> = kinds.map(|kind| sinks::Settings { kind, queue_pulses: 1 }).collect();
-    outputs::preflight(&settings).pop().map_or(Ok(()), |fault| Err(BuildErrors::from(fault).into()))
+    outputs::preflight(&settings)
+        .into_iter()
+        .next()
+        .map_or(Ok(()), |fault| Err(BuildErrors::from(fault).into()))
 }
 
 /// What makes the recording, when what is allowed has been looked at.

@@ -31,7 +31,7 @@ fn bench_tells_speed_memory_stages_and_error() {
     let folder = tempfile::tempdir().unwrap();
     let report = json(&small(folder.path(), "bench", &["--pulses", "60", "--json"]));
     // A buoy beside the facets.
-    let whole = [("facets", 256), ("contacts", 257), ("channels", 4), ("pulses", 60), ("threads", 2)];
+    let whole = [("facets", 256), ("paths", 257), ("channels", 4), ("pulses", 60), ("threads", 2)];
     for (key, expected) in whole {
         assert_eq!(report[key], expected, "{key}");
     }
@@ -55,7 +55,7 @@ fn bench_tells_speed_memory_stages_and_error() {
     assert!(startup_s > 0.0, "{startup_s}");
     // What the workers spent is what they had: two of them for as long as generation took, less what they waited.
     let stages = report["stages"].as_object().unwrap();
-    for stage in ["record", "surface", "shadow", "contacts", "fill", "spread", "transform", "receive"] {
+    for stage in ["record", "surface", "shadow", "paths", "fill", "spread", "transform", "receive"] {
         assert!(stages[stage].as_f64().unwrap() >= 0.0, "{stage}");
     }
     let spent_s: f64 = stages.values().map(|seconds| seconds.as_f64().unwrap()).sum();
@@ -127,7 +127,7 @@ fn bench_of_targets_alone() {
     for (echo, most_db) in [("fast", -60.0), ("reference", -200.0)] {
         let report = bench(&["--set", &format!("fidelity.echo={echo}")]);
         assert_eq!((&report["facets"], &report["settings"]["echo"]), (&0.into(), &echo.into()));
-        assert!(number(&report, "contacts") >= 1.0 && number(&report, "rel_rms_db") <= most_db, "{report}");
+        assert!(number(&report, "paths") >= 1.0 && number(&report, "rel_rms_db") <= most_db, "{report}");
     }
     assert_eq!(bench(&["--error-pulses", "0"])["settings"]["echo"], "fast", "the default");
 }

@@ -14,7 +14,7 @@ fn tool(name: &str, modules: &str, arguments: &[&str], folder: &Path) -> Option<
         return None;
     }
     let mut command = Command::new("python3");
-    // Loops of so few contacts are faster interpreted than compiled. Modules of the folder go first.
+    // Loops of so few scatterer paths are faster interpreted than compiled. Modules of the folder go first.
     command.env("NUMBA_DISABLE_JIT", "1").env("PYTHONPATH", folder).env("PYTHONDONTWRITEBYTECODE", "1");
     Some(
         command.arg(package().join("tools").join(name)).args(arguments).current_dir(folder).output().unwrap(),
@@ -40,7 +40,7 @@ fn baseline_agrees_with_the_recording_and_is_timed() {
     assert!(ended.status.success(), "{said}{}", text(&ended.stderr));
     let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
     // 256 facets and a buoy.
-    assert_eq!(report["contacts"], 257);
+    assert_eq!(report["paths"], 257);
     let error = |way: &str, of: &str| report["error_db"][way][of].as_f64();
     // What the receive filter takes from one chirp of 60 MHz is -20.3 dB of it. Here the echoes of a few resolution cells of
     // random phase add up, so that the share scatters from pulse to pulse: 6 dB are left to it.

@@ -95,7 +95,7 @@ fn wrong_input_is_named() {
 fn contacts_are_those_of_the_pulse() {
     let folder = tempfile::tempdir().unwrap();
     let coastal = package().join("configs/coastal.toml").display().to_string();
-    let ask = ["snapshot", &coastal, "--pulse", "137", "--contacts", "c.h5", "--json"];
+    let ask = ["snapshot", &coastal, "--pulse", "137", "--paths", "c.h5", "--json"];
     let ended = nereus(folder.path(), &ask);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
@@ -142,7 +142,7 @@ fn contacts_are_those_of_the_pulse() {
 #[test]
 fn contacts_ask_for_hdf5() {
     let folder = tempfile::tempdir().unwrap();
-    let ended = snapshot(folder.path(), &["--contacts", "c.h5"]);
+    let ended = snapshot(folder.path(), &["--paths", "c.h5"]);
     assert_eq!(ended.code, 2);
     assert!(ended.stderr.contains("no HDF5 (feature `hdf5`): c.h5"), "{}", ended.stderr);
 }

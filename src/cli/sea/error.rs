@@ -78,7 +78,7 @@ pub enum SeaError {
     /// The map cannot be written.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// The contacts cannot be written.
+    /// The scatterer paths cannot be written.
     #[error(transparent)]
     Contacts(#[from] PathFileError),
     /// The state cannot be written.

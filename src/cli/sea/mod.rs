@@ -5,7 +5,7 @@
 //! [`map_file`](crate::recording::map_file) with format `nereus-sea`, [`picture`](crate::plot::picture),
 //! [`state`](crate::sea::surface::state).
 
-mod contacts;
+mod paths;
 mod error;
 pub(super) mod field;
 pub mod snapshot;

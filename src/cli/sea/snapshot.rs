@@ -5,7 +5,7 @@
 //! away) are masked. The HDF5 file has the contributions of all channels, delays, Doppler, heights, and whether the window receives a
 //! facet.
 //!
-//! `--contacts` writes what the echo of the pulse is made of, facets, targets and direct paths alike
+//! `--paths` writes what the echo of the pulse is made of, facets, targets and direct paths alike
 //! ([`contact_file`](crate::recording::path_file)); for that alone the scenario needs no sea.
 
 use crate::cli::scenario::ScenarioArgs;
@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::super::error::CliError;
 use super::super::{say, warn};
-use super::{SeaError, contacts};
+use super::{SeaError, paths};
 use crate::cli::outputs::{axes, outputs, save_png};
 use crate::cli::values::counts;
 use crate::config::Run;
@@ -50,7 +50,7 @@ pub struct SnapshotArgs {
     pub out: Option<PathBuf>,
     /// Contacts of the pulse to write: delays, rates, amplitudes of every channel (HDF5)
     #[arg(long, value_name = "PATH.h5")]
-    pub contacts: Option<PathBuf>,
+    pub paths: Option<PathBuf>,
     /// Picture to make
     #[arg(long, value_name = "PATH.png")]
     pub png: Option<PathBuf>,
@@ -75,7 +75,7 @@ struct Report {
     channels: Vec<(String, Option<f64>, Option<f64>)>,
     out: Option<PathBuf>,
     png: Option<PathBuf>,
-    contacts: Option<PathBuf>,
+    paths: Option<PathBuf>,
     /// How many there are in that file.
     contact_count: Option<usize>,
 }
@@ -87,7 +87,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let scene = &run.scene;
     let no_sea = || SeaError::NoSea { path: args.scenario.config.clone() };
     let mapped = args.out.is_some() || args.png.is_some();
-    if scene.sea.is_none() && (mapped || args.contacts.is_none()) {
+    if scene.sea.is_none() && (mapped || args.paths.is_none()) {
         return Err(no_sea().into());
     }
     let names: Vec<&str> = scene.radar.channels.iter().map(|channel| channel.name.as_str()).collect();
@@ -101,7 +101,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     if args.pulse >= scene.pulses {
         return Err(SeaError::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
     }
-    let asked = [&args.out, &args.contacts, &args.png];
+    let asked = [&args.out, &args.paths, &args.png];
     let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
     let [map, list, picture] = outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.force)?;
     let factory = changing::factory(&run, &Fidelity::Reference)?;
@@ -119,12 +119,12 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
         }
     }
     if let Some(output) = list {
-        let count = contacts::write(output, &run, &factory, args.pulse)?;
-        say(format_args!("pulse {}: {count} contacts", args.pulse));
+        let count = paths::write(output, &run, &factory, args.pulse)?;
+        say(format_args!("pulse {}: {count} paths", args.pulse));
         report.contact_count = Some(count);
     }
-    if !mapped && args.contacts.is_none() {
-        say("no file was asked for: --out, --png, --contacts");
+    if !mapped && args.paths.is_none() {
+        say("no file was asked for: --out, --png, --paths");
     }
     if args.json {
         let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
@@ -134,7 +134,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
 }
 
 fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> Report {
-    let (out, png, contacts) = (args.out.clone(), args.png.clone(), args.contacts.clone());
+    let (out, png, paths) = (args.out.clone(), args.png.clone(), args.paths.clone());
     let Some(snapshot) = snapshot else {
         let (pulse, channels) = (args.pulse, Vec::new());
         return Report {
@@ -145,7 +145,7 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
             channels,
             out,
             png,
-            contacts,
+            paths,
             contact_count: None,
         };
     };
@@ -170,7 +170,7 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
         channels,
         out,
         png,
-        contacts,
+        paths,
         contact_count: None,
     }
 }

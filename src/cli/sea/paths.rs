@@ -1,4 +1,4 @@
-//! `nereus snapshot --contacts`: the contacts that the window of a pulse hears, as the reference echo takes them.
+//! `nereus snapshot --paths`: the scatterer paths that the window of a pulse hears, as the reference echo takes them.
 
 use super::super::error::CliError;
 use super::SeaError;
@@ -10,7 +10,7 @@ use crate::recording::output::Output;
 use crate::recording::path_file::PathFile;
 use crate::scene::radar::{Sweep, Waveform};
 
-/// Writes the file and tells how many contacts it holds.
+/// Writes the file and tells how many scatterer paths it holds.
 pub(super) fn write(
     output: Output,
     run: &Run,
@@ -18,7 +18,7 @@ pub(super) fn write(
     index: u64,
 ) -> Result<usize, CliError> {
     let (mut pulse, mut work) = (factory.slot(), factory.workspace());
-    let contacts = factory
+    let paths = factory
         .contact_list(index, &mut pulse, &mut work)
         .map_err(|error| BuildErrors::from(BuildError::Radar(error)))?;
     let radar = &run.scene.radar;
@@ -57,8 +57,8 @@ pub(super) fn write(
         pairs: &pairs,
         channels: &channels,
         channel_pairs: factory.channel_pairs(),
-        paths: contacts,
+        paths: paths,
     };
     output.write(|partial| Ok::<_, SeaError>(file.write(partial)?))?;
-    Ok(contacts.len())
+    Ok(paths.len())
 }
