@@ -47,19 +47,19 @@
 //! use std::sync::Arc;
 //! use nereus::echo::reference::ReferenceEcho;
 //! use nereus::radar::waveform::Lfm;
-//! use nereus::paths::list::Scatterer paths;
+//! use nereus::paths::list::ScattererPaths;
 //! use nereus::scene::radar::Sweep;
 //! use num_complex::Complex64;
 //!
 //! let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up)?);
 //! let echo = ReferenceEcho::new(pulse, 10e9, 100e6, 256, vec![0]);
-//! let mut scatterer paths = Scatterer paths::new(1, 1, 1);
-//! scatterer paths.emission_offset_s.push(0.0);
-//! scatterer paths.delay_s[0].push(24.1e-6);
-//! scatterer paths.delay_rate[0].push(0.0);
-//! scatterer paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
+//! let mut paths = ScattererPaths::new(1, 1, 1);
+//! paths.emission_offset_s.push(0.0);
+//! paths.delay_s[0].push(24.1e-6);
+//! paths.delay_rate[0].push(0.0);
+//! paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
 //! let mut spectrum = vec![Complex64::ZERO; echo.fft_len()];
-//! let coverage = echo.spectrum(&scatterer paths, 23.6e-6, &mut spectrum);
+//! let coverage = echo.spectrum(&paths, 23.6e-6, &mut spectrum);
 //! assert_eq!(coverage.outside, 0);
 //! # Ok::<(), nereus::radar::waveform::WaveformError>(())
 //! ```

@@ -31,7 +31,7 @@
 //! use nereus::motion::{PlatformTracks, track::Track};
 //! use nereus::pulse::{Layout, Pulse, SampleFormat};
 //! use nereus::paths::PathGenerator;
-//! use nereus::paths::list::Scatterer paths;
+//! use nereus::paths::list::ScattererPaths;
 //! use nereus::scene::{Radar, Scene, Target, radar::*};
 //! use nereus::time::{PulseTimes, TimeTag};
 //!
@@ -78,15 +78,15 @@
 //! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
 //! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
 //! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
-//! let path generator = PathGenerator::new(&scene, 0.333e-6, tracks)?;
+//! let generator = PathGenerator::new(&scene, 0.333e-6, tracks)?;
 //! let layout = Layout {
 //!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, antennas: 2, targets: 1, pairs: 1,
 //!     ships: 0, clocks: 0,
 //! };
-//! let (mut workspace, mut scatterer paths) = (path generator.workspace(), Scatterer paths::new(1, 1, 1));
+//! let (mut workspace, mut paths) = (generator.workspace(), ScattererPaths::new(1, 1, 1));
 //! let mut record = Pulse::new(&layout);
-//! path generator.pulse(3, &mut workspace, &mut scatterer paths, &mut record)?;
-//! assert_eq!(scatterer paths.len(), 1);
+//! generator.pulse(3, &mut workspace, &mut paths, &mut record)?;
+//! assert_eq!(paths.len(), 1);
 //! assert!((record.target_delay_s[0] * 299_792_458.0 - 2.0 * 3000f64.hypot(50.0)).abs() < 1e-8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -1,7 +1,7 @@
 //! Physics dressed as a stage: from a pulse number to a finished pulse.
 //!
 //! ```text
-//! tracks -> path generator -> scatterer paths -> echo -> spectrum -> receiver -> samples
+//! tracks -> generator -> paths -> echo -> spectrum -> receiver -> samples
 //! ```
 //!
 //! The echo is the reference, pulse by pulse, or the fast one, block by block ([`Fidelity`](crate::echo::Fidelity)).

@@ -14,7 +14,7 @@
 //! // ... heights and slopes of 100 facets ...
 //! costs.lap(Stage::Surface);
 //! // ... scatterer paths; 60 are illuminated, 10 of them too weak to matter ...
-//! costs.lap(Stage::Scatterer paths);
+//! costs.lap(Stage::ScattererPaths);
 //! costs.looked_at(100, 60, 10);
 //! costs.accumulated(50);
 //! costs.made();

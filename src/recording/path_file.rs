@@ -20,16 +20,16 @@
 //!
 //! ```
 //! use nereus::recording::path_file::PathFile;
-//! use nereus::paths::list::Scatterer paths;
+//! use nereus::paths::list::ScattererPaths;
 //! use num_complex::Complex64;
-//! let mut scatterer paths = Scatterer paths::new(1, 1, 1);
-//! scatterer paths.push(0.0, [(28.3e-6, -1e-7)], &[Complex64::new(1e-8, 0.0)]);
+//! let mut paths = ScattererPaths::new(1, 1, 1);
+//! paths.push(0.0, [(28.3e-6, -1e-7)], &[Complex64::new(1e-8, 0.0)]);
 //! let file = PathFile {
 //!     attributes: &[],
 //!     pairs: &["tx/rx".to_owned()],
 //!     channels: &["VV".to_owned()],
 //!     channel_pairs: &[0],
-//!     scatterer paths: &scatterer paths,
+//!     paths: &paths,
 //! };
 //! file.check()?;
 //! # Ok::<(), nereus::recording::path_file::PathFileError>(())

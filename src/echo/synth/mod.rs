@@ -11,7 +11,7 @@
 //! as
 //!
 //! ```text
-//! g[j]  = sum_n a_n e^{j 2 pi phi_n} phi(j - y_n)                       (1) spread: w cells for each scatterer path
+//! g[j]  = sum_n a_n e^{j 2 pi phi_n} phi(j - y_n)                       (1) spread: w cells for each path
 //! G[k]  = sum_j g[j] e^{-j 2 pi j k / M}                                (2) one transform of M cells
 //! S[k]  = H(f_k) (1 + r0) P((1 + r0) f_k + f0 r0) e^{-j 2 pi f_k t_0} G[k mod M] / phihat(k)  (3) |k| < N/2
 //! ```
@@ -42,20 +42,20 @@
 //! use std::sync::Arc;
 //! use nereus::echo::synth::{Settings, Synth, block::Node};
 //! use nereus::radar::waveform::Lfm;
-//! use nereus::paths::list::Scatterer paths;
+//! use nereus::paths::list::ScattererPaths;
 //! use nereus::scene::radar::Sweep;
 //! use num_complex::Complex64;
 //!
 //! let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up)?);
 //! let synth = Synth::<f32>::new(pulse, 10e9, 100e6, 256, &[0], Settings::default())?;
-//! let mut scatterer paths = Scatterer paths::new(1, 1, 1);
-//! scatterer paths.emission_offset_s.push(0.0);
-//! scatterer paths.delay_s[0].push(24.1e-6);
-//! scatterer paths.delay_rate[0].push(0.0);
-//! scatterer paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
+//! let mut paths = ScattererPaths::new(1, 1, 1);
+//! paths.emission_offset_s.push(0.0);
+//! paths.delay_s[0].push(24.1e-6);
+//! paths.delay_rate[0].push(0.0);
+//! paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
 //! // A block of four pulses in which nothing moves: one node says it all.
 //! let mut block = synth.block();
-//! synth.fill(&[Node { pulse: 0, scatterer paths: &scatterer paths }], &[23.6e-6; 4], &mut block)?;
+//! synth.fill(&[Node { pulse: 0, paths: &paths }], &[23.6e-6; 4], &mut block)?;
 //! let mut grids = synth.grids();
 //! synth.spread(&block, &mut grids);
 //! let mut spectrum = vec![Complex64::ZERO; synth.fft_len()];
