@@ -64,6 +64,16 @@ fn open(path: &Path) -> Result<File, Fault> {
 
 /// The attribute `format` of an HDF5 file.
 pub(crate) fn format_of(path: &Path) -> Option<Vec<u8>> {
+    format_in(&opened(path)?)
+}
+
+fn format_in(file: &File) -> Option<Vec<u8>> {
+    let format = file.attr("format").ok()?.read_scalar::<VarLenUnicode>().ok()?;
+    Some(format.as_bytes().to_owned())
+}
+
+/// A file that begins as HDF5 does.
+fn opened(path: &Path) -> Option<File> {
     const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
     let mut start = [0; 8];
     regular(path).ok()?;
@@ -71,8 +81,28 @@ pub(crate) fn format_of(path: &Path) -> Option<Vec<u8>> {
     if start != SIGNATURE {
         return None;
     }
-    let format = open(path).ok()?.attr("format").ok()?.read_scalar::<VarLenUnicode>().ok()?;
-    Some(format.as_bytes().to_owned())
+    open(path).ok()
+}
+
+/// A file of this program.
+fn own(path: &Path) -> Option<File> {
+    opened(path).filter(|file| format_in(file).is_some_and(|format| format == b"nereus"))
+}
+
+/// Last pulse of the segment before a file.
+fn after_pulse(file: &File) -> Option<u64> {
+    file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
+}
+
+/// Whether a file was written as a segment after another.
+pub(super) fn is_later_segment(path: &Path) -> bool {
+    own(path).is_some_and(|file| after_pulse(&file).is_some())
+}
+
+/// Whether a recording was received over the wire.
+pub(super) fn is_received(path: &Path) -> bool {
+    let truth = |file: File| file.attr("truth").ok()?.read_scalar::<u8>().ok();
+    own(path).and_then(truth) == Some(0)
 }
 
 /// Whether a file is a recording of this program, or empty.
@@ -408,7 +438,7 @@ impl Recorded {
 
     /// Last pulse of the segment before this file.
     pub(crate) fn after_pulse(&self) -> Option<u64> {
-        self.file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
+        after_pulse(&self.file)
     }
 
     /// Index of one pulse.
