@@ -314,6 +314,27 @@ mod hdf5 {
         }
     }
 
+    /// Before: what had the old name was counted, and its superblock rewritten.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_failure_counts_what_was_moved_and_leaves_what_has_its_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let (path, stored) = (dir.path().join("rec.h5"), dir.path().join("stored.h5"));
+        let mut sink = opened(&path, None, 20);
+        sink.flush().unwrap();
+        fs::rename(&path, &stored).unwrap();
+        assert_eq!((sink.readable(), pulses(&stored)), (Some(20), 20));
+        // Another recording in its place, cut off: its superblock announces more than it has.
+        let mut other = fs::read(&stored).unwrap();
+        other.truncate(other.len() - 10);
+        let mut sink = opened(&path, None, 30);
+        sink.flush().unwrap();
+        fs::rename(&path, &stored).unwrap();
+        fs::write(&path, &other).unwrap();
+        assert_eq!(sink.readable(), Some(0));
+        assert!(fs::read(&path).unwrap() == other, "the file of another program was written");
+    }
+
     /// Segments that are complete are moved on while the run goes on; what is known of them is reported.
     #[cfg(unix)]
     #[test]
@@ -326,6 +347,14 @@ mod hdf5 {
         let report = sink.close().unwrap().place(true).unwrap();
         assert_eq!((report.files.as_slice(), report.gone.as_slice()), (&names[1..], &names[..1]));
         assert!(report.notes()[0].contains("moved or removed by another program"), "{:?}", report.notes());
+        // Where another sink of the run has failed, too.
+        fs::rename(&names[1], dir.path().join("stored.h5")).unwrap();
+        let other = dir.path().join("other.h5");
+        let names: Vec<PathBuf> = (0..3).map(|k| dir.path().join(format!("other_{k:04}.h5"))).collect();
+        let mut sink = opened(&other, Some(0.1), 80);
+        fs::rename(&names[0], dir.path().join("stored.h5")).unwrap();
+        let report = sink.close().unwrap().keep();
+        assert_eq!((report.files.as_slice(), report.gone.as_slice()), (&names[1..], &names[..1]));
         // One that still grows.
         let dir = tempfile::tempdir().unwrap();
         let mut sink = opened(&dir.path().join("rec.h5"), Some(0.1), 80);
@@ -347,14 +376,6 @@ mod hdf5 {
         }
         let out = at("out.h5");
         // The other program may be too late: then both try again.
-        // Where another sink of the run has failed, too.
-        fs::rename(&names[1], dir.path().join("stored.h5")).unwrap();
-        let other = dir.path().join("other.h5");
-        let names: Vec<PathBuf> = (0..3).map(|k| dir.path().join(format!("other_{k:04}.h5"))).collect();
-        let mut sink = opened(&other, Some(0.1), 80);
-        fs::rename(&names[0], dir.path().join("stored.h5")).unwrap();
-        let report = sink.close().unwrap().keep();
-        assert_eq!((report.files.as_slice(), report.gone.as_slice()), (&names[1..], &names[..1]));
         for _ in 0..50 {
             let merged = thread::scope(|scope| {
                 let merging = scope.spawn(|| merge(&shards, &out, false));

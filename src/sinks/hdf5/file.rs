@@ -112,11 +112,12 @@ pub(super) fn is_recording(path: &Path) -> bool {
         || format_of(path).is_some_and(|f| f == b"nereus")
 }
 
-/// Pulses of a recording that a reader finds, after a failure.
-pub(super) fn readable(path: &Path) -> u64 {
+/// Pulses of a recording that a reader finds, after a failure: where it is now, if that is known.
+pub(super) fn readable(draft: &Draft) -> u64 {
+    let Ok(path) = draft.present() else { return 0 };
     // Where that fails too, what cannot be opened is counted as lost.
-    let _ = superblock::enter_end(path);
-    Recorded::open(path).map_or(0, |recorded| recorded.pulses as u64)
+    let _ = superblock::enter_end(&path, |file| draft.is(file));
+    Recorded::open(&path).map_or(0, |recorded| recorded.pulses as u64)
 }
 
 /// Pulses per chunk of the samples.
@@ -228,12 +229,17 @@ impl Recording {
         self.draft.place_early(force)
     }
 
-    /// Closes and removes it.
-    pub(crate) fn abandon(self) {
+    /// Closes what can be closed.
+    pub(super) fn give_up(self) -> Draft {
         let Self { datasets, changes, file, draft, .. } = self;
         drop((datasets, changes));
         drop(file);
-        draft.abandon();
+        draft
+    }
+
+    /// Closes and removes it.
+    pub(crate) fn abandon(self) {
+        self.give_up().abandon();
     }
 
     /// Pulses taken, flushed or not.

@@ -272,8 +272,8 @@ impl Hdf5Sink {
                     self.drafts.push(draft);
                 }
                 Err(failed) => {
-                    let (fault, _) = *failed;
-                    self.closed_pulses += file::readable(&path);
+                    let (fault, draft) = *failed;
+                    self.closed_pulses += file::readable(&draft);
                     return Err(Fault::at(&path, "closing the recording")(fault));
                 }
             }
@@ -349,12 +349,8 @@ impl Sink for Hdf5Sink {
     }
 
     fn readable(&mut self) -> Option<u64> {
-        let growing = self.recording.take().map(|recording| {
-            let path = recording.path().to_owned();
-            // Closes what can be closed.
-            drop(recording);
-            file::readable(&path)
-        });
+        // Closes what can be closed.
+        let growing = self.recording.take().map(|recording| file::readable(&recording.give_up()));
         Some(self.closed_pulses + growing.unwrap_or(0))
     }
 
