@@ -504,16 +504,30 @@ impl Recorded {
         })
     }
 
-    /// Reads all there is and keeps nothing of it.
+    /// Reads all there is and keeps nothing of it. A fault does not end it: others read on behind one, too.
     pub(crate) fn read_through(&self) -> Result<(), Fault> {
         let rows = (CHUNK_BYTES / self.row_bytes().max(1)).clamp(1, 4096);
         let held = self.columns.iter().filter(|column| self.has(column));
+        let mut first = None;
+        let mut more: u64 = 0;
         for column in held {
             for from in (0..self.pulses).step_by(rows) {
-                self.column(column, from, (from + rows).min(self.pulses))?;
+                let to = (from + rows).min(self.pulses);
+                match (self.column(column, from, to), &first) {
+                    (Ok(_), _) => {}
+                    (Err(fault), None) => {
+                        first = Some(format!("/{}, rows {from}..{to}: {fault}", column.path))
+                    }
+                    (Err(_), Some(_)) => more += 1,
+                }
             }
         }
-        Ok(())
+        match (first, more) {
+            (None, _) => Ok(()),
+            (Some(first), 0) => Err(Fault::Text(first)),
+            (Some(first), 1) => Err(Fault::Text(format!("{first}; and 1 more fault"))),
+            (Some(first), more) => Err(Fault::Text(format!("{first}; and {more} more faults"))),
+        }
     }
 
     /// Bytes of a pulse over all columns.
