@@ -337,6 +337,18 @@ impl Draft {
         self.is_handed_on = true;
     }
 
+    /// Whether a file that is open is this output.
+    #[cfg(feature = "hdf5")]
+    pub(crate) fn is(&self, file: &fs::File) -> bool {
+        let found = file.metadata().ok().map(|data| Identity::of_data(&data));
+        found.is_some() && found == self.made.as_ref().map(|(identity, _)| *identity)
+    }
+
+    /// Whether others may have it ([`Self::hand_on`]) and it is no longer where it was.
+    pub fn is_gone(&self) -> bool {
+        matches!(self.place_now(), Ok(Place::HandedOn))
+    }
+
     /// Where it is now: another program may have moved it.
     ///
     /// # Errors

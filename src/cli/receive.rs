@@ -15,9 +15,9 @@ use super::{counted, say};
 use crate::files;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::outputs;
-use crate::receive::Listener;
 use crate::receive::listener::{Opener, Senders, Until, senders};
 use crate::receive::report::Report;
+use crate::receive::{Listener, RUNS};
 use crate::sinks::plain::PlainSink;
 use crate::sinks::sink::Sink;
 use crate::sinks::{self, Kind};
@@ -103,7 +103,7 @@ fn part(path: &Path, number: usize) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Recordings of further runs that are there.
+/// Recordings of further runs that an earlier reception left. `flight-20180509.h5` is none, nor what a run has written.
 fn parts(path: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(files::folder(path)) else { return Vec::new() };
     let stem = format!("{}-", path.file_stem().unwrap_or_default().to_string_lossy());
@@ -113,11 +113,20 @@ fn parts(path: &Path) -> Vec<PathBuf> {
         .filter(|candidate| {
             let name = candidate.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let number = name.strip_prefix(&stem).and_then(|number| number.parse().ok());
-            number.is_some_and(|number| number >= 2 && part(path, number) == *candidate)
+            let is_part = |number| (2..=RUNS + 1).contains(&number) && part(path, number) == *candidate;
+            number.is_some_and(is_part) && is_received(candidate)
         })
         .collect();
     found.sort();
     found
+}
+
+fn is_received(path: &Path) -> bool {
+    #[cfg(feature = "hdf5")]
+    if names_hdf5(path) {
+        return sinks::hdf5::is_received(path);
+    }
+    sinks::plain::is_received(path)
 }
 
 /// What makes the recordings of further runs.

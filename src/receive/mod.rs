@@ -55,7 +55,7 @@ use roster::Roster;
 pub use listener::{Listener, ReceiveError};
 
 /// Further runs that are followed: whoever can begin runs does not fill a disk with their files.
-const RUNS: usize = 999;
+pub(crate) const RUNS: usize = 999;
 
 /// What the wire does not carry.
 pub const NOT_CARRIED: &[&str] = &[

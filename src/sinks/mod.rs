@@ -145,7 +145,7 @@ impl Claim {
         let beside = files::spelling(files::folder(path)).join(path.file_name().unwrap_or_default());
         let mut names = vec![beside.clone()];
         if segmented {
-            names.extend(segments(path).iter().map(|segment| files::spelling(segment)));
+            names.extend(segments(path).map(|segment| files::spelling(&segment)));
         } else {
             names.push(files::spelling(path));
         }
@@ -171,13 +171,13 @@ impl Claim {
 }
 
 #[cfg(feature = "hdf5")]
-fn segments(path: &Path) -> Vec<PathBuf> {
-    hdf5::existing(path, Some(1.0))
+fn segments(path: &Path) -> impl Iterator<Item = PathBuf> {
+    hdf5::named_as_segments(path).into_iter().map(|(_, path)| path)
 }
 
 #[cfg(not(feature = "hdf5"))]
-fn segments(_: &Path) -> Vec<PathBuf> {
-    Vec::new()
+fn segments(_: &Path) -> impl Iterator<Item = PathBuf> {
+    std::iter::empty()
 }
 
 #[cfg(feature = "hdf5")]

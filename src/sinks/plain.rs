@@ -87,19 +87,27 @@ fn recognise(path: &Path) -> Option<Holding> {
         // Folders in it, even empty ones, are none that a recording has made.
         return folders.is_empty().then(|| Holding::Folder(Vec::new()));
     }
-    let meta_path = path.join(META);
-    if !fs::symlink_metadata(&meta_path).is_ok_and(|data| data.is_file() && data.len() <= META_BYTES) {
-        return None;
-    }
-    let meta: Value = serde_json::from_slice(&fs::read(meta_path).ok()?).ok()?;
-    if meta["format"] != "nereus" {
-        return None;
-    }
+    let meta = own_meta(path)?;
     let columns = meta["columns"].as_object()?;
     let own = own_files(columns.keys().map(String::as_str));
     let is_own = |folder: &PathBuf| own.iter().any(|file| file.starts_with(folder));
     (found.iter().all(|file| own.contains(file)) && folders.iter().all(is_own))
         .then_some(Holding::Folder(own))
+}
+
+/// The header of a folder of this program.
+fn own_meta(path: &Path) -> Option<Value> {
+    let path = path.join(META);
+    if !fs::symlink_metadata(&path).is_ok_and(|data| data.is_file() && data.len() <= META_BYTES) {
+        return None;
+    }
+    let meta: Value = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
+    (meta["format"] == "nereus").then_some(meta)
+}
+
+/// Whether a recording holds what a receiver took from the wire, not what a run wrote.
+pub(crate) fn is_received(path: &Path) -> bool {
+    own_meta(path).is_some_and(|meta| meta["truth"] == false)
 }
 
 /// Every file and every folder below a folder; `None` if something there is neither.

@@ -68,7 +68,7 @@ pub struct Closed {
     pub(super) drafts: Vec<Draft>,
     /// Whether older recordings are replaced.
     pub(super) force: bool,
-    /// Older segments beyond those of this run.
+    /// Older parts beyond those of this run: segments, recordings of further runs.
     pub(super) surplus: Vec<PathBuf>,
     pub(super) recognise: Option<fn(&Path) -> Option<Holding>>,
 }
@@ -96,6 +96,7 @@ impl Closed {
             if report.bytes == 0 && !draft.is_in_place() && draft.target().exists() {
                 draft.abandon();
                 report.kept.push(name);
+                report.kept_because = Some(Keeping::Empty);
                 continue;
             }
             let target = draft.target().to_owned();
@@ -113,13 +114,23 @@ impl Closed {
                 }
             }
         }
-        if whole && error.is_none() && report.bytes > 0 {
-            for path in surplus {
-                let fault = files::remove_recognised(&path, &recognise).err();
-                error = error.or(fault);
+        let why = match error {
+            _ if report.bytes == 0 => Some(Keeping::Empty),
+            Some(_) => Some(Keeping::Unplaced),
+            None => (!whole).then_some(Keeping::Part),
+        };
+        for path in surplus {
+            // Somebody has put a link there: what it points to is not beside the output.
+            let is_link = std::fs::symlink_metadata(&path).is_ok_and(|data| data.is_symlink());
+            if let Some(why) = why.or(is_link.then_some(Keeping::Link)) {
+                report.kept.push(path);
+                report.kept_because = Some(why);
+                continue;
             }
-        } else {
-            report.kept.extend(surplus);
+            match files::remove_recognised(&path, &recognise) {
+                Ok(()) => report.removed.push(path),
+                Err(fault) => error = error.or(Some(fault)),
+            }
         }
         match error {
             None => Ok(report),
@@ -130,10 +141,44 @@ impl Closed {
     /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor does it
     /// replace anything.
     pub fn keep(mut self) -> SinkReport {
-        if !self.drafts.is_empty() {
-            self.report.files = self.drafts.iter().filter_map(|draft| draft.present().ok()).collect();
+        if self.drafts.is_empty() {
+            return self.report;
+        }
+        let mut names = std::mem::take(&mut self.report.files).into_iter();
+        for draft in &self.drafts {
+            let name = names.next().unwrap_or_else(|| draft.target().to_owned());
+            match draft.present() {
+                Ok(_) if draft.is_gone() => self.report.gone.push(name),
+                Ok(at) | Err(FileFault::Moved { now: Some(at), .. }) => self.report.files.push(at),
+                Err(_) => self.report.gone.push(name),
+            }
         }
         self.report
+    }
+}
+
+/// Why older outputs stay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeping {
+    /// Nothing was written.
+    Empty,
+    /// The run was stopped, or was a part of its pulses.
+    Part,
+    /// A new output could not be put in its place.
+    Unplaced,
+    /// They are links.
+    Link,
+}
+
+impl Keeping {
+    /// For people.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Empty => "not overwritten, because this run has written nothing",
+            Self::Part => "older, not removed, because the run was stopped or was a part of its pulses",
+            Self::Unplaced => "older, not removed, because not all new outputs could be put in place",
+            Self::Link => "older, not removed, because it is a link",
+        }
     }
 }
 
@@ -157,10 +202,16 @@ pub struct SinkReport {
     pub bytes: u64,
     /// What was written, in order.
     pub files: Vec<PathBuf>,
-    /// Older outputs that stay although they were to be replaced: nothing was written, or the run was not whole.
+    /// Older outputs that stay although they were to be replaced.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub kept: Vec<PathBuf>,
-    /// Segments that another program has moved on or removed after they were complete.
+    /// Why they stay.
+    #[serde(skip)]
+    pub kept_because: Option<Keeping>,
+    /// Older parts that were removed, because this run has none in their places.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub removed: Vec<PathBuf>,
+    /// Outputs that another program has moved on or removed after they were complete.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gone: Vec<PathBuf>,
     /// Of a sink that sends: what became of its datagrams.
@@ -174,17 +225,16 @@ pub struct SinkReport {
 impl SinkReport {
     /// What the user should know of older outputs, and of files that are no longer there.
     pub fn notes(&self) -> Vec<String> {
-        let kept = match self.bytes {
-            0 => "not overwritten, because this run has written nothing",
-            _ => "older, not removed, because the run was stopped or was a part of its pulses",
-        };
+        let kept = self.kept_because.map_or("older, not removed", Keeping::words);
         let of = |files: &[PathBuf], what: &str| match files {
             [] => None,
             [file] => Some(format!("{}: {what}", file.display())),
             [first, more @ ..] => Some(format!("{} and {} more: {what}", first.display(), more.len())),
         };
         let gone = "moved or removed by another program after it was complete";
-        [of(&self.kept, kept), of(&self.gone, gone)].into_iter().flatten().collect()
+        let removed = "older, removed, because this run has no such part";
+        let all = [of(&self.kept, kept), of(&self.removed, removed), of(&self.gone, gone)];
+        all.into_iter().flatten().collect()
     }
 }
 

@@ -326,8 +326,13 @@ fn segments_of_others_stay() {
     assert!(names.iter().all(|name| left.contains(name)) && !left[0].starts_with('.'), "{left:?}");
     // Whole: what it does not write goes.
     let words = ["--pace", "fast", "--duration-s", "0.2", "--force"];
-    assert!(ended(&words).0["out"][0]["kept"].is_null());
-    assert_eq!(listing(folder.path()), names[..2]);
+    // A recording that only has such a name is none of them.
+    fs::copy(folder.path().join("rec_0000.h5"), folder.path().join("rec_20180509.h5")).unwrap();
+    let (report, stderr) = ended(&words);
+    assert!(report["out"][0]["kept"].is_null(), "{report}");
+    assert_eq!(report["out"][0]["removed"], serde_json::json!(names[2..]), "{report}");
+    assert!(stderr.contains("rec_0002.h5 and 1 more: older, removed, because"), "{stderr}");
+    assert_eq!(listing(folder.path()), [&names[..2], &["rec_20180509.h5".to_owned()]].concat());
 }
 
 /// Somebody removes the recording while it grows.

@@ -275,18 +275,23 @@ fn further_recordings_follow_the_rule_of_outputs() {
     assert!(there(second));
     stdout(receiver);
     assert!(there(out) && !there(second) && there("left-4.txt") && there("left-x"));
-    // What is no recording is not replaced.
-    fs::create_dir(folder.path().join("notes")).unwrap();
-    fs::write(folder.path().join("notes/important.txt"), "kept").unwrap();
-    fs::rename(folder.path().join("notes"), folder.path().join(third)).unwrap();
-    let ended = nereus(
-        folder.path(),
-        &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--restart", "--force", "--out", out],
-    );
-    assert_eq!(ended.code, 2, "{}", ended.stderr);
-    assert!(
-        ended.stderr.contains(third) && folder.path().join(third).join("important.txt").exists(),
-        "{}",
-        ended.stderr
-    );
+    // What was not received is no part, whatever its name: it stays, and nothing is in its way.
+    fs::create_dir(folder.path().join(third)).unwrap();
+    fs::write(folder.path().join(third).join("important.txt"), "kept").unwrap();
+    let dated = out.replace("left", "left-20180509");
+    fs::rename(folder.path().join(out), folder.path().join(&dated)).unwrap();
+    fs::rename(folder.path().join(sent), folder.path().join(second)).unwrap();
+    for force in [None, Some("--force")] {
+        let again = ["--idle-s", "2", "--restart", "--out", out, "--json"];
+        let again: Vec<&str> = again.into_iter().chain(force).collect();
+        let (receiver, address) = listening(folder.path(), &again);
+        live_wire(folder.path(), &address, sent);
+        stdout(receiver);
+        assert!(there(out) && there(second) && there(&dated));
+        assert!(folder.path().join(third).join("important.txt").exists());
+        for name in [out, sent] {
+            let path = folder.path().join(name);
+            fs::remove_dir_all(&path).or_else(|_| fs::remove_file(&path)).unwrap();
+        }
+    }
 }

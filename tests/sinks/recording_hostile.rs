@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use nereus::pulse::{Pulse, SampleFormat};
+use nereus::pulse::{Pulse, SampleFormat, Samples};
 use nereus::recording::{Recording, RecordingError};
 use nereus::sinks::hdf5::{Hdf5Sink, read_through};
 use nereus::sinks::plain::PlainSink;
@@ -76,6 +76,27 @@ fn figures_that_no_radar_has_are_refused() {
     assert!(refused(&path).contains("pulse/window_start_s of pulse 7 is NaN"), "{}", refused(&path));
     hdf5(&path, |pulse| pulse.time = PulseTimes::uniform(PRF_HZ).unwrap().emission(pulse.time, 1_000_000));
     assert!(refused(&path).contains("pulse 8 leaves"), "{}", refused(&path));
+}
+
+/// Whoever has a recording examined reads on after a fault, so nothing may lie behind it unread. Before: the examination
+/// ended at the first.
+#[test]
+fn an_examination_reads_all_whatever_is_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.h5");
+    hdf5(&path, |pulse| {
+        let Samples::Cf32(samples) = &mut pulse.samples else { panic!() };
+        samples[0] = num_complex::Complex32::new(1234.5, -6.75);
+    });
+    let mut bytes = fs::read(&path).unwrap();
+    let sample = [1234.5_f32.to_le_bytes(), (-6.75_f32).to_le_bytes()].concat();
+    for chunk in [sample, 1e-5_f64.to_le_bytes().repeat(20)] {
+        let at = (0..bytes.len() - chunk.len()).find(|at| bytes[*at..].starts_with(&chunk)).unwrap();
+        bytes[at] ^= 1;
+    }
+    fs::write(&path, bytes).unwrap();
+    let said = read_through(&path).unwrap_err().to_string();
+    assert!(said.contains("/iq") && said.contains("; and 1 more fault"), "{said}");
 }
 
 /// Links to other files and to the file itself, and data that lies elsewhere.

@@ -46,12 +46,15 @@ fn hdf5_outputs_and_their_segments() {
         queue_pulses: 8,
     };
     fs::write(dir.path().join("a.h5"), "").unwrap();
-    fs::write(dir.path().join("b_0003.h5"), "").unwrap();
+    fs::write(dir.path().join("b_0000.h5"), "").unwrap();
     assert_eq!(preflight(&[hdf5("a.h5", None, false)]).len(), 1);
     assert_eq!(preflight(&[hdf5("a.h5", None, true)]).len(), 0);
     assert_eq!(preflight(&[hdf5("b.h5", None, false)]).len(), 0);
     assert_eq!(preflight(&[hdf5("b.h5", Some(1.0), false)]).len(), 1);
     assert_eq!(preflight(&[hdf5("b.h5", Some(1.0), true)]).len(), 0);
+    // No segment: it was not written as one.
+    fs::rename(dir.path().join("b_0000.h5"), dir.path().join("b_0003.h5")).unwrap();
+    assert_eq!(preflight(&[hdf5("b.h5", Some(1.0), false)]).len(), 0);
     for segment_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let faults = preflight(&[hdf5("c.h5", Some(segment_s), false)]);
         assert!(matches!(faults.as_slice(), [SinkError::Segment { .. }]), "{faults:?}");

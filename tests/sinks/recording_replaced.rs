@@ -193,6 +193,56 @@ mod hdf5 {
         assert_eq!(listing(dir.path()), ["rec_0000.h5", "rec_0001.h5"]);
     }
 
+    /// Before: `rec_20180509.h5` was taken for segment 20180509 and removed.
+    #[test]
+    fn recordings_that_are_no_segments_stay() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rec.h5");
+        let header = header(SampleFormat::Cf32);
+        let (flight, note) = (dir.path().join("rec_20180509.h5"), dir.path().join("rec_0008.h5"));
+        record(&flight, None, &header, 0, 5);
+        fs::write(&note, "a note").unwrap();
+        // They stand in nobody's way: the 100 pulses of this run end in segment 2.
+        unlocked(|| Hdf5Sink::create(&path, Some(0.1), false, &header)).abandon();
+        record(&path, Some(0.1), &header, 0, 110);
+        let report = opened(&path, Some(0.1), 40).close().unwrap().place(true).unwrap();
+        assert_eq!(listing(dir.path()), ["rec_0000.h5", "rec_0001.h5", "rec_0008.h5", "rec_20180509.h5"]);
+        assert_eq!((report.files.len(), report.kept.len(), pulses(&flight)), (2, 0, 5));
+        let gone: Vec<PathBuf> = (2..4).map(|k| dir.path().join(format!("rec_{k:04}.h5"))).collect();
+        assert_eq!(report.removed, gone);
+        let note =
+            format!("{} and 1 more: older, removed, because this run has no such part", gone[0].display());
+        assert_eq!(report.notes(), [note]);
+        // What the run itself would come upon is said at its start.
+        for k in 0..2 {
+            fs::remove_file(dir.path().join(format!("rec_{k:04}.h5"))).unwrap();
+        }
+        let there = dir.path().join("rec_0002.h5");
+        fs::rename(&flight, &there).unwrap();
+        let refused = Hdf5Sink::create(&path, Some(0.1), false, &header).unwrap_err();
+        assert!(matches!(&refused, SinkError::Exists { path } if *path == there), "{refused}");
+    }
+
+    /// Before: it was refused when all new segments were in place, and the run failed.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_an_older_segment_stays() {
+        let dir = tempfile::tempdir().unwrap();
+        let (path, far) = (dir.path().join("rec.h5"), dir.path().join("stored.h5"));
+        let names: Vec<PathBuf> = (0..4).map(|k| dir.path().join(format!("rec_{k:04}.h5"))).collect();
+        record(&path, Some(0.1), &header(SampleFormat::Cf32), 0, 110);
+        fs::rename(&names[3], &far).unwrap();
+        std::os::unix::fs::symlink(&far, &names[3]).unwrap();
+        let report = opened(&path, Some(0.1), 40).close().unwrap().place(true).unwrap();
+        assert_eq!((report.files.as_slice(), report.kept.as_slice()), (&names[..2], &names[3..]));
+        assert_eq!(listing(dir.path()), ["rec_0000.h5", "rec_0001.h5", "rec_0003.h5", "stored.h5"]);
+        assert_eq!(pulses(&names[3]), 10);
+        let notes = report.notes();
+        assert!(
+            notes.iter().any(|note| note.contains("rec_0003.h5: older, not removed, because it is a link"))
+        );
+    }
+
     #[test]
     fn an_empty_file_takes_no_recordings_place() {
         let dir = tempfile::tempdir().unwrap();
@@ -218,6 +268,8 @@ mod hdf5 {
         assert_eq!(of, &names[1]);
         assert_eq!(report.files, [names[0].clone(), at.clone(), names[2].clone()]);
         assert_eq!(report.kept, names[3..]);
+        let note = "older, not removed, because not all new outputs could be put in place";
+        assert_eq!(report.notes(), [format!("{}: {note}", names[3].display())]);
         assert_eq!(report.files.iter().map(|file| pulses(file)).collect::<Vec<_>>(), [34, 33, 23]);
         assert_eq!((pulses(&names[1]), pulses(&names[3])), (33, 10));
     }
@@ -256,6 +308,27 @@ mod hdf5 {
         }
     }
 
+    /// Before: what had the old name was counted, and its superblock rewritten.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_failure_counts_what_was_moved_and_leaves_what_has_its_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let (path, stored) = (dir.path().join("rec.h5"), dir.path().join("stored.h5"));
+        let mut sink = opened(&path, None, 20);
+        sink.flush().unwrap();
+        fs::rename(&path, &stored).unwrap();
+        assert_eq!((sink.readable(), pulses(&stored)), (Some(20), 20));
+        // Another recording in its place, cut off: its superblock announces more than it has.
+        let mut other = fs::read(&stored).unwrap();
+        other.truncate(other.len() - 10);
+        let mut sink = opened(&path, None, 30);
+        sink.flush().unwrap();
+        fs::rename(&path, &stored).unwrap();
+        fs::write(&path, &other).unwrap();
+        assert_eq!(sink.readable(), Some(0));
+        assert!(fs::read(&path).unwrap() == other, "the file of another program was written");
+    }
+
     /// Segments that are complete are moved on while the run goes on; what is known of them is reported.
     #[cfg(unix)]
     #[test]
@@ -268,6 +341,14 @@ mod hdf5 {
         let report = sink.close().unwrap().place(true).unwrap();
         assert_eq!((report.files.as_slice(), report.gone.as_slice()), (&names[1..], &names[..1]));
         assert!(report.notes()[0].contains("moved or removed by another program"), "{:?}", report.notes());
+        // Where another sink of the run has failed, too.
+        fs::rename(&names[1], dir.path().join("stored.h5")).unwrap();
+        let other = dir.path().join("other.h5");
+        let names: Vec<PathBuf> = (0..3).map(|k| dir.path().join(format!("other_{k:04}.h5"))).collect();
+        let mut sink = opened(&other, Some(0.1), 80);
+        fs::rename(&names[0], dir.path().join("stored.h5")).unwrap();
+        let report = sink.close().unwrap().keep();
+        assert_eq!((report.files.as_slice(), report.gone.as_slice()), (&names[1..], &names[..1]));
         // One that still grows.
         let dir = tempfile::tempdir().unwrap();
         let mut sink = opened(&dir.path().join("rec.h5"), Some(0.1), 80);

@@ -64,6 +64,16 @@ fn open(path: &Path) -> Result<File, Fault> {
 
 /// The attribute `format` of an HDF5 file.
 pub(crate) fn format_of(path: &Path) -> Option<Vec<u8>> {
+    format_in(&opened(path)?)
+}
+
+fn format_in(file: &File) -> Option<Vec<u8>> {
+    let format = file.attr("format").ok()?.read_scalar::<VarLenUnicode>().ok()?;
+    Some(format.as_bytes().to_owned())
+}
+
+/// A file that begins as HDF5 does.
+fn opened(path: &Path) -> Option<File> {
     const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
     let mut start = [0; 8];
     regular(path).ok()?;
@@ -71,8 +81,28 @@ pub(crate) fn format_of(path: &Path) -> Option<Vec<u8>> {
     if start != SIGNATURE {
         return None;
     }
-    let format = open(path).ok()?.attr("format").ok()?.read_scalar::<VarLenUnicode>().ok()?;
-    Some(format.as_bytes().to_owned())
+    open(path).ok()
+}
+
+/// A file of this program.
+fn own(path: &Path) -> Option<File> {
+    opened(path).filter(|file| format_in(file).is_some_and(|format| format == b"nereus"))
+}
+
+/// Last pulse of the segment before a file.
+fn after_pulse(file: &File) -> Option<u64> {
+    file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
+}
+
+/// Whether a file was written as a segment after another.
+pub(super) fn is_later_segment(path: &Path) -> bool {
+    own(path).is_some_and(|file| after_pulse(&file).is_some())
+}
+
+/// Whether a recording was received over the wire.
+pub(super) fn is_received(path: &Path) -> bool {
+    let truth = |file: File| file.attr("truth").ok()?.read_scalar::<u8>().ok();
+    own(path).and_then(truth) == Some(0)
 }
 
 /// Whether a file is a recording of this program, or empty.
@@ -82,11 +112,12 @@ pub(super) fn is_recording(path: &Path) -> bool {
         || format_of(path).is_some_and(|f| f == b"nereus")
 }
 
-/// Pulses of a recording that a reader finds, after a failure.
-pub(super) fn readable(path: &Path) -> u64 {
+/// Pulses of a recording that a reader finds, after a failure: where it is now, if that is known.
+pub(super) fn readable(draft: &Draft) -> u64 {
+    let Ok(path) = draft.present() else { return 0 };
     // Where that fails too, what cannot be opened is counted as lost.
-    let _ = superblock::enter_end(path);
-    Recorded::open(path).map_or(0, |recorded| recorded.pulses as u64)
+    let _ = superblock::enter_end(&path, |file| draft.is(file));
+    Recorded::open(&path).map_or(0, |recorded| recorded.pulses as u64)
 }
 
 /// Pulses per chunk of the samples.
@@ -198,12 +229,17 @@ impl Recording {
         self.draft.place_early(force)
     }
 
-    /// Closes and removes it.
-    pub(crate) fn abandon(self) {
+    /// Closes what can be closed.
+    pub(super) fn give_up(self) -> Draft {
         let Self { datasets, changes, file, draft, .. } = self;
         drop((datasets, changes));
         drop(file);
-        draft.abandon();
+        draft
+    }
+
+    /// Closes and removes it.
+    pub(crate) fn abandon(self) {
+        self.give_up().abandon();
     }
 
     /// Pulses taken, flushed or not.
@@ -408,7 +444,7 @@ impl Recorded {
 
     /// Last pulse of the segment before this file.
     pub(crate) fn after_pulse(&self) -> Option<u64> {
-        self.file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
+        after_pulse(&self.file)
     }
 
     /// Index of one pulse.
@@ -468,16 +504,30 @@ impl Recorded {
         })
     }
 
-    /// Reads all there is and keeps nothing of it.
+    /// Reads all there is and keeps nothing of it. A fault does not end it: others read on behind one, too.
     pub(crate) fn read_through(&self) -> Result<(), Fault> {
         let rows = (CHUNK_BYTES / self.row_bytes().max(1)).clamp(1, 4096);
         let held = self.columns.iter().filter(|column| self.has(column));
+        let mut first = None;
+        let mut more: u64 = 0;
         for column in held {
             for from in (0..self.pulses).step_by(rows) {
-                self.column(column, from, (from + rows).min(self.pulses))?;
+                let to = (from + rows).min(self.pulses);
+                match (self.column(column, from, to), &first) {
+                    (Ok(_), _) => {}
+                    (Err(fault), None) => {
+                        first = Some(format!("/{}, rows {from}..{to}: {fault}", column.path))
+                    }
+                    (Err(_), Some(_)) => more += 1,
+                }
             }
         }
-        Ok(())
+        match (first, more) {
+            (None, _) => Ok(()),
+            (Some(first), 0) => Err(Fault::Text(first)),
+            (Some(first), 1) => Err(Fault::Text(format!("{first}; and 1 more fault"))),
+            (Some(first), more) => Err(Fault::Text(format!("{first}; and {more} more faults"))),
+        }
     }
 
     /// Bytes of a pulse over all columns.

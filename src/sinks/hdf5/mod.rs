@@ -100,28 +100,59 @@ pub(super) fn recognise(path: &Path) -> Option<Holding> {
     file::is_recording(path).then_some(Holding::File)
 }
 
-/// Files of an earlier run that this output would replace.
-pub(super) fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
-    if segment_s.is_none() {
-        return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+/// What has the name of a segment, with its number. That does not make it one: `rec_20180509.h5` may be any recording.
+pub(super) fn named_as_segments(path: &Path) -> Vec<(u64, PathBuf)> {
     let stem = format!("{}_", path.file_stem().unwrap_or_default().to_string_lossy());
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let mut found: Vec<PathBuf> = entries
+    let Ok(entries) = fs::read_dir(files::folder(path)) else { return Vec::new() };
+    let mut found: Vec<(u64, PathBuf)> = entries
         .flatten()
         .map(|entry| path.with_file_name(entry.file_name()))
-        .filter(|candidate| {
+        .filter_map(|candidate| {
             let name = candidate.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let number = name.strip_prefix(&stem).and_then(|n| n.parse::<u64>().ok());
-            number.is_some_and(|n| segment_path(path, n) == *candidate)
+            let number = name.strip_prefix(&stem).and_then(|n| n.parse::<u64>().ok())?;
+            (segment_path(path, number) == candidate).then_some((number, candidate))
         })
         .collect();
     found.sort();
     found
+}
+
+/// Files of an earlier run that this output would replace: of segments the first, which every run makes, and those that
+/// were written after another.
+fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
+    if segment_s.is_none() {
+        return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
+    }
+    let found = named_as_segments(path).into_iter();
+    found
+        .filter(|(number, path)| *number == 0 || file::is_later_segment(path))
+        .map(|(_, path)| path)
+        .collect()
+}
+
+/// Number of the segment that an emission is in, s after pulse 0.
+fn segment_at(since_start_s: f64, segment_s: f64) -> u64 {
+    // Half a nanosecond: an emission meant to be at the cut is in the new segment.
+    ((since_start_s + 0.5e-9) / segment_s).floor().max(0.0) as u64
+}
+
+/// Looks at everything that has the name of a segment of this run, as far as its mean PRF says how many there will be.
+fn reached(path: &Path, segment_s: f64, force: bool, header: &Header) -> Result<(), SinkError> {
+    if header.pulses == 0 {
+        return Ok(());
+    }
+    let segment_of = |pulse: u64| segment_at(pulse as f64 / header.prf_hz, segment_s);
+    let last = header.first_pulse.saturating_add(header.pulses - 1);
+    let range = segment_of(header.first_pulse)..=segment_of(last);
+    for (_, path) in named_as_segments(path).into_iter().filter(|(number, _)| range.contains(number)) {
+        files::preflight(&path, force, &recognise)?;
+    }
+    Ok(())
+}
+
+/// Whether a recording holds what a receiver took from the wire, not what a run wrote.
+pub(crate) fn is_received(path: &Path) -> bool {
+    file::is_received(path)
 }
 
 /// Whether a recording may be made here.
@@ -148,7 +179,13 @@ impl Hdf5Sink {
         header.check()?;
         preflight(path, segment_s, force)?;
         // Segments that an earlier run has and this one may not reach.
-        let surplus = if segment_s.is_some() { existing(path, segment_s) } else { Vec::new() };
+        let mut surplus = Vec::new();
+        if let Some(segment_s) = segment_s {
+            reached(path, segment_s, force, header)?;
+            if force {
+                surplus = existing(path, Some(segment_s));
+            }
+        }
         let columns = columns(header);
         let chunk_pulses = file::chunk_pulses(header);
         let row_bytes = columns.iter().map(Column::row_bytes).sum();
@@ -201,8 +238,7 @@ impl Hdf5Sink {
     /// The recording that a pulse belongs to: opens the next segment where one begins.
     fn turn(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
         let Some(segment_s) = self.segment_s else { return Ok(()) };
-        // Half a nanosecond: an emission meant to be at the cut is in the new segment.
-        let segment = ((pulse.time.since(self.header.start) + 0.5e-9) / segment_s).floor().max(0.0) as u64;
+        let segment = segment_at(pulse.time.since(self.header.start), segment_s);
         if self.recording.is_none() || segment != self.segment {
             self.close_file()?;
             // One may move it on while the run goes on.
@@ -236,8 +272,8 @@ impl Hdf5Sink {
                     self.drafts.push(draft);
                 }
                 Err(failed) => {
-                    let (fault, _) = *failed;
-                    self.closed_pulses += file::readable(&path);
+                    let (fault, draft) = *failed;
+                    self.closed_pulses += file::readable(&draft);
                     return Err(Fault::at(&path, "closing the recording")(fault));
                 }
             }
@@ -313,12 +349,8 @@ impl Sink for Hdf5Sink {
     }
 
     fn readable(&mut self) -> Option<u64> {
-        let growing = self.recording.take().map(|recording| {
-            let path = recording.path().to_owned();
-            // Closes what can be closed.
-            drop(recording);
-            file::readable(&path)
-        });
+        // Closes what can be closed.
+        let growing = self.recording.take().map(|recording| file::readable(&recording.give_up()));
         Some(self.closed_pulses + growing.unwrap_or(0))
     }
 

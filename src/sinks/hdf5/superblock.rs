@@ -6,7 +6,7 @@
 //! HDF5 file format, superblock version 2 and 3: the address of the end at byte 28, the checksum (Jenkins' lookup3, 2006) of
 //! the first 44 bytes behind them.
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -14,9 +14,13 @@ const BYTES: usize = 48;
 const END: std::ops::Range<usize> = 28..36;
 const SUMMED: usize = 44;
 
-/// Enters the true end of a file that ends before its superblock says so.
-pub(super) fn enter_end(path: &Path) -> io::Result<()> {
+/// Enters the true end of a file that ends before its superblock says so. Nothing is written where another file has the
+/// name meanwhile.
+pub(super) fn enter_end(path: &Path, is_ours: impl FnOnce(&File) -> bool) -> io::Result<()> {
     let mut file = OpenOptions::new().read(true).write(true).open(path)?;
+    if !is_ours(&file) {
+        return Ok(());
+    }
     let mut block = [0; BYTES];
     file.read_exact(&mut block)?;
     let is_known = block.starts_with(b"\x89HDF\r\n\x1a\n") && matches!(block[8..11], [2 | 3, 8, 8]);
