@@ -16,6 +16,7 @@ mod wire;
 mod wire_fixture;
 mod wire_hostile;
 mod wire_receive;
+mod wire_recordings;
 mod wire_tshark;
 
 #[cfg(feature = "hdf5")]
