@@ -293,7 +293,8 @@ impl Assembly {
         Taken::Waits
     }
 
-    /// Puts samples into the open pulse on whose grid they lie.
+    /// Puts samples into an open pulse on whose grid they lie: first those whose first samples of the channel came, for a
+    /// single state can open a pulse a sample before the true one, whose other packets lie on the grid of both.
     fn place(
         &mut self,
         channel: usize,
@@ -303,17 +304,19 @@ impl Assembly {
         payload: &[u8],
     ) -> Option<Taken> {
         let (samples, rate_hz) = (self.header.layout.samples, self.header.sample_rate_hz);
+        let fits = |at: &usize| at + count <= samples && (!begins || *at == 0);
         let mut double = None;
-        for open in &mut self.open {
-            let fits = |at: &usize| at + count <= samples && (!begins || *at == 0);
-            let Some(at) = sample_at(time_ps, open.first_ps, rate_hz).filter(fits) else { continue };
-            let at = channel * samples + at;
-            if open.has(at) {
-                double = Some(Taken::Double);
-                continue;
+        for begun in [true, false] {
+            for open in self.open.iter_mut().filter(|open| open.has(channel * samples) == begun) {
+                let Some(at) = sample_at(time_ps, open.first_ps, rate_hz).filter(fits) else { continue };
+                let at = channel * samples + at;
+                if open.has(at) {
+                    double = Some(Taken::Double);
+                    continue;
+                }
+                open.fill(at, count, payload);
+                return Some(Taken::Yes);
             }
-            open.fill(at, count, payload);
-            return Some(Taken::Yes);
         }
         double
     }
