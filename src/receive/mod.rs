@@ -10,9 +10,10 @@
 //! Lateness is `arrival - emission` above its least value: it needs no common clock, only two that run alike.
 //!
 //! Nothing hangs on one datagram, for anybody may have sent it. Times and numbers of pulses must be of the run as it was
-//! described and agree with each other. A leap of more than a second is followed when a majority of the states, 32 of 16 pulses at least, agree, and so is a stream that goes back. Until the first pulse is whole, descriptions
-//! that contradict what was learned make the receiver learn anew. A sender that begins again is counted in `restarts`;
-//! [`Receiver::following`] begins again with it.
+//! described and agree with each other. A leap of more than a second is followed when a majority of the states agree, 32 of
+//! 16 pulses at least, and so is a stream that goes back. Until the first pulse is whole, descriptions that contradict what
+//! was learned make the receiver learn anew. A sender that begins again is counted in `restarts`; [`Receiver::following`]
+//! begins again with it.
 //!
 //! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits do not see sixteen
 //! lost packets in a row, time stamps and pulse numbers do.

@@ -125,7 +125,7 @@ fn the_same_run_again_is_followed() {
     let (all, _) = datagrams(&header, 1500, 0, 100);
     let (indices, report) = received(Receiver::following(), all.iter().chain(&all));
     assert_eq!((report.restarts, indices[99]), (1, 99));
-    // Sixty-four late datagrams are needed to believe it, and pulses that were cut are not whole.
+    // Thirty-two states are needed to believe it, and pulses that were cut are not whole.
     assert!(indices.len() >= 180 && *indices.last().unwrap() == 99, "{}", indices.len());
 }
 
