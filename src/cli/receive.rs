@@ -235,6 +235,10 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
             "lateness    p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; that one came {:.6} s after its emission by this clock",
             late.p50_us, late.p99_us, late.max_us, late.least_offset_s
         )?,
+        None if report.datagrams == 0 => writeln!(out, "lateness    not reported: nothing was received")?,
+        None if report.pulses < 2 => {
+            writeln!(out, "lateness    not reported: fewer than two whole pulses were received")?;
+        }
         None => writeln!(out, "lateness    not reported: the stream was not sent in real time")?,
     }
     for platform in &report.platforms {

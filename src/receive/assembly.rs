@@ -12,7 +12,7 @@ use crate::time::TimeTag;
 
 use super::context::State;
 use super::open::Open;
-use super::packet::{Frame, SECOND_PS};
+use super::packet::{Frame, Kind, Packet, SECOND_PS};
 use super::track::{Numbers, Track, Verdict};
 
 /// Pulses that may be open at a time: a packet that comes later than so many pulses after its own is too late.
@@ -45,6 +45,8 @@ pub(super) enum Taken {
     Late,
     /// It waits for its pulse.
     Waits,
+    /// The same waits already.
+    WaitsAlready,
     /// No pulse can have it.
     Stray,
     /// Its time is not one of this run, or far from all others.
@@ -54,9 +56,9 @@ pub(super) enum Taken {
 }
 
 impl Taken {
-    /// Whether the packet is none of the run, as far as can be seen.
-    pub(super) fn is_refused(self) -> bool {
-        matches!(self, Self::Implausible | Self::Misnumbered)
+    /// Whether the packet is of the run, as far as can be seen: one that waits, or that no pulse can have, may be anybody's.
+    pub(super) fn is_of_run(self) -> bool {
+        matches!(self, Self::Yes | Self::Double | Self::Late)
     }
 }
 
@@ -78,8 +80,18 @@ pub(super) struct Pulses {
 #[derive(Debug)]
 struct Early {
     channel: usize,
+    /// Packet count.
+    count: u8,
     time_ps: i128,
     payload: Vec<u8>,
+}
+
+/// A packet that had waited and has found its pulse.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pub(super) channel: usize,
+    pub(super) count: u8,
+    pub(super) time_ps: i128,
 }
 
 /// Puts pulses together and hands them on in the order of their emission.
@@ -90,6 +102,7 @@ pub(super) struct Assembly {
     most: usize,
     free: Vec<Open>,
     early: VecDeque<Early>,
+    found: Vec<Found>,
     closed: VecDeque<(i128, bool)>,
     /// Time of the first sample of the last pulse that was closed.
     last_ps: Option<i128>,
@@ -151,6 +164,7 @@ impl Assembly {
             most: (OPEN_SAMPLES / total).clamp(2, OPEN_PULSES),
             free: Vec::new(),
             early: VecDeque::new(),
+            found: Vec::new(),
             closed: VecDeque::with_capacity(CLOSED_PULSES),
             last_ps: None,
             last_emission: None,
@@ -169,6 +183,28 @@ impl Assembly {
     /// Whether a time can be one of this run: one stamp from another century must not make all others late.
     pub(super) fn is_plausible(&self, time_ps: i128) -> bool {
         (self.span_ps.0..=self.span_ps.1).contains(&time_ps)
+    }
+
+    /// Whether a packet lies near the last whole pulse, or where the stream began, by the time of its samples or its emission,
+    /// or in a pulse whose states are: what is noted of it changes what is expected of the packets after it.
+    pub(super) fn is_near(&self, kind: Kind, time_ps: i128) -> bool {
+        let base_ps = if kind == Kind::Signal { self.base_ps } else { self.track.base_ps() };
+        let is_of = |open: &Open| {
+            let at = sample_at(time_ps, open.first_ps, self.header.sample_rate_hz);
+            open.known && at.is_some_and(|at| at < self.header.layout.samples)
+        };
+        base_ps.is_none_or(|base| time_ps.saturating_sub(base).saturating_abs() <= self.track.leap_ps())
+            || (kind == Kind::Signal && self.open.iter().any(is_of))
+    }
+
+    /// Packets may not be overtaken by more than this: their pulse would have been given up.
+    pub(super) fn apart_ps(&self) -> i128 {
+        self.apart_ps
+    }
+
+    /// Packets that waited, and found their pulses since this was last asked.
+    pub(super) fn found(&mut self) -> Vec<Found> {
+        std::mem::take(&mut self.found)
     }
 
     /// Whether the stream is followed to where an emission is out of its place.
@@ -251,11 +287,11 @@ impl Assembly {
     pub(super) fn samples(
         &mut self,
         channel: usize,
+        packet: &Packet<'_>,
         time_ps: i128,
-        frame: Option<Frame>,
-        payload: &[u8],
         done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
     ) -> Taken {
+        let Packet { payload, .. } = *packet;
         let samples = self.header.layout.samples;
         let width = self.width();
         let count = payload.len() / width;
@@ -265,7 +301,7 @@ impl Assembly {
         if !self.is_plausible(time_ps) {
             return Taken::Implausible;
         }
-        let begins = matches!(frame, Some(Frame::First | Frame::Only));
+        let begins = matches!(packet.frame(), Some(Frame::First | Frame::Only));
         if let Some(taken) = self.place(channel, time_ps, begins, count, payload) {
             self.hand_on(done);
             return taken;
@@ -285,15 +321,19 @@ impl Assembly {
             self.hand_on(done);
             return Taken::Yes;
         }
+        if self.early.iter().any(|early| (early.channel, early.time_ps) == (channel, time_ps)) {
+            return Taken::WaitsAlready;
+        }
         if self.early.len() >= WAITING {
             self.early.pop_front();
             self.pulses.strays += 1;
         }
-        self.early.push_back(Early { channel, time_ps, payload: payload.to_vec() });
+        self.early.push_back(Early { channel, count: packet.count, time_ps, payload: payload.to_vec() });
         Taken::Waits
     }
 
-    /// Puts samples into the open pulse on whose grid they lie.
+    /// Puts samples into an open pulse on whose grid they lie: first those whose first samples of the channel came, for a
+    /// single state can open a pulse a sample before the true one, whose other packets lie on the grid of both.
     fn place(
         &mut self,
         channel: usize,
@@ -303,17 +343,19 @@ impl Assembly {
         payload: &[u8],
     ) -> Option<Taken> {
         let (samples, rate_hz) = (self.header.layout.samples, self.header.sample_rate_hz);
+        let fits = |at: &usize| at + count <= samples && (!begins || *at == 0);
         let mut double = None;
-        for open in &mut self.open {
-            let fits = |at: &usize| at + count <= samples && (!begins || *at == 0);
-            let Some(at) = sample_at(time_ps, open.first_ps, rate_hz).filter(fits) else { continue };
-            let at = channel * samples + at;
-            if open.has(at) {
-                double = Some(Taken::Double);
-                continue;
+        for begun in [true, false] {
+            for open in self.open.iter_mut().filter(|open| open.has(channel * samples) == begun) {
+                let Some(at) = sample_at(time_ps, open.first_ps, rate_hz).filter(fits) else { continue };
+                let at = channel * samples + at;
+                if open.has(at) {
+                    double = Some(Taken::Double);
+                    continue;
+                }
+                open.fill(at, count, payload);
+                return Some(Taken::Yes);
             }
-            open.fill(at, count, payload);
-            return Some(Taken::Yes);
         }
         double
     }
@@ -359,6 +401,8 @@ impl Assembly {
             let at = sample_at(early.time_ps, first_ps, self.header.sample_rate_hz);
             let Some(at) = at.filter(|at| at + count <= samples) else { return true };
             open.fill(early.channel * samples + at, count, &early.payload);
+            let Early { channel, count, time_ps, .. } = *early;
+            self.found.push(Found { channel, count, time_ps });
             false
         });
         self.open.insert(place, open);

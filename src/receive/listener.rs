@@ -256,7 +256,7 @@ impl Listener {
         if let Some(notice) = self.senders.notice {
             done.notes.iter().for_each(|note| notice(note));
         }
-        report.out = done.files;
+        (report.out, report.kept, report.gone) = (done.files, done.kept, done.gone);
         report.recorded = recorded.then_some(done.pulses);
         report.strangers = strangers;
         report.listen = self.address.to_string();

@@ -10,10 +10,10 @@
 //! Lateness is `arrival - emission` above its least value: it needs no common clock, only two that run alike.
 //!
 //! Nothing hangs on one datagram, for anybody may have sent it. Times and numbers of pulses must be of the run as it was
-//! described and agree with each other. A leap of more than a second is followed when a majority of the datagrams that begin
-//! pulses, 64 of 16 pulses at least, agree, and so is a stream that goes back. Until the first pulse is whole, descriptions
-//! that contradict what was learned make the receiver learn anew. A sender that begins again is counted in `restarts`;
-//! [`Receiver::following`] begins again with it.
+//! described and agree with each other. A leap of more than a second is followed when a majority of the states agree, 32 of
+//! 16 pulses at least, and so is a stream that goes back. Until the first pulse is whole, descriptions that contradict what
+//! was learned make the receiver learn anew. A sender that begins again is counted in `restarts`; [`Receiver::following`]
+//! begins again with it.
 //!
 //! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits do not see sixteen
 //! lost packets in a row, time stamps and pulse numbers do.
@@ -141,8 +141,11 @@ impl Receiver {
 
     /// Datagrams that are none of the run, as far as can be seen.
     pub(super) fn refused(&self) -> u64 {
-        let Report { malformed, unknown, implausible, misnumbered, .. } = self.report;
-        malformed.saturating_add(unknown).saturating_add(implausible).saturating_add(misnumbered)
+        let Report { malformed, unknown, implausible, misnumbered, stray, .. } = self.report;
+        let in_vain = self.assembly.as_ref().map_or(0, |assembly| assembly.pulses.strays);
+        [malformed, unknown, implausible, misnumbered, stray, in_vain]
+            .into_iter()
+            .fold(0, u64::saturating_add)
     }
 
     /// Whether another run may be followed.
@@ -238,11 +241,9 @@ impl Receiver {
         };
         match packet.kind {
             Kind::Signal => {
-                if self.is_plausible(&packet)
-                    && self.is_new(stream, &packet)
-                    && self.signal(stream, &packet, arrival, outlet)
-                {
-                    self.note(stream, &packet);
+                if self.is_plausible(&packet) && self.is_new(stream, &packet) {
+                    let taken = self.signal(stream, &packet, arrival, outlet);
+                    self.note_taken(stream, &packet, taken);
                 }
             }
             Kind::Context => {
@@ -251,8 +252,11 @@ impl Receiver {
                     self.report.unknown += 1;
                     return Ok(());
                 };
+                if !self.is_in_span(&packet) {
+                    return Ok(());
+                }
                 if self.is_new(stream, &packet) {
-                    self.note(stream, &packet);
+                    self.note(stream, packet.kind, packet.count, packet.time_ps, true);
                 }
                 // Heard even when it comes again: a forged one may have had the same count and time.
                 let anew = self.whole_pulses() == 0;
@@ -267,18 +271,16 @@ impl Receiver {
                 match body.flatten().filter(|extension| roster::belongs(stream, extension)) {
                     None => self.report.unknown += 1,
                     Some(Extension::State(state)) => {
-                        if self.is_plausible(&packet)
-                            && self.is_new(stream, &packet)
-                            && self.state(stream, &packet, &state, arrival, outlet)
-                        {
-                            self.note(stream, &packet);
+                        if self.is_plausible(&packet) && self.is_new(stream, &packet) {
+                            let taken = self.state(stream, &packet, &state, arrival, outlet);
+                            self.note_taken(stream, &packet, taken);
                         }
                     }
                     Some(description) => {
                         // Looked at even when it comes again: another run may begin with the same count and time.
                         self.another(&description, outlet);
                         if self.is_new(stream, &packet) {
-                            self.note(stream, &packet);
+                            self.note(stream, packet.kind, packet.count, packet.time_ps, true);
                         }
                         self.learn(stream, description, outlet);
                         self.look_ready();
@@ -297,6 +299,11 @@ impl Receiver {
             self.report.undescribed += 1;
             return false;
         }
+        self.is_in_span(packet)
+    }
+
+    /// Whether the time of a packet is one of this run as it was described; one that is not is counted.
+    fn is_in_span(&mut self, packet: &Packet<'_>) -> bool {
         let plausible = match (&self.assembly, packet.time_ps) {
             (Some(assembly), Some(time_ps)) => assembly.is_plausible(time_ps),
             _ => true,
@@ -313,12 +320,33 @@ impl Receiver {
         !double
     }
 
-    /// Notes the count of a packet in a stream of the run: those that are refused say nothing of what is missing.
-    fn note(&mut self, stream: u32, packet: &Packet<'_>) {
-        match self.streams.entry((stream, packet.kind)) {
-            Entry::Vacant(place) => drop(place.insert(Stream::begin(packet.count, packet.time_ps))),
+    /// Notes what was taken, and what had waited for it. What is refused, strays or waits says nothing of what is missing.
+    fn note_taken(&mut self, stream: u32, packet: &Packet<'_>, taken: Option<Taken>) {
+        if let Some(taken) = taken.filter(|taken| taken.is_of_run()) {
+            self.note(stream, packet.kind, packet.count, packet.time_ps, taken == Taken::Yes);
+        }
+        for found in self.assembly.as_mut().map(Assembly::found).unwrap_or_default() {
+            let stream = self.roster.known().and_then(|known| known.streams.get(found.channel).copied());
+            if let Some(stream) = stream {
+                self.note(stream, Kind::Signal, found.count, Some(found.time_ps), true);
+            }
+        }
+    }
+
+    /// Notes the count of a packet in a stream of the run, if its time is near. One that is in its `place` is believed more
+    /// than one that lies far ahead of it: that was forged, and would make all others overtaken.
+    fn note(&mut self, stream: u32, kind: Kind, count: u8, time_ps: Option<i128>, place: bool) {
+        let assembly = self.assembly.as_ref();
+        if assembly.zip(time_ps).is_some_and(|(assembly, time_ps)| !assembly.is_near(kind, time_ps)) {
+            return;
+        }
+        match self.streams.entry((stream, kind)) {
+            Entry::Vacant(place) => drop(place.insert(Stream::begin(count, time_ps))),
             Entry::Occupied(mut known) => {
-                if known.get_mut().judge(packet.count, packet.time_ps) == Order::Overtaken {
+                let known = known.get_mut();
+                if place && assembly.is_some_and(|assembly| known.is_ahead(time_ps, assembly.apart_ps())) {
+                    known.begin_anew(count, time_ps);
+                } else if known.judge(count, time_ps) == Order::Overtaken {
                     self.report.overtaken += 1;
                 }
             }
@@ -338,30 +366,30 @@ impl Receiver {
         }
     }
 
-    /// Takes samples; whether they are of the run.
+    /// Takes samples; what became of them, if their stream is known.
     fn signal(
         &mut self,
         stream: u32,
         packet: &Packet<'_>,
         arrival: Instant,
         outlet: &mut impl Outlet,
-    ) -> bool {
+    ) -> Option<Taken> {
         let Self { assembly: Some(assembly), roster, report, arrivals, first, .. } = self else {
             self.report.undescribed += 1;
-            return false;
+            return None;
         };
         let channel = roster.known().and_then(|known| known.streams.iter().position(|of| *of == stream));
         let (Some(channel), Some(time_ps)) = (channel, packet.time_ps) else {
             report.unknown += 1;
-            return false;
+            return None;
         };
         let mut done = timed(arrivals, first, arrival, outlet);
-        let taken = assembly.samples(channel, time_ps, packet.frame(), packet.payload, &mut done);
+        let taken = assembly.samples(channel, packet, time_ps, &mut done);
         count(report, taken);
-        !taken.is_refused()
+        Some(taken)
     }
 
-    /// Takes a state; whether it is of the run.
+    /// Takes a state; what became of it, if the run is known.
     fn state(
         &mut self,
         stream: u32,
@@ -369,14 +397,14 @@ impl Receiver {
         state: &State,
         arrival: Instant,
         outlet: &mut impl Outlet,
-    ) -> bool {
+    ) -> Option<Taken> {
         let Self { assembly: Some(assembly), roster, report, arrivals, first, .. } = self else {
             self.report.undescribed += 1;
-            return false;
+            return None;
         };
         let Some(time_ps) = packet.time_ps else {
             report.unknown += 1;
-            return false;
+            return None;
         };
         let mut done = timed(arrivals, first, arrival, outlet);
         let taken = assembly.state(time_ps, state, &mut done);
@@ -393,7 +421,7 @@ impl Receiver {
             platform.flags = state.platform_flags;
             platform.ephemeris = roster.context(stream).and_then(|context| context.ephemeris);
         }
-        !taken.is_refused()
+        Some(taken)
     }
 
     /// Gives up what is open, and adds the counts of this run to those before.
@@ -456,7 +484,7 @@ fn timed<'a>(
 fn count(report: &mut Report, taken: Taken) {
     match taken {
         Taken::Yes | Taken::Waits => {}
-        Taken::Double => report.duplicates += 1,
+        Taken::Double | Taken::WaitsAlready => report.duplicates += 1,
         Taken::Late => report.too_late += 1,
         Taken::Stray => report.stray += 1,
         Taken::Implausible => report.implausible += 1,

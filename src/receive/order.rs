@@ -44,6 +44,17 @@ impl Stream {
         time_ps.is_some() && self.seen[usize::from(count & 15)] == time_ps
     }
 
+    /// The stream goes on with this packet: what was noted as its latest was none of it. What is missing stays counted.
+    pub(super) fn begin_anew(&mut self, count: u8, time_ps: Option<i128>) {
+        let missing = self.missing;
+        *self = Self { missing, ..Self::begin(count, time_ps) };
+    }
+
+    /// Whether the latest packet lies more than so much after a time.
+    pub(super) fn is_ahead(&self, time_ps: Option<i128>, by_ps: i128) -> bool {
+        self.latest.zip(time_ps).is_some_and(|(latest, time)| latest.saturating_sub(time) > by_ps)
+    }
+
     /// Judges the next packet.
     pub(super) fn judge(&mut self, count: u8, time_ps: Option<i128>) -> Order {
         if self.is_double(count, time_ps) {
@@ -65,6 +76,17 @@ impl Stream {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One forged packet that lies ahead makes no later ones overtaken for good.
+    #[test]
+    fn a_stream_goes_on_after_a_packet_that_was_none_of_it() {
+        let mut stream = Stream::begin(0, Some(0));
+        assert_eq!(stream.judge(3, Some(3)), Order::Next);
+        assert_eq!((stream.judge(4, Some(900)), stream.missing()), (Order::Next, 2));
+        assert!(stream.is_ahead(Some(4), 100) && !stream.is_ahead(Some(850), 100));
+        stream.begin_anew(4, Some(4));
+        assert_eq!((stream.judge(6, Some(6)), stream.missing()), (Order::Next, 3));
+    }
 
     #[test]
     fn counts_tell_losses_doubles_and_overtaking() {

@@ -1,9 +1,10 @@
 //! What is recorded of a reception: a recording of every run, written in a thread of its own, so that the socket is read
 //! meanwhile.
 //!
-//! A recording is made when its first pulse is whole: runs that are only announced leave no files. All are put in their
-//! places when the reception has ended well; when one of them fails they stay where they are, and what is counted is what
-//! a reader finds.
+//! A recording is made when its first pulse is whole: runs that are only announced leave no files. One that is over is closed
+//! while the next is received. All are put in their places when the reception has ended well; when one of them fails to be
+//! written they stay where they are. One that cannot be put in its place does not keep the others from theirs. What is
+//! counted is what a reader finds.
 
 use std::panic;
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use std::thread;
 
 use crossbeam_channel::{Receiver as Inbox, RecvTimeoutError, Sender, TrySendError, bounded};
 
+use crate::files::FileFault;
 use crate::pulse::Pulse;
 use crate::sinks;
 use crate::sinks::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError};
@@ -81,10 +83,9 @@ impl Recorder {
         self.free.try_recv().ok()
     }
 
-    fn finish(self) -> Done {
-        drop(self.pulses);
-        // A panic goes on where the thread was begun.
-        self.thread.join().unwrap_or_else(|panic| panic::resume_unwind(panic))
+    /// There are no more pulses: the thread closes the recording.
+    fn end(self) -> thread::JoinHandle<Done> {
+        self.thread
     }
 }
 
@@ -96,20 +97,29 @@ pub(super) struct Recordings {
     /// Header of the run that is received.
     header: Option<Header>,
     recorder: Option<Recorder>,
+    /// The one before, while it is closed: handing it to the disk takes time, in which the socket is read.
+    ending: Option<thread::JoinHandle<Done>>,
     closed: Vec<Closed>,
-    /// Pulses that a reader finds.
-    pulses: u64,
+    /// Pulses that a reader finds of recordings that failed.
+    readable: u64,
     fault: Option<SinkError>,
     /// Recordings of an earlier reception that are removed where this one makes none of its own.
     older: Vec<PathBuf>,
 }
 
 /// What was recorded.
+#[derive(Default)]
 pub(super) struct Recorded {
     pub(super) files: Vec<PathBuf>,
+    /// Of those.
     pub(super) pulses: u64,
-    /// What the user should know of older outputs.
+    /// Older outputs that stay although they were to be replaced.
+    pub(super) kept: Vec<PathBuf>,
+    /// Recordings that another program has moved on or removed after they were complete.
+    pub(super) gone: Vec<PathBuf>,
+    /// What the user should know of older outputs, and of further faults.
     pub(super) notes: Vec<String>,
+    /// The first.
     pub(super) fault: Option<SinkError>,
 }
 
@@ -119,9 +129,12 @@ impl Recordings {
         Self { older, ..Self::default() }
     }
 
-    /// The next pulse begins a recording, after that of the run before has ended.
+    /// The next pulse begins a recording. That of the run before is closed meanwhile; one at a time, for each takes memory.
     pub(super) fn begin(&mut self, next: Option<Opener>) {
-        self.end_one();
+        if let Some(recorder) = self.recorder.take() {
+            self.end_one();
+            self.ending = Some(recorder.end());
+        }
         self.next = next;
     }
 
@@ -137,7 +150,7 @@ impl Recordings {
         {
             match Recorder::start(header, open) {
                 Ok(recorder) => self.recorder = Some(recorder),
-                Err(error) => self.fault = Some(error),
+                Err(error) => drop(self.fault.get_or_insert(error)),
             }
         }
         match &mut self.recorder {
@@ -146,19 +159,21 @@ impl Recordings {
         }
     }
 
-    pub(super) fn has_failed(&self) -> bool {
+    pub(super) fn has_failed(&mut self) -> bool {
+        if self.ending.as_ref().is_some_and(thread::JoinHandle::is_finished) {
+            self.end_one();
+        }
         self.fault.is_some() || self.recorder.as_ref().is_some_and(|recorder| recorder.thread.is_finished())
     }
 
+    /// Waits until the recording that is closed is whole.
     fn end_one(&mut self) {
-        match self.recorder.take().map(Recorder::finish) {
-            None => {}
-            Some(Ok(closed)) => {
-                self.pulses = self.pulses.saturating_add(closed.report.pulses);
-                self.closed.push(closed);
-            }
-            Some(Err((error, readable))) => {
-                self.pulses = self.pulses.saturating_add(readable);
+        let Some(thread) = self.ending.take() else { return };
+        // A panic goes on where the thread was begun.
+        match thread.join().unwrap_or_else(|panic| panic::resume_unwind(panic)) {
+            Ok(closed) => self.closed.push(closed),
+            Err((error, readable)) => {
+                self.readable = self.readable.saturating_add(readable);
                 self.fault.get_or_insert(error);
             }
         }
@@ -166,26 +181,64 @@ impl Recordings {
 
     /// Ends the last recording, and puts all in their places if nothing has failed and the reception itself has not.
     pub(super) fn finish(mut self, went_well: bool) -> Recorded {
+        self.begin(None);
         self.end_one();
         let own: Vec<PathBuf> = self.closed.iter().flat_map(|closed| &closed.report.files).cloned().collect();
         self.older.retain(|old| own.iter().all(|own| own.file_name() != old.file_name()));
-        if let Some(last) = self.closed.pop() {
-            self.closed.push(sinks::with_surplus(last, self.older));
-        }
-        let (mut files, mut notes) = (Vec::new(), Vec::new());
+        let last = self.closed.pop().map(|last| sinks::with_surplus(last, self.older));
+        let places = went_well && self.fault.is_none();
+        let mut recorded = Recorded { pulses: self.readable, fault: self.fault, ..Recorded::default() };
         for closed in self.closed {
-            if !went_well || self.fault.is_some() {
-                files.extend(closed.keep().files);
-                continue;
-            }
-            let (report, error) = match closed.place(true) {
-                Ok(report) => (report, None),
-                Err(unplaced) => (unplaced.report, Some(unplaced.error)),
-            };
-            notes.extend(report.notes());
-            files.extend(report.files);
-            self.fault = error.or(self.fault);
+            recorded.add(closed, places, true);
         }
-        Recorded { files, pulses: self.pulses, notes, fault: self.fault }
+        if let Some(last) = last {
+            recorded.add(last, places, false);
+        }
+        recorded
     }
+}
+
+impl Recorded {
+    /// Puts a recording in its place, or leaves it where it is. A part that is over may be gone: another program may
+    /// move it on while the next is received.
+    fn add(&mut self, closed: Closed, places: bool, may_be_gone: bool) {
+        let names = closed.report.files.clone();
+        let report = if places {
+            // Older recordings are removed only if all of these are in their places.
+            match closed.place(self.fault.is_none()) {
+                Ok(report) => report,
+                Err(unplaced) => {
+                    let mut report = unplaced.report;
+                    if may_be_gone && is_gone(&unplaced.error, &names) {
+                        report.gone = names;
+                    } else {
+                        self.fail(unplaced.error);
+                    }
+                    report
+                }
+            }
+        } else {
+            closed.keep()
+        };
+        self.notes.extend(report.notes());
+        if !report.files.is_empty() {
+            self.pulses = self.pulses.saturating_add(report.pulses);
+        }
+        self.files.extend(report.files);
+        self.kept.extend(report.kept);
+        self.gone.extend(report.gone);
+    }
+
+    /// The first fault ends the program; the others are reported, for each names a recording.
+    fn fail(&mut self, error: SinkError) {
+        match &self.fault {
+            Some(_) => self.notes.push(error.to_string()),
+            None => self.fault = Some(error),
+        }
+    }
+}
+
+/// Whether a recording that had its own name is no longer there.
+fn is_gone(error: &SinkError, names: &[PathBuf]) -> bool {
+    matches!(error, SinkError::Lost(FileFault::Removed { path }) if names.contains(path))
 }

@@ -31,7 +31,7 @@ pub struct Report {
     pub contradictions: u64,
     /// Whole pulses that were received.
     pub pulses: u64,
-    /// Pulses of the recordings, as a reader finds them; none where nothing was to be recorded.
+    /// Pulses of the recordings in `out`, as a reader finds them; none where nothing was to be recorded.
     pub recorded: Option<u64>,
     /// Pulses of which something is missing.
     pub incomplete: u64,
@@ -70,8 +70,12 @@ pub struct Report {
     pub contexts: Vec<Context>,
     /// Where each platform said that it was last.
     pub platforms: Vec<Platform>,
-    /// What was recorded.
+    /// What was recorded, where it is.
     pub out: Vec<PathBuf>,
+    /// Older recordings that stay although they were to be replaced.
+    pub kept: Vec<PathBuf>,
+    /// Recordings of runs before the last that another program has moved on or removed after they were complete.
+    pub gone: Vec<PathBuf>,
     /// What ended the reception or the recording early.
     pub error: Option<String>,
     /// What a recording of a run has and the wire does not carry.

@@ -79,6 +79,16 @@ impl Track {
         self.base_ps.is_some_and(|base| time_ps.saturating_sub(base) > self.leap_ps)
     }
 
+    /// How far an emission may lie from that of the last whole pulse and be of the same place.
+    pub(super) fn leap_ps(&self) -> i128 {
+        self.leap_ps
+    }
+
+    /// Emission of the last whole pulse, or of the pulse with which the stream began here.
+    pub(super) fn base_ps(&self) -> Option<i128> {
+        self.base_ps
+    }
+
     /// A state is in its place.
     pub(super) fn here(&mut self, emission_ps: i128) {
         self.base_ps.get_or_insert(emission_ps);

@@ -186,6 +186,9 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
         nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!((ended.code, &report["pulses"]), (0, &0.into()));
+    // Before: the text said that the stream was not sent in real time.
+    let ended = nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1"]);
+    assert!(ended.stdout.contains("lateness    not reported: nothing was received"), "{}", ended.stdout);
 }
 
 /// A limit of the size of files is what a full disk is: the recording can be read, and what is counted is what is in it.

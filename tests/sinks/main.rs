@@ -14,8 +14,10 @@ mod recording_rule;
 mod recording_verify;
 mod wire;
 mod wire_fixture;
+mod wire_forged;
 mod wire_hostile;
 mod wire_receive;
+mod wire_recordings;
 mod wire_tshark;
 
 #[cfg(feature = "hdf5")]
