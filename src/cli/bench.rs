@@ -13,6 +13,7 @@ use serde_json::{Map, Value};
 
 use super::check::plan::{not_kept, parts_db};
 use super::error::CliError;
+use super::json;
 use super::progress;
 use super::{counted, say, warn};
 use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
@@ -118,11 +119,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     let calibrated = build::on_nominal_tracks(&run, 0..pulses)?.calibrated()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
     let report = report(&run, &measured, begun, judged.as_ref(), calibrated, bytes);
-    let text = if args.json {
-        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
-    } else {
-        text(&report)
-    };
+    let text = if args.json { json::json(&report)? + "\n" } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
 

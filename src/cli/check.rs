@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use super::error::CliError;
 use super::escape;
+use super::json;
 use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
@@ -166,13 +167,8 @@ fn without_trajectory(run: &Run) -> Vec<String> {
 }
 
 fn print(args: &CheckArgs, report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
-    let text = if args.json { json(report)? } else { text(report) };
+    let text = if args.json { json::json(report)? + "\n" } else { text(report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
-}
-
-fn json(report: &Report) -> Result<String, CliError> {
-    let text = serde_json::to_string(report).map_err(|error| CliError::Output(error.into()))?;
-    Ok(text + "\n")
 }
 
 fn text(report: &Report) -> String {

@@ -10,6 +10,7 @@ use super::SourceArgs;
 use super::recorded::{KINDS, Recorded};
 use crate::cli::error::CliError;
 use crate::cli::escape::name;
+use crate::cli::json;
 use crate::nav::decode::Counts;
 use crate::nav::{Fix, Place};
 
@@ -111,11 +112,7 @@ pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), 
         }),
         error,
     };
-    let text = if args.json {
-        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
-    } else {
-        report.text()
-    };
+    let text = if args.json { json::json(&report)? + "\n" } else { report.text() };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
 
