@@ -13,6 +13,7 @@ use serde_json::{Map, Value};
 
 use super::check::plan::{not_kept, parts_db};
 use super::error::CliError;
+use super::json;
 use super::progress;
 use super::{counted, say, warn};
 use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
@@ -113,16 +114,12 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     let measured = speed::speed(stream, lasts, Some(status));
     watcher.finish();
     let measured = measured?;
-    warn(measured.plan.iter().filter_map(|plan| not_kept(plan.asked.error_db, plan.prediction.total_db())));
+    warn(measured.plan.iter().filter_map(not_kept));
     // Calibrated once the stream has had its machine and its memory for itself.
     let calibrated = build::on_nominal_tracks(&run, 0..pulses)?.calibrated()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
     let report = report(&run, &measured, begun, judged.as_ref(), calibrated, bytes);
-    let text = if args.json {
-        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
-    } else {
-        text(&report)
-    };
+    let text = if args.json { json::json(&report)? + "\n" } else { text(&report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
 
@@ -178,7 +175,7 @@ fn report(
         predicted_real_time_factor: calibrated.map(|calibrated| calibrated.factor),
         list_real_time_factor: calibrated.map(|calibrated| calibrated.list_factor),
         predicted_rel_rms_db: speed.plan.as_ref().map(|plan| plan.prediction.total_db()),
-        predicted_error_db: speed.plan.as_ref().map(parts_db).unwrap_or_default(),
+        predicted_error_db: speed.plan.as_ref().map(|plan| parts_db(&plan.prediction)).unwrap_or_default(),
         predicted_rss_mib: speed.plan.map(|_| bytes as f64 / f64::from(1 << 20)),
         rel_rms_db: judged.map(|(_, accuracy)| accuracy.rel_rms_db),
         rel_rms_db_mean: judged.map(|(_, accuracy)| accuracy.rel_rms_db_mean),

@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use super::error::CliError;
 use super::escape;
+use super::json;
 use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
@@ -85,6 +86,9 @@ pub(super) struct Report {
     lines: Vec<Described>,
 }
 
+/// The row of the echo among what is modelled.
+const ECHO: &str = "echo";
+
 /// Something and what there is to say about it.
 #[derive(Debug, Serialize)]
 struct Described {
@@ -131,11 +135,11 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     if let Some(planned) = stream.factory().plan() {
         let speed = stream.threads() as f64 / CostTable::TABLE.seconds(&planned.work);
         let factor = speed / run.scene.radar.emissions.mean_prf_hz();
-        let planned = plan::PlanReport::new(planned, factor, stream.predicted_bytes());
-        if let Some(warning) = planned.warning() {
-            report.warnings.push(warning);
+        report.warnings.extend(plan::not_kept(planned));
+        for row in report.modelled.iter_mut().filter(|row| row.what == ECHO) {
+            row.how = plan::echo_text(planned);
         }
-        report.plan = Some(planned);
+        report.plan = Some(plan::PlanReport::new(planned, factor, stream.predicted_bytes()));
     }
     report.warnings.extend(plausible::targets(&run)?.iter().map(ToString::to_string));
     let forecast = stream.forecast(&run.scene.radar).map_err(BuildErrors::from)?;
@@ -166,13 +170,8 @@ fn without_trajectory(run: &Run) -> Vec<String> {
 }
 
 fn print(args: &CheckArgs, report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
-    let text = if args.json { json(report)? } else { text(report) };
+    let text = if args.json { json::json(report)? + "\n" } else { text(report) };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
-}
-
-fn json(report: &Report) -> Result<String, CliError> {
-    let text = serde_json::to_string(report).map_err(|error| CliError::Output(error.into()))?;
-    Ok(text + "\n")
 }
 
 fn text(report: &Report) -> String {
@@ -496,11 +495,12 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
     ));
     horizon::models(&run.scene, &mut with, &mut without);
     with.push(described(
-        "echo",
+        ECHO,
         match run.fidelity {
             Fidelity::Reference => "the reference: every pulse from its own paths, f64".to_owned(),
             Fidelity::Fast(asked) => {
-                format!("fast, within {} dB of the reference; settings below", asked.error_db)
+                // What is predicted takes its place where the run can be planned.
+                format!("fast: error against the reference {} dB asked", asked.error_db)
             }
         },
     ));

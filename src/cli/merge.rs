@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::error::CliError;
 #[cfg(feature = "hdf5")]
-use super::{escape, say};
+use super::{escape, json, say};
 
 /// `nereus merge`
 #[derive(Debug, Args)]
@@ -31,10 +31,11 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
     for shard in &args.shards {
         super::examine::examine(shard)?;
     }
-    let report = crate::sinks::merge::merge(&args.shards, &args.out, args.force)?;
+    let mut report = crate::sinks::merge::merge(&args.shards, &args.out, args.force)?;
     if args.json {
-        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        return writeln!(out, "{text}").map_err(CliError::Output);
+        report.out = json::legible(&report.out);
+        report.shards = json::all_legible(&report.shards);
+        return json::print(&report, out);
     }
     let shards = report.shards.len();
     say(format_args!(

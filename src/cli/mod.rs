@@ -11,6 +11,7 @@ mod error;
 mod escape;
 mod examine;
 mod focus;
+mod json;
 mod merge;
 mod nav;
 mod outputs;

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use super::error::CliError;
 use super::escape;
+use super::json;
 use super::run::names_hdf5;
 use super::{counted, say};
 use crate::files;
@@ -85,8 +86,8 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
         Err(interrupted) => (interrupted.report, Some(interrupted.error)),
     };
     if args.json {
-        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        writeln!(out, "{text}").map_err(CliError::Output)?;
+        let shown = Report { out: json::all_legible(&report.out), ..report.clone() };
+        json::print(&shown, out)?;
     } else {
         tell(&report, out).map_err(CliError::Output)?;
     }

@@ -15,6 +15,7 @@ use serde::Serialize;
 use super::control::{ControlSocket, Subject};
 use super::error::CliError;
 use super::escape;
+use super::json;
 use super::progress;
 use super::{counted, say, warn};
 use crate::adequacy::outlook;
@@ -81,7 +82,7 @@ struct Report<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     converter: &'a Option<ConverterReport>,
     /// What each recording holds.
-    out: &'a [&'a SinkReport],
+    out: Vec<SinkReport>,
     /// What was changed of reports, up to the last pulse.
     changes: &'a [Entry],
     /// What is legal about the scenario, and can hardly be meant.
@@ -157,13 +158,12 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
             summary: &outcome.summary,
             navigation,
             converter: &converter,
-            out: &recordings,
+            out: recordings.iter().map(|report| legible(report)).collect(),
             changes: &changes,
             warnings,
             error,
         };
-        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        writeln!(out, "{text}").map_err(CliError::Output)?;
+        json::print(&report, out)?;
     }
     tell(&run, &outcome, &recordings);
     if let Some(converter) = &converter {
@@ -177,6 +177,17 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         tell_navigation(&run, &live, &outcome);
     }
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
+}
+
+/// What a sink did, as JSON can hold it.
+fn legible(report: &SinkReport) -> SinkReport {
+    let all = json::all_legible;
+    SinkReport {
+        files: all(&report.files),
+        kept: all(&report.kept),
+        gone: all(&report.gone),
+        ..report.clone()
+    }
 }
 
 /// How the latency of a run suits its live navigation.

@@ -14,6 +14,7 @@ use serde_json::{Map, Value};
 use super::bench::reference;
 use super::error::CliError;
 use super::escape;
+use super::json;
 use super::progress;
 use super::sea::SeaError;
 use super::{counted, say, warn};
@@ -78,7 +79,7 @@ struct Report<'a> {
     /// What the plan takes for the scenario as written.
     plan: Map<String, Value>,
     predicted_rel_rms_db: Option<f64>,
-    out: Vec<&'a PathBuf>,
+    out: Vec<PathBuf>,
 }
 
 /// Sweeps and prints.
@@ -125,7 +126,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         swept?
     };
     let best = taken(&swept.points, error_db);
-    let paths: Vec<&PathBuf> = files.iter().flat_map(|files| &files.paths).collect();
+    let paths = files.iter().flat_map(|files| json::all_legible(&files.paths)).collect();
     let report = Report {
         scenario: run.path.display().to_string(),
         facets,
@@ -139,11 +140,7 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         predicted_rel_rms_db: plan.as_ref().map(|plan| plan.prediction.total_db()),
         out: paths,
     };
-    let text = if args.json {
-        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
-    } else {
-        text(&report)
-    };
+    let text = if args.json { json::json(&report)? + "\n" } else { text(&report) };
     if let Some(files) = &files {
         files.write_table(csv(&swept, best), !begun)?;
         save_canvas(files.picture.clone(), &draw(&run, &swept, error_db)?)?;

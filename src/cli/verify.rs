@@ -8,6 +8,7 @@ use super::counted;
 use super::error::CliError;
 use super::escape;
 use super::examine::examine;
+use super::json;
 use crate::cli::examine::error::ExamineError;
 use crate::recording::verify::{Verdict, verify as look};
 
@@ -30,8 +31,8 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
     }
     let verdict = look(&args.recording).map_err(CliError::Verify)?;
     if args.json {
-        let text = serde_json::to_string(&verdict).map_err(|error| CliError::Output(error.into()))?;
-        writeln!(out, "{text}").map_err(CliError::Output)?;
+        let shown = Verdict { path: json::legible(&verdict.path), ..verdict.clone() };
+        json::print(&shown, out)?;
     } else {
         report(&verdict, out).map_err(CliError::Output)?;
     }

@@ -330,6 +330,12 @@ pub enum Problem {
     /// Live navigation in a scene that lies nowhere.
     #[error("live navigation needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     LiveNeedsOrigin,
+    /// A recorded track of latitudes and longitudes in a scene that lies nowhere.
+    #[error(
+        "holds latitudes and longitudes, which need scene.origin_lat_deg, origin_lon_deg and origin_h_m; \
+         allowed without them: a CSV file of x_m, y_m, z_m"
+    )]
+    TrackNeedsOrigin,
     /// Recorded tracks without a start time.
     #[error("is missing; required with a recorded track: a UTC time within the recording")]
     NeedsStart,

@@ -416,7 +416,7 @@ tables! {
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), Means("0; straight: along the velocity"), "Pitch, nose up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), Means("0"), "Roll, right wing down.";
         PATH "path", File, Required, "Recordings: the file.";
-        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings in a scene without origin, and for inspvax and sbet, which say it; live: \"msl\""), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings, live) standard pressure altitude. live: where the messages do not say.";
+        DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings of x_m, y_m, z_m in a scene without origin, and for inspvax and sbet, which say it; live: \"msl\""), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings, live) standard pressure altitude. live: where the messages do not say.";
         BAROMETRIC_OFFSET_M "barometric_offset_m", number("m", -2000.0, 2000.0), default(0.0), "barometric: added to make a pressure altitude a height above mean sea level.";
         GPS_WEEK "gps_week", count(0, 8191), Required, "sbet: GPS week of the first record; the file has seconds of the week only. 2000 began on 2018-05-06.";
         MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings, live: longest gap between fixes that is interpolated.";

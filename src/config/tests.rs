@@ -7,6 +7,7 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 
 use super::*;
+use crate::echo::Asked;
 use crate::frames::{Geodetic, SceneFrame};
 use crate::nav::TrackSource;
 use crate::nav::{AttitudeSource, Place, Smoothing, VerticalDatum};
@@ -43,6 +44,13 @@ fn coastal_with(list: &[(&str, &str)]) -> Result<Run, ConfigError> {
 fn faults_of(list: &[(&str, &str)]) -> String {
     let error = coastal_with(list).unwrap_err();
     error.faults().iter().map(|fault| format!("{fault}\n")).collect()
+}
+
+/// Before: a cap on its nodes, with which -56 dB were predicted, of the -60 dB that it asks.
+#[test]
+fn the_quickstart_leaves_the_fast_echo_its_choice() {
+    let run = parse(QUICKSTART, &in_configs(), &[]).unwrap();
+    assert_eq!(run.fidelity, Fidelity::Fast(Asked::default()));
 }
 
 #[test]
@@ -459,7 +467,11 @@ scene.earth_radius_factor: has no meaning here (the earth is flat)
     insta::assert_snapshot!(faults_of(&[("radar.window.samples", "16777216"), ("radar.channels", "['HH','HV','VH','VV','RR','RL','LR','LL','HR']")]), @r#"radar.window: one pulse takes 1207959552 bytes (9 channels of 16777216 samples); allowed: at most 16777216"#);
     insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1000, 1000], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: 1000002 targets; allowed: at most 100000"#);
     insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1.5, 1], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: [1.5, 1.0] is not allowed; allowed: two whole numbers from 1 to 1000"#);
-    insta::assert_snapshot!(faults_of(&[("platform.1.track", "{ kind = 'csv', path = 'tracks/north_sea_texel.csv' }")]), @r#"scene.start_utc: is missing; required with a recorded track: a UTC time within the recording"#);
+    insta::assert_snapshot!(faults_of(&[("platform.1.track", "{ kind = 'csv', path = 'tracks/north_sea_texel.csv' }")]), @r#"
+scene.start_utc: is missing; required with a recorded track: a UTC time within the recording
+platform.1.track.path: holds latitudes and longitudes, which need scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed without them: a CSV file of x_m, y_m, z_m
+platform.1.track.datum: is missing; required: "ellipsoid", "msl", "barometric"
+"#);
     insta::assert_snapshot!(faults_of(&[("platform.0.track.yaw", "3"), ("platform.0.track.velocity_mps", "[1,2,3]")]), @r#"
 platform.0.track.yaw: unknown key; did you mean yaw_deg, in deg?
 platform.0.track.velocity_mps: has no meaning here (kind = "fixed")

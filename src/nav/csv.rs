@@ -34,15 +34,22 @@
 //! # Ok::<(), nereus::nav::NavError>(())
 //! ```
 
+use std::io::Read;
+use std::path::Path;
+
 use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 
 use super::faults::{FaultKind, Faults, NavError, quote};
 use super::recording;
 use super::{FileSource, Fix, Place};
 use crate::frames::{Geodetic, Point};
+use crate::inputs;
 use crate::nav::load_report::LoadReport;
 use crate::nav::recording::{MAX_FIXES, Recording};
 use crate::time::TimeTag;
+
+/// The header of a track lies within so much of it.
+const HEAD_BYTES: u64 = 1 << 16;
 
 const COLUMNS: [&str; 11] = [
     "time_utc",
@@ -111,6 +118,21 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     }
     report.lines = report.lines.max(1);
     recording::finish(fixes, report, faults, source)
+}
+
+/// Whether the header of a CSV track names latitudes or longitudes; no if it cannot be read.
+pub fn is_geodetic(path: &Path) -> bool {
+    let mut bytes = Vec::new();
+    let head = inputs::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut bytes));
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    let mut reader = reader_of(bytes);
+    let mut header = ByteRecord::new();
+    while head.is_ok() && matches!(reader.read_byte_record(&mut header), Ok(true)) {
+        if header.len() != 1 || !header[0].is_empty() {
+            return header.iter().any(|name| matches!(name, b"lat_deg" | b"lon_deg"));
+        }
+    }
+    false
 }
 
 /// A reader of lines with fields of any number, comments left out. Without quotes a record is a line, whatever the bytes.

@@ -79,9 +79,18 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// Notes a fault.
+    /// Notes a fault. Gaps have one cause, and stand together where the first is.
     pub fn push(&mut self, line: u64, kind: FaultKind) {
-        if self.kept.len() < FAULTS_KEPT {
+        let gaps = self.kept.iter_mut().map(|fault| &mut fault.kind);
+        if let FaultKind::Gap { time, gap_s, .. } = kind
+            && let Some(FaultKind::Gap { gaps, longest_s, longest, .. }) =
+                gaps.into_iter().find(|kept| matches!(kept, FaultKind::Gap { .. }))
+        {
+            *gaps += 1;
+            if gap_s > *longest_s {
+                (*longest_s, *longest) = (gap_s, time);
+            }
+        } else if self.kept.len() < FAULTS_KEPT || matches!(kind, FaultKind::Gap { .. }) {
             self.kept.push(Fault { line, kind });
         } else {
             self.more += 1;
@@ -96,6 +105,11 @@ impl Faults {
     /// How many there are.
     pub fn count(&self) -> usize {
         self.kept.len() + self.more
+    }
+
+    /// Whether there are gaps, and nothing else.
+    pub fn are_gaps(&self) -> bool {
+        self.more == 0 && matches!(&self.kept[..], [Fault { kind: FaultKind::Gap { .. }, .. }])
     }
 
     /// Those kept in full.
@@ -216,12 +230,28 @@ pub enum FaultKind {
         before: TimeTag,
     },
     /// Too long without a fix.
-    #[error("no fix for {gap_s:.3} s before {time}; longest gap allowed: {allowed_s} s")]
+    #[error(
+        "no fix for {gap_s:.3} s before {time}{}; longest gap allowed: max_gap_s = {allowed_s} s; \
+         max_gap_s = {} interpolates {}",
+        if *gaps > 1 {
+            format!(", the first of {gaps} gaps, the longest {longest_s:.3} s before {longest}")
+        } else {
+            String::new()
+        },
+        longest_s.ceil(),
+        if *gaps > 1 { "them all" } else { "it" }
+    )]
     Gap {
-        /// Time of the fix after the gap.
+        /// Time of the fix after the first gap.
         time: TimeTag,
         /// Its length, s.
         gap_s: f64,
+        /// Gaps of the file.
+        gaps: u64,
+        /// Length of the longest, s.
+        longest_s: f64,
+        /// Time of the fix after it.
+        longest: TimeTag,
         /// `max_gap_s` of the source.
         allowed_s: f64,
     },
@@ -250,6 +280,13 @@ pub enum FaultKind {
     /// No header at all.
     #[error("the file is empty; needed: a header line and fixes")]
     Empty,
+}
+
+impl FaultKind {
+    /// One gap, before the fix at an instant.
+    pub(super) fn gap(time: TimeTag, gap_s: f64, allowed_s: f64) -> Self {
+        Self::Gap { time, gap_s, gaps: 1, longest_s: gap_s, longest: time, allowed_s }
+    }
 }
 
 /// A piece of foreign text, short and printable, for an error message.

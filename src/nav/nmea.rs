@@ -153,7 +153,7 @@ fn note(told: Reported, source: &FileSource, fixes: &mut Vec<Fix>, faults: &mut 
         Reported::Follows { line, time, before } => {
             let gap_s = time.since(before);
             if gap_s > source.max_gap_s {
-                faults.push(line, FaultKind::Gap { time, gap_s, allowed_s: source.max_gap_s });
+                faults.push(line, FaultKind::gap(time, gap_s, source.max_gap_s));
             }
         }
         Reported::StepsBack { line, time, before } => {

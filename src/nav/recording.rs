@@ -49,7 +49,7 @@ pub(super) fn follows(
         return false;
     }
     if gap_s > source.max_gap_s {
-        faults.push(line, FaultKind::Gap { time: next.time, gap_s, allowed_s: source.max_gap_s });
+        faults.push(line, FaultKind::gap(next.time, gap_s, source.max_gap_s));
     }
     true
 }

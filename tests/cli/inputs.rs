@@ -121,3 +121,34 @@ fn names_stay_on_their_line() {
         assert!(!said.lines().any(|line| line.starts_with("forged")), "{said}");
     }
 }
+
+/// Before: `\u{202e}` in JSON, which no parser reads, and of a path that is not UTF-8 no JSON at all, after a complete run.
+#[test]
+fn json_is_valid_whatever_a_path_holds() {
+    use std::ffi::{OsStr, OsString};
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/monostatic.toml").into_os_string();
+    let json = |words: &[&OsStr]| -> serde_json::Value {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
+        let ended = command.args(words).arg("--json").current_dir(folder.path()).output().unwrap();
+        let (out, err) = (String::from_utf8_lossy(&ended.stdout), String::from_utf8_lossy(&ended.stderr));
+        serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {words:?}: {out}{err}"))
+    };
+    let names: [(&[u8], &str); 2] = [
+        ("rec\u{202e}\u{7f}\u{9b}\u{61c}\u{2028}".as_bytes(), "rec\u{202e}\u{7f}\u{9b}\u{61c}\u{2028}"),
+        (b"rec\xff", "rec\u{fffd}"),
+    ];
+    for (name, shown) in names {
+        let words = ["run", "--pace", "fast", "--pulses", "0..5", "--set", "sink.0.kind=plain", "--out"];
+        let mut words: Vec<OsString> = words.iter().map(OsString::from).collect();
+        words.extend([OsStr::from_bytes(name).to_owned(), config.clone()]);
+        let words: Vec<&OsStr> = words.iter().map(OsString::as_os_str).collect();
+        let report = json(&words);
+        assert_eq!(report["out"][0]["files"][0], shown);
+        assert_eq!(report["error"], serde_json::Value::Null);
+        let verdict = json(&[OsStr::new("verify"), OsStr::from_bytes(name)]);
+        assert_eq!((&verdict["path"], &verdict["whole"]), (&shown.into(), &true.into()));
+    }
+}

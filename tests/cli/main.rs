@@ -27,6 +27,7 @@ mod polarisation_check;
 mod program;
 mod python_tools;
 mod receive;
+mod recorded_tracks;
 mod running;
 mod sea;
 mod sea_check;

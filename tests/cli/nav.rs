@@ -26,7 +26,10 @@ fn behind_the_name(text: &str) -> &str {
 fn inspect_tells_what_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let text = run(folder.path(), &["nav", "inspect", &cart()]);
-    insta::assert_snapshot!(behind_the_name(&text), @r"
+    let (text, block) = text.trim_end().rsplit_once('\n').unwrap();
+    let expected = format!("track = {{ kind = \"inspvax\", path = \"{}\", max_gap_s = 0.051 }}", cart());
+    assert_eq!(block, expected);
+    insta::assert_snapshot!(behind_the_name(text), @r"
     format    inspvax, 47400 bytes
     messages  300 good (0 void), 0 with a wrong checksum, 0 of other kinds, 0 malformed
     kinds     300 INSPVAX
@@ -39,6 +42,7 @@ fn inspect_tells_what_is_there() {
     speed     0.66 .. 1.69 m/s, mean 0.87
     said      300 velocities, 300 attitudes, 300 deviations
     worst     0.047 m East, 0.059 m North, 0.100 m up
+    scenario  under [[platform]], its path relative to the scenario:
     ");
     let json = run(folder.path(), &["nav", "inspect", &cart(), "--json"]);
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -66,6 +70,23 @@ fn inspect_tells_what_is_there() {
     let plaka = package().join("tests/data/nav/plaka_700.nmea").display().to_string();
     let text = run(folder.path(), &["nav", "inspect", &plaka]);
     assert!(text.contains("no date") && text.contains("219 good"), "{text}");
+}
+
+/// The block that `inspect` prints is a track: of noisy fixes with smoothing, without which their attitude turns too far.
+#[test]
+fn the_block_of_inspect_is_a_track() {
+    let folder = tempfile::tempdir().unwrap();
+    let strait = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
+    let text = run(folder.path(), &["nav", "inspect", &strait, "--datum", "msl"]);
+    let block = text.lines().last().unwrap();
+    assert!(block.contains("datum = \"msl\", max_gap_s = 10, smoothing = { kind = \"rts\""), "{block}");
+    let track = format!("platform.1.{}", block.replacen(" = ", "=", 1));
+    let scenario = package().join("configs/quickstart.toml").display().to_string();
+    let small = ["--set", "scene.duration_s=0.1", "--set", "scene.patch_size_m=[16, 16]", "--set", &track];
+    let words = [&["check", &scenario][..], &small].concat();
+    let checked = nereus(folder.path(), &words);
+    assert_eq!(checked.code, 0, "{}", checked.stderr);
+    assert!(checked.stdout.contains("fixes smoothed"), "{}", checked.stdout);
 }
 
 /// From one format to the next and back, nothing is lost but digits.

@@ -23,17 +23,40 @@ fn settings_are_told_as_asked_and_as_set() {
     };
     let text = check("5", &[]);
     assert!(row(&text, "rounded").contains("scatter_pulses 4, asked 5 ("), "{text}");
-    let (keys, follow) = (row(&text, "settings"), row(&text, "follow"));
+    let (keys, derived) = (row(&text, "settings"), row(&text, "derived"));
     for name in ["oversampling", "precision"] {
-        assert!(!keys.contains(name) && follow.contains(name), "{name}: {text}");
+        assert!(!keys.contains(name) && derived.contains(name), "{name}: {text}");
     }
     for name in ["node_pulses 12", "scatter_pulses 4", "kernel_width"] {
-        assert!(keys.contains(name) && !follow.contains(name), "{name}: {text}");
+        assert!(keys.contains(name) && !derived.contains(name), "{name}: {text}");
     }
     assert_eq!(row(&check("6", &[]), "rounded"), "");
     let plan = |scatter| serde_json::from_str::<serde_json::Value>(&check(scatter, &["--json"])).unwrap();
     assert_eq!(plan("5")["plan"]["asked"]["scatter_pulses"], 5);
     assert!(plan("6")["plan"]["asked"].is_null());
+}
+
+/// Before: "within -60 dB of the reference" among what is modelled, and another error below.
+#[test]
+fn an_error_that_is_not_kept_is_reported_as_predicted() {
+    let sea = package().join("configs/sea.toml").display().to_string();
+    let coarse = ["scene.patch_size_m=[16, 16]", "fidelity.node_pulses=21"];
+    let ended = nereus(package(), &["check", &sea, "--set", coarse[0], "--set", coarse[1]]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let text = &ended.stdout;
+    let row = |what: &str| {
+        let found = text.lines().find_map(|line| line.trim_start().strip_prefix(what));
+        found.unwrap_or_else(|| panic!("{what}: {text}")).trim()
+    };
+    let error = row("error ");
+    let predicted = error.strip_suffix(" dB predicted, -60 asked").unwrap_or_else(|| panic!("{error}"));
+    assert!(predicted.parse::<f64>().unwrap() > -60.0, "{error}");
+    assert_eq!(row("echo "), format!("fast: error against the reference {error}; settings below"));
+    assert!(row("by cause").ends_with("dB; the dry run found less than their sum"), "{text}");
+    let warning = format!(
+        "-60 dB cannot be reached with the [fidelity] keys set in this file (node_pulses); best {predicted} dB"
+    );
+    assert!(ended.stderr.contains(&warning), "{}", ended.stderr);
 }
 
 /// Checks a scenario with settings.

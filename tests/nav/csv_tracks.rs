@@ -87,7 +87,7 @@ fn all_faults_are_told_at_once() {
       line 7: 3 fields; the header has 7
       line 8: height_m = '' is not a finite number
       line 8: time_utc = '2018-02-31T18:00:05Z' is not a time such as 2018-05-30T18:40:00.25Z
-      line 9: no fix for 16.500 s before 2018-05-30T18:00:16.500000Z; longest gap allowed: 10 s
+      line 9: no fix for 16.500 s before 2018-05-30T18:00:16.500000Z; longest gap allowed: max_gap_s = 10 s; max_gap_s = 17 interpolates it
     "#);
 }
 

@@ -150,7 +150,7 @@ fn faults_of_files() {
       line 2: pitch = NaN is out of range: -1.5707963267948966 to 1.5707963267948966
       line 5: time = -1 is out of range: 0 to 6048000
       line 3: time 2018-05-05T23:59:42.500000Z is not later than 2018-05-05T23:59:43.000000Z of the fix before: times must increase
-      line 4: no fix for 9.000 s before 2018-05-05T23:59:52.000000Z; longest gap allowed: 1.5 s
+      line 4: no fix for 9.000 s before 2018-05-05T23:59:52.000000Z; longest gap allowed: max_gap_s = 1.5 s; max_gap_s = 9 interpolates it
     ");
     assert_snapshot!(told(replay::parse(&[], &source("t.sbet", format)).unwrap_err()), @r"
     t.sbet: 1 fault
@@ -166,10 +166,9 @@ fn faults_of_files() {
         Format::InspvaxBinary.write(&solution_of(second), &mut log).unwrap();
     }
     assert_snapshot!(told(replay::parse(&log, &source("t.inspvax", FileFormat::Inspvax)).unwrap_err()), @r"
-    t.inspvax: 3 faults
-      line 3: no fix for 4.000 s before 2018-05-30T18:40:05.125000Z; longest gap allowed: 1.5 s
+    t.inspvax: 2 faults
+      line 3: no fix for 4.000 s before 2018-05-30T18:40:05.125000Z, the first of 2 gaps, the longest 4.000 s before 2018-05-30T18:40:05.125000Z; longest gap allowed: max_gap_s = 1.5 s; max_gap_s = 4 interpolates them all
       line 4: time 2018-05-30T18:40:04.125000Z is not later than 2018-05-30T18:40:05.125000Z of the fix before: times must increase
-      line 5: no fix for 4.000 s before 2018-05-30T18:40:09.125000Z; longest gap allowed: 1.5 s
     ");
 }
 

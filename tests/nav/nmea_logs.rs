@@ -156,7 +156,7 @@ fn faults_and_empty_logs() {
     let told = |text: &str| nmea::parse(text.as_bytes(), &source).unwrap_err().to_string();
     assert_snapshot!(told(&[rmc("120000"), rmc("120030"), rmc("115900")].concat()), @r#"
     log.nmea: 2 faults
-      line 2: no fix for 30.000 s before 2020-07-01T12:00:30.000000Z; longest gap allowed: 10 s
+      line 2: no fix for 30.000 s before 2020-07-01T12:00:30.000000Z; longest gap allowed: max_gap_s = 10 s; max_gap_s = 30 interpolates it
       line 3: time 2020-07-01T11:59:00.000000Z is not later than 2020-07-01T12:00:30.000000Z of the fix before: times must increase
     "#);
     assert_snapshot!(told(""), @r#"

@@ -116,7 +116,7 @@ fn faults_of_building_are_told() {
     for (i, fix) in spinning.iter_mut().enumerate() {
         fix.yaw_pitch_roll_rad = Some([2.0 * i as f64, 0.0, 0.0]);
     }
-    assert_snapshot!(told(&spinning, &frame, &source(AttitudeSource::Recorded)), @"helix.csv: the attitude turns by 114.6 deg to the fix at 2018-05-30T18:40:01.123456Z; allowed: 90 deg between fixes");
+    assert_snapshot!(told(&spinning, &frame, &source(AttitudeSource::Recorded)), @r#"helix.csv: the attitude turns by 114.6 deg to the fix at 2018-05-30T18:40:01.123456Z; allowed: 90 deg between fixes; where it is derived from noisy fixes, track.smoothing (kind = "rts") evens them out; track.attitude = "constant" takes none from the file"#);
     let rts = |max_acceleration_mps2| FileSource {
         smoothing: Smoothing::Rts { horizontal_sigma_m: 1.0, vertical_sigma_m: 1.0, max_acceleration_mps2 },
         ..source(AttitudeSource::Level)

@@ -7,6 +7,7 @@ use super::{Described, described, digits};
 use crate::bench::settings;
 use crate::cli::counted;
 use crate::config::keys;
+use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
 
 /// A plan in figures; all of it predicted.
@@ -36,9 +37,13 @@ struct DryRunReport {
     tries: u32,
 }
 
-/// Parts of a predicted error, dB; what is none is left out.
-pub(in crate::cli) fn parts_db(plan: &Plan) -> Map<String, Value> {
-    let parts = plan.prediction.parts().into_iter().filter(|(_, part)| *part > 0.0);
+/// What the dry run found above the sum of the parts, beside the names of these.
+const BY_DRY_RUN: &str = "dry_run";
+
+/// Parts of a predicted error, dB; what is none is left out. A dry run that found less than their sum stands for itself.
+pub(in crate::cli) fn parts_db(prediction: &Prediction) -> Map<String, Value> {
+    let found = (BY_DRY_RUN, prediction.total() - prediction.modelled());
+    let parts = prediction.parts().into_iter().chain([found]).filter(|(_, part)| *part > 0.0);
     parts.map(|(name, part)| (name.to_owned(), Value::from(10.0 * part.log10()))).collect()
 }
 
@@ -56,12 +61,36 @@ fn set_otherwise(plan: &Plan) -> Map<String, Value> {
 }
 
 /// What to say where the error that is asked is not kept.
-pub(in crate::cli) fn not_kept(asked_db: f64, predicted_db: f64) -> Option<String> {
-    (predicted_db > asked_db).then(|| {
-        format!(
-            "an error of {asked_db} dB is asked, {predicted_db:.1} dB are predicted: what the knobs of [fidelity] leave open does not allow less"
-        )
-    })
+pub(in crate::cli) fn not_kept(plan: &Plan) -> Option<String> {
+    let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
+    if plan.keeps() {
+        return None;
+    }
+    let asked = &plan.asked;
+    let given: Vec<&str> = [
+        ("node_pulses", asked.node_pulses.is_some()),
+        ("scatter_pulses", asked.scatter_pulses.is_some()),
+        ("gain_pulses", asked.gain_pulses.is_some()),
+        ("sidelobe_db", asked.sidelobe_db.is_some()),
+        ("kernel_width", asked.kernel_width.is_some()),
+        ("doppler", asked.doppler.is_some()),
+    ]
+    .into_iter()
+    .filter_map(|(name, given)| given.then_some(name))
+    .collect();
+    let with = match &given[..] {
+        [] => "in this scene".to_owned(),
+        keys => format!("with the [fidelity] keys set in this file ({})", keys.join(", ")),
+    };
+    Some(format!("{asked_db} dB cannot be reached {with}; best {predicted_db:.1} dB"))
+}
+
+/// What the fast echo keeps of the reference, as predicted.
+pub(super) fn echo_text(plan: &Plan) -> String {
+    let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
+    format!(
+        "fast: error against the reference {predicted_db:.1} dB predicted, {asked_db} asked; settings below"
+    )
 }
 
 impl PlanReport {
@@ -71,7 +100,7 @@ impl PlanReport {
             settings: settings::settings(Some(&plan.chosen)),
             asked: set_otherwise(plan),
             predicted_rel_rms_db: plan.prediction.total_db(),
-            predicted_error_db: parts_db(plan),
+            predicted_error_db: parts_db(&plan.prediction),
             dry_run: plan.prediction.dry_run.map(|run| DryRunReport {
                 pulses: run.pulses,
                 all: run.all,
@@ -82,24 +111,17 @@ impl PlanReport {
         }
     }
 
-    /// What to say where the error is not kept.
-    pub(super) fn warning(&self) -> Option<String> {
-        not_kept(self.error_db, self.predicted_rel_rms_db)
-    }
-
     pub(super) fn rows(&self) -> Vec<Described> {
         let parts = self.predicted_error_db.iter().filter_map(|(name, db)| Some((name, db.as_f64()?)));
-        let parts: Vec<String> = parts.map(|(name, db)| format!("{name} {db:.0}")).collect();
+        let name_of = |name: &str| if name == BY_DRY_RUN { "found by the dry run" } else { name }.to_owned();
+        let parts: Vec<String> = parts.map(|(name, db)| format!("{} {db:.0}", name_of(name))).collect();
         // What can be written into a scenario, and what comes of it.
         let is_key = |name: &str| keys::fidelity::TABLE.keys.iter().any(|key| key.name == name);
-        let (given, follow): (Map<_, _>, Map<_, _>) =
+        let (given, derived): (Map<_, _>, Map<_, _>) =
             self.settings.clone().into_iter().partition(|(name, _)| is_key(name));
         let mut rows = vec![
             described("settings", format!("{} (keys of [fidelity])", settings_text(&given))),
-            described(
-                "follow",
-                format!("{} (no keys: they follow from the settings)", settings_text(&follow)),
-            ),
+            described("derived", settings_text(&derived)),
         ];
         let rounded = self.asked.iter().map(|(name, asked)| {
             let set = self.settings.get(name).unwrap_or(&Value::Null);
@@ -122,14 +144,22 @@ impl PlanReport {
         });
         rows.push(described(
             "error",
-            format!("{:.1} dB, asked {} dB", self.predicted_rel_rms_db, self.error_db),
+            format!("{:.1} dB predicted, {} asked", self.predicted_rel_rms_db, self.error_db),
         ));
-        rows.push(described("by cause", format!("{} dB, as the plan expects", parts.join(", "))));
+        let sum: f64 =
+            self.predicted_error_db.values().filter_map(Value::as_f64).map(|db| 10f64.powf(db / 10.0)).sum();
+        // Parts are rounded to a decibel: what rounding alone makes is no difference.
+        let less = 10.0 * sum.log10() - self.predicted_rel_rms_db > 0.5;
+        let less = if less { "; the dry run found less than their sum" } else { "" };
+        rows.push(described("by cause", format!("{} dB{less}", parts.join(", "))));
         rows.extend(tried);
         rows.extend([
             described(
                 "speed",
-                format!("{} times real time by the price list", digits(self.predicted_real_time_factor)),
+                format!(
+                    "{} times real time by the cost model, not measured",
+                    digits(self.predicted_real_time_factor)
+                ),
             ),
             described("memory", format!("{:.0} MiB resident", self.predicted_rss_mib)),
         ]);
@@ -144,4 +174,28 @@ pub(in crate::cli) fn settings_text(settings: &Map<String, Value>) -> String {
         value => format!("{name} {value}"),
     };
     settings.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fidelity::DryRun;
+
+    /// Before: of -56.2 dB the largest part that was printed was -69 dB.
+    #[test]
+    fn what_the_dry_run_finds_above_the_parts_has_a_name() {
+        let found = |error| DryRun { pulses: 17, all: false, tries: 2, error };
+        let with = |dry_run| Prediction { path: 1e-7, tilt: 2e-8, dry_run, ..Prediction::default() };
+        let sum_db = |parts: &Map<String, Value>| {
+            let powers = parts.values().map(|db| 10f64.powf(db.as_f64().unwrap() / 10.0));
+            10.0 * powers.sum::<f64>().log10()
+        };
+        let more = with(Some(found(2.4e-6)));
+        let parts = parts_db(&more);
+        assert!(parts.contains_key(BY_DRY_RUN), "{parts:?}");
+        assert!((sum_db(&parts) - more.total_db()).abs() < 1e-9, "{parts:?}");
+        for other in [None, Some(found(5e-8))] {
+            assert_eq!(parts_db(&with(other)).keys().collect::<Vec<_>>(), ["path", "tilt"]);
+        }
+    }
 }

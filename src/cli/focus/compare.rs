@@ -15,6 +15,7 @@ use super::{
     expected, ground, one, outputs, paths, pictures, table, values,
 };
 use crate::cli::focus::error::FocusError;
+use crate::cli::json;
 use crate::cli::outputs::save_canvas;
 use crate::cli::sea::SeaError;
 use crate::pipeline::memory::available_bytes;
@@ -119,7 +120,7 @@ pub(super) fn compare(
         pixels: ground.pixels,
         pixel_m: args.pixel_m,
         channels: told,
-        out: made,
+        out: json::all_legible(&made),
     };
     table::print(args, &comparison, out)
 }

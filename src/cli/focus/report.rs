@@ -11,6 +11,7 @@ use super::{
 };
 use crate::cli::escape;
 use crate::cli::focus::error::FocusError;
+use crate::cli::json;
 use crate::cli::speckle::Speckle;
 use crate::processor::point_target::PointTarget;
 use crate::processor::point_target::{SEARCH_CELLS, WIDEST};
@@ -91,7 +92,7 @@ pub(super) fn report(
         seconds,
         pulse_pixels_per_s: work / seconds.max(1e-9),
         channels: focused.iter().map(|f| channel(args, recording, ground, f)).collect::<Result<_, _>>()?,
-        out,
+        out: json::all_legible(&out),
     })
 }
 
@@ -127,8 +128,7 @@ fn channel(
 
 pub(super) fn print(args: &FocusArgs, report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
-        let text = serde_json::to_string(report).map_err(|error| CliError::Output(error.into()))?;
-        return writeln!(out, "{text}").map_err(CliError::Output);
+        return json::print(report, out);
     }
     tell(report, out).map_err(CliError::Output)?;
     for path in &report.out {

@@ -6,11 +6,11 @@ use super::forecast::Law;
 use super::{CliError, FocusArgs, counted, say};
 use crate::cli::escape;
 use crate::cli::focus::figures::{Channel, Comparison, Figures, Target};
+use crate::cli::json;
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
-        let text = serde_json::to_string(comparison).map_err(|error| CliError::Output(error.into()))?;
-        return writeln!(out, "{text}").map_err(CliError::Output);
+        return json::print(comparison, out);
     }
     tell(comparison, out).map_err(CliError::Output)?;
     for path in &comparison.out {

@@ -7,9 +7,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::SourceArgs;
+use super::block::block;
 use super::recorded::{KINDS, Recorded};
 use crate::cli::error::CliError;
 use crate::cli::escape::name;
+use crate::cli::json;
 use crate::nav::decode::Counts;
 use crate::nav::{Fix, Place};
 
@@ -40,6 +42,8 @@ struct Report {
     messages: Option<Counts>,
     kinds: Vec<(&'static str, u64)>,
     track: Option<TrackReport>,
+    /// The track of a scenario that takes the recording.
+    scenario: Option<String>,
     /// Why there is no track.
     error: Option<String>,
 }
@@ -88,7 +92,10 @@ pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), 
         Ok(recording) => (Some((recording.report, recording.fixes)), None),
         Err(error) => (None, Some(error.to_string())),
     };
+    let scenario =
+        track.as_ref().and_then(|(_, fixes)| block(&args.file, recorded.format, &args.source, fixes));
     let report = Report {
+        scenario,
         file: args.file.display().to_string(),
         format: format!("{:?}", recorded.format).to_lowercase(),
         bytes: recorded.bytes,
@@ -111,11 +118,7 @@ pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), 
         }),
         error,
     };
-    let text = if args.json {
-        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
-    } else {
-        report.text()
-    };
+    let text = if args.json { json::json(&report)? + "\n" } else { report.text() };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
 }
 
@@ -255,6 +258,11 @@ impl Report {
         if let Some(error) = &self.error {
             rows.push(("no track", error.clone()));
         }
-        rows.into_iter().map(|(name, text)| format!("{name:9} {text}\n")).collect()
+        let mut text: String = rows.into_iter().map(|(name, text)| format!("{name:9} {text}\n")).collect();
+        if let Some(block) = &self.scenario {
+            // On a line of its own, to be copied.
+            text += &format!("scenario  under [[platform]], its path relative to the scenario:\n{block}\n");
+        }
+        text
     }
 }

@@ -1,5 +1,6 @@
 //! `nereus nav`: recorded navigation inspected, converted, played, corrupted, and changed in a run under way.
 
+mod block;
 mod convert;
 mod corrupt;
 mod error;

@@ -24,7 +24,7 @@ pub use error::SeaError;
 pub use field::Field;
 
 use super::error::CliError;
-use super::{say, warn};
+use super::{json, say, warn};
 use crate::adequacy::patch_at;
 use crate::pipeline::fault::BuildErrors;
 use crate::plot::picture::Picture;
@@ -71,9 +71,9 @@ pub struct SeaArgs {
 struct Report<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
-    out: Option<&'a PathBuf>,
-    png: Option<&'a PathBuf>,
-    state: Option<&'a PathBuf>,
+    out: Option<PathBuf>,
+    png: Option<PathBuf>,
+    state: Option<PathBuf>,
 }
 
 /// Makes the files that the arguments ask for, and tells what sea it is.
@@ -111,10 +111,10 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
         say("no file was asked for: --out, --png, --save-state");
     }
     if args.json {
-        let (png, state) = (args.png.as_ref(), args.save_state.as_ref());
-        let report = Report { summary: &summary, out: args.out.as_ref(), png, state };
-        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        writeln!(out, "{text}").map_err(CliError::Output)?;
+        let [out_file, png, state] =
+            [&args.out, &args.png, &args.save_state].map(|path| path.as_deref().map(json::legible));
+        let report = Report { summary: &summary, out: out_file, png, state };
+        json::print(&report, out)?;
     }
     Ok(())
 }

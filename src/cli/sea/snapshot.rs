@@ -18,6 +18,7 @@ use serde::Serialize;
 use super::super::error::CliError;
 use super::super::{say, warn};
 use super::{SeaError, paths};
+use crate::cli::json;
 use crate::cli::outputs::{axes, outputs, save_png};
 use crate::cli::values::counts;
 use crate::config::Run;
@@ -127,14 +128,14 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
         say("no file was asked for: --out, --png, --paths");
     }
     if args.json {
-        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        writeln!(out, "{text}").map_err(CliError::Output)?;
+        json::print(&report, out)?;
     }
     Ok(())
 }
 
 fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> Report {
-    let (out, png, paths) = (args.out.clone(), args.png.clone(), args.paths.clone());
+    let [out, png, paths] =
+        [&args.out, &args.png, &args.paths].map(|path| path.as_deref().map(json::legible));
     let Some(snapshot) = snapshot else {
         let (pulse, channels) = (args.pulse, Vec::new());
         return Report {

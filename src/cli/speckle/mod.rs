@@ -15,6 +15,7 @@ use clap::Args;
 use glam::DVec2;
 
 use super::error::CliError;
+use super::json;
 use super::progress;
 use super::sea::SeaError;
 use super::{say, warn};
@@ -112,11 +113,7 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
         }
     }
     let report = Report::new(args, &run, &channels, azimuths, begun.elapsed().as_secs_f64(), &files);
-    let text = if args.json {
-        serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))? + "\n"
-    } else {
-        report.text()
-    };
+    let text = if args.json { json::json(&report)? + "\n" } else { report.text() };
     if let Some(Files { table, picture, .. }) = files {
         let csv = report.csv();
         table.write(|partial| {

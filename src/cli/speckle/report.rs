@@ -9,6 +9,7 @@ use super::image::Geometry;
 use super::{Files, SpeckleArgs};
 use crate::cli::counted;
 use crate::cli::escape;
+use crate::cli::json;
 use crate::clutter::empirical::GRAZING_DEG;
 use crate::clutter::fits::{Shape, Speckle};
 use crate::clutter::regression::{self, Cosine};
@@ -142,7 +143,7 @@ impl Report {
             seconds,
             azimuths,
             cosines,
-            out: files.iter().flat_map(|files| files.paths.clone()).collect(),
+            out: files.iter().flat_map(|files| json::all_legible(&files.paths)).collect(),
             channels,
         }
     }

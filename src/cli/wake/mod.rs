@@ -15,6 +15,7 @@ use serde::Serialize;
 
 use super::check::ships::figures;
 use super::error::CliError;
+use super::json;
 use super::sea::{Field, SeaError, field};
 use super::{say, warn};
 use crate::adequacy::{ShipOutlook, patch_at};
@@ -73,8 +74,8 @@ struct Report<'a> {
     height_range_m: [f64; 2],
     ships: &'a [ShipOutlook],
     cuts: &'a [Cut],
-    out: Option<&'a PathBuf>,
-    png: Option<&'a PathBuf>,
+    out: Option<PathBuf>,
+    png: Option<PathBuf>,
 }
 
 /// Makes the files that the arguments ask for, prints cuts, and tells what ships they are.
@@ -129,11 +130,10 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
             height_range_m,
             ships: &outlooks,
             cuts: &cuts,
-            out: args.out.as_ref(),
-            png: args.png.as_ref(),
+            out: args.out.as_deref().map(json::legible),
+            png: args.png.as_deref().map(json::legible),
         };
-        let text = serde_json::to_string(&report).map_err(|error| CliError::Output(error.into()))?;
-        writeln!(out, "{text}").map_err(CliError::Output)
+        json::print(&report, out)
     } else if lines.is_empty() {
         Ok(())
     } else {

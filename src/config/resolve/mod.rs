@@ -31,7 +31,6 @@ use crate::echo::Fidelity;
 use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::motion::PlatformNav;
 use crate::motion::changes::Event;
-use crate::nav::TrackSource;
 use crate::scene::Scene;
 use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
@@ -147,6 +146,13 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let live = platform_sections
         .iter()
         .any(|section| section.says_in(&keys::platform::TRACK, &keys::track::KIND, "live"));
+    let recorded = platform_sections.iter().any(|section| {
+        let is = |part, kind| section.says_in(part, &keys::track::KIND, kind);
+        let parts = [&keys::platform::TRACK, &keys::platform::REPORTED];
+        parts
+            .into_iter()
+            .any(|part| ["csv", "nmea", "inspvax", "sbet"].into_iter().any(|kind| is(part, kind)))
+    });
     let mut platforms = Names::new("platform");
     let nav: Vec<Option<PlatformNav>> = platform_sections
         .into_iter()
@@ -156,9 +162,6 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         })
         .collect();
     let patch = scene.as_ref().map(|section| {
-        let recorded = nav.iter().flatten().any(|nav| {
-            matches!(nav.truth, TrackSource::File(_)) || matches!(nav.reported, Some(TrackSource::File(_)))
-        });
         if recorded && !time.start_written {
             section.fault(&keys::scene::START_UTC, Problem::NeedsStart);
         } else if live && !time.start_written {

@@ -8,7 +8,7 @@ use crate::frames::{Body, Enu, Rotation, Vector};
 use crate::motion::PlatformNav;
 use crate::nav::TrackSource;
 use crate::nav::{
-    AttitudeSource, FileFormat, FileSource, LiveSource, MotionBounds, Smoothing, VerticalDatum,
+    AttitudeSource, FileFormat, FileSource, LiveSource, MotionBounds, Smoothing, VerticalDatum, csv,
 };
 
 /// One `[[platform]]`; its name has been read.
@@ -102,7 +102,15 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
     let path = section.file(&PATH);
     // The format says what its heights are measured from.
     let known = matches!(format, FileFormat::Inspvax | FileFormat::Sbet { .. });
-    let datum = if known { Some(VerticalDatum::Ellipsoid) } else { datum(section, ground) };
+    // All formats but CSV hold latitudes and longitudes. What cannot be read is reported where the fixes are.
+    let geodetic = match (&path, format) {
+        (Some(path), FileFormat::Csv) => csv::is_geodetic(path),
+        (path, _) => path.is_some(),
+    };
+    if geodetic && !ground.geodetic_allowed() {
+        section.fault(&PATH, Problem::TrackNeedsOrigin);
+    }
+    let datum = if known { Some(VerticalDatum::Ellipsoid) } else { datum(section, ground, geodetic) };
     let max_gap_s = section.number(&MAX_GAP_S);
     let smoothing = match section.has(&SMOOTHING) {
         true => section.section(&SMOOTHING).and_then(smoothing),
@@ -132,7 +140,7 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     let origin = section.origin(&SOURCE, baud.unwrap_or_default());
     // What sentences call altitude is above mean sea level; INSPVAX says it itself.
     let datum = if section.has(&DATUM) {
-        datum(section, ground)
+        datum(section, ground, true)
     } else {
         section.choice(&DATUM);
         Some(VerticalDatum::MeanSeaLevel)
@@ -189,7 +197,8 @@ fn attitude_source(section: &Section<'_>) -> Option<AttitudeSource> {
     })
 }
 
-fn datum(section: &Section<'_>, ground: &Ground) -> Option<VerticalDatum> {
+/// What heights are measured from; `geodetic`: of positions that have a latitude and a longitude.
+fn datum(section: &Section<'_>, ground: &Ground, geodetic: bool) -> Option<VerticalDatum> {
     use keys::track::{BAROMETRIC_OFFSET_M, DATUM};
     match section.choice(&DATUM) {
         Some("ellipsoid") => Some(VerticalDatum::Ellipsoid),
@@ -197,8 +206,10 @@ fn datum(section: &Section<'_>, ground: &Ground) -> Option<VerticalDatum> {
         Some(_) => {
             section.number(&BAROMETRIC_OFFSET_M).map(|offset_m| VerticalDatum::Barometric { offset_m })
         }
-        // Without an origin a recording holds local coordinates, which have no datum.
-        None if !section.has(&DATUM) && ground.origin_h_m.is_none() => Some(VerticalDatum::Ellipsoid),
+        // Local coordinates have no datum.
+        None if !section.has(&DATUM) && ground.origin_h_m.is_none() && !geodetic => {
+            Some(VerticalDatum::Ellipsoid)
+        }
         None => {
             if !section.has(&DATUM) {
                 section.fault(&DATUM, Problem::Missing { allowed: DATUM.kind.allowed() });

@@ -63,6 +63,15 @@ fn faults_of_navigation() {
     platform.1.track.datum: has no meaning here (kind = "inspvax")
     platform.1.track.gps_week: has no meaning here (kind = "inspvax")
     "#);
-    // In a scene that lies nowhere.
+    // In a scene that lies nowhere; before, the track was refused only when all else was right, and its datum after that.
+    insta::assert_snapshot!(faults_of(&[
+        ("platform.0.track", "{ kind = 'csv', path = 'tracks/strait_of_dover.csv' }"),
+        ("radar.carrier_hz", "-1"),
+    ]), @r#"
+    scene.start_utc: is missing; required with a recorded track: a UTC time within the recording
+    platform.0.track.path: holds latitudes and longitudes, which need scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed without them: a CSV file of x_m, y_m, z_m
+    platform.0.track.datum: is missing; required: "ellipsoid", "msl", "barometric"
+    radar.carrier_hz: -1 is out of range; allowed: a number from 1e6 to 1e12 Hz
+    "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'nav', device = 'file:x', platform = 'coast' }]")]), @"sink.0.device: navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m");
 }

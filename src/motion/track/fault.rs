@@ -113,7 +113,9 @@ pub enum TrackError {
     NoHeading,
     /// The attitude turns too far between two fixes.
     #[error(
-        "{}: the attitude turns by {step_deg:.1} deg to the fix at {time}; allowed: {MAX_STEP_DEG} deg between fixes",
+        "{}: the attitude turns by {step_deg:.1} deg to the fix at {time}; allowed: {MAX_STEP_DEG} deg between fixes; \
+         where it is derived from noisy fixes, track.smoothing (kind = \"rts\") evens them out; \
+         track.attitude = \"constant\" takes none from the file",
         path.display()
     )]
     AttitudeStep {
@@ -168,7 +170,8 @@ pub enum TrackError {
     },
     /// Rejecting outliers left a gap.
     #[error(
-        "{}: without the outliers there is no fix for {gap_s:.3} s before {time}; longest gap allowed: {allowed_s} s",
+        "{}: without the outliers there is no fix for {gap_s:.3} s before {time}; \
+         longest gap allowed: max_gap_s = {allowed_s} s",
         path.display()
     )]
     RejectedGap {
@@ -212,6 +215,14 @@ pub enum SourceError {
     /// Its fixes make no track.
     #[error(transparent)]
     Track(#[from] TrackError),
+    /// Its file has gaps, and across them its fixes make no track.
+    #[error("{gaps}\n{track}")]
+    Gaps {
+        /// The gaps.
+        gaps: NavError,
+        /// What else is wrong.
+        track: TrackError,
+    },
     /// Its errors.
     #[error(transparent)]
     Errors(#[from] ErrorsFault),

@@ -52,7 +52,7 @@ use crate::motion::changes::PlatformChanges;
 use crate::motion::errors::{AxisErrors, Circumstances, ErrorModel, Errors};
 use crate::motion::gusts::Gusts;
 use crate::nav::TrackSource;
-use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, Place};
+use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place};
 use crate::time::TimeTag;
 use deviation::Deviation;
 use fit::Node;
@@ -183,21 +183,38 @@ impl Track {
                 }
                 Ok((Self::straight(locate(place)?, start, *velocity, *attitude), None))
             }
-            TrackSource::File(file) => {
-                let recording = nav::load(file)?;
-                let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
-                Ok((track, Some(SourceReport { load: recording.report, fit })))
-            }
+            TrackSource::File(file) => Self::from_file(file, frame, None),
             TrackSource::Live(live) => match live.nominal.as_deref() {
-                Some(TrackSource::File(file)) => {
-                    let mut recording = nav::load(file)?;
-                    shift_to(start, &mut recording.fixes);
-                    let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
-                    Ok((track, Some(SourceReport { load: recording.report, fit })))
-                }
+                Some(TrackSource::File(file)) => Self::from_file(file, frame, Some(start)),
                 Some(nominal) => Self::from_source(nominal, frame, start),
                 None => Err(TrackError::NoRehearsal.into()),
             },
+        }
+    }
+
+    /// The track of a file, moved in time to where a run begins if it is to be.
+    fn from_file(
+        file: &FileSource,
+        frame: &SceneFrame,
+        start: Option<TimeTag>,
+    ) -> Result<(Self, Option<SourceReport>), SourceError> {
+        let made = |file: &FileSource, mut recording: nav::Recording| {
+            if let Some(start) = start {
+                shift_to(start, &mut recording.fixes);
+            }
+            let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
+            Ok((track, Some(SourceReport { load: recording.report, fit })))
+        };
+        let gaps = match nav::load(file) {
+            Ok(recording) => return made(file, recording).map_err(SourceError::Track),
+            Err(NavError::Faulty { path, faults }) if faults.are_gaps() => NavError::Faulty { path, faults },
+            Err(error) => return Err(error.into()),
+        };
+        // What else is wrong is reported with them.
+        let patient = FileSource { max_gap_s: f64::INFINITY, ..file.clone() };
+        match nav::load(&patient).map(|recording| made(&patient, recording)) {
+            Ok(Err(track)) => Err(SourceError::Gaps { gaps, track }),
+            _ => Err(gaps.into()),
         }
     }
 
