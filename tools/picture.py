@@ -87,7 +87,7 @@ def main():
     above.legend(fontsize=8)
     # Echoes that begin later than this are cut off by the end of the window.
     whole = max(1, iq.shape[1] - np.count_nonzero(np.abs(replica) > 1e-2 * np.abs(replica).max()))
-    # The window moves with the range gate: rows are drawn against the delay after its start.
+    # The window moves with what it follows: rows are drawn against the delay after its start.
     extent = [0, iq.shape[1] / fs * 1e6, time[-1], time[0]]
     image = echo.imshow(power_db, extent=extent, aspect="auto", cmap="magma", vmin=bottom, vmax=top)
     for target in range(delays.shape[1]):

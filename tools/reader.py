@@ -6,7 +6,7 @@ As a module:    with reader.open_recording(path) as rec: rec.pulses, rec["iq"][a
 
 A recording is an HDF5 file (needs h5py) or a folder made by the plain sink (needs numpy alone).
 Both hold the same columns under the same paths. The first `rec.pulses` rows of every column are
-complete; `rec.refresh()` looks again. A killed HDF5 file bears the mark of an open writer, so it is
+complete; `rec.refresh()` looks again. A killed HDF5 file has the open-for-write flag, so it is
 opened with swmr=True where a plain open is refused.
 """
 import argparse

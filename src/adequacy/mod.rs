@@ -149,8 +149,8 @@ pub enum SeaWarning {
     },
     /// Rows enter and leave where they are received.
     #[error(
-        "rows that enter and leave the following patch are heard at {edge_db:.0} dB of the whole echo; below {EDGE_BUDGET_DB} dB \
-         the sea is without end: a larger patch or a shorter window helps"
+        "facets entering and leaving the moving patch contribute at {edge_db:.0} dB of the sea echo; below {EDGE_BUDGET_DB} dB \
+         the edge is negligible: a larger patch or a shorter window helps"
     )]
     Edge {
         /// Power of the edge rows, dB of all that is received.
@@ -158,8 +158,8 @@ pub enum SeaWarning {
     },
     /// Nothing is received.
     #[error(
-        "the window does not hear the patch at pulse {pulse}: whole echoes begin {window_us:?} us after the emission, \
-         those of the patch {patch_us:?} us"
+        "the receive window misses the patch at pulse {pulse}: it holds full echoes that begin {window_us:?} us after the emission, \
+         those of the patch begin {patch_us:?} us"
     )]
     OutsideWindow {
         /// The pulse.

@@ -31,11 +31,11 @@ pub struct Arguments {
 /// Subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run a scenario: every pulse in PRF order at PRF rate into its sinks
+    /// Run a scenario: emit every pulse, in order, at the PRF, to the sinks
     Run(RunArgs),
     /// Validate a scenario, explain it, predict what it takes
     Check(CheckArgs),
-    /// Measure speed, start, memory, what the stages take, and the error against the reference echo
+    /// Measure throughput, start-up time, memory, time per stage, and the error against the reference echo
     Bench(BenchArgs),
     /// Measure error and speed over the settings of the fast echo: table, CSV, picture
     Tradeoff(TradeoffArgs),
@@ -47,7 +47,7 @@ pub enum Command {
     Wake(WakeArgs),
     /// Map what every facet contributes to the echo of a pulse, in dBW
     Snapshot(SnapshotArgs),
-    /// Print physics as CSV
+    /// Tabulate the models (spectra, sigma0, antenna) as CSV
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
@@ -55,7 +55,7 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection
     Focus(Box<FocusArgs>),
-    /// Fit laws to the speckle of the sea over the azimuth of the wind: shape parameters, how well they fit, a picture
+    /// Fit amplitude distributions to sea clutter against wind azimuth: shape parameters, goodness of fit, a picture
     Speckle(Box<SpeckleArgs>),
     /// Receive pulses that are sent as VITA 49.2, and report gaps, lateness and navigation
     Receive(ReceiveArgs),

@@ -243,7 +243,7 @@ fn forecast_rows(forecast: &Resources) -> Vec<Described> {
             format!("{} {} LSB rms, {} peak", of.channel, digits(of.rms_lsb), digits(of.peak_lsb))
         };
         let levels: Vec<String> = converter.channels.iter().map(level).collect();
-        rows.push(described("converter", levels.join("; ")));
+        rows.push(described("ADC", levels.join("; ")));
     }
     rows
 }
@@ -430,7 +430,7 @@ fn platforms(run: &Run) -> Vec<Described> {
         match &nav.reported {
             Some(reported) => format!("{truth}; reports: {}", source_text(reported)),
             None if nav.errors.is_some() => format!("{truth}; reports with errors"),
-            None => format!("{truth}; reports where it is"),
+            None => format!("{truth}; reported = true track"),
         }
     };
     let rows = run.scene.platforms.iter().zip(&run.nav);
@@ -531,8 +531,8 @@ fn models(run: &Run) -> (Vec<Described>, Vec<Described>) {
         None => without.push(described("thermal noise", "no radar.noise_figure_db")),
     }
     match radar.adc {
-        Some(adc) => with.push(described("converter", format!("{} bits", adc.bits))),
-        None => without.push(described("converter", "no [radar.adc]: floating-point samples")),
+        Some(adc) => with.push(described("ADC", format!("{} bits", adc.bits))),
+        None => without.push(described("ADC", "no [radar.adc]: floating-point samples")),
     }
     known::models(run, &mut with, &mut without);
     sea::models(&run.scene, &mut with, &mut without);

@@ -191,16 +191,16 @@ fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
     )?;
     writeln!(
         out,
-        "order       {} packets overtaken, {} twice, {} too late, {} on no pulse's grid; {} backwards",
+        "order       {} packets out of order, {} duplicate, {} late, {} off the sample grid; pulse number decreased {}",
         report.overtaken,
         report.duplicates,
         report.too_late,
         report.stray,
-        counted(report.backwards, "pulse")
+        counted(report.backwards, "time")
     )?;
     writeln!(
         out,
-        "datagrams   {} of {} bytes in all; {} malformed, {} unknown, {} before the description, {} contradictions",
+        "datagrams   {} of {} bytes in all; {} malformed, {} unknown, {} before the description, {} conflicting descriptions",
         report.datagrams,
         report.bytes,
         report.malformed,

@@ -59,7 +59,7 @@ pub struct RunArgs {
     /// Recording (instead of the path of the scenario's recording)
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// Take changes of reports while the run goes on: a Unix socket to be made, or - for standard input (docs/control.md)
+    /// Accept navigation-error commands during the run: Unix socket to create, or - for standard input (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
     /// Overwrite recordings that exist
@@ -211,7 +211,7 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     // Two causes that ask for different remedies.
     let held_up = match health.held_up {
         0 => String::new(),
-        ready => format!(" ({ready} of them made in time: the system held up the release)"),
+        ready => format!(" ({ready} of them computed in time, delayed by the operating system)"),
     };
     let made = match health.made {
         0 => "none was made".to_owned(),
@@ -228,13 +228,13 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     if run.stream.pace == transport::Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
         say(format_args!(
-            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer {} ordinary threads",
+            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer at {} priority",
             lateness.p50,
             lateness.p99,
             lateness.p999,
             lateness.max,
             summary.latency_ms.unwrap_or(f64::NAN),
-            if health.pacer_ahead { "ahead of all" } else { "among" }
+            if health.pacer_ahead { "real-time" } else { "ordinary" }
         ));
     }
     if health.slipped_s > 0.0 {
@@ -289,7 +289,7 @@ fn tell_converter(of: &ConverterReport) {
         })
         .collect();
     say(format_args!(
-        "converter of {} bits: {}; {} of {} samples saturated",
+        "ADC of {} bits: {}; {} of {} samples saturated",
         of.bits,
         levels.join("; "),
         of.saturated,

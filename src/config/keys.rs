@@ -302,7 +302,7 @@ tables! {
         ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
         ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
         LEAD_US "lead_us", number("us", 0.0, 1e6), Required, "How much earlier than the echo of the aim point the window opens.";
-        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "Which tracks the range gate knows.";
+        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "Which tracks steer the opening of the receive window.";
     }
     adc "[radar.adc]" "Analogue-to-digital converter: mid-rise, I and Q separately, saturating." {
         BITS "bits", count(1, 16), Required, "Bits.";
@@ -328,11 +328,11 @@ tables! {
     platform "[[platform]]" "Something that carries antennas." {
         NAME "name", Name, Required, "Its name, unique among platforms.";
         TRACK "track", Section(&track::TABLE), Required, "Where it is: drives delays, phases and gains.";
-        REPORTED "reported", Section(&track::TABLE), Means("the platform reports where it is"), "Where it reports to be, in the same form.";
+        REPORTED "reported", Section(&track::TABLE), Means("the true track is reported"), "Where it reports to be, in the same form.";
         ERRORS "errors", Section(&errors::TABLE), Means("none"), "Errors of its reports.";
         TURBULENCE "turbulence", Section(&turbulence::TABLE), Means("still air"), "Gusts that it flies through: true motion beside its track.";
     }
-    errors "[platform.errors]" "Known errors of what a platform reports: report less truth. The same seed gives the same errors, in whole runs and in parts." {
+    errors "[platform.errors]" "Known errors of what a platform reports: report minus truth. The same seed gives the same errors, in whole runs and in parts." {
         PRESET "preset", Choice(&["sps", "rtk", "tactical", "navigation"]), Means("no errors but those below"), "Class of navigation to start from: satellites, with carrier phase, aided tactical or navigation-grade inertial unit. The keys below stand above it.";
         RECORDED "recorded", Choice(&["truth", "reported"]), Word("truth"), "What the track is. truth: what happened, errors are added to the report. reported: what was reported, the true motion lies beside it; errors must then be smooth (bias, sinusoid, ramp, walk, Gauss-Markov of position and attitude).";
         RATE_HZ "rate_hz", number("Hz", 0.0, 1e5), Means("that of the preset, or 0: a report at every pulse"), "Reports per second from pulse 0 on.";
@@ -466,9 +466,9 @@ tables! {
         PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid.";
         FLOOR_DBI "floor_dbi", number("dBi", -400.0, 200.0), default(-60.0), "file: gain outside the grid.";
     }
-    clock "[transmitter.clock] and [receiver.clock]" "A clock that is wrong: its reading less the time of the run. Delays and phases are those of the difference of both ends." {
+    clock "[transmitter.clock] and [receiver.clock]" "A clock that is wrong: its reading minus the time of the run. Delays and phases are those of the difference of both ends." {
         SAME_AS "same_as", Name, Means("a clock of its own"), "The antenna, written above, whose clock it shares; other keys have no meaning then.";
-        OFFSET_S "offset_s", number("s", -1.0, 1.0), default(0.0), "Reading less time at pulse 0.";
+        OFFSET_S "offset_s", number("s", -1.0, 1.0), default(0.0), "Reading minus time at pulse 0.";
         DRIFT "drift", number("", -1e-3, 1e-3), default(0.0), "Fractional frequency at pulse 0: 1e-9 gains a nanosecond a second.";
         AGEING_PER_DAY "ageing_per_day", number("1/day", -1e-3, 1e-3), default(0.0), "Growth of the fractional frequency in a day.";
         PRESET "preset", Choice(&["ocxo", "tcxo", "gpsdo", "rubidium"]), Means("no noise but that of noise_h"), "Noise of a kind of oscillator, Allan deviation at 1 s: 2e-12 and 1e-9 (flicker), 1e-11 and 2e-11 (white frequency).";
@@ -636,7 +636,7 @@ tables! {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
         POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When generation cannot keep up: end with an error, stretch time, or drop pulses.";
         LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500"), "Release minus emission time: how far ahead pulses are made.";
-        PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs ahead of all ordinary ones (SCHED_FIFO), where the system allows that; `nereus run` reports it.";
+        PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs at real-time priority (SCHED_FIFO), where the system allows that; `nereus run` reports it.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
         LOCK_MEMORY "lock_memory", Kind::Flag, Absent::Flag(false), "Whether the stream asks the system that its memory is never moved out (mlockall).";
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";

@@ -42,7 +42,7 @@ use crate::time::TimeTag;
 pub struct PlatformTracks {
     /// What happens: drives delays, phases and gains.
     pub truth: Track,
-    /// What the platform says: all that a servo, a range gate and the record's reader know.
+    /// What the platform says: all that a servo, a receive window and the record's reader know.
     pub reported: Track,
 }
 
@@ -102,7 +102,7 @@ impl PlatformTracks {
         Ok(Self { reported: self.reported.with_changes(changes, of, start)?, ..self })
     }
 
-    /// The trajectory that a servo or a range gate acts on.
+    /// The trajectory that a servo or a receive window acts on.
     pub fn known(&self, aim_from: AimFrom) -> &Track {
         match aim_from {
             AimFrom::Reported => &self.reported,

@@ -73,7 +73,7 @@ impl PhaseCentre {
     }
 }
 
-/// What servos and range gates look at: the tracks in the order of `scene.platforms`, the frame, the
+/// What servos and receive windows look at: the tracks in the order of `scene.platforms`, the frame, the
 /// emission time of pulse 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {

@@ -58,7 +58,7 @@ pub enum Ending {
     Closed,
     /// It is being written.
     Growing,
-    /// The mark of an open writer is set, and no writer is there.
+    /// The open-for-write flag is set, and no writer is there.
     WriterLost,
 }
 
@@ -101,7 +101,7 @@ impl Verdict {
     }
 }
 
-/// Whether the superblock of an HDF5 file bears the mark of an open writer.
+/// Whether the superblock of an HDF5 file has the open-for-write flag.
 fn is_marked(file: &mut fs::File) -> bool {
     // Signature (8 bytes), version, two sizes, then the flags: version 3 has the mark there.
     let mut start = [0; 12];

@@ -205,7 +205,7 @@ pub enum Gate {
         aim: Aim,
         /// How much earlier the window opens, s.
         lead_s: f64,
-        /// Which tracks the range gate knows.
+        /// Which tracks steer the opening of the receive window.
         aim_from: AimFrom,
     },
 }
@@ -328,7 +328,7 @@ pub enum Pointing {
     },
 }
 
-/// A point on the surface that an antenna or a range gate follows.
+/// A point on the surface that an antenna or a receive window follows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Aim {
     /// A point that moves on a straight line (position at pulse 0).
@@ -349,7 +349,7 @@ pub enum Aim {
     },
 }
 
-/// Which trajectory a servo or a range gate acts on.
+/// Which trajectory a servo or a receive window acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AimFrom {
     /// What the platform says.

@@ -93,7 +93,7 @@ pub struct Snapshot {
     pub pulses: u64,
     /// Pulses released more than one PRI after their deadline.
     pub late: u64,
-    /// Those of them that were made in time: the system held up the thread that releases pulses.
+    /// Those of them that were computed in time: the operating system delayed the thread that releases pulses.
     pub held_up: u64,
     /// Pulses never released: not made in time (policy `drop`).
     pub dropped: u64,
@@ -112,7 +112,7 @@ pub struct Snapshot {
     pub navigation_to_release_ms: Option<NavigationLatency>,
     /// Fewest pulses found ready at a release while generation was running; none before a release.
     pub ring_low_water: Option<u64>,
-    /// Whether the pacer ran ahead of all ordinary threads.
+    /// Whether the pacer ran at real-time priority.
     pub pacer_ahead: bool,
     /// What was asked of the system, and what it granted.
     pub rights: Vec<Right>,

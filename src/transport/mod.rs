@@ -67,7 +67,7 @@ pub struct Settings {
     pub batch_pulses: u64,
     /// Threads that make pulses; 0: as many as the machine has.
     pub threads: usize,
-    /// Whether the pacer asks to run ahead of all ordinary threads (`SCHED_FIFO`).
+    /// Whether the pacer asks for real-time priority (`SCHED_FIFO`).
     pub pacer_ahead: bool,
     /// The core on which the pacer asks to stay.
     pub pacer_core: Option<usize>,

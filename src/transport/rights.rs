@@ -2,7 +2,7 @@
 //!
 //! | asked | how | refused |
 //! | --- | --- | --- |
-//! | to run ahead of all ordinary threads | `SCHED_FIFO`, priority 50, the pacer alone | without `CAP_SYS_NICE` or `RLIMIT_RTPRIO` |
+//! | real-time priority | `SCHED_FIFO`, priority 50, the pacer alone | without `CAP_SYS_NICE` or `RLIMIT_RTPRIO` |
 //! | a core | the affinity of the pacer alone | a core that there is not, or that this process may not use |
 //! | memory that stays | `mlockall` of all that the stream has when it begins | without `CAP_IPC_LOCK`, beyond `RLIMIT_MEMLOCK` |
 //!
@@ -28,7 +28,7 @@ impl Right {
     }
 }
 
-/// Asks that this thread run ahead of all ordinary ones: a woken thread of ordinary priority waits until those at work have had their slice,
+/// Asks that this thread run at real-time priority: a woken thread of ordinary priority waits until those at work have had their slice,
 /// some milliseconds, nice or not.
 pub(super) fn run_ahead() -> Right {
     Right::of("pacer_priority", fifo())

@@ -1,5 +1,5 @@
 //! Late, lost and wrong reports, turbulence and clocks in a whole run: bit-identical results for any thread and range, the same in
-//! both echoes, and servo and range gate go by the report.
+//! both echoes, and servo and receive window go by the report.
 
 use std::path::Path;
 use std::sync::Arc;

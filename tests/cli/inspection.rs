@@ -171,3 +171,18 @@ fn the_manual_is_printed() {
     let printed = nereus(package(), &["new", "keys"]).stdout;
     assert_eq!(printed, fs::read_to_string(package().join("docs/scenario.md")).unwrap());
 }
+
+/// Offsets of clocks are said in nanoseconds, a rate of zero as 0; without clocks they are ideal.
+#[test]
+fn check_states_the_clocks() {
+    let ended = nereus(package(), &["check", "configs/errors.toml"]);
+    assert!(
+        ended.stdout.contains(
+            "tx: offset 40 ns, rate 0 at pulse 0, Allan deviation 1.00e-11 at 1 s; rx: offset 0 ns, rate 2e-9"
+        ),
+        "{}",
+        ended.stdout
+    );
+    let ended = nereus(package(), &["check", "configs/calibration.toml"]);
+    assert!(ended.stdout.contains("[receiver.clock]: ideal clocks"), "{}", ended.stdout);
+}

@@ -24,7 +24,7 @@ fn a_table_sets_prediction_beside_measurement() {
     for words in [
         "predicted",
         "measured",
-        "paths     mean",
+        "path error: constant",
         "scenario  ramp of +0.0707 m/s of path",
         "pixels of 0.5 m",
     ] {

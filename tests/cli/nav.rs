@@ -40,7 +40,7 @@ fn inspect_tells_what_is_there() {
     area      43.404059 .. 43.404103 deg N, -80.470327 .. -80.470223 deg E
     height    289.62 .. 289.84 m
     speed     0.66 .. 1.69 m/s, mean 0.87
-    said      300 velocities, 300 attitudes, 300 deviations
+    contains  300 velocities, 300 attitudes, 300 standard deviations
     worst     0.047 m East, 0.059 m North, 0.100 m up
     scenario  under [[platform]], its path relative to the scenario:
     ");
@@ -63,9 +63,12 @@ fn inspect_tells_what_is_there() {
     area      43.404089 .. 43.404089 deg N, -80.470247 .. -80.470247 deg E
     height    289.71 .. 289.71 m
     speed     0.00 .. 0.00 m/s, mean 0.00
-    said      26 velocities, 26 attitudes, 26 deviations
+    contains  26 velocities, 26 attitudes, 26 standard deviations
     worst     0.022 m East, 0.023 m North, 0.038 m up
     ");
+    let strait = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
+    let text = run(folder.path(), &["nav", "inspect", &strait]);
+    assert!(text.contains("\ncontains  no velocities, attitudes or standard deviations\n"), "{text}");
     // A log without any date has counts, and says why it has no track.
     let plaka = package().join("tests/data/nav/plaka_700.nmea").display().to_string();
     let text = run(folder.path(), &["nav", "inspect", &plaka]);

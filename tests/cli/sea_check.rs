@@ -170,7 +170,7 @@ warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are e
 warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's
 warning: facets of 8 m are longer than a resolution cell of 3.53 m ground range
 "#);
-    insta::assert_snapshot!(said(&["radar.window.start_us=29.5"]), @r#"warning: the window does not hear the patch at pulse 0: whole echoes begin [29.5, 31.09] us after the emission, those of the patch [28.27, 28.34] us"#);
+    insta::assert_snapshot!(said(&["radar.window.start_us=29.5"]), @r#"warning: the receive window misses the patch at pulse 0: it holds full echoes that begin [29.5, 31.09] us after the emission, those of the patch begin [28.27, 28.34] us"#);
     // The echo of the pulse before: 28.3 us are 3.3 us after the next emission.
     assert_eq!(said(&["radar.window={samples=64,start_us=3.0}", "radar.prf_hz=40000"]), "");
     insta::assert_snapshot!(said(&["scene.earth=curved", "platform.0.track.position_m=[-30000, 0, 0]", "radar.window.start_us=199.5"]), @r#"

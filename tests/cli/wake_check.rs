@@ -21,7 +21,7 @@ fn figures_of_a_ship_are_said() {
         "Froude number 0.144",
         "transverse waves 12.97 m long",
         "its wake is resolved",
-        "furthest wetted_surface_m2 by 1.54 %",
+        "offsets agree with the stated particulars; largest deviation 1.54 % (wetted surface)",
         "echo = false",
     ] {
         assert!(ended.stdout.contains(said), "{said}: {}", ended.stdout);

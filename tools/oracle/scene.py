@@ -156,7 +156,7 @@ class Scene:
         )
 
     def aim(self, table, t, which):
-        """Where a servo, a range gate or a patch is drawn to."""
+        """Where a servo, a receive window or a patch is drawn to."""
         if table["kind"] in ("at", "point"):
             return self.place(table) + np.array(table.get("velocity_mps", [0.0] * 3)) * t[:, None]
         track = self.tracks[table["platform"]][which]

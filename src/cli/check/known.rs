@@ -49,12 +49,18 @@ pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Des
     }
     let told = |named: &NamedClock| {
         let Clock { offset_s, drift, noise, .. } = named.clock;
+        let rate = if drift == 0.0 { "0".to_owned() } else { format!("{drift:e}") };
         let noise = adev(&noise, 1.0, 0.5 * run.scene.radar.emissions.mean_prf_hz());
-        format!("{}: {offset_s:e} s, {drift:e} at pulse 0, Allan deviation {noise:.2e} at 1 s", named.name)
+        format!(
+            "{}: offset {} ns, rate {} at pulse 0, Allan deviation {noise:.2e} at 1 s",
+            named.name,
+            neat(1e9 * offset_s),
+            rate
+        )
     };
     let clocks: Vec<String> = run.clocks.clocks.iter().map(told).collect();
     if clocks.is_empty() {
-        without.push(described("clocks", "no [transmitter.clock], no [receiver.clock]: they are right"));
+        without.push(described("clocks", "no [transmitter.clock], no [receiver.clock]: ideal clocks"));
     } else {
         with.push(described("clocks", clocks.join("; ")));
     }

@@ -17,12 +17,9 @@ const NEVER: [(&str, &str); 13] = [
         "far-field patterns; no coupling between ports but cross_pol_isolation_db, no radome",
     ),
     ("pattern over frequency", "gain and phase are those of the carrier over the whole band"),
-    ("blanking", "the receiver hears while a pulse leaves; only radar.direct_path adds what leaks then"),
+    ("blanking", "no T/R blanking: the receiver is open during transmission"),
     ("transmitter", "every pulse has the same amplitude and shape; no droop, no noise of its own"),
-    (
-        "receiver errors",
-        "no I/Q imbalance, offset, gain control or intermodulation; the converter has no jitter",
-    ),
+    ("receiver errors", "no I/Q imbalance, offset, gain control or intermodulation; the ADC has no jitter"),
     ("interference", "no other emitters, no jamming"),
     ("land", "no echo and no shadow of coasts"),
 ];
@@ -42,6 +39,6 @@ pub(super) fn models(run: &Run, without: &mut Vec<Described>) {
     let antennas = run.scene.radar.transmitters.iter().map(|tx| &tx.antenna);
     let mut antennas = antennas.chain(run.scene.radar.receivers.iter().map(|rx| &rx.antenna));
     if antennas.any(|mount| matches!(mount.pattern, Pattern::Rectangle { .. } | Pattern::Ellipse { .. })) {
-        without.push(described("back lobes", "apertures have none but those of their uniform generator"));
+        without.push(described("back lobes", "rear hemisphere: aperture patterns are zero behind"));
     }
 }

@@ -93,7 +93,7 @@ pub(super) fn rows(outlook: &Adequacy) -> Vec<Described> {
         Some(peak_m) => described(
             "waves",
             format!(
-                "significant height {:.2} m expected; {peak_m:.1} m long at the peak; a patch should be {:.0} m long",
+                "significant height {:.2} m expected; peak wavelength {peak_m:.1} m; patch side at least {:.0} m",
                 outlook.significant_height_m, outlook.least_length_m
             ),
         ),
@@ -107,11 +107,14 @@ pub(super) fn rows(outlook: &Adequacy) -> Vec<Described> {
         _ => described("resolution cell", "range does not resolve the ground"),
     });
     let share = 100.0 * outlook.share_in_window;
-    rows.push(described("in the window", format!("whole echoes of at least {share:.0} % of the patch")));
+    rows.push(described(
+        "in the window",
+        format!("the receive window holds the full echo of at least {share:.0} % of the patch"),
+    ));
     if let Some(edge_db) = outlook.edge_db {
         rows.push(described(
             "edge of the patch",
-            format!("a row that enters or leaves is at most {edge_db:.0} dB of the whole echo"),
+            format!("facets entering and leaving contribute at most {edge_db:.0} dB of the sea echo"),
         ));
     }
     rows
@@ -217,7 +220,7 @@ fn water_text(sea: &Sea) -> String {
 
 fn scattering_text(scattering: &FacetScattering) -> String {
     let mut text = match scattering.splitting {
-        Splitting::Consistent => "Bragg and specular, each wave once".to_owned(),
+        Splitting::Consistent => "Bragg and specular, no wave counted in two scales".to_owned(),
         Splitting::Mars2007 => {
             "Bragg and specular as in the MaRS paper, resolved slopes counted twice".to_owned()
         }

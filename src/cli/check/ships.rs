@@ -104,7 +104,12 @@ pub(in crate::cli) fn figures(ship: &ShipOutlook) -> String {
         _ => "; its wake is beyond the band limit",
     };
     if let Some((quantity, percent)) = ship.furthest_particular {
-        text += &format!("; particulars as stated, furthest {quantity} by {percent:.2} %");
+        let units = ["_m", "_m2", "_m3", "_percent"];
+        let name = units.iter().find_map(|unit| quantity.strip_suffix(unit)).unwrap_or(quantity);
+        let quantity = name.replace('_', " ");
+        text += &format!(
+            "; offsets agree with the stated particulars; largest deviation {percent:.2} % ({quantity})"
+        );
     }
     text
 }

@@ -192,7 +192,7 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
                 )?,
                 Some(p) => writeln!(
                     out,
-                    "  {:<16} range {:.3} m ({:.3}), PSLR {:.1} dB, off {:+.3} cells; cross-range {:.3} m ({:.3}), PSLR {:.1} dB, off {:+.3} cells; phase {:+.3} rad",
+                    "  {:<16} range {:.3} m ({:.3}), PSLR {:.1} dB, position error {:+.3} cells; cross-range {:.3} m ({:.3}), PSLR {:.1} dB, position error {:+.3} cells; phase {:+.3} rad",
                     escape::name(&target.name),
                     p.range.width_m,
                     p.range.theory_m,

@@ -56,7 +56,7 @@ impl Scenario {
         all.iter().filter_map(Value::as_table).find(named)?.get("errors")?.as_table()
     }
 
-    /// Where range gate or antennas of a channel look at a pulse in use, East and North, m: what the window follows, else what the receiver
+    /// Where receive window or antennas of a channel look at a pulse in use, East and North, m: what the window follows, else what the receiver
     /// aims at, else what the transmitter aims at, else the middle of the patch, else the origin.
     pub fn aim(&self, recording: &Recording, channel: usize, pulse: usize) -> [f64; 2] {
         let row = recording.header.channels.get(channel);

@@ -101,12 +101,12 @@ fn tell_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
     if let Some(terms) = &target.terms {
         writeln!(
             out,
-            "  {:<16} paths     mean {:+.3} cells of range, slope {:+.3} cells of cross-range, bend {:+.3} rad at the ends, rest {:.3} rad rms",
+            "  {:<16} path error: constant {:+.3} cells of range, linear {:+.3} cells of cross-range, quadratic {:+.3} rad at the ends, residual {:.3} rad rms",
             "", terms.mean_cells, terms.linear_cells, terms.quadratic_rad, terms.rest_rad
         )?;
     }
     if let Some(loss_db) = target.aim_loss_db {
-        writeln!(out, "  {:<16} scenario  aim: {loss_db:.3} dB of gain less, both ways", "")?;
+        writeln!(out, "  {:<16} scenario  aim: {loss_db:.3} dB of gain lost, both ways", "")?;
     }
     for law in &target.laws {
         writeln!(out, "  {:<16} scenario  {}", "", words(law))?;

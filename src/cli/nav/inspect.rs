@@ -194,6 +194,19 @@ impl TrackReport {
     }
 }
 
+/// What fixes hold beside positions: counts of velocities, attitudes and stated standard deviations.
+fn contents(counts: [usize; 3]) -> String {
+    if counts == [0; 3] {
+        return "no velocities, attitudes or standard deviations".to_owned();
+    }
+    let rows = counts.into_iter().zip(["velocities", "attitudes", "standard deviations"]);
+    let text = |(count, what)| match count {
+        0 => format!("no {what}"),
+        _ => format!("{count} {what}"),
+    };
+    rows.map(text).collect::<Vec<_>>().join(", ")
+}
+
 impl Report {
     fn text(&self) -> String {
         let mut rows: Vec<(&str, String)> = vec![
@@ -235,13 +248,7 @@ impl Report {
             rows.push(("height", format!("{:.2} .. {:.2} m", track.height_m[0], track.height_m[1])));
             let [slow, mean, fast] = track.speed_mps;
             rows.push(("speed", format!("{slow:.2} .. {fast:.2} m/s, mean {mean:.2}")));
-            rows.push((
-                "said",
-                format!(
-                    "{} velocities, {} attitudes, {} deviations",
-                    track.velocities, track.attitudes, track.deviations
-                ),
-            ));
+            rows.push(("contains", contents([track.velocities, track.attitudes, track.deviations])));
             if let Some([east, north, up]) = track.worst_sigma_m {
                 rows.push(("worst", format!("{east:.3} m East, {north:.3} m North, {up:.3} m up")));
             }

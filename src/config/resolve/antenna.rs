@@ -137,7 +137,7 @@ pub(super) fn aim(
     Some(Aim::Beside { platform: platform?, along_m: along_m?, across_m: across_m? })
 }
 
-/// Which tracks a servo or a range gate knows.
+/// Which tracks a servo or the receive window goes by.
 pub(super) fn aim_from(section: &Section<'_>, key: &'static Key) -> Option<AimFrom> {
     section.choice(key).map(|word| if word == "true" { AimFrom::True } else { AimFrom::Reported })
 }

@@ -85,7 +85,11 @@ impl fmt::Display for FitReport {
                 self.vertical_rms_m,
                 self.vertical_max_m,
                 self.max_acceleration_mps2,
-                if self.bound_active { "the bound decided" } else { "the likelihood decided" },
+                if self.bound_active {
+                    "process noise limited by that bound"
+                } else {
+                    "process noise by maximum likelihood"
+                },
             )?;
         } else {
             write!(f, " taken as exact: acceleration up to {:.3} m/s^2", self.max_acceleration_mps2)?;

@@ -52,7 +52,7 @@ fn open(path: &Path) -> Result<File, Fault> {
     regular(path)?;
     match File::open(path) {
         Ok(file) => Ok(file),
-        // A run that goes on or was killed leaves the mark of an open writer; reading as SWMR accepts it. Nothing else is
+        // A run that goes on or was killed leaves the open-for-write flag; reading as SWMR accepts it. Nothing else is
         // tried twice.
         Err(plain) if is_marked(&plain) => File::with_options()
             .with_fapl(|fapl| fapl.metadata_read_attempts(READ_ATTEMPTS))

@@ -12,7 +12,7 @@
 //!
 //! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`; to look again, `refresh()`
 //! `/pulse/index`, take its length n, then `refresh()` the other datasets: their first n rows are complete. **After a kill** the file still
-//! bears the mark of an open writer and a plain `"r"` is refused by the library: open it with
+//! has the open-for-write flag and a plain `"r"` is refused by the library: open it with
 //! `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than [`FLUSH_INTERVAL`]
 //! is in it, and all but the last 16 MiB. A finished file opens either way.
 //!
