@@ -132,7 +132,7 @@ impl Recordings {
     /// The next pulse begins a recording. That of the run before is closed meanwhile; one at a time, for each takes memory.
     pub(super) fn begin(&mut self, next: Option<Opener>) {
         if let Some(recorder) = self.recorder.take() {
-            self.end_one();
+            self.end_one(true);
             self.ending = Some(recorder.end());
         }
         self.next = next;
@@ -161,17 +161,23 @@ impl Recordings {
 
     pub(super) fn has_failed(&mut self) -> bool {
         if self.ending.as_ref().is_some_and(thread::JoinHandle::is_finished) {
-            self.end_one();
+            self.end_one(true);
         }
         self.fault.is_some() || self.recorder.as_ref().is_some_and(|recorder| recorder.thread.is_finished())
     }
 
-    /// Waits until the recording that is closed is whole.
-    fn end_one(&mut self) {
+    /// Waits until the recording that is closed is whole. One that others may move on holds no file open: there may be
+    /// hundreds of them.
+    fn end_one(&mut self, may_be_moved: bool) {
         let Some(thread) = self.ending.take() else { return };
         // A panic goes on where the thread was begun.
         match thread.join().unwrap_or_else(|panic| panic::resume_unwind(panic)) {
-            Ok(closed) => self.closed.push(closed),
+            Ok(mut closed) => {
+                if may_be_moved {
+                    closed.hand_on();
+                }
+                self.closed.push(closed);
+            }
             Err((error, readable)) => {
                 self.readable = self.readable.saturating_add(readable);
                 self.fault.get_or_insert(error);
@@ -182,7 +188,7 @@ impl Recordings {
     /// Ends the last recording, and puts all in their places if nothing has failed and the reception itself has not.
     pub(super) fn finish(mut self, went_well: bool) -> Recorded {
         self.begin(None);
-        self.end_one();
+        self.end_one(false);
         let own: Vec<PathBuf> = self.closed.iter().flat_map(|closed| &closed.report.files).cloned().collect();
         self.older.retain(|old| own.iter().all(|own| own.file_name() != old.file_name()));
         let last = self.closed.pop().map(|last| sinks::with_surplus(last, self.older));

@@ -138,6 +138,11 @@ impl Closed {
         }
     }
 
+    /// Lets others move on what is complete, and holds no file of it open.
+    pub(crate) fn hand_on(&mut self) {
+        self.drafts.iter_mut().for_each(Draft::hand_on);
+    }
+
     /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor does it
     /// replace anything.
     pub fn keep(mut self) -> SinkReport {

@@ -87,6 +87,31 @@ fn a_recording_that_is_over_may_be_moved_on() {
     assert_eq!((pulses(&at(2)), pulses(&at(3))), (PULSES, PULSES));
 }
 
+/// Before: each held a file or two open until the end of the reception, and the 1024 of a process ran out.
+#[cfg(target_os = "linux")]
+#[test]
+fn recordings_that_are_over_hold_no_files_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_owned();
+    let opener = move |number: usize| -> Opener {
+        let dir = dir.clone();
+        Box::new(move |header| {
+            if number == 4 {
+                // The third may still be closing.
+                let open = fs::read_dir("/proc/self/fd").unwrap();
+                let open = open.filter_map(|entry| fs::read_link(entry.ok()?.path()).ok());
+                let held: Vec<PathBuf> = open
+                    .filter(|path| [1, 2].iter().any(|n| path.starts_with(dir.join(n.to_string()))))
+                    .collect();
+                assert!(held.is_empty(), "{held:?}");
+            }
+            Ok(Box::new(PlainSink::create(&dir.join(number.to_string()), false, header)?) as Box<dyn Sink>)
+        })
+    };
+    let report = followed(&runs(4), opener, |_| {}).unwrap();
+    assert_eq!((report.recorded, report.out.len()), (Some(4 * PULSES), 4));
+}
+
 /// Before: what followed a recording that could not be put in its place stayed under the names of the process, unnamed.
 #[test]
 fn one_recording_that_is_in_use_does_not_keep_the_others_from_their_places() {
