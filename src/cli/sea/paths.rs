@@ -57,7 +57,7 @@ pub(super) fn write(
         pairs: &pairs,
         channels: &channels,
         channel_pairs: factory.channel_pairs(),
-        paths: paths,
+        paths,
     };
     output.write(|partial| Ok::<_, SeaError>(file.write(partial)?))?;
     Ok(paths.len())
