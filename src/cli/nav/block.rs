@@ -14,6 +14,8 @@ const PRETENDED_MPS2: f64 = 0.5;
 const LEAST_SIGMA_M: f64 = 0.1;
 /// Bounds on the acceleration that are tried, m/s^2.
 const BOUNDS_MPS2: [f64; 6] = [1.0, 2.0, 3.0, 5.0, 10.0, 20.0];
+/// Settings that reject more than one fix in so many are too tight.
+const REJECTED_ONE_IN: usize = 100;
 /// Fixes on which settings are tried at most.
 const TRIED: usize = 20_000;
 
@@ -86,8 +88,10 @@ fn smoothing(fixes: &[Fix], intervals: &[f64], source: &FileSource) -> Option<Sm
             noise.map(|sigma_m| two_digits((times * sigma_m).max(LEAST_SIGMA_M)));
         BOUNDS_MPS2.into_iter().find_map(|max_acceleration_mps2| {
             let smoothing = Smoothing::Rts { horizontal_sigma_m, vertical_sigma_m, max_acceleration_mps2 };
-            Track::recorded(fixes, &frame, &FileSource { smoothing, ..source.clone() }).ok()?;
-            Some(smoothing)
+            let source = FileSource { smoothing, ..source.clone() };
+            let (_, fit) = Track::recorded(fixes, &frame, &source).ok()?;
+            let rejected = fit.rejected_horizontal.max(fit.rejected_vertical);
+            (rejected * REJECTED_ONE_IN <= fit.fixes).then_some(smoothing)
         })
     })
 }

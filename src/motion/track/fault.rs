@@ -219,9 +219,9 @@ pub enum SourceError {
     #[error("{gaps}\n{track}")]
     Gaps {
         /// The gaps.
-        gaps: NavError,
+        gaps: Box<NavError>,
         /// What else is wrong.
-        track: TrackError,
+        track: Box<TrackError>,
     },
     /// Its errors.
     #[error(transparent)]

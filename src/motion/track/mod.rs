@@ -213,7 +213,7 @@ impl Track {
         // What else is wrong is reported with them.
         let patient = FileSource { max_gap_s: f64::INFINITY, ..file.clone() };
         match nav::load(&patient).map(|recording| made(&patient, recording)) {
-            Ok(Err(track)) => Err(SourceError::Gaps { gaps, track }),
+            Ok(Err(track)) => Err(SourceError::Gaps { gaps: Box::new(gaps), track: Box::new(track) }),
             _ => Err(gaps.into()),
         }
     }
