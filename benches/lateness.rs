@@ -1,5 +1,6 @@
-//! Lateness on the wire: `nereus run` sends VITA 49.2 to a `nereus receive` of this machine and records HDF5 at the same time, a loop that
-//! never sleeps keeps a core busy, and a bare absolute-sleep loop of the pacer's own priority runs beside it all.
+//! Lateness on the wire: `nereus run` sends VITA 49.2 to a `nereus receive` of this machine and records HDF5
+//! at the same time, a loop that never sleeps keeps a core busy, and a bare absolute-sleep loop of the
+//! pacer's own priority runs beside it all.
 //!
 //! ```text
 //! cargo bench --bench lateness                    # 222 Hz and 1 kHz, with and without SCHED_FIFO, 60 s each
@@ -7,7 +8,8 @@
 //! NEREUS_SCENE=configs/mars-live.toml NEREUS_PRF_HZ=222 NEREUS_BUSY=0 cargo bench --bench lateness
 //! ```
 //!
-//! A line for each: pulses late and dropped, lateness of the pulses (p50, p99, worst, us) and of the bare loop, and what the receiver got.
+//! A line for each: pulses late and dropped, lateness of the pulses (p50, p99, worst, us) and of the bare
+//! loop, and what the receiver got.
 #![allow(clippy::expect_used, missing_docs)]
 
 use std::net::UdpSocket;

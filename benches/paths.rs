@@ -1,8 +1,10 @@
-//! Cost of scatterer paths: `cargo bench --bench paths`. The paper's first configuration: 512 x 512 facets of 1 m, four
-//! channels, 45 degrees, moving sea, one core. Criterion's elements are facets (1000/Melem/s = ns per facet).
+//! Cost of scatterer paths: `cargo bench --bench paths`. The paper's first configuration: 512 x 512 facets of
+//! 1 m, four channels, 45 degrees, moving sea, one core. Criterion's elements are facets (1000/Melem/s = ns
+//! per facet).
 //!
-//! `pulse, exact`: everything from the sea's waves to the list of scatterer paths. `scattering, ...`: the facets' matrices
-//! alone, from the spectrum itself and from its table; their difference is printed in dB of the scene.
+//! `pulse, exact`: everything from the sea's waves to the list of scatterer paths. `scattering, ...`: the
+//! facets' matrices alone, from the spectrum itself and from its table; their difference is printed in dB of
+//! the scene.
 #![allow(missing_docs, clippy::expect_used)]
 
 use std::hint::black_box;

@@ -1,4 +1,5 @@
-//! Cost of the reference echo: one call of a pulse's spectrum, and one scatterer path in all bins and channels.
+//! Cost of the reference echo: one call of a pulse's spectrum, and one scatterer path in all bins and
+//! channels.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::hint::black_box;

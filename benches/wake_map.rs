@@ -1,5 +1,5 @@
-//! Cost of a wake map, 512 x 512 facets of 1 m, ship of 100 m: the whole way from hull to fields, a time step, and what
-//! the plain sums would cost. One core.
+//! Cost of a wake map, 512 x 512 facets of 1 m, ship of 100 m: the whole way from hull to fields, a time
+//! step, and what the plain sums would cost. One core.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::hint::black_box;
@@ -32,7 +32,8 @@ fn step<T: Real>(c: &mut Criterion, name: &str, speed_mps: f64, selection: Selec
     });
 }
 
-/// Heights row by row, each wave turned from facet to facet by its phasor, eight waves at a time: the separable rival.
+/// Heights row by row, each wave turned from facet to facet by its phasor, eight waves at a time: the
+/// separable rival.
 fn rows_by_phasors(wake: &Wake, rows: usize) -> f64 {
     let mut line = vec![0.0; 512];
     let mut total = 0.0;

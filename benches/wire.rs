@@ -1,5 +1,5 @@
-//! The network sink alone: pulses per second of four channels of 384 samples, to a socket of this machine that is not read, and
-//! what the reference receiver takes to read them.
+//! The network sink alone: pulses per second of four channels of 384 samples, to a socket of this machine
+//! that is not read, and what the reference receiver takes to read them.
 //!
 //! ```text
 //! cargo bench --bench wire

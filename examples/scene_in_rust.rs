@@ -4,8 +4,8 @@
 //! cargo run --release --example scene_in_rust
 //! ```
 //!
-//! An aircraft passes a buoy at 100 m/s; the example compresses each twentieth pulse with the replica and prints where the
-//! echo is strongest, beside where the buoy is.
+//! An aircraft passes a buoy at 100 m/s; the example compresses each twentieth pulse with the replica and
+//! prints where the echo is strongest, beside where the buoy is.
 
 use std::error::Error;
 use std::path::PathBuf;

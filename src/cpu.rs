@@ -1,9 +1,10 @@
 //! Which instructions inner loops are compiled for.
 //!
-//! A [`Task`] is written once, in safe code over slices and arrays; [`Variant::run`] runs a copy of it that was compiled for the
-//! instructions of the variant. That works as long as everything it calls is inlined into it: functions marked
-//! `#[inline(always)]`, and loops. `map` on an array and `array::from_fn` are functions of their own whenever the compiler
-//! likes, a different one in every build, and then four times slower: inner loops do without them.
+//! A [`Task`] is written once, in safe code over slices and arrays; [`Variant::run`] runs a copy of it that
+//! was compiled for the instructions of the variant. That works as long as everything it calls is inlined
+//! into it: functions marked `#[inline(always)]`, and loops. `map` on an array and `array::from_fn` are
+//! functions of their own whenever the compiler likes, a different one in every build, and then four times
+//! slower: inner loops do without them.
 //!
 //! ```
 //! use nereus::cpu::{Task, Variant};

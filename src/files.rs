@@ -1,23 +1,24 @@
 //! Outputs under way: one rule for every file and folder that the program makes.
 //!
-//! 1. An output is made under a name of this process beside its place: `.name.<process>.<number>.partial`, which
-//!    must be free. It is locked (shared, as readers lock it) before it gets its own name.
+//! 1. An output is made under a name of this process beside its place: `.name.<process>.<number>.partial`,
+//!    which must be free. It is locked (shared, as readers lock it) before it gets its own name.
 //! 2. It gets its own name by [`Draft::place`], which never replaces what stands there.
-//! 3. With force, what stands there is **exchanged** for the new output by [`Draft::finish`], in one step and only when
-//!    the new one is complete; only what the caller recognises as an output of its kind, what can be removed as a whole,
-//!    and only while nobody has locked it. What was taken out is looked at again before it is removed, and goes back if
-//!    it is something else.
+//! 3. With force, what stands there is **exchanged** for the new output by [`Draft::finish`], in one step and
+//!    only when the new one is complete; only what the caller recognises as an output of its kind, what can
+//!    be removed as a whole, and only while nobody has locked it. What was taken out is looked at again
+//!    before it is removed, and goes back if it is something else.
 //! 4. Nothing else is removed: neither on success nor on failure does a process remove what it did not make.
-//! 5. A complete output that cannot be put in its place stays under the name of this process, and the error names it
-//!    ([`FileFault::Kept`]). One that another program has removed or moved meanwhile is an error, too, unless it is known
-//!    where it is and nothing has taken its name.
+//! 5. A complete output that cannot be put in its place stays under the name of this process, and the error
+//!    names it ([`FileFault::Kept`]). One that another program has removed or moved meanwhile is an error,
+//!    too, unless it is known where it is and nothing has taken its name.
 //!
-//! What is in place after [`Draft::finish`] has been handed to the disk, so it survives a power cut: first the output
-//! (`fsync` of its files by their writer, here of the folders in it), then its folder, then the old one is removed. What
-//! is still growing survives the end of its writer, a power cut only as far as the system has written it.
+//! What is in place after [`Draft::finish`] has been handed to the disk, so it survives a power cut: first
+//! the output (`fsync` of its files by their writer, here of the folders in it), then its folder, then the
+//! old one is removed. What is still growing survives the end of its writer, a power cut only as far as the
+//! system has written it.
 //!
-//! File systems without `renameat2` are served by links and by two renames; a crash between those two leaves the old
-//! output under the name of the process.
+//! File systems without `renameat2` are served by links and by two renames; a crash between those two leaves
+//! the old output under the name of the process.
 //!
 //! ```
 //! use nereus::files::{Draft, FileFault, Holding};
@@ -309,7 +310,8 @@ impl Draft {
         }
     }
 
-    /// The same at the start of an output that grows; with force it may also stay beside its place until it is complete.
+    /// The same at the start of an output that grows; with force it may also stay beside its place until it
+    /// is complete.
     pub fn place_early(&mut self, force: bool) -> Result<(), FileFault> {
         match self.place() {
             Err(FileFault::Exists { .. }) if force => Ok(()),
@@ -317,8 +319,8 @@ impl Draft {
         }
     }
 
-    /// Puts a complete output in its place and hands it to the disk, and returns where it is. With force it is exchanged
-    /// for what stands there, which is then removed. When that fails, it stays where it is.
+    /// Puts a complete output in its place and hands it to the disk, and returns where it is. With force it
+    /// is exchanged for what stands there, which is then removed. When that fails, it stays where it is.
     ///
     /// `None` if it was handed on ([`Self::hand_on`]) and is no longer there.
     pub fn finish(mut self, force: bool, recognise: Recognise) -> Result<Option<PathBuf>, FileFault> {
@@ -420,7 +422,8 @@ impl Draft {
         synced.map(|()| Some(self.target.clone()))
     }
 
-    /// Hands what is in it to the disk, where it is now. Its files are synced by who writes them, a single file here.
+    /// Hands what is in it to the disk, where it is now. Its files are synced by who writes them, a single
+    /// file here.
     fn sync_as(&self, at: &Path) -> Result<(), FileFault> {
         if let Some((_, holding)) = &self.made {
             for folder in old::folders_of(holding).iter().rev().map(|inside| at.join(inside)) {
@@ -432,8 +435,8 @@ impl Draft {
         sync(at)
     }
 
-    /// Exchanges it for what stands in its place; returns that and where it is now. `None` if nothing stands there any
-    /// more.
+    /// Exchanges it for what stands in its place; returns that and where it is now. `None` if nothing stands
+    /// there any more.
     fn exchange(&mut self, recognise: Recognise) -> Result<Option<(Old, PathBuf)>, FileFault> {
         let old = match replaceable(&self.target, recognise) {
             Err(FileFault::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {

@@ -1,7 +1,7 @@
 //! Files that a command is given to read.
 //!
-//! Opening a pipe waits for who writes into it, and a device may never end, so what is no regular file is refused before
-//! it is opened. Folders can be opened; reading them fails with the system's own words.
+//! Opening a pipe waits for who writes into it, and a device may never end, so what is no regular file is
+//! refused before it is opened. Folders can be opened; reading them fails with the system's own words.
 //!
 //! ```
 //! use nereus::inputs;
@@ -79,7 +79,8 @@ pub fn written_out(text: &str, acts: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A name or a message that came in a file, on one line: what it holds must not look like a line of this program.
+/// A name or a message that came in a file, on one line: what it holds must not look like a line of this
+/// program.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     written_out(text, acts)
 }

@@ -14,9 +14,10 @@
 //! # Ok::<(), nereus::ScenarioError>(())
 //! ```
 //!
-//! [`Scenario`] reads and runs a scenario, [`PulseStream`] is a run with its sinks in real time, [`Recording`] reads what was recorded.
-//! [`scene`], [`config`] and [`motion`] describe a run built in Rust instead of TOML, and [`processor`] focuses what was recorded. What
-//! these pages leave out is the inside of the emulator: open to its own tests and tools, and free to change with every version.
+//! [`Scenario`] reads and runs a scenario, [`PulseStream`] is a run with its sinks in real time,
+//! [`Recording`] reads what was recorded. [`scene`], [`config`] and [`motion`] describe a run built in Rust
+//! instead of TOML, and [`processor`] focuses what was recorded. What these pages leave out is the inside of
+//! the emulator: open to its own tests and tools, and free to change with every version.
 //!
 //! The modules, in the order in which one may use another (a module imports only modules above it):
 //!

@@ -1,8 +1,8 @@
 //! One pulse under way, from synthesis to sink.
 //!
-//! A [`Pulse`] is a slot: allocated once, with the sizes of a [`Layout`], and then only overwritten. What making pulses costs
-//! is counted in [`costs`], what a converter is fed with in [`converter`]; what was changed while a run went on
-//! is in [`log`].
+//! A [`Pulse`] is a slot: allocated once, with the sizes of a [`Layout`], and then only overwritten. What
+//! making pulses costs is counted in [`costs`], what a converter is fed with in [`converter`]; what was
+//! changed while a run went on is in [`log`].
 
 #[doc(hidden)]
 pub mod converter;

@@ -29,7 +29,8 @@ pub enum Room {
     FacetDecorrelation = 21,
     /// Bytes of a recording that are corrupted on purpose.
     SpoiledBytes = 48,
-    /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's complement).
+    /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's
+    /// complement).
     ReportErrors = 32,
     /// Gusts: index = platform * 256 + axis, part = step (two's complement).
     Turbulence = 33,

@@ -87,9 +87,10 @@ impl TimeTag {
         Ok(Self::new(seconds, fraction_s))
     }
 
-    /// From a week of GPS time and seconds into it (which may run past the week). GPS time has no leap seconds: UTC is
-    /// behind by those that were in force then (16 in 2014, 18 since 2017), which `hifitime` lists. `None` outside
-    /// 0 to 8191 weeks or 0 to 1e8 s. A leap second itself has the label of the second after it.
+    /// From a week of GPS time and seconds into it (which may run past the week). GPS time has no leap
+    /// seconds: UTC is behind by those that were in force then (16 in 2014, 18 since 2017), which `hifitime`
+    /// lists. `None` outside 0 to 8191 weeks or 0 to 1e8 s. A leap second itself has the label of the second
+    /// after it.
     ///
     /// ```
     /// use nereus::time::TimeTag;
@@ -154,8 +155,8 @@ impl fmt::Display for TimeTag {
     }
 }
 
-/// Since which UTC second GPS time is ahead by how many seconds, in order. The list is read here and not through epochs of the
-/// crate, which take its UTC labels for TAI and so change over half a minute early.
+/// Since which UTC second GPS time is ahead by how many seconds, in order. The list is read here and not
+/// through epochs of the crate, which take its UTC labels for TAI and so change over half a minute early.
 fn leaps() -> impl Iterator<Item = (i64, i64)> {
     LatestLeapSeconds::default()
         .filter(|leap| leap.announced_by_iers && leap.delta_at >= TAI_GPS_S)

@@ -47,7 +47,8 @@ pub const SINE_OF_HALF_TURNS: [f32; 5] = [3.141_592_5, -5.167_703_7, 2.549_985, 
 /// `cos(pi t)` in `t^2`, minimax for `|t| <= 1/2`: 4.7e-8.
 pub const COSINE_OF_HALF_TURNS: [f32; 5] = [0.999_999_94, -4.934_793, 4.058_412, -1.331_880_2, 0.219_696_8];
 
-/// Cosine and sine of a phase in turns, in f32, from f64: whole turns are taken out before anything is rounded. Error 5e-7.
+/// Cosine and sine of a phase in turns, in f32, from f64: whole turns are taken out before anything is
+/// rounded. Error 5e-7.
 ///
 /// ```
 /// use nereus::units::cos_sin_of_turns;

@@ -1,18 +1,24 @@
-//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: told before a run.
+//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: told before
+//! a run.
 //!
 //! Nothing here is refused. The rules:
 //!
 //! * A patch should be as long as the actual spectrum asks ([`sampling::least_length_m`]).
-//! * A resolution cell should hold [`sampling::LEAST_FACETS_PER_CELL`] facets, and no facet should be longer than it. Along
-//!   ground range the cell is `c / (B |g|)`, with `g` the horizontal gradient of the path over the first pair at the centre
-//!   of the patch: `c / (2 B sin theta)` for one antenna looking down at an incidence of theta. How fine a processor
-//!   makes the cell in azimuth is not known here: [`AZIMUTH_M`] is assumed, as fine as antennas of metres allow.
-//! * The window should hear the patch, and every antenna should see it: on a curved earth it lies before the [`horizon`].
-//! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the patch.
-//! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear sea.
+//! * A resolution cell should hold [`sampling::LEAST_FACETS_PER_CELL`] facets, and no facet should be longer
+//!   than it. Along ground range the cell is `c / (B |g|)`, with `g` the horizontal gradient of the path over
+//!   the first pair at the centre of the patch: `c / (2 B sin theta)` for one antenna looking down at an
+//!   incidence of theta. How fine a processor makes the cell in azimuth is not known here: [`AZIMUTH_M`] is
+//!   assumed, as fine as antennas of metres allow.
+//! * The window should hear the patch, and every antenna should see it: on a curved earth it lies before the
+//!   [`horizon`].
+//! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the
+//!   patch.
+//! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear
+//!   sea.
 //!
-//! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points over the patch,
-//! without the motion during the echo and without waves. What a following patch lets come and go is
+//! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points
+//! over the patch, without the motion during the echo and without waves. What a following patch lets come and
+//! go is
 //! [`edge_db`]: it lights every facet.
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
@@ -79,7 +85,8 @@ pub struct Adequacy {
     pub least_length_m: f64,
     /// Facets.
     pub facets: usize,
-    /// Finest cell in ground range over the instants looked at, m; `None` where range does not resolve the ground.
+    /// Finest cell in ground range over the instants looked at, m; `None` where range does not resolve the
+    /// ground.
     pub ground_range_m: Option<f64>,
     /// Facets in that cell.
     pub facets_per_cell: Option<f64>,
@@ -94,8 +101,10 @@ pub struct Adequacy {
     pub warnings: Vec<SeaWarning>,
 }
 
-/// The power that comes and goes when a following patch moves by one row, dB below all that is received: the worst of the first,
-/// middle and last pulse, all facets illuminated; along an axis on which the patch lies the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above [`EDGE_BUDGET_DB`].
+/// The power that comes and goes when a following patch moves by one row, dB below all that is received: the
+/// worst of the first, middle and last pulse, all facets illuminated; along an axis on which the patch lies
+/// the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above
+/// [`EDGE_BUDGET_DB`].
 pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
     if !factory.follows() {
         return Ok(None);

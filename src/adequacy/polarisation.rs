@@ -1,8 +1,8 @@
-//! Whether antennas are used where their polarisation bases say little: far off the boresight of an aperture, near the vertical
-//! of an isotropic antenna.
+//! Whether antennas are used where their polarisation bases say little: far off the boresight of an aperture,
+//! near the vertical of an isotropic antenna.
 //!
-//! Directions in use are those to targets, to the patch of sea, and to the other end of the direct path, at the first, middle
-//! and last pulse, where the gain of the antenna lies within [`USED_DB`] of its peak.
+//! Directions in use are those to targets, to the patch of sea, and to the other end of the direct path, at
+//! the first, middle and last pulse, where the gain of the antenna lies within [`USED_DB`] of its peak.
 
 use glam::DVec3;
 use thiserror::Error;

@@ -1,7 +1,7 @@
 //! The ships of a scene in figures.
 //!
-//! Froude number `V/sqrt(g L)`, the longest waves `2 pi V^2/g`, wave resistance in sea water of [`DENSITY_KGPM3`], and
-//! whether patch and facets show their waves.
+//! Froude number `V/sqrt(g L)`, the longest waves `2 pi V^2/g`, wave resistance in sea water of
+//! [`DENSITY_KGPM3`], and whether patch and facets show their waves.
 
 use std::f64::consts::TAU;
 
@@ -41,7 +41,8 @@ pub struct ShipOutlook {
     pub transverse_wavelength_m: Option<f64>,
     /// Wave resistance, N; `None` for a ship so slow that its integral has too many oscillations.
     pub resistance_n: Option<f64>,
-    /// Whether its waves are on the map: `waves`, `slow`, `unresolved`, `band-limited`, or `off` where none were asked.
+    /// Whether its waves are on the map: `waves`, `slow`, `unresolved`, `band-limited`, or `off` where none
+    /// were asked.
     pub waves: &'static str,
     /// Scatterers that its file gives.
     pub scatterers: usize,

@@ -4,19 +4,21 @@
 //! error = max over pulses and channels of  ||fast - ref|| / sqrt( mean over the run of ||ref||^2 in that channel )
 //! ```
 //!
-//! over samples before noise and converter, `||.||` the root of the sum of squares over a window. The mean error takes the mean of
-//! the squares over pulses and channels. Channels in which nothing is received at all, and nothing should be, do not count.
+//! over samples before noise and converter, `||.||` the root of the sum of squares over a window. The mean
+//! error takes the mean of the squares over pulses and channels. Channels in which nothing is received at
+//! all, and nothing should be, do not count.
 //!
-//! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`] pulses spread evenly over it, or
-//! [`OF_SEA`] of a scene with a sea, each by itself, of an echo within -40 dB of the reference (0.1 dB of the mean), and at least
-//! what the pulses of the reference add to a run that is silent otherwise. Where scatterer paths cannot be followed, and only the reference makes
-//! them, the mean is that of the pulses drawn.
+//! The mean over the run is that of all its pulses where the reference makes them all; else of [`OF_POINTS`]
+//! pulses spread evenly over it, or [`OF_SEA`] of a scene with a sea, each by itself, of an echo within -40
+//! dB of the reference (0.1 dB of the mean), and at least what the pulses of the reference add to a run that
+//! is silent otherwise. Where scatterer paths cannot be followed, and only the reference makes them, the mean
+//! is that of the pulses drawn.
 //!
-//! Pulses are drawn from the seed of the scene, one from each of so many equal parts of the run, by turns the first, the last and the
-//! middle one of a block and any other: [`sample`].
+//! Pulses are drawn from the seed of the scene, one from each of so many equal parts of the run, by turns the
+//! first, the last and the middle one of a block and any other: [`sample`].
 //!
-//! The figures are held within [`LEAST_DB`] and its opposite: samples are f32, and -150 dB is what that leaves to tell apart; samples
-//! that are the same bit for bit are reported as [`LEAST_DB`].
+//! The figures are held within [`LEAST_DB`] and its opposite: samples are f32, and -150 dB is what that
+//! leaves to tell apart; samples that are the same bit for bit are reported as [`LEAST_DB`].
 
 use crate::pipeline::power::{mean_of, of_channel, powers};
 use std::collections::BTreeSet;
@@ -126,7 +128,8 @@ fn decibels(ratio: f64) -> f64 {
 }
 
 impl Judge {
-    /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed` is reported how many are done.
+    /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed`
+    /// is reported how many are done.
     pub fn new(
         run: &Run,
         pulses: Vec<u64>,
@@ -202,7 +205,8 @@ fn over_the_run(run: &Run, threads: usize) -> Result<Option<Vec<Vec<f64>>>, Buil
     }
 }
 
-/// The error of `found` against `reference`, `[pulse][channel x sample]`, relative to the mean powers of the channels.
+/// The error of `found` against `reference`, `[pulse][channel x sample]`, relative to the mean powers of the
+/// channels.
 fn compare(
     pulses: &[u64],
     means: &[f64],
@@ -254,7 +258,8 @@ fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErro
     changing::factory(&run, fidelity)
 }
 
-/// What is kept of the samples, `[channel x sample]`, of pulses that stand in their order: blocks go to whoever is free.
+/// What is kept of the samples, `[channel x sample]`, of pulses that stand in their order: blocks go to
+/// whoever is free.
 fn make<T: Send>(
     factory: &PulseFactory,
     pulses: &[u64],
@@ -331,8 +336,9 @@ mod tests {
 
     #[test]
     fn the_error_is_relative_to_the_rms_over_the_run() {
-        // Two pulses of two channels, two samples each. The first channel has powers 2 and 6: rms 4 over the run. It is off by
-        // 0.1 in one sample of the weak pulse: 0.01/4, not 0.01/2. The second channel is silent and right.
+        // Two pulses of two channels, two samples each. The first channel has powers 2 and 6: rms 4 over the
+        // run. It is off by 0.1 in one sample of the weak pulse: 0.01/4, not 0.01/2. The second channel is
+        // silent and right.
         let c = |re: f32| Complex32::new(re, 0.0);
         let reference =
             vec![vec![c(1.0), c(1.0), c(0.0), c(0.0)], vec![c(2.0), c(2f32.sqrt()), c(0.0), c(0.0)]];

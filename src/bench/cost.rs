@@ -1,8 +1,11 @@
 //! What pieces of work take on this machine: a short calibration for the prediction of speed.
 //!
-//! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned (nodes half as far apart); what each stage took over
-//! what the price list says scales the prices of that stage. Every worker makes [`ROUNDS`] blocks that count, and one before, for its memory. Blocks are from the whole run, so their mean counts
-//! and not their median: a run may cost more at one end than at the other. Where the patch follows they are the first ones, one after the other, for neighbours share updates of the shadows.
+//! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned
+//! (nodes half as far apart); what each stage took over what the price list says scales the prices of that
+//! stage. Every worker makes [`ROUNDS`] blocks that count, and one before, for its memory. Blocks are from
+//! the whole run, so their mean counts and not their median: a run may cost more at one end than at the
+//! other. Where the patch follows they are the first ones, one after the other, for neighbours share updates
+//! of the shadows.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -138,8 +141,9 @@ impl PulseStream {
     }
 }
 
-/// Workers that are busy in the mean while some pulses are made block by block: at the end of a short run some have no block left. A block
-/// that is cut short takes its nodes all the same, half of the time of a whole one.
+/// Workers that are busy in the mean while some pulses are made block by block: at the end of a short run
+/// some have no block left. A block that is cut short takes its nodes all the same, half of the time of a
+/// whole one.
 fn busy_workers(pulses: u64, block: u64, threads: u64) -> f64 {
     let (block, threads) = (block.max(1), threads.max(1));
     let (whole, rest) = (pulses / block, pulses % block);

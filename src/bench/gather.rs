@@ -25,7 +25,8 @@ pub struct Gathered {
     pub samples: Vec<Vec<Complex32>>,
 }
 
-/// Runs a stream to its end and keeps what it releases. Give it a run without sinks and converter, at pace `fast`: nothing is lost then.
+/// Runs a stream to its end and keeps what it releases. Give it a run without sinks and converter, at pace
+/// `fast`: nothing is lost then.
 pub fn gather(stream: PulseStream, status: Option<Sender<Status>>) -> Result<Gathered, SpeedError> {
     let mut held = Gathered {
         emission_s: Vec::new(),

@@ -1,7 +1,7 @@
 //! The settings of `[fidelity]`, and what they are set to.
 //!
-//! A new setting gets a row in [`SETTINGS`], and what it is set to a line in [`settings`]; `nereus tradeoff` sweeps it then, and
-//! `nereus bench` tells it.
+//! A new setting gets a row in [`SETTINGS`], and what it is set to a line in [`settings`]; `nereus tradeoff`
+//! sweeps it then, and `nereus bench` tells it.
 
 use serde_json::{Map, Value, json};
 

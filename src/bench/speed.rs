@@ -1,8 +1,8 @@
 //! What a run reaches on this machine: pulses per second, start, memory, and what its stages take.
 //!
-//! The run streams as fast as it can into nothing, as `nereus run --pace fast` does without a recording. Speed is pulses made over the
-//! time that generation was at work, its first pulses included. Times of stages are a worker's own: with two workers a pulse of
-//! 1 ms may have 2 ms of stages.
+//! The run streams as fast as it can into nothing, as `nereus run --pace fast` does without a recording.
+//! Speed is pulses made over the time that generation was at work, its first pulses included. Times of stages
+//! are a worker's own: with two workers a pulse of 1 ms may have 2 ms of stages.
 
 use std::fs;
 use std::sync::Arc;
@@ -70,8 +70,8 @@ pub enum SpeedError {
     Run(Box<RunFailure>),
 }
 
-/// Runs a stream to its end, or for so long but not for less than a few blocks, and measures it. Give it a run without sinks,
-/// at pace `fast`.
+/// Runs a stream to its end, or for so long but not for less than a few blocks, and measures it. Give it a
+/// run without sinks, at pace `fast`.
 pub fn speed(
     stream: PulseStream,
     lasts: Option<Duration>,

@@ -1,11 +1,11 @@
 //! Error and speed over the settings of `[fidelity]`, on one run.
 //!
-//! The pulses of the reference are made once ([`Judge`]); each setting is built, its error found at the same pulses, and its speed by
-//! a trial of [`TRIAL`] with all threads, without noise and recording. Pulses are drawn for the blocks of the settings as
-//! written; other blocks have them at other places.
+//! The pulses of the reference are made once ([`Judge`]); each setting is built, its error found at the same
+//! pulses, and its speed by a trial of [`TRIAL`] with all threads, without noise and recording. Pulses are
+//! drawn for the blocks of the settings as written; other blocks have them at other places.
 //!
-//! A choice of the model is no error: it is compared with the model as written, both with the echo as written, and told apart
-//! ([`effect`]). What is nearer than the error of that echo is not resolved.
+//! A choice of the model is no error: it is compared with the model as written, both with the echo as
+//! written, and told apart ([`effect`]). What is nearer than the error of that echo is not resolved.
 
 use std::time::Duration;
 
@@ -138,7 +138,8 @@ pub fn point(
     }))
 }
 
-/// The run with the settings that it leaves open set as they were settled for another: so one setting changes at a time.
+/// The run with the settings that it leaves open set as they were settled for another: so one setting changes
+/// at a time.
 fn filled(mut run: Run, chosen: &EchoSettings) -> Run {
     if let Fidelity::Fast(asked) = &mut run.fidelity {
         asked.node_pulses.get_or_insert(chosen.node_pulses);
@@ -163,8 +164,8 @@ pub fn mark_front(points: &mut [Point]) {
     }
 }
 
-/// The fastest setting whose error is at most what is wanted, as predicted for the whole run and as measured at some of its pulses;
-/// `None` where none is.
+/// The fastest setting whose error is at most what is wanted, as predicted for the whole run and as measured
+/// at some of its pulses; `None` where none is.
 pub fn taken(points: &[Point], error_db: f64) -> Option<&Point> {
     let promised = |point: &&Point| point.predicted_rel_rms_db.is_none_or(|predicted| predicted <= error_db);
     let kept = points.iter().filter(|point| point.rel_rms_db <= error_db).filter(promised);
@@ -209,8 +210,9 @@ pub struct Sweep {
     pub refused: Vec<Refused>,
 }
 
-/// Sweeps settings and models. `load` makes a run of the scenario with some keys set; `progress` is reported how many of how many are
-/// done, and what is found so far (which of it is on the front is known at the end). Settings and models that come to what is written already are left out.
+/// Sweeps settings and models. `load` makes a run of the scenario with some keys set; `progress` is reported
+/// how many of how many are done, and what is found so far (which of it is on the front is known at the end).
+/// Settings and models that come to what is written already are left out.
 ///
 /// # Errors
 /// Where the scenario as written cannot be built.

@@ -43,7 +43,8 @@ pub enum Command {
     New(NewArgs),
     /// Map the sea of a scenario at a time: heights, slopes, velocities, a picture, its state for reuse
     Sea(SeaArgs),
-    /// Map the waves of a scenario's ships alone: heights, slopes, velocities, a picture, wave cuts, wave resistance
+    /// Map the waves of a scenario's ships alone: heights, slopes, velocities, a picture, wave cuts, wave
+    /// resistance
     Wake(WakeArgs),
     /// Map what every facet contributes to the echo of a pulse, in dBW
     Snapshot(SnapshotArgs),
@@ -55,7 +56,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection
     Focus(Box<FocusArgs>),
-    /// Fit amplitude distributions to sea clutter against wind azimuth: shape parameters, goodness of fit, a picture
+    /// Fit amplitude distributions to sea clutter against wind azimuth: shape parameters, goodness of fit, a
+    /// picture
     Speckle(Box<SpeckleArgs>),
     /// Receive pulses that are sent as VITA 49.2, and report gaps, lateness and navigation
     Receive(ReceiveArgs),

@@ -32,7 +32,8 @@ pub struct BenchArgs {
     /// The scenario
     #[command(flatten)]
     pub scenario: ScenarioArgs,
-    /// Make the first so many pulses of the run [default: what fits in some 10 s, at least two blocks for every thread]
+    /// Make the first so many pulses of the run
+    /// [default: what fits in some 10 s, at least two blocks for every thread]
     #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
     pub pulses: Option<u64>,
     /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has

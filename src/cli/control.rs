@@ -1,7 +1,8 @@
 //! Lines of text that change a run while it goes on: `nereus run --control`.
 //!
-//! A line is a command and gets one line in answer, `ok ...` or `error ...: allowed: ...` (docs/control.md). Lines come from clients of a Unix socket or from
-//! standard input. Every client has a thread of its own; none of them is waited for by the stream.
+//! A line is a command and gets one line in answer, `ok ...` or `error ...: allowed: ...` (docs/control.md).
+//! Lines come from clients of a Unix socket or from standard input. Every client has a thread of its own;
+//! none of them is waited for by the stream.
 
 use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
-//! Text for a terminal: names in recordings, datagrams and scenarios may hold what moves its cursor, sets its title or turns
-//! its text around. Such characters are shown as `\u{1b}`, everywhere, because everything that is printed goes through here.
-//! A line feed in a [`name`] or a [`path()`] would forge a line of a report, so these are made printable where they are
-//! inserted.
+//! Text for a terminal: names in recordings, datagrams and scenarios may hold what moves its cursor, sets its
+//! title or turns its text around. Such characters are shown as `\u{1b}`, everywhere, because everything that
+//! is printed goes through here. A line feed in a [`name`] or a [`path()`] would forge a line of a report, so
+//! these are made printable where they are inserted.
 
 use std::borrow::Cow;
 use std::io::{self, Write};

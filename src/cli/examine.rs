@@ -1,9 +1,9 @@
 //! A recording from elsewhere is read by a process of its own first.
 //!
-//! The HDF5 library is written in C, and its authors do not promise that a forged file does no harm. So `focus` and `merge`
-//! have an HDF5 recording read to the end by this program in a second process (`nereus examine-recording FILE`), with
-//! limits of memory and of time. Only what that process survived is read again, by the same functions, in this one.
-//! docs/decisions/0041-hostile-files.md has the reasons.
+//! The HDF5 library is written in C, and its authors do not promise that a forged file does no harm. So
+//! `focus` and `merge` have an HDF5 recording read to the end by this program in a second process
+//! (`nereus examine-recording FILE`), with limits of memory and of time. Only what that process survived is
+//! read again, by the same functions, in this one. docs/decisions/0041-hostile-files.md has the reasons.
 
 pub mod error;
 use clap::Args;
@@ -78,11 +78,12 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
     }
 }
 
-/// How a process ended and the first of what it reported; `None`, and its end, when it takes longer than it may.
+/// How a process ended and the first of what it reported; `None`, and its end, when it takes longer than it
+/// may.
 fn listen(mut child: Child, limit: Duration) -> io::Result<Option<(ExitStatus, Vec<u8>)>> {
     let errors = child.stderr.take();
-    // A full pipe would hold up the process, so all of it is read while it runs. What is lost of a message is no reason to
-    // read the file.
+    // A full pipe would hold up the process, so all of it is read while it runs. What is lost of a message is
+    // no reason to read the file.
     let reader = thread::Builder::new().spawn(move || {
         let mut said = Vec::new();
         if let Some(mut errors) = errors {

@@ -9,8 +9,9 @@ use serde::Serialize;
 use super::error::CliError;
 use crate::inputs::acts;
 
-/// A report as one JSON object on a line. What acts on a terminal is escaped as JSON has it: serde_json escapes only what
-/// is below U+0020, and [`super::escape::Printable`] would write the rest as `\u{202e}`, which is no JSON.
+/// A report as one JSON object on a line. What acts on a terminal is escaped as JSON has it: serde_json
+/// escapes only what is below U+0020, and [`super::escape::Printable`] would write the rest as `\u{202e}`,
+/// which is no JSON.
 pub(super) fn json(report: &impl Serialize) -> Result<String, CliError> {
     let plain = serde_json::to_string(report).map_err(|error| CliError::Output(error.into()))?;
     if !plain.contains(acts) {

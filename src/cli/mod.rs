@@ -93,8 +93,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// A file that grows beyond the limit of the process (`ulimit -f`) is an error with a message, not the end of the program:
-/// the signal that says so is held back in every thread, and the write fails with its reason.
+/// A file that grows beyond the limit of the process (`ulimit -f`) is an error with a message, not the end of
+/// the program: the signal that says so is held back in every thread, and the write fails with its reason.
 #[cfg(unix)]
 fn report_large_files() {
     let mut signals = nix::sys::signal::SigSet::empty();

@@ -26,7 +26,8 @@ pub enum Template {
     Spaceborne,
     /// A small patch of sea under one aircraft, with swell and a slick; stands alone
     Sea,
-    /// The whole thing: recorded flight, sea, ship, targets; needs configs/tracks and hulls as in the repository
+    /// The whole thing: recorded flight, sea, ship, targets; needs configs/tracks and hulls as in the
+    /// repository
     Quickstart,
     /// Recorded flight and a field of point targets; needs configs/tracks beside it
     Calibration,

@@ -78,7 +78,8 @@ fn lines(receiver: &Receiver<Status>, what: &str) {
     let mut last = Instant::now();
     let mut begun = None;
     for status in receiver {
-        // A stream passes nothing until its latency is over: what is left is reported from its first progress on.
+        // A stream passes nothing until its latency is over: what is left is reported from its first progress
+        // on.
         let (since, first) = *begun.get_or_insert((Instant::now(), status.passed));
         if last.elapsed() >= LINE_EVERY {
             last = Instant::now();

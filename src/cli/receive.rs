@@ -42,7 +42,8 @@ pub struct ReceiveArgs {
     /// Take datagrams of this sender only: an address or name, with or without a port
     #[arg(long, value_name = "ADDR")]
     pub from: Option<String>,
-    /// When the sender begins another run, follow it (with --out into a recording of its own: name-2, name-3, ...)
+    /// When the sender begins another run, follow it (with --out into a recording of its own: name-2, name-3,
+    /// ...)
     #[arg(long)]
     pub restart: bool,
     /// Record whole pulses: HDF5 (.h5, .hdf5), or else a folder of plain files
@@ -59,7 +60,8 @@ pub struct ReceiveArgs {
 /// Receives, and reports.
 pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let record = args.out.as_deref().map(|path| opener(path, args.force)).transpose()?;
-    // The recordings of all runs are one output: what an earlier reception left is not taken for a part of it.
+    // The recordings of all runs are one output: what an earlier reception left is not taken for a part of
+    // it.
     let older = args.out.as_deref().filter(|_| args.restart).map(parts).unwrap_or_default();
     preflight(older.iter().map(|path| kind(path, args.force)))?;
     let from = args.from.as_deref().map(senders).transpose()?;
@@ -104,7 +106,8 @@ fn part(path: &Path, number: usize) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Recordings of further runs that an earlier reception left. `flight-20180509.h5` is none, nor what a run has written.
+/// Recordings of further runs that an earlier reception left. `flight-20180509.h5` is none, nor what a run
+/// has written.
 fn parts(path: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(files::folder(path)) else { return Vec::new() };
     let stem = format!("{}-", path.file_stem().unwrap_or_default().to_string_lossy());

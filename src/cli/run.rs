@@ -59,7 +59,8 @@ pub struct RunArgs {
     /// Recording (instead of the path of the scenario's recording)
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// Accept navigation-error commands during the run: Unix socket to create, or - for standard input (docs/control.md)
+    /// Accept navigation-error commands during the run: Unix socket to create, or - for standard input
+    /// (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
     /// Overwrite recordings that exist

@@ -1,4 +1,5 @@
-//! The Bessel function of the K law with its derivatives, and the derivative of the logarithm of the gamma function.
+//! The Bessel function of the K law with its derivatives, and the derivative of the logarithm of the gamma
+//! function.
 
 /// Logarithm of `K_nu(x)` and its derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -11,12 +12,14 @@ pub(super) struct LnBesselK {
     pub by_ln_x: f64,
 }
 
-/// `ln K_nu(x)`, `x` above 0 and finite, by the trapezoidal rule on `int_0^inf exp(-x cosh t) cosh(nu t) dt`: the integrand is analytic for
-/// `|Im t| < pi/2`, so steps of `h` err by `e^{-pi^2/h}`, 1e-17 for 1/4, and less where the peak is 5/2 steps wide.
+/// `ln K_nu(x)`, `x` above 0 and finite, by the trapezoidal rule on `int_0^inf exp(-x cosh t) cosh(nu t) dt`:
+/// the integrand is analytic for `|Im t| < pi/2`, so steps of `h` err by `e^{-pi^2/h}`, 1e-17 for 1/4, and
+/// less where the peak is 5/2 steps wide.
 pub(super) fn ln_bessel_k(order: f64, x: f64) -> LnBesselK {
     let sign = if order < 0.0 { -1.0 } else { 1.0 };
     let order = order.abs();
-    // The integrand peaks where x sinh t = nu; there x cosh t is the hypotenuse, and so is the curvature of its logarithm.
+    // The integrand peaks where x sinh t = nu; there x cosh t is the hypotenuse, and so is the curvature of
+    // its logarithm.
     let hypotenuse = order.hypot(x);
     let ratio = order / x;
     let peak = if ratio < 1.0 { ratio.asinh() } else { (order + hypotenuse).ln() - x.ln() };
@@ -30,7 +33,8 @@ pub(super) fn ln_bessel_k(order: f64, x: f64) -> LnBesselK {
             0.5 * ((ln_x + t).exp() + (ln_x - t).exp()) - hypotenuse - order * away
         }
     };
-    // Gone where it has fallen by e^-45. To the left it may fall as slowly as e^(nu t), to the right as e^(-x cosh t).
+    // Gone where it has fallen by e^-45. To the left it may fall as slowly as e^(nu t), to the right as e^(-x
+    // cosh t).
     let reach = |step: f64, most: f64| {
         let mut away = step;
         while away.abs() < most && fall(away) < 45.0 {
@@ -63,7 +67,8 @@ pub(super) fn ln_bessel_k(order: f64, x: f64) -> LnBesselK {
     }
 }
 
-/// Derivative of `ln G(x)`, `x` above 0: the recurrence up to 10, then the asymptotic series to `x^-12`, 1e-15 there.
+/// Derivative of `ln G(x)`, `x` above 0: the recurrence up to 10, then the asymptotic series to `x^-12`,
+/// 1e-15 there.
 pub(super) fn digamma(x: f64) -> f64 {
     let (mut x, mut below) = (x, 0.0);
     while x < 10.0 {

@@ -1,7 +1,8 @@
 //! Errors of pixels that waves make alike.
 //!
-//! Speckle of pixels a cell apart is independent; the power beneath it is not: it follows waves of up to hundreds of metres. Errors that take pixels as independent
-//! are then too small. Here the image is cut into blocks, each in turn is left out, and the spread of what is left tells the error (jackknife):
+//! Speckle of pixels a cell apart is independent; the power beneath it is not: it follows waves of up to
+//! hundreds of metres. Errors that take pixels as independent are then too small. Here the image is cut into
+//! blocks, each in turn is left out, and the spread of what is left tells the error (jackknife):
 //!
 //! ```text
 //! error^2 = (G - 1)/G sum_g (1/nu_g - <1/nu_g>)^2,   1/nu_g without block g
@@ -18,7 +19,8 @@ use super::sample::Bins;
 /// Blocks along a side.
 pub const SIDE: usize = 5;
 
-/// Standard error of `1/nu` of the K law that is most likely, over 5 x 5 blocks of an image (row by row); none where a block has fewer than 2 pixels.
+/// Standard error of `1/nu` of the K law that is most likely, over 5 x 5 blocks of an image (row by row);
+/// none where a block has fewer than 2 pixels.
 pub fn inverse_shape_error(powers: &[f64], pixels: [usize; 2]) -> Option<f64> {
     let [columns, rows] = pixels;
     if columns < 2 * SIDE || rows < 2 * SIDE || powers.len() < columns * rows {

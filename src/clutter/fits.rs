@@ -84,7 +84,8 @@ fn every(powers: &[f64], columns: usize, [along_x, along_y]: [usize; 2]) -> (Vec
 }
 
 impl Speckle {
-    /// Of an image, row by row, of which every `step`-th pixel along x and y is independent as far as speckle goes.
+    /// Of an image, row by row, of which every `step`-th pixel along x and y is independent as far as speckle
+    /// goes.
     pub(crate) fn of(
         powers: &[f64],
         pixels: [usize; 2],

@@ -4,11 +4,14 @@
 //! D = max over z of |F_n(z) - P(z)|,   F_n the share of the sample that is not larger
 //! ```
 //!
-//! The tables of that distance hold for laws that are known beforehand. Here the law was fitted to the same sample, so the probability is that of a **parametric
-//! bootstrap**: samples of the same size are drawn from the fitted law, each is fitted anew (by maximum likelihood), and `p = (1 + k)/(1 + B)`, `k` of `B`
-//! being at least as far from their own law. Numbers come from streams keyed by the seed and the number of the sample: the same for any number of threads.
+//! The tables of that distance hold for laws that are known beforehand. Here the law was fitted to the same
+//! sample, so the probability is that of a **parametric bootstrap**: samples of the same size are drawn from
+//! the fitted law, each is fitted anew (by maximum likelihood), and `p = (1 + k)/(1 + B)`, `k` of `B` being
+//! at least as far from their own law. Numbers come from streams keyed by the seed and the number of the
+//! sample: the same for any number of threads.
 //!
-//! Limits: the sample is independent; large samples refuse every law that is not exact. `p` is never below `1/(1 + B)`.
+//! Limits: the sample is independent; large samples refuse every law that is not exact. `p` is never below
+//! `1/(1 + B)`.
 //!
 //! Source: W. Stute, W. Gonzales Manteiga, M. Presedo Quindimil, Metrika 40, 243 (1993).
 
@@ -18,7 +21,8 @@ use super::laws::{Kind, Law};
 use super::{Sample, likelihood};
 use crate::rng::{Room, stream};
 
-/// Points at which a K law is evaluated; between them its probability is a cubic that has its density as slope.
+/// Points at which a K law is evaluated; between them its probability is a cubic that has its density as
+/// slope.
 const POINTS: usize = 800;
 
 /// How well a law fits.

@@ -1,10 +1,13 @@
-//! Fits to the histogram, as in the MaRS paper: the law whose density has the least squared distance from that of the sample.
+//! Fits to the histogram, as in the MaRS paper: the law whose density has the least squared distance from
+//! that of the sample.
 //!
-//! The histogram has 100 bins of 0.05 of the rms amplitude; what lies beyond counts, but has no bin. The density of a law over a bin is the difference of its
-//! probability over the width of the bin, so that wide bins do no harm. Least squares by Gauss and Newton with damping, in `ln(1 + 1/nu)`
-//! (`ln c` of Weibull laws) and the logarithm of the mean power, from the fit by maximum likelihood on.
+//! The histogram has 100 bins of 0.05 of the rms amplitude; what lies beyond counts, but has no bin. The
+//! density of a law over a bin is the difference of its probability over the width of the bin, so that wide
+//! bins do no harm. Least squares by Gauss and Newton with damping, in `ln(1 + 1/nu)` (`ln c` of Weibull
+//! laws) and the logarithm of the mean power, from the fit by maximum likelihood on.
 //!
-//! Errors to first order: `(J^T J)^-1 J^T` of the covariance of the counts of a histogram, `J` the slopes of the densities.
+//! Errors to first order: `(J^T J)^-1 J^T` of the covariance of the counts of a histogram, `J` the slopes of
+//! the densities.
 
 use super::laws::{Kind, Law};
 use super::likelihood::{self, S_RANGE, shape_of};

@@ -1,23 +1,26 @@
 //! Laws of clutter amplitude.
 //!
-//! K law of the amplitude `z` (compound Gaussian: speckle on a gamma-distributed local power), shape `nu`, scale `b`:
+//! K law of the amplitude `z` (compound Gaussian: speckle on a gamma-distributed local power), shape `nu`,
+//! scale `b`:
 //!
 //! ```text
 //! p(z) = (2 b / G(nu)) (b z / 2)^nu K_{nu-1}(b z),   P(z) = 1 - (2 / G(nu)) (b z / 2)^nu K_nu(b z)
 //! <z^2> = 4 nu / b^2,   <I^2>/<I>^2 = 2 (1 + 1/nu),  I = z^2
 //! ```
 //!
-//! Weibull law, shape `c`, scale `a`, and Rayleigh law, which is that of `c = 2` and that of `nu` without end:
+//! Weibull law, shape `c`, scale `a`, and Rayleigh law, which is that of `c = 2` and that of `nu` without
+//! end:
 //!
 //! ```text
 //! P(z) = 1 - exp(-(z/a)^c),   <z^2> = a^2 G(1 + 2/c),   <I^2>/<I>^2 = G(1 + 4/c) / G(1 + 2/c)^2
 //! P(z) = 1 - exp(-z^2/<z^2>)
 //! ```
 //!
-//! `K_nu` by the trapezoidal rule over the peak of its integral, which converges faster than any power of the step. Above `nu` of some 10 the K law is
-//! hardly told from Rayleigh's; an infinite shape is Rayleigh's.
+//! `K_nu` by the trapezoidal rule over the peak of its integral, which converges faster than any power of the
+//! step. Above `nu` of some 10 the K law is hardly told from Rayleigh's; an infinite shape is Rayleigh's.
 //!
-//! A cell in which `N` facets of equal power and random phases meet is no full speckle: its `<I^2>/<I>^2` is lower by `1/N`.
+//! A cell in which `N` facets of equal power and random phases meet is no full speckle: its `<I^2>/<I>^2` is
+//! lower by `1/N`.
 //!
 //! Limits: shapes `nu` from 0.01; rounding leaves `2^-52 nu ln nu` of density and tail, 2e-11 at 1e4.
 //!

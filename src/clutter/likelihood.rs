@@ -1,9 +1,12 @@
 //! Fits by maximum likelihood.
 //!
-//! * K law: scoring in `s = ln(1 + 1/nu)` and the logarithm of the mean power, by the information of the sample itself (the mean of the products of the
-//!   scores), halved steps where a whole one loses. `s` is even for large shapes, where the law is linear in `1/nu`, and for small ones, where it goes
-//!   by `ln nu`. Shapes below 0.01 are reported as that, those above 10 000 as infinite. Errors are those of the information at the end.
-//! * Weibull law: `sum z^c ln z / sum z^c - 1/c = <ln z>`; errors are those of Fisher's information, `c sqrt(6/n)/pi` of the shape.
+//! * K law: scoring in `s = ln(1 + 1/nu)` and the logarithm of the mean power, by the information of the
+//!   sample itself (the mean of the products of the scores), halved steps where a whole one loses. `s` is
+//!   even for large shapes, where the law is linear in `1/nu`, and for small ones, where it goes by `ln nu`.
+//!   Shapes below 0.01 are reported as that, those above 10 000 as infinite. Errors are those of the
+//!   information at the end.
+//! * Weibull law: `sum z^c ln z / sum z^c - 1/c = <ln z>`; errors are those of Fisher's information,
+//!   `c sqrt(6/n)/pi` of the shape.
 //! * Rayleigh law: the mean power, `1/sqrt(n)`.
 
 use super::bessel::{digamma, ln_bessel_k};
@@ -78,7 +81,8 @@ pub(super) fn shape_of(s: f64) -> f64 {
     s.exp_m1().recip()
 }
 
-/// Log likelihood of a K law, its slopes over `s` and the logarithm of the mean power, and the sums of their products.
+/// Log likelihood of a K law, its slopes over `s` and the logarithm of the mean power, and the sums of their
+/// products.
 struct Score {
     ln: f64,
     slopes: [f64; 2],
@@ -141,7 +145,8 @@ fn ln_rayleigh(bins: &Bins) -> f64 {
 
 fn k(bins: &Bins) -> Fit {
     let n = bins.count();
-    // The variance of ln I is pi^2/6 + psi'(nu), some 1/nu + 1/2 nu^2 more: no outlier corrupts that for a start.
+    // The variance of ln I is pi^2/6 + psi'(nu), some 1/nu + 1/2 nu^2 more: no outlier corrupts that for a
+    // start.
     let mean = bins.filled().map(|[count, u]| count * u).sum::<f64>() / n;
     let variance = 4.0 * bins.filled().map(|[count, u]| count * (u - mean) * (u - mean)).sum::<f64>() / n;
     let more = (variance - std::f64::consts::PI.powi(2) / 6.0).max(0.05);

@@ -48,7 +48,8 @@ pub use sample::{Sample, SampleFault};
 pub struct Fit {
     /// The law. That of a K fit has an infinite shape where the sample varies no more than Rayleigh's.
     pub law: Law,
-    /// Standard error of the shape, for independent samples; infinite where a K law's shape is, 0 for Rayleigh's law, which has none.
+    /// Standard error of the shape, for independent samples; infinite where a K law's shape is, 0 for
+    /// Rayleigh's law, which has none.
     pub shape_error: f64,
     /// Standard error of `1/nu` of a K law: it stays finite where the shape does not; 0 for the others.
     pub inverse_error: f64,

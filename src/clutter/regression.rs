@@ -1,6 +1,7 @@
 //! A quantity over azimuth: `y = a + b cos 2 psi`, by least squares.
 //!
-//! Errors are those of the residuals, which are taken as independent and of one size: `s^2 = sum r^2/(n - 2)`.
+//! Errors are those of the residuals, which are taken as independent and of one size:
+//! `s^2 = sum r^2/(n - 2)`.
 //!
 //! ```
 //! use nereus::clutter::regression::cosine;
@@ -32,7 +33,8 @@ impl Cosine {
     }
 }
 
-/// Fits points of which both numbers are finite; none with fewer than 3, or where `cos 2 psi` is one and the same.
+/// Fits points of which both numbers are finite; none with fewer than 3, or where `cos 2 psi` is one and the
+/// same.
 pub fn cosine(psi_rad: &[f64], values: &[f64]) -> Option<Cosine> {
     let points: Vec<[f64; 2]> = psi_rad
         .iter()

@@ -1,11 +1,13 @@
 //! Powers of pixels that are to be fitted.
 //!
-//! Powers of 0, where nothing was heard, belong to none of the laws: they are left out and counted. Logarithms of amplitudes are gathered in bins of
-//! 0.02, each with its own mean: a likelihood of that costs as many densities as there are bins, and errs by half the variance within a bin times the
-//! curvature of the logarithm of the density, 2e-5 a pixel, with almost no slope in the parameters.
+//! Powers of 0, where nothing was heard, belong to none of the laws: they are left out and counted.
+//! Logarithms of amplitudes are gathered in bins of 0.02, each with its own mean: a likelihood of that costs
+//! as many densities as there are bins, and errs by half the variance within a bin times the curvature of the
+//! logarithm of the density, 2e-5 a pixel, with almost no slope in the parameters.
 //!
-//! Fits take the pixels as independent. Pixels one resolution cell apart of an image without tapers are, as far as speckle goes: the response is a sinc
-//! that is zero at whole cells. What waves do to their power is not: [`blocks`](super::blocks).
+//! Fits take the pixels as independent. Pixels one resolution cell apart of an image without tapers are, as
+//! far as speckle goes: the response is a sinc that is zero at whole cells. What waves do to their power is
+//! not: [`blocks`](super::blocks).
 
 /// Why powers cannot be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -151,7 +153,8 @@ impl Sample {
         self.moments[0]
     }
 
-    /// Its standard error, from the first four moments of the sample to first order: right for many independent samples.
+    /// Its standard error, from the first four moments of the sample to first order: right for many
+    /// independent samples.
     pub fn contrast_error(&self) -> f64 {
         let [m2, m3, m4] = self.moments;
         let variance = (m4 - m2 * m2) + 4.0 * m2 * m2 * (m2 - 1.0) - 4.0 * m2 * (m3 - m2);

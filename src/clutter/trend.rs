@@ -1,12 +1,13 @@
 //! The mean power over range, to be divided out.
 //!
-//! Power falls with range, and the grazing angle changes along a swath: that is a texture of the geometry, not of the sea. Its logarithm is taken as a parabola in the
-//! logarithm of the range, by least squares over the mean powers of the rows of an image. `R^-4` is exactly that.
+//! Power falls with range, and the grazing angle changes along a swath: that is a texture of the geometry,
+//! not of the sea. Its logarithm is taken as a parabola in the logarithm of the range, by least squares over
+//! the mean powers of the rows of an image. `R^-4` is exactly that.
 
 use glam::{DMat3, DVec3};
 
-/// Divides the trend out of an image (row by row, each row at one range, m) and tells its span over the rows, dB; none, and nothing is done,
-/// where fewer than 4 rows have power.
+/// Divides the trend out of an image (row by row, each row at one range, m) and tells its span over the rows,
+/// dB; none, and nothing is done, where fewer than 4 rows have power.
 pub fn remove(powers: &mut [f64], columns: usize, ranges_m: &[f64]) -> Option<f64> {
     if columns == 0 {
         return None;

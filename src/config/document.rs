@@ -67,7 +67,8 @@ impl Node {
 struct Places<'t> {
     text: &'t str,
     line_starts: Vec<usize>,
-    /// Characters before every [`BLOCK`]-th byte, so that a long line is not counted again for each of its values.
+    /// Characters before every [`BLOCK`]-th byte, so that a long line is not counted again for each of its
+    /// values.
     before: Vec<usize>,
 }
 

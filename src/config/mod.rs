@@ -82,7 +82,8 @@ pub const LARGEST_FILE: u64 = 4 << 20;
 pub struct Run {
     /// What there is.
     pub scene: Scene,
-    /// Whether pulse 0 leaves at the first whole second that live navigation covers; `scene.start` only stands for it.
+    /// Whether pulse 0 leaves at the first whole second that live navigation covers; `scene.start` only
+    /// stands for it.
     pub start_live: bool,
     /// Where platforms go; `nav[i]` belongs to `scene.platforms[i]`.
     pub nav: Vec<PlatformNav>,
@@ -109,8 +110,9 @@ pub struct Run {
     pub warnings: Vec<Warning>,
 }
 
-/// Reads a scenario file. Overrides are (`key`, `value`): dotted path of the key, entries of arrays by
-/// number from 0 (`target.0.rcs_m2`) or `+` for a new one (`sink.+`), and the value as TOML, or as plain text where it is not TOML.
+/// Reads a scenario file. Overrides are (`key`, `value`): dotted path of the key, entries of arrays by number
+/// from 0 (`target.0.rcs_m2`) or `+` for a new one (`sink.+`), and the value as TOML, or as plain text where
+/// it is not TOML.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
     let read_error = |source| ConfigError::Read { path: path.to_owned(), source };
     let bytes = inputs::read(path, LARGEST_FILE).map_err(read_error)?;

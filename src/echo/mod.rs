@@ -1,7 +1,7 @@
 //! Scatterer paths to samples.
 //!
-//! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`] says which one a run
-//! takes.
+//! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`]
+//! says which one a run takes.
 
 pub mod reference;
 pub mod synth;
@@ -9,7 +9,8 @@ pub mod synth;
 /// How echoes are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Fidelity {
-    /// Every pulse from its own scatterer paths, in f64, by [`mod@reference`]: slow, and without error of its own.
+    /// Every pulse from its own scatterer paths, in f64, by [`mod@reference`]: slow, and without error of its
+    /// own.
     #[default]
     Reference,
     /// By [`mod@synth`], with what was asked; the rest is chosen for the scene.

@@ -2,8 +2,8 @@
 //!
 //! # Reference B'
 //!
-//! Receiver-filtered, with the motion during the pulse as an exact term. For the channel of a pair, on an `N`-point
-//! transform that starts at the window's first sample:
+//! Receiver-filtered, with the motion during the pulse as an exact term. For the channel of a pair, on an
+//! `N`-point transform that starts at the window's first sample:
 //!
 //! ```text
 //! S[k] = H(f_k) sum_n a_n e^{-j 2 pi f0 tau_n} Q_n(f_k) e^{-j 2 pi f_k d_n} ,  d_n = o_n + tau_n - t_w
@@ -20,19 +20,20 @@
 //! | `f0`, `fs`, `f_k` | carrier, complex sample rate, baseband frequency of bin `k` | Hz |
 //! | `P`, `H` | spectrum of the pulse ([`Waveform`]), receive filter ([`ReceiveFilter`]) | s, - |
 //!
-//! What leaves `u` after the beginning of the pulse arrives at `x = u + tau(u) - tau(0) = (1 + r) u` after the beginning of the
-//! echo, with the phase of its emission: after mixing with the carrier at arrival,
+//! What leaves `u` after the beginning of the pulse arrives at `x = u + tau(u) - tau(0) = (1 + r) u` after
+//! the beginning of the echo, with the phase of its emission: after mixing with the carrier at arrival,
 //!
 //! ```text
 //! q(x) = p(u) e^{j 2 pi f0 (u - x)} = p(x/(1 + r)) e^{-j 2 pi f0 r x/(1 + r)}
 //! Q(f) = int q(x) e^{-j 2 pi f x} dx = (1 + r) int p(u) e^{-j 2 pi ((1 + r) f + f0 r) u} du
 //! ```
 //!
-//! So carrier and envelope are stretched alike, and the Doppler shift is `-f0 r/(1 + r)`. With the envelope left as it was (`P(f + f0 r)`)
-//! the error is `2 pi B Tc |r| / sqrt 30` for a linear sweep: -92 dB at 20 x 1e-6, -17.8 dB at 4000 x 2.8e-5 (Ka band from orbit).
-//! The factor `1 + r` is that of the integral: `|q|` is that of the pulse, the change of field strength on reflection at something that
-//! moves (`r`, -86 dB at 5e-5, the same for all samples of an echo) is not modelled. Neglected: acceleration within the pulse. The phase
-//! `f0 tau` is taken modulo one turn in f64: from orbit (5e7 turns) it is exact to 5e-8 rad.
+//! So carrier and envelope are stretched alike, and the Doppler shift is `-f0 r/(1 + r)`. With the envelope
+//! left as it was (`P(f + f0 r)`) the error is `2 pi B Tc |r| / sqrt 30` for a linear sweep: -92 dB at 20 x
+//! 1e-6, -17.8 dB at 4000 x 2.8e-5 (Ka band from orbit). The factor `1 + r` is that of the integral: `|q|` is
+//! that of the pulse, the change of field strength on reflection at something that moves (`r`, -86 dB at
+//! 5e-5, the same for all samples of an echo) is not modelled. Neglected: acceleration within the pulse. The
+//! phase `f0 tau` is taken modulo one turn in f64: from orbit (5e7 turns) it is exact to 5e-8 rad.
 //!
 //! The transform is periodic. Its length leaves [`GUARD_SAMPLES`] between the end of a pulse and its image,
 //! so that nothing wraps into the window; echoes that cannot reach the window (further than the guard from
@@ -128,8 +129,8 @@ impl ReferenceEcho {
         echo
     }
 
-    /// On a transform of exactly `fft_len` samples, whatever wraps: the periodic form of the equation. No scatterer path
-    /// is left out.
+    /// On a transform of exactly `fft_len` samples, whatever wraps: the periodic form of the equation. No
+    /// scatterer path is left out.
     pub fn with_period(
         waveform: Arc<dyn Waveform>,
         carrier_hz: f64,
@@ -219,8 +220,8 @@ impl ReferenceEcho {
     }
 }
 
-/// Reference A of one channel of one pair: `out[j]` is the sum over scatterer paths of `a e^{-j 2 pi f0 tau} p(u) e^{-j 2 pi f0 r u}`,
-/// `u = (t_w + j/fs - o - tau)/(1 + r)`, overwritten.
+/// Reference A of one channel of one pair: `out[j]` is the sum over scatterer paths of
+/// `a e^{-j 2 pi f0 tau} p(u) e^{-j 2 pi f0 r u}`, `u = (t_w + j/fs - o - tau)/(1 + r)`, overwritten.
 pub fn raw_samples(
     waveform: &dyn Waveform,
     carrier_hz: f64,

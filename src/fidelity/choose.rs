@@ -1,9 +1,10 @@
 //! From what is asked to what is set: the cheapest settings whose predicted error keeps the budget.
 //!
-//! Settings that are given stay. For the others there are candidates, from far to close nodes; the error of each is
-//! [probed](super::probe) until closer nodes cost more than what was found already. A budget at or below [`EXACT_DB`](super::budget::EXACT_DB) takes pulses one
-//! by one with exact scatterer paths in f64, and so does a scene that no candidate serves. Facets may be left out while all of them
-//! together stay [`CULLED_DB`](super::budget::CULLED_DB) below the budget.
+//! Settings that are given stay. For the others there are candidates, from far to close nodes; the error of
+//! each is [probed](super::probe) until closer nodes cost more than what was found already. A budget at or
+//! below [`EXACT_DB`](super::budget::EXACT_DB) takes pulses one by one with exact scatterer paths in f64, and
+//! so does a scene that no candidate serves. Facets may be left out while all of them together stay
+//! [`CULLED_DB`](super::budget::CULLED_DB) below the budget.
 
 use super::budget::{Budget, Plan};
 use std::sync::Arc;

@@ -16,8 +16,10 @@
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
 //!
-//! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n` times as
-//! many pulses, as far as they do not wait for each other's memory.
+//! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are
+//! reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is
+//! spent by one worker: `n` workers make `n` times as many pulses, as far as they do not wait for each
+//! other's memory.
 
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, Settings};

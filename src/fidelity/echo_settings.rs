@@ -41,7 +41,8 @@ pub fn block_pulses(spacing: u64) -> u64 {
     (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
 }
 
-/// Pulses of a block whose nodes are about so many pulses apart, where a patch that follows is held for some pulses: a divisor of these.
+/// Pulses of a block whose nodes are about so many pulses apart, where a patch that follows is held for some
+/// pulses: a divisor of these.
 pub fn block_length(spacing: u64, hold_pulses: Option<u64>) -> u64 {
     let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
     hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1))

@@ -1,22 +1,23 @@
 //! What interpolation leaves of a gain while the beam sweeps over the water.
 //!
-//! The field gain of an aperture of length `a` is the Fourier transform of its path generator. Where directions in its frame change at
-//! `u'` (rad/s), a facet sees a band-limited function of time, `|w| <= pi a u'/lambda` each way. Over all facets the mean square error
-//! relative to the mean square gain is, with Parseval,
+//! The field gain of an aperture of length `a` is the Fourier transform of its path generator. Where
+//! directions in its frame change at `u'` (rad/s), a facet sees a band-limited function of time,
+//! `|w| <= pi a u'/lambda` each way. Over all facets the mean square error relative to the mean square gain
+//! is, with Parseval,
 //!
 //! `e^2(t) = integral of |A(w)|^2 E^2(w, t) dw / integral of |A(w)|^2 dw`
 //!
-//! with `A` the path generator (even: constant), and for both ways its convolution with that of the other antenna (`E` of
-//! [`super::interpolation`]). So `e` depends on `a u' / lambda` and the nodes alone: 4 nodes so many pulses apart keep the
-//! same error wherever `lambda R PRF / (a V)` is the same.
+//! with `A` the path generator (even: constant), and for both ways its convolution with that of the other
+//! antenna (`E` of [`super::interpolation`]). So `e` depends on `a u' / lambda` and the nodes alone: 4 nodes
+//! so many pulses apart keep the same error wherever `lambda R PRF / (a V)` is the same.
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
 //! | `a` | length of the aperture along the sweep | m |
 //! | `u'` | rate of the directions in the antenna's frame, `V/R` for a beam fixed to the flight | rad/s |
 //!
-//! Limits: facets spread evenly over main lobe and side lobes; a window that hears the lobe's edge alone does worse. A pattern
-//! that is not a uniform aperture is held for one of its largest dimension.
+//! Limits: facets spread evenly over main lobe and side lobes; a window that hears the lobe's edge alone does
+//! worse. A pattern that is not a uniform aperture is held for one of its largest dimension.
 //!
 //! ```
 //! use nereus::fidelity::{gain, interpolation::Nodes};
@@ -66,7 +67,8 @@ pub fn error_power(sweeps_rad_s: &[f64], nodes: &Nodes, t_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Mean over the pulses of an interval of the nodes, dB, one way, in the case of docs/physics.md section 15.7.
+    /// Mean over the pulses of an interval of the nodes, dB, one way, in the case of docs/physics.md section
+    /// 15.7.
     fn mean_db(count: usize, first: usize, pulses: usize) -> f64 {
         let sweep = sweep_rad_s(4.0, 0.03, 0.052);
         let nodes = Nodes::evenly(count, pulses as f64 / 222.0);
@@ -77,8 +79,8 @@ mod tests {
 
     #[test]
     fn gains_of_the_physics_page() {
-        // docs/physics.md section 15.7: facets over +-0.03 in u, one way, linear, and the middle interval of a cubic. The fewer
-        // pulses there are, the more the ends, which are exact, count: 2 dB.
+        // docs/physics.md section 15.7: facets over +-0.03 in u, one way, linear, and the middle interval of
+        // a cubic. The fewer pulses there are, the more the ends, which are exact, count: 2 dB.
         for (pulses, linear_db, cubic_db) in [(4, -44.0, -78.0), (8, -32.0, -55.0), (16, -21.0, -32.0)] {
             let (linear, cubic) = (mean_db(2, 0, pulses), mean_db(4, 1, pulses));
             println!("{pulses}: linear {linear:.1}, cubic {cubic:.1}");

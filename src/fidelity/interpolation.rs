@@ -1,18 +1,22 @@
 //! What interpolation through nodes leaves of a quantity that changes in time.
 //!
-//! Through the values at nodes `t_i` goes one polynomial, `sum L_i(t) f(t_i)`, `L_i` of Lagrange. Of an oscillation it leaves
+//! Through the values at nodes `t_i` goes one polynomial, `sum L_i(t) f(t_i)`, `L_i` of Lagrange. Of an
+//! oscillation it leaves
 //!
-//! `E(w, t) = | e^{j w t} - sum L_i(t) e^{j w t_i} |`,   for n nodes and small `w`:   `|w|^n |prod (t - t_i)| / n!`
+//! `E(w, t) = | e^{j w t} - sum L_i(t) e^{j w t_i} |`,   for n nodes and small `w`:
+//! `|w|^n |prod (t - t_i)| / n!`
 //!
-//! and of a process with power `S(w) dw`, whatever the phases, the mean square `integral of S E^2 dw`. So one function tells the error
-//! for waves, for gains that sweep by, and for whatever else is a sum of oscillations.
+//! and of a process with power `S(w) dw`, whatever the phases, the mean square `integral of S E^2 dw`. So one
+//! function tells the error for waves, for gains that sweep by, and for whatever else is a sum of
+//! oscillations.
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
 //! | `t_i`, `t` | nodes, place | s |
 //! | `w` | angular frequency | rad/s |
 //!
-//! Limits: weights of Lagrange grow with the number of nodes; beyond 8 equally spaced ones they amplify rounding.
+//! Limits: weights of Lagrange grow with the number of nodes; beyond 8 equally spaced ones they amplify
+//! rounding.
 //!
 //! ```
 //! use nereus::fidelity::interpolation::Nodes;
@@ -86,8 +90,8 @@ impl Nodes {
         re.hypot(im)
     }
 
-    /// Pulses of an even sequence between the first and the last node, both among them, s: all, or [`MOST_PLACES`] spread over them
-    /// (between those a polynomial through a few nodes tells nothing new).
+    /// Pulses of an even sequence between the first and the last node, both among them, s: all, or
+    /// [`MOST_PLACES`] spread over them (between those a polynomial through a few nodes tells nothing new).
     pub fn places_s(&self, interval_s: f64) -> impl Iterator<Item = f64> + use<> {
         let last = (self.span_s() / interval_s + 1e-6).floor().max(0.0);
         let steps = last.min(MOST_PLACES as f64);

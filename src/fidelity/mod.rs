@@ -13,11 +13,13 @@
 //! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`probe`] |
 //! | culled | facets left out because they are weak | [`probe`] |
 //!
-//! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse ([`worst`]) and channel. [`choose::choose_settings`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample says of
-//! flight, waves and beams is held against closed forms: [`path`], [`waves`], [`gain`].
+//! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse
+//! ([`worst`]) and channel. [`choose::choose_settings`] takes the cheapest settings that keep what is asked
+//! ([`cost`]). What a sample says of flight, waves and beams is held against closed forms: [`path`],
+//! [`waves`], [`gain`].
 //!
-//! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings anywhere. Prices are those of a
-//! common machine; only their ratios matter.
+//! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings
+//! anywhere. Prices are those of a common machine; only their ratios matter.
 //!
 //! ```
 //! use nereus::fidelity::cost::CostTable;
@@ -127,8 +129,8 @@ impl Prediction {
     }
 }
 
-/// What the acceleration of the water leaves in the phase: `a tau^2/2` along a path of gradient 2 at most. In deep water `w^2 = g K`, so the
-/// rms of `a` is that of the slopes times g, along and up alike.
+/// What the acceleration of the water leaves in the phase: `a tau^2/2` along a path of gradient 2 at most. In
+/// deep water `w^2 = g K`, so the rms of `a` is that of the slopes times g, along and up alike.
 fn in_flight(scene: &Scene, generator: &PathGenerator) -> f64 {
     let one_way_s = 0.5 * generator.light_time_s();
     let path_m = GRAVITY_MPS2 * generator.rms_slope() * one_way_s * one_way_s;

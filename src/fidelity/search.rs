@@ -1,4 +1,5 @@
-//! The cheapest nodes, scattering epochs, gain epochs and sidelobe threshold whose predicted error keeps the budget.
+//! The cheapest nodes, scattering epochs, gain epochs and sidelobe threshold whose predicted error keeps the
+//! budget.
 
 use std::f64::consts::TAU;
 
@@ -15,16 +16,18 @@ use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe};
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
 
-/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one that does between two scattering epochs is reported where
-/// to a part of that, and single facets make the worst pulses at grazing incidence.
+/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one
+/// that does between two scattering epochs is reported where to a part of that, and single facets make the
+/// worst pulses at grazing incidence.
 const LOOKS_PER_PERIOD: f64 = 30.0;
 
-/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is reported late where it turns makes the worst pulse
-/// (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were predicted with tiles in the sidelobes below -25 dB).
+/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is reported
+/// late where it turns makes the worst pulse (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were
+/// predicted with tiles in the sidelobes below -25 dB).
 const OF_TURNING_DB: f64 = -40.0;
 
-/// What the acceleration of the water adds in the worst pulse to its mean, dB: the worst of 48 pulses from 800 km is 4.7 dB above it
-/// (`tests/data/scenarios/orbit.toml`, -54.4 against -59.2 dB of the closed form).
+/// What the acceleration of the water adds in the worst pulse to its mean, dB: the worst of 48 pulses from
+/// 800 km is 4.7 dB above it (`tests/data/scenarios/orbit.toml`, -54.4 against -59.2 dB of the closed form).
 const WORST_BOUNCE_DB: f64 = 5.0;
 
 /// Scattering epochs from node to node that come nearest to what is asked.
@@ -132,7 +135,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The cheapest plan that keeps the budget, else that of the least error; spacings of the nodes from far to close, pulses.
+    /// The cheapest plan that keeps the budget, else that of the least error; spacings of the nodes from far
+    /// to close, pulses.
     pub fn best(&self, sampler: &mut ErrorSampler<'_>, spacings: &[u64]) -> Result<Option<Plan>, PlanError> {
         let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, LONGEST)?);
         let nothing = [sampler.nothing()];
@@ -161,7 +165,8 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// Interpolation errors at every probe. Other places cost as much again as the first: they are asked once it allows.
+    /// Interpolation errors at every probe. Other places cost as much again as the first: they are asked once
+    /// it allows.
     fn probe(
         &self,
         sampler: &mut ErrorSampler<'_>,
@@ -217,8 +222,8 @@ impl<'a> Search<'a> {
         plans
     }
 
-    /// The least that a spacing of nodes may cost, s a pulse: one scattering epoch a node, gains as far apart and as many sidelobe tiles
-    /// as the gains allow.
+    /// The least that a spacing of nodes may cost, s a pulse: one scattering epoch a node, gains as far apart
+    /// and as many sidelobe tiles as the gains allow.
     fn least_s(&self, node_pulses: u64, allowed: &[(u64, Candidate)]) -> f64 {
         let epochs = self.budget.asked.scatter_pulses.map_or(1, |pulses| epochs_of(node_pulses, pulses));
         let seconds = allowed.iter().map(|(pulses, candidate)| {
@@ -284,7 +289,8 @@ fn better(plan: &Plan, held: &Plan) -> bool {
     }
 }
 
-/// Most pulses from scattering epoch to the next: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets, `T = sqrt(2 pi 2 d / g)` in deep water.
+/// Most pulses from scattering epoch to the next: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets,
+/// `T = sqrt(2 pi 2 d / g)` in deep water.
 fn farthest_epoch(scene: &Scene) -> u64 {
     let Some(sea) = &scene.sea else { return u64::MAX };
     let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();

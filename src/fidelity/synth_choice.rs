@@ -23,8 +23,8 @@ const OF_GRIDDING: f64 = 0.1;
 const OF_RIGID: f64 = 0.01;
 /// Share of the budget that Doppler may leave where pulses are split into bands of it.
 const OF_BANDS: f64 = 0.3;
-/// Rounding of the samples to f32, those of the reference too: uniform within a unit of `2^-23` where the mantissa is 1, on the whole half
-/// the power of that, `2 x 2^-46/24`.
+/// Rounding of the samples to f32, those of the reference too: uniform within a unit of `2^-23` where the
+/// mantissa is 1, on the whole half the power of that, `2 x 2^-46/24`.
 const OF_SAMPLES: f64 = 1.2e-15;
 
 /// Settings of the synthesis and the errors they leave.
@@ -114,8 +114,8 @@ impl Echoes<'_> {
         Ok(choice)
     }
 
-    /// The narrowest kernel whose gridding and rounding take a tenth of the budget, or the widest there is; its error, and the samples of
-    /// a transform.
+    /// The narrowest kernel whose gridding and rounding take a tenth of the budget, or the widest there is;
+    /// its error, and the samples of a transform.
     fn kernel(
         &self,
         sampler: &ErrorSampler<'_>,
@@ -171,7 +171,8 @@ impl Echoes<'_> {
         let means = sampler.dopplers().into_iter().map(|(mean_hz, _)| mean_hz);
         let errors = [0.0].into_iter().chain(means).map(of);
         let worst = errors.max_by(|a, b| a.total_db().total_cmp(&b.total_db())).unwrap_or_default();
-        // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may be in phase.
+        // What is in proportion to a pulse weighs as the strongest one. The first two images of a point may
+        // be in phase.
         let peak = sampler.peak([1.0, 2.0]).max(1.0);
         let rounding = peak * (worst.rounding + OF_SAMPLES);
         Ok((PredictedError { gridding: peak * worst.gridding, rounding, doppler: 0.0 }, fft_len))

@@ -1,7 +1,9 @@
-//! Whether facets turn away from an antenna: few do where it scattering epochs down steeply, and then none of a sample.
+//! Whether facets turn away from an antenna: few do where it scattering epochs down steeply, and then none of
+//! a sample.
 //!
-//! The cosine of the local angle of a facet of slopes `s` under incidence `theta` is about `cos theta + s sin theta`, so near enough normal over
-//! the facets. Where its mean lies `k` standard deviations above zero, a share `Q(k)` of them is turned away: `Q(6) = 1e-9`, of a patch of 512 x 512 about
+//! The cosine of the local angle of a facet of slopes `s` under incidence `theta` is about
+//! `cos theta + s sin theta`, so near enough normal over the facets. Where its mean lies `k` standard
+//! deviations above zero, a share `Q(k)` of them is turned away: `Q(6) = 1e-9`, of a patch of 512 x 512 about
 //! one facet in an hour.
 //!
 //! ```

@@ -1,16 +1,18 @@
 //! What interpolation leaves of the waves: of the way a facet moves, and of its tilt.
 //!
-//! Waves of wave number K have the variance `S(K) dK` and turn at `w(K)`. A facet moves as far along as it moves up, so a wave of amplitude A
-//! changes a path by at most `|g| A`, `|g|` the length of the path's gradient (2 for one antenna, less for two). Interpolation leaves a mean square
+//! Waves of wave number K have the variance `S(K) dK` and turn at `w(K)`. A facet moves as far along as it
+//! moves up, so a wave of amplitude A changes a path by at most `|g| A`, `|g|` the length of the path's
+//! gradient (2 for one antenna, less for two). Interpolation leaves a mean square
 //!
 //! `path: |g|^2 integral of S E^2(w, t) dK ,   slope: integral of K^2 S E^2(w, t) dK`
 //!
-//! (`E` of [`super::interpolation`]). For waves that are slow against the nodes that is `prod^2 (t - t_i)/(n!)^2` times the moment
-//! `integral of w^(2n) S`: the eighth for four nodes. In deep water `w^8 = g^4 K^4`, so it is the shortest waves on the grid that
-//! count.
+//! (`E` of [`super::interpolation`]). For waves that are slow against the nodes that is
+//! `prod^2 (t - t_i)/(n!)^2` times the moment `integral of w^(2n) S`: the eighth for four nodes. In deep
+//! water `w^8 = g^4 K^4`, so it is the shortest waves on the grid that count.
 //!
-//! A slope error is an error of the amplitude through `d ln a / d slope`, a number of a few units away from shadows, back faces and
-//! nulls of the pattern of scattering; where facets turn away from an antenna amplitudes have a kink, and this is a lower bound.
+//! A slope error is an error of the amplitude through `d ln a / d slope`, a number of a few units away from
+//! shadows, back faces and nulls of the pattern of scattering; where facets turn away from an antenna
+//! amplitudes have a kink, and this is a lower bound.
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
@@ -53,7 +55,8 @@ struct Part {
 }
 
 impl Waves {
-    /// Waves of a spectrum in a band, rad/m: of a patch, from `2 pi / length` to `pi / facet`. None of an empty band.
+    /// Waves of a spectrum in a band, rad/m: of a patch, from `2 pi / length` to `pi / facet`. None of an
+    /// empty band.
     pub fn of(spectrum: &dyn Spectrum, dispersion: &Dispersion, [low_rad_m, high_rad_m]: [f64; 2]) -> Self {
         if low_rad_m.is_nan() || high_rad_m.is_nan() {
             return Self::default();

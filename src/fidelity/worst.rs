@@ -1,20 +1,22 @@
 //! From the mean error of a pulse to that of the worst of many.
 //!
-//! The terms `e_i` that facets add to an error `S = sum e_i` are means over their phases: in a pulse the facets of a resolution cell `c`
-//! interfere, and another pulse has other facets there. A sample takes runs of neighbours, a share `f` of all. With `S_tc` the
-//! sum of a run's facets in a cell, the error of a pulse is spread about `S` by
+//! The terms `e_i` that facets add to an error `S = sum e_i` are means over their phases: in a pulse the
+//! facets of a resolution cell `c` interfere, and another pulse has other facets there. A sample takes runs
+//! of neighbours, a share `f` of all. With `S_tc` the sum of a run's facets in a cell, the error of a pulse
+//! is spread about `S` by
 //!
 //! `v = (sum over c of (sum over t of S_tc)^2 - (1 - f) sum of S_tc^2) / S^2`:
 //!
-//! speckle, and facets that come and go; squares of runs count by their share, since the whole patch has `1/f` times as many of them. It is
-//! next to nothing over hundreds of cells, and that of an exponential law, `v = 1`, where one cell or facet decides. The worst of `n` pulses
-//! and channels is taken `z = sqrt(2 ln n)` deviations up in a gamma law of that variance, by the cube of a normal variable (Wilson and
-//! Hilferty, PNAS 17, 1931), of a sum to which two deviations are added of what the sample may have missed:
+//! speckle, and facets that come and go; squares of runs count by their share, since the whole patch has
+//! `1/f` times as many of them. It is next to nothing over hundreds of cells, and that of an exponential law,
+//! `v = 1`, where one cell or facet decides. The worst of `n` pulses and channels is taken `z = sqrt(2 ln n)`
+//! deviations up in a gamma law of that variance, by the cube of a normal variable (Wilson and Hilferty, PNAS
+//! 17, 1931), of a sum to which two deviations are added of what the sample may have missed:
 //!
 //! `(S + 2 sqrt((1 - f) sum of S_tc^2)) (1 - v/9 + z sqrt(v)/3)^3`
 //!
-//! Limits: pulses near each other have nearly the same speckle, so `n` is rather too large; errors of single facets have longer tails
-//! than a gamma law.
+//! Limits: pulses near each other have nearly the same speckle, so `n` is rather too large; errors of single
+//! facets have longer tails than a gamma law.
 //!
 //! ```
 //! use nereus::fidelity::worst::{deviations_of, worst_of};
@@ -25,14 +27,17 @@
 
 use std::collections::BTreeMap;
 
-/// Most standard deviations of an error from pulse to pulse that are added: the worst of some ten thousand, were it Gaussian.
+/// Most standard deviations of an error from pulse to pulse that are added: the worst of some ten thousand,
+/// were it Gaussian.
 pub const SIGMAS: f64 = 4.0;
-/// Standard deviations of the sample itself that are added: it may have missed some of the few facets that make most of an error.
+/// Standard deviations of the sample itself that are added: it may have missed some of the few facets that
+/// make most of an error.
 const SAMPLE_SIGMAS: f64 = 2.0;
 /// Most resolution cells along delay that are reported apart.
 const MOST_CELLS: usize = 4096;
 
-/// A sum of terms, all and those of each resolution cell. Terms of a run of neighbours are closed before those of the next.
+/// A sum of terms, all and those of each resolution cell. Terms of a run of neighbours are closed before
+/// those of the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
     of: f64,
@@ -94,8 +99,8 @@ impl Sum {
     }
 }
 
-/// How far a positive quantity of mean 1 and some variance is off so many deviations up: Wilson's and Hilferty's cube of a normal
-/// variable, for a gamma law.
+/// How far a positive quantity of mean 1 and some variance is off so many deviations up: Wilson's and
+/// Hilferty's cube of a normal variable, for a gamma law.
 pub fn worst_of(variance: f64, deviations: f64) -> f64 {
     (1.0 - variance / 9.0 + deviations * variance.sqrt() / 3.0).powi(3).max(1.0)
 }
@@ -124,8 +129,8 @@ mod tests {
 
     #[test]
     fn the_worst_of_an_exponential_law() {
-        // Its quantile at the normal deviation z is -ln Q(z): Q(2) = 0.02275, Q(3) = 0.0013499, Q(4) = 3.1671e-5. For a
-        // law as skew as this the cube is off by 0.5, 2 and 6 %; for all others by less.
+        // Its quantile at the normal deviation z is -ln Q(z): Q(2) = 0.02275, Q(3) = 0.0013499, Q(4) =
+        // 3.1671e-5. For a law as skew as this the cube is off by 0.5, 2 and 6 %; for all others by less.
         for (z, above) in [(2.0, 0.022_750_f64), (3.0, 0.001_349_9), (4.0, 3.167_1e-5)] {
             let (found, expected) = (worst_of(1.0, z), -above.ln());
             assert!((found / expected - 1.0).abs() < 0.08, "{z}: {found} {expected}");
@@ -143,7 +148,8 @@ mod tests {
             }
             sum.worst(share, 3.0)
         };
-        // One facet, or many in one cell: an exponential law. The same in many cells: hardly more than the mean.
+        // One facet, or many in one cell: an exponential law. The same in many cells: hardly more than the
+        // mean.
         let together: Vec<_> = (0..400).map(|_| (1.0 / 400.0, 7)).collect();
         let apart: Vec<_> = (0..400).map(|n| (1.0 / 400.0, n)).collect();
         assert!((of(&[(1.0, 3)], 1.0) / worst_of(1.0, 3.0) - 1.0).abs() < 1e-12);

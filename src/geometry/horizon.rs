@@ -1,20 +1,23 @@
 //! The horizon of the mean sea: what the curve of the earth hides.
 //!
-//! The mean surface falls away as `x^2/(2 k R)` ([`Earth::drop_m`]), rays are straight (`k R`, the effective radius, bends them). A ray from A to B,
-//! `d` apart along the plane and at heights `h_A`, `h_B` over that surface, is at `(1 - s) h_A + s h_B - s (1 - s) d^2/(2 k R)` over it on its way
-//! (`s` from 0 to 1). It is free everywhere if
+//! The mean surface falls away as `x^2/(2 k R)` ([`Earth::drop_m`]), rays are straight (`k R`, the effective
+//! radius, bends them). A ray from A to B, `d` apart along the plane and at heights `h_A`, `h_B` over that
+//! surface, is at `(1 - s) h_A + s h_B - s (1 - s) d^2/(2 k R)` over it on its way (`s` from 0 to 1). It is
+//! free everywhere if
 //!
 //! ```text
 //! d <= D_A + D_B ,   D = sqrt(2 k R h)
 //! ```
 //!
 //! **Clearance** of B from A is its height over the ray that grazes the surface at A's horizon,
-//! `c = h_B - (d - D_A)^2/(2 k R)` (m; infinite before that horizon). **Weight**, on the amplitude, one way: 1 for `c >= 0`, 0 for `c <= -e`,
-//! `smoothstep(1 + c/e)` between; `e` is the height over which B goes down. Heights below the mean surface count as 0: within the horizon
-//! the waves hide each other ([`shadow`](super::shadow)), beyond it what hides is the earth.
+//! `c = h_B - (d - D_A)^2/(2 k R)` (m; infinite before that horizon). **Weight**, on the amplitude, one way:
+//! 1 for `c >= 0`, 0 for `c <= -e`, `smoothstep(1 + c/e)` between; `e` is the height over which B goes down.
+//! Heights below the mean surface count as 0: within the horizon the waves hide each other
+//! ([`shadow`](super::shadow)), beyond it what hides is the earth.
 //!
-//! Limits: geometrical optics. No diffraction beyond the horizon (at X band the field falls off over some ten metres of height at 60 km), no
-//! ducts, no waves on the horizon's line but those of the map of [`shadow`](super::shadow).
+//! Limits: geometrical optics. No diffraction beyond the horizon (at X band the field falls off over some ten
+//! metres of height at 60 km), no ducts, no waves on the horizon's line but those of the map of
+//! [`shadow`](super::shadow).
 //!
 //! ```
 //! use nereus::frames::{Earth, Point};
@@ -32,8 +35,8 @@
 use crate::frames::{Earth, Enu, Point};
 use crate::units::EARTH_RADIUS_M;
 
-/// Height over which a target, or the antenna at the other end of a direct path, goes down behind the horizon, m: smooth for pulses, sharp for a
-/// scene.
+/// Height over which a target, or the antenna at the other end of a direct path, goes down behind the
+/// horizon, m: smooth for pulses, sharp for a scene.
 pub const POINT_EDGE_M: f64 = 1.0;
 
 /// `2 k R`, m; `None` for a flat earth.
@@ -83,8 +86,8 @@ pub fn weight(clearance_m: f64, edge_m: f64) -> f64 {
     if s > 0.0 { s * s * (3.0 - 2.0 * s) } else { 0.0 }
 }
 
-/// Whether all of a rectangle of the mean surface (its lower and upper corner, m) lies within `share` of the distance to the horizon of a
-/// point.
+/// Whether all of a rectangle of the mean surface (its lower and upper corner, m) lies within `share` of the
+/// distance to the horizon of a point.
 pub fn holds(earth: Earth, from: Point<Enu>, [low, high]: [[f64; 2]; 2], share: f64) -> bool {
     let [x, y, _] = from.to_array();
     let farthest_m = |at: f64, axis: usize| (at - low[axis]).abs().max((high[axis] - at).abs());

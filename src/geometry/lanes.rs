@@ -1,15 +1,16 @@
 //! Light time over many scatterers side by side.
 //!
-//! The equations are those of [`light_time`](super::light_time), in f64, without branches and with a fixed number of steps: Newton's
-//! from the motion at the emission. What is left of a leg after its step is of second order in `v/c`:
+//! The equations are those of [`light_time`](super::light_time), in f64, without branches and with a fixed
+//! number of steps: Newton's from the motion at the emission. What is left of a leg after its step is of
+//! second order in `v/c`:
 //!
 //! | leg | left | from space (7.5 km/s, 800 km), s |
 //! | --- | --- | --- |
 //! | to a scatterer of speed `v_s` | `v_s^2 R / (2 c^3)` | 1.5e-18 at 10 m/s |
 //! | to the receiver, two steps | `(v^2/c^2)^2 R / c` | 1e-21 |
 //!
-//! The scatterer moves evenly while the pulse is under way (its acceleration over 5 ms of flight would be 1e-4 m at 10 m/s^2: a pulse from an
-//! aircraft flies 30 us, 5e-9 m).
+//! The scatterer moves evenly while the pulse is under way (its acceleration over 5 ms of flight would be
+//! 1e-4 m at 10 m/s^2: a pulse from an aircraft flies 30 us, 5e-9 m).
 //!
 //! ```
 //! use nereus::geometry::lanes::{End, LANES, Paths};
@@ -201,8 +202,9 @@ mod tests {
     use crate::frames::{Point, Vector};
     use crate::geometry::light_time::{LightTime, bistatic};
 
-    /// Against the iteration, from an aircraft and from space. Where both are right to rounding: f64 has `2^-52 tau` = 6e-21 s
-    /// (27 us) and 1.2e-18 s (5.4 ms), a few of which add up; velocities are f32 in the lanes, so those of the test are too.
+    /// Against the iteration, from an aircraft and from space. Where both are right to rounding: f64 has
+    /// `2^-52 tau` = 6e-21 s (27 us) and 1.2e-18 s (5.4 ms), a few of which add up; velocities are f32 in the
+    /// lanes, so those of the test are too.
     #[test]
     fn as_the_iteration() {
         for (height_m, speed_mps, slack_s) in [(3000.0, 222.0, 5e-20), (800e3, 7500.0, 1e-17)] {

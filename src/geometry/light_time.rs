@@ -5,10 +5,9 @@
 //!
 //! `c tau1 = |x_s(t + tau1) - x_T(t)|`, `c tau2 = |x_R(t + tau) - x_s(t + tau1)|`.
 //!
-//! Both are solved by fixed-point iteration (contraction `v/c`, started from standing ends) until the
-//! step is below 1e-19 s or the rounding of `tau` itself. Ends and scatterer move by `p + v s + a s^2/2` about the
-//! emission; what the quadratic leaves out is `|da/dt| tau^3 / 6`: 2e-10 m
-//! for a satellite at 800 km.
+//! Both are solved by fixed-point iteration (contraction `v/c`, started from standing ends) until the step is
+//! below 1e-19 s or the rounding of `tau` itself. Ends and scatterer move by `p + v s + a s^2/2` about the
+//! emission; what the quadratic leaves out is `|da/dt| tau^3 / 6`: 2e-10 m for a satellite at 800 km.
 //!
 //! Rate with respect to the emission time, by differentiation, with the unit vectors `k_i`
 //! (transmitter to scatterer) and `k_s` (scatterer to receiver) and the receiver's velocity at reception:
@@ -18,12 +17,12 @@
 //!
 //! Carrier phase `-2 pi f0 tau`, Doppler `f_D = -f0 tau'` (positive when closing).
 //!
-//! **Limits.** Speeds well below `c`. Straight rays. The scene frame is treated as inertial although it
-//! turns with the Earth (`w = 7.3e-5 rad/s`). That neglects `2 w A / c` metres, `A` the area that the line from
-//! the Earth's axis to the pulse sweeps on its way, seen along the axis. Out and back it cancels but for
-//! the radar's own motion (8e-6 m for a satellite at 800 km). For two platforms whose clocks are set to UTC
-//! it does not: about `b 465 m/s cos(lat) / c` for an east-west baseline `b` near the surface, 5 mm for
-//! 3 km; and 1.4 m for satellites at 800 km that fly 800 km apart over the equator. It is a bias that changes as
+//! **Limits.** Speeds well below `c`. Straight rays. The scene frame is treated as inertial although it turns
+//! with the Earth (`w = 7.3e-5 rad/s`). That neglects `2 w A / c` metres, `A` the area that the line from the
+//! Earth's axis to the pulse sweeps on its way, seen along the axis. Out and back it cancels but for the
+//! radar's own motion (8e-6 m for a satellite at 800 km). For two platforms whose clocks are set to UTC it
+//! does not: about `b 465 m/s cos(lat) / c` for an east-west baseline `b` near the surface, 5 mm for 3 km;
+//! and 1.4 m for satellites at 800 km that fly 800 km apart over the equator. It is a bias that changes as
 //! slowly as the baseline does.
 //!
 //! ```

@@ -1,9 +1,9 @@
 //! Where a phase centre is between pulses, and how long a wave takes over a point of the ground.
 //!
 //! A path is known at the emissions of the pulses. Between them it is the cubic through the four nearest
-//! (`|x''''| h^4 3/128` is left out: 3e-10 m for 35 m/s^4 at h = 1/222 s). Beyond its ends, where the last echoes
-//! arrive, it is the cubic through points a stride apart that is not shorter than what lies beyond: neighbours alone would raise their
-//! rounding or noise a thousandfold over ten intervals.
+//! (`|x''''| h^4 3/128` is left out: 3e-10 m for 35 m/s^4 at h = 1/222 s). Beyond its ends, where the last
+//! echoes arrive, it is the cubic through points a stride apart that is not shorter than what lies beyond:
+//! neighbours alone would raise their rounding or noise a thousandfold over ten intervals.
 //!
 //! Delay of the echo of a point at rest (see [`crate::geometry::light_time`] for the emulator's own):
 //!
@@ -77,7 +77,8 @@ impl PhasePath {
     pub(crate) fn state(&self, time_s: f64) -> (DVec3, DVec3) {
         let (rows, count) = self.nearest(time_s);
         let (mut position, mut velocity) = (self.points_m[rows[0]], DVec3::ZERO);
-        // Newton's divided differences, relative to the first point: no digits are lost to the size of the coordinates.
+        // Newton's divided differences, relative to the first point: no digits are lost to the size of the
+        // coordinates.
         let mut table = [DVec3::ZERO; POINTS];
         for (slot, row) in table.iter_mut().zip(&rows[..count]) {
             *slot = self.points_m[*row] - position;
@@ -120,7 +121,8 @@ impl PhasePath {
     }
 }
 
-/// Delay of the echo of a point at rest for a wave that leaves at `time_s`, s. Light time is iterated to 1e-7 m.
+/// Delay of the echo of a point at rest for a wave that leaves at `time_s`, s. Light time is iterated to 1e-7
+/// m.
 pub fn delay_s(transmitter: &PhasePath, receiver: &PhasePath, time_s: f64, point_m: [f64; 3]) -> f64 {
     let point = DVec3::from(point_m);
     let (from, _) = transmitter.state(time_s);
@@ -181,8 +183,8 @@ mod tests {
             for t in [0.1 * interval_s, 0.43 * end_s, end_s, end_s + 6e-3, -1e-4] {
                 let found = path.at(t);
                 for (a, b) in found.into_iter().zip(law(t)) {
-                    // 8e5 m has a spacing of 1.2e-10 m; extrapolation by a stride raises it 15-fold, four points over
-                    // 6 ms of 30 ms not at all.
+                    // 8e5 m has a spacing of 1.2e-10 m; extrapolation by a stride raises it 15-fold, four
+                    // points over 6 ms of 30 ms not at all.
                     assert!((a - b).abs() < 4e-9, "{count}, {t}: {a} {b}");
                 }
                 let speed = path.state(t).1.x;
@@ -214,7 +216,8 @@ mod tests {
                 tau(t, p)
             };
             let found = (moved(10.0) - moved(-10.0)) / 20.0;
-            // Central difference: h^2/(6 R^2) = 1e-11 of 1/c, rounding 1e-18 s / 20 m; the angle that the wave turns by: v/c.
+            // Central difference: h^2/(6 R^2) = 1e-11 of 1/c, rounding 1e-18 s / 20 m; the angle that the
+            // wave turns by: v/c.
             assert!((found - gradient[i]).abs() < 1e-4 * 6.7e-9, "{i}: {found} {}", gradient[i]);
         }
         let found = (tau(t + 1e-3, point) - tau(t - 1e-3, point)) / 2e-3;

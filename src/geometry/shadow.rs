@@ -1,13 +1,14 @@
 //! Visibility of facets from a terminal: who stands behind a wave.
 //!
-//! **Map.** Heights `z` (m, scene frame ENU) at facet centres of a regular grid, row by row, `[iy][ix]`. On a curved
-//! Earth the heights must already contain the drop of the mean surface; rays are straight. Water that is not on
-//! the map hides nothing: whether a far terminal has risen above the sea's horizon is for the caller to
-//! know, and facets at the map's edge towards the terminal have nothing before them.
+//! **Map.** Heights `z` (m, scene frame ENU) at facet centres of a regular grid, row by row, `[iy][ix]`. On a
+//! curved Earth the heights must already contain the drop of the mean surface; rays are straight. Water that
+//! is not on the map hides nothing: whether a far terminal has risen above the sea's horizon is for the
+//! caller to know, and facets at the map's edge towards the terminal have nothing before them.
 //!
-//! **Clearance.** Let T be the terminal, P a facet centre, and Q the points in which the line P - T, seen from above,
-//! crosses the grid lines across its dominant axis, on the map and before P; heights at Q are interpolated
-//! linearly between the two centres of that grid line. With `u` the distance from T along the dominant axis,
+//! **Clearance.** Let T be the terminal, P a facet centre, and Q the points in which the line P - T, seen
+//! from above, crosses the grid lines across its dominant axis, on the map and before P; heights at Q are
+//! interpolated linearly between the two centres of that grid line. With `u` the distance from T along the
+//! dominant axis,
 //!
 //! `c = (z_P - z_T) - u_P max_Q (z_Q - z_T)/u_Q` (m; infinite where no Q is)
 //!
@@ -16,30 +17,32 @@
 //!
 //! **Weight**, on the amplitude, one-way, 0 to 1, continuous with its first derivative in `c`:
 //!
-//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Edge::Sharp`]) `v = 1` for `c > 0`, else 0.
+//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Edge::Sharp`]) `v = 1` for
+//! `c > 0`, else 0.
 //!
 //! `c / dx` is the clearance as an angle seen across one facet, `w` the width of the edge in the same measure
-//! (a tangent, as slopes are). For a horizon one step away `c / dx` is the local grazing angle, and a facet whose slope
-//! changes by `d` from edge to edge hides a part of itself where that is less than `d/2`. Hence the default,
+//! (a tangent, as slopes are). For a horizon one step away `c / dx` is the local grazing angle, and a facet
+//! whose slope changes by `d` from edge to edge hides a part of itself where that is less than `d/2`. Hence
+//! the default,
 //! [`half_slope_change_rad`]: half the rms change of slope over `dx`. It should be taken once for a
 //! scene, for a width that changes in time moves all weights.
 //!
-//! `c` is continuous in time and in the place of both; its rate jumps where the horizon passes from one point to
-//! another (so does that of any horizon), the weight adds no jump of its own. Both ends of a path must see a facet:
-//! multiply their weights.
+//! `c` is continuous in time and in the place of both; its rate jumps where the horizon passes from one point
+//! to another (so does that of any horizon), the weight adds no jump of its own. Both ends of a path must see
+//! a facet: multiply their weights.
 //!
 //! **How.** From T outward, row by row along the dominant axis, over a fan of rays through `1/n` of the
-//! facets' spacing in the last row (`n` = [`Settings::rays_per_facet`]); each ray keeps the running maximum of
-//! `z/u - z_T (1/u - 1/u_last)` (the elevation less a constant, so that a satellite loses no digits), and a facet takes
-//! the horizon between its two rays. Against one ray per facet, `c` is off by at most `(D/4 + g)/n`, `D` the largest
-//! second difference and `g` the largest step of the heights across the rays. (Not for rays that enter the map at
-//! its side, where one of the two may meet a row more than the other.)
-//! Where |dx| and |dy| differ by less than an eighth of their mean, marches along both axes are blended, so that a
-//! facet does not jump when the terminal passes its diagonal.
-//! Cost `O(n)` per facet; no memory is taken; the result depends on nothing but the arguments.
+//! facets' spacing in the last row (`n` = [`Settings::rays_per_facet`]); each ray keeps the running maximum
+//! of `z/u - z_T (1/u - 1/u_last)` (the elevation less a constant, so that a satellite loses no digits), and
+//! a facet takes the horizon between its two rays. Against one ray per facet, `c` is off by at most
+//! `(D/4 + g)/n`, `D` the largest second difference and `g` the largest step of the heights across the rays.
+//! (Not for rays that enter the map at its side, where one of the two may meet a row more than the other.)
+//! Where |dx| and |dy| differ by less than an eighth of their mean, marches along both axes are blended, so
+//! that a facet does not jump when the terminal passes its diagonal. Cost `O(n)` per facet; no memory is
+//! taken; the result depends on nothing but the arguments.
 //!
-//! **Limits.** No diffraction, no refraction other than by an Earth's radius put into the heights. Facets that
-//! look away from the terminal are dark by their scattering, not here. Heights that are not finite give
+//! **Limits.** No diffraction, no refraction other than by an Earth's radius put into the heights. Facets
+//! that look away from the terminal are dark by their scattering, not here. Heights that are not finite give
 //! weights of 0 and hide nothing or all, but never NaN.
 //!
 //! Source: `docs/physics.md` section 11.1 (binary rule of the MaRS paper, with a width).
@@ -172,8 +175,8 @@ impl Settings {
     /// The paper's binary rule, two rays per facet.
     pub const SHARP: Self = Self { edge: Edge::Sharp, rays_per_facet: 2 };
 
-    /// The default: a soft edge as wide as half the slope change of a map ([`half_slope_change_rad`]), two rays
-    /// per facet.
+    /// The default: a soft edge as wide as half the slope change of a map ([`half_slope_change_rad`]), two
+    /// rays per facet.
     pub fn for_map<T: Real>(map: &Map<T>) -> Self {
         Self { edge: Edge::Soft { width_rad: half_slope_change_rad(map) }, ..Self::SHARP }
     }
@@ -266,8 +269,9 @@ impl<'a, T: Real> Map<'a, T> {
     }
 }
 
-/// Half the rms change of slope over one facet, rad (as a tangent), over both axes: with the second difference `D` of
-/// neighbouring heights, `rms(D) / (2 dx)`. Zero for a plane, and for maps of less than three facets a side.
+/// Half the rms change of slope over one facet, rad (as a tangent), over both axes: with the second
+/// difference `D` of neighbouring heights, `rms(D) / (2 dx)`. Zero for a plane, and for maps of less than
+/// three facets a side.
 pub fn half_slope_change_rad<T: Real>(map: &Map<T>) -> f64 {
     let (mut sum, mut count) = (0.0, 0_usize);
     let mut add = |before: T, here: T, after: T| {
@@ -315,13 +319,14 @@ impl Relief {
         Self { highest_m, rise: [slope(0, 0), slope(1, 0)], fall: [slope(0, 1), slope(1, 1)] }
     }
 
-    /// Whether every weight of such a map is certainly 1: the look direction is nowhere flatter than the steepest
-    /// slope that falls away from the terminal, plus the width of the edge and what interpolation between rays may
-    /// take. Of the map only the outline is read. Never true when a weight would be less than 1; where it is
-    /// false, there may still be no shadow.
+    /// Whether every weight of such a map is certainly 1: the look direction is nowhere flatter than the
+    /// steepest slope that falls away from the terminal, plus the width of the edge and what interpolation
+    /// between rays may take. Of the map only the outline is read. Never true when a weight would be less
+    /// than 1; where it is false, there may still be no shadow.
     ///
-    /// With `F` and `R` the falls outward along and either way across the dominant axis, `m` the range of lateral
-    /// over forward distance, `n` rays per facet: `(z_T - z_max)/u_max - F - max(m R) - max(R)/n >= w`.
+    /// With `F` and `R` the falls outward along and either way across the dominant axis, `m` the range of
+    /// lateral over forward distance, `n` rays per facet:
+    /// `(z_T - z_max)/u_max - F - max(m R) - max(R)/n >= w`.
     pub fn cannot_shadow<T: Real>(&self, map: &Map<T>, terminal: Point<Enu>, settings: Settings) -> bool {
         let [x, y] = map.place(terminal);
         let above_m = terminal.to_array()[2] - self.highest_m;
@@ -429,8 +434,8 @@ impl<T: Real> Shadow<T> {
         }
     }
 
-    /// Clearances `c` of all facets, m, `[iy][ix]`, without the lift; infinite where nothing is between facet and
-    /// terminal. Where marches along both axes are blended, the blend of both clearances.
+    /// Clearances `c` of all facets, m, `[iy][ix]`, without the lift; infinite where nothing is between facet
+    /// and terminal. Where marches along both axes are blended, the blend of both clearances.
     pub fn clearances_m(
         &mut self,
         map: &Map<T>,
@@ -554,8 +559,8 @@ impl<T: Real, W: Fn(f64) -> f64> Task for March<'_, T, W> {
     }
 }
 
-/// The part of a map on one side of the terminal along one axis ("rows", from the terminal outward), as far as that
-/// axis is dominant. Lengths in facets.
+/// The part of a map on one side of the terminal along one axis ("rows", from the terminal outward), as far
+/// as that axis is dominant. Lengths in facets.
 #[derive(Clone, Copy, Debug)]
 struct Sector {
     columns: usize,
@@ -619,8 +624,8 @@ impl Sector {
         if forward >= lateral { share(forward, lateral) } else { 1.0 - share(lateral, forward) }
     }
 
-    /// From the terminal outward: facets of a row look up the horizon of the rows before, then the rays of the
-    /// fan take in this row. Adds results to `out`.
+    /// From the terminal outward: facets of a row look up the horizon of the rows before, then the rays of
+    /// the fan take in this row. Adds results to `out`.
     #[inline(always)]
     fn march<T: Real>(
         &self,

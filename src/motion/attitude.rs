@@ -3,16 +3,17 @@
 //! * **Recorded**: yaw, pitch and roll of the fixes, relative to North and vertical of the fix itself.
 //! * **Coordinated turn**: ADS-B and most logs carry no attitude; it is derived from the motion. Nose along
 //!   the velocity: `yaw = atan2(v_E, v_N)`, `pitch = atan2(v_U, v_h)`; wings banked so that nobody on board
-//!   feels a side force: `roll = atan2(v_h dpsi/dt, g)`, with `v_h dpsi/dt = (a_E v_N - a_N v_E)/v_h`, `v_h` the horizontal
-//!   speed, g = 9.80665 m/s^2, right wing down in a turn to the right. No angle of attack, no crab into the wind.
+//!   feels a side force: `roll = atan2(v_h dpsi/dt, g)`, with `v_h dpsi/dt = (a_E v_N - a_N v_E)/v_h`, `v_h`
+//!   the horizontal speed, g = 9.80665 m/s^2, right wing down in a turn to the right. No angle of attack, no
+//!   crab into the wind.
 //! * **Level**: the same yaw, pitch and roll zero.
 //!
-//! A derived heading needs a speed of [`MIN_SPEED_MPS`] at least: below it the direction of the velocity is noise,
-//! and the track is refused.
+//! A derived heading needs a speed of [`MIN_SPEED_MPS`] at least: below it the direction of the velocity is
+//! noise, and the track is refused.
 //!
-//! Between nodes the unit quaternion is the normalised quintic Hermite ([`super::hermite`]) of the node quaternions
-//! (signs aligned), whose derivatives come from the seven nearest nodes: C2 in time, so the angular rate is
-//! continuous. Exact at the nodes. The angular rate is that of the attitude returned,
+//! Between nodes the unit quaternion is the normalised quintic Hermite ([`super::hermite`]) of the node
+//! quaternions (signs aligned), whose derivatives come from the seven nearest nodes: C2 in time, so the
+//! angular rate is continuous. Exact at the nodes. The angular rate is that of the attitude returned,
 //! `omega = 2 (dq/dt) q*`, components along ENU.
 //!
 //! ```
@@ -95,7 +96,8 @@ pub(super) fn turns(attitudes: &[DQuat], t_s: impl Fn(usize, usize) -> f64) -> R
     Ok(turns)
 }
 
-/// The quaternion of a node with derivatives from those of its stencil (signs aligned), at times `t_s` from it.
+/// The quaternion of a node with derivatives from those of its stencil (signs aligned), at times `t_s` from
+/// it.
 pub(super) fn turn(
     index: usize,
     stencil: std::ops::Range<usize>,

@@ -1,19 +1,21 @@
 //! A gate for fixes that a platform cannot have flown to.
 //!
-//! A receiver says wrong things with a right checksum: a fix 100 km away, a height of zero, the place of another receiver. With
-//! `p`, `t` the last believed fix, `v` its velocity (as sent, else from the fix before it, `dt0` earlier), a fix at `p1`,
-//! `dt` later is refused when
+//! A receiver says wrong things with a right checksum: a fix 100 km away, a height of zero, the place of
+//! another receiver. With `p`, `t` the last believed fix, `v` its velocity (as sent, else from the fix before
+//! it, `dt0` earlier), a fix at `p1`, `dt` later is refused when
 //!
 //! ```text
 //! |p1 - p|        > V dt + 2 N                                     V the highest speed
 //! |p1 - p - v dt| > A dt (dt + dt0) / 2 + N (1 + 2 dt / dt0)       A the highest acceleration
 //! ```
 //!
-//! with `N` = [`NOISE_M`] or six standard deviations, where the fix states a larger one; with a velocity as sent, `dt0` is 0 and the
-//! last term 2 N. What is refused is as if it had never come, so that the motion is extrapolated and pulses say so.
+//! with `N` = [`NOISE_M`] or six standard deviations, where the fix states a larger one; with a velocity as
+//! sent, `dt0` is 0 and the last term 2 N. What is refused is as if it had never come, so that the motion is
+//! extrapolated and pulses say so.
 //!
-//! A receiver may also come back from somewhere else: [`MotionBounds::reset_fixes`] refused fixes in a row that agree with each
-//! other by the same two rules are believed, all of them, and the gate goes by them from then on.
+//! A receiver may also come back from somewhere else: [`MotionBounds::reset_fixes`] refused fixes in a row
+//! that agree with each other by the same two rules are believed, all of them, and the gate goes by them from
+//! then on.
 
 use glam::DVec3;
 
@@ -66,7 +68,8 @@ impl<T> MotionGate<T> {
         Self { frame, bounds, believed: None, rivals: Vec::new(), rival: None }
     }
 
-    /// Judges the next fix, for which `of` stands. One without a place in the scene, or not later than the one before, is for others to judge.
+    /// Judges the next fix, for which `of` stands. One without a place in the scene, or not later than the
+    /// one before, is for others to judge.
     pub fn judge(&mut self, fix: &Fix, of: T) -> Verdict<T> {
         let Some(p) = position(fix, &self.frame).filter(|p| p.is_finite()) else {
             return Verdict::Believed(of);

@@ -12,8 +12,8 @@
 //! so a chain of segments is C2: value, velocity and acceleration are continuous at every node, and a
 //! value depends on the two nodes beside it alone. It reproduces every polynomial up to degree 5.
 //!
-//! Node derivatives come from the polynomial through the [`STENCIL`] nearest nodes (weights by the recursion of
-//! B. Fornberg, *Math. Comp.* 51 (1988) 699): with 7 nodes of spacing h the first derivative is exact to
+//! Node derivatives come from the polynomial through the [`STENCIL`] nearest nodes (weights by the recursion
+//! of B. Fornberg, *Math. Comp.* 51 (1988) 699): with 7 nodes of spacing h the first derivative is exact to
 //! O(h^6), the second to O(h^5), whatever the spacing.
 //!
 //! ```
@@ -99,8 +99,8 @@ pub fn stencil(index: usize, count: usize) -> std::ops::Range<usize> {
     start..start + width
 }
 
-/// Weights of the values at times `t_s` (relative to the node, at most [`STENCIL`]) for the first and the second
-/// derivative at 0.
+/// Weights of the values at times `t_s` (relative to the node, at most [`STENCIL`]) for the first and the
+/// second derivative at 0.
 pub fn derivative_weights(t_s: &[f64]) -> [[f64; STENCIL]; 2] {
     let mut c = [[0.0; STENCIL]; 3];
     c[0][0] = 1.0;

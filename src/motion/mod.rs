@@ -1,9 +1,10 @@
 //! Where everything is at an instant.
 //!
-//! [`Track`] is the trajectory of a platform: recorded, straight, live, in turbulence, or as the platform reports it. [`track`] makes
-//! one from recorded fixes with [`outliers`] and [`smoother`]; [`hermite`] interpolates, [`attitude`] derives what a recording leaves
-//! out. [`pointing`] mounts antennas on the body and turns them. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are what is
-//! wrong with a report, and what changes of it in mid-run.
+//! [`Track`] is the trajectory of a platform: recorded, straight, live, in turbulence, or as the platform
+//! reports it. [`track`] makes one from recorded fixes with [`outliers`] and [`smoother`]; [`hermite`]
+//! interpolates, [`attitude`] derives what a recording leaves out. [`pointing`] mounts antennas on the body
+//! and turns them. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are what is wrong with a report,
+//! and what changes of it in mid-run.
 
 #[doc(hidden)]
 pub mod attitude;
@@ -47,8 +48,9 @@ pub struct PlatformTracks {
 }
 
 impl PlatformTracks {
-    /// The tracks of a platform that flies as `nav` says, from its track and, where it has one of its own, its report. Turbulence is
-    /// true motion; errors are those of the report, or of the truth where the track is what was reported.
+    /// The tracks of a platform that flies as `nav` says, from its track and, where it has one of its own,
+    /// its report. Turbulence is true motion; errors are those of the report, or of the truth where the track
+    /// is what was reported.
     ///
     /// # Errors
     /// Models that have no meaning or take too much memory.

@@ -1,9 +1,10 @@
 //! Fixes that do not belong to their neighbours.
 //!
 //! *Before* smoothing: each fix is held against the median of the straight lines through pairs of its
-//! neighbours, up to [`REACH`] on either side (two wrong ones among eight do not reach the median). Its distance d
-//! from there is an outlier when `d > GATE max(sigma, 1.4826 median |d|)`, the median over the fixes near it, so that a turn,
-//! where all distances grow, rejects nothing (F. R. Hampel, *J. Am. Stat. Assoc.* 69 (1974) 383).
+//! neighbours, up to [`REACH`] on either side (two wrong ones among eight do not reach the median). Its
+//! distance d from there is an outlier when `d > GATE max(sigma, 1.4826 median |d|)`, the median over the
+//! fixes near it, so that a turn, where all distances grow, rejects nothing (F. R. Hampel, *J. Am. Stat.
+//! Assoc.* 69 (1974) 383).
 //!
 //! *After* smoothing: a rejected fix whose residual is below the gate comes back; a used fix whose residual
 //! is above the gate and three times those of its neighbours (isolated) goes.

@@ -227,8 +227,8 @@ mod tests {
                         [a[2], b[2]],
                         h,
                     );
-                    // p''' is the quadratic with Bernstein values 3 (c_{k+1} - c_k)/h; its square integrates to
-                    // h/5 [c0^2 + c2^2 + c0 c1 + c1 c2 + (2 c1^2 + c0 c2)/3] of those values.
+                    // p''' is the quadratic with Bernstein values 3 (c_{k+1} - c_k)/h; its square integrates
+                    // to h/5 [c0^2 + c2^2 + c0 c1 + c1 c2 + (2 c1^2 + c0 c2)/3] of those values.
                     let j: [f64; 3] = std::array::from_fn(|k| 3.0 * (controls[k + 1] - controls[k]) / h);
                     let cross = (2.0 * j[1] * j[1] + j[0] * j[2]) / 3.0;
                     sum += h / 5.0 * (j[0] * j[0] + j[2] * j[2] + j[0] * j[1] + j[1] * j[2] + cross) / q;

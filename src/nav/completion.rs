@@ -1,25 +1,28 @@
-//! Epochs become fixes: a date, a place in the order of time, a height and a heading for each, whether they come from a file
-//! or as a receiver tells them.
+//! Epochs become fixes: a date, a place in the order of time, a height and a heading for each, whether they
+//! come from a file or as a receiver tells them.
 //!
-//! * **Date.** An epoch without a day takes that of its neighbours: the [`Assembler`](super::epoch::Assembler) dates it by the
-//!   epoch before; those before the first date are dated backwards, where the time of day falls by more than half a day,
-//!   midnight has passed.
-//! * **Order.** An epoch that is not later than the one before is left: up to 5 s earlier it is out of order (two talkers with
-//!   different delays), more is a step of the clock.
-//! * **Height, heading.** What is missing is interpolated between the neighbours that have it, `a + (b - a) s` with `s` the share
-//!   of the time between them (headings the short way round), or held where only one side has it. Without any height at all
-//!   the fix is at mean sea level; without any heading it has none.
+//! * **Date.** An epoch without a day takes that of its neighbours: the
+//!   [`Assembler`](super::epoch::Assembler) dates it by the epoch before; those before the first date are
+//!   dated backwards, where the time of day falls by more than half a day, midnight has passed.
+//! * **Order.** An epoch that is not later than the one before is left: up to 5 s earlier it is out of order
+//!   (two talkers with different delays), more is a step of the clock.
+//! * **Height, heading.** What is missing is interpolated between the neighbours that have it,
+//!   `a + (b - a) s` with `s` the share of the time between them (headings the short way round), or held
+//!   where only one side has it. Without any height at all the fix is at mean sea level; without any heading
+//!   it has none.
 //!
-//! A fix that needs a later neighbour waits for it until an epoch comes that is more than `wait_s` later; then it is completed
-//! as at the end of a file, and so are those after it, at once, until a neighbour has come. An epoch without a date waits as
-//! long, then it is left. What becomes of epochs depends on them alone, never on the clock of the machine, so that a file and a
-//! stream of the same messages give bit-identical results: a file waits without end, a stream `wait_s`, and they differ only where
-//! height or heading is missing for longer.
+//! A fix that needs a later neighbour waits for it until an epoch comes that is more than `wait_s` later;
+//! then it is completed as at the end of a file, and so are those after it, at once, until a neighbour has
+//! come. An epoch without a date waits as long, then it is left. What becomes of epochs depends on them
+//! alone, never on the clock of the machine, so that a file and a stream of the same messages give
+//! bit-identical results: a file waits without end, a stream `wait_s`, and they differ only where height or
+//! heading is missing for longer.
 //!
-//! A stream does not believe a single date from the future: an epoch more than `wait_s` after the one before counts when the
-//! next one follows it; if the next one follows the one before instead, it was a step of the clock. Nor does it stay behind one that was
-//! believed: the third of three epochs that follow one another from more than 5 s earlier is taken, and its time may then be earlier than that
-//! of fixes that were reported.
+//! A stream does not believe a single date from the future: an epoch more than `wait_s` after the one before
+//! counts when the next one follows it; if the next one follows the one before instead, it was a step of the
+//! clock. Nor does it stay behind one that was believed: the third of three epochs that follow one another
+//! from more than 5 s earlier is taken, and its time may then be earlier than that of fixes that were
+//! reported.
 //!
 //! Limits: not more than 16,384 epochs of a stream wait.
 //!
@@ -124,14 +127,14 @@ pub struct Completer {
 }
 
 impl Completer {
-    /// For a file: what is missing waits to its end. Heights are measured from `datum` where the messages do not say;
-    /// `undulation_m` is that of mean sea level above the ellipsoid.
+    /// For a file: what is missing waits to its end. Heights are measured from `datum` where the messages do
+    /// not say; `undulation_m` is that of mean sea level above the ellipsoid.
     pub fn for_file(datum: VerticalDatum, undulation_m: f64) -> Self {
         Self::new(datum, undulation_m, f64::INFINITY, usize::MAX, true)
     }
 
-    /// For a stream: what is missing waits `wait_s`. Headings are filled in only where `headings` says that they are of use:
-    /// otherwise no fix waits for one.
+    /// For a stream: what is missing waits `wait_s`. Headings are filled in only where `headings` says that
+    /// they are of use: otherwise no fix waits for one.
     pub fn for_stream(datum: VerticalDatum, undulation_m: f64, wait_s: f64, headings: bool) -> Self {
         Self::new(datum, undulation_m, wait_s, MOST_WAITING, headings)
     }

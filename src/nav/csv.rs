@@ -135,7 +135,8 @@ pub fn is_geodetic(path: &Path) -> bool {
     false
 }
 
-/// A reader of lines with fields of any number, comments left out. Without quotes a record is a line, whatever the bytes.
+/// A reader of lines with fields of any number, comments left out. Without quotes a record is a line,
+/// whatever the bytes.
 pub(super) fn reader_of(bytes: &[u8]) -> Reader<&[u8]> {
     ReaderBuilder::new()
         .has_headers(false)

@@ -1,14 +1,18 @@
 //! Messages of one instant, in any order, become one epoch.
 //!
-//! GGA, RMC, GLL, ZDA, GST and PASHR bear a time of day; all with the same one belong together. VTG and HDT have no time and
-//! belong to the epoch that is open when they come. A message with another time closes the open epoch. INSPVAX says all by
-//! itself: it completes its epoch at once, and sentences that follow with the same time are left.
+//! GGA, RMC, GLL, ZDA, GST and PASHR bear a time of day; all with the same one belong together. VTG and HDT
+//! have no time and belong to the epoch that is open when they come. A message with another time closes the
+//! open epoch. INSPVAX says all by itself: it completes its epoch at once, and sentences that follow with the
+//! same time are left.
 //!
-//! * **Position**: INSPVAX before GGA before RMC before GLL. **Attitude**: INSPVAX, PASHR, HDT (pitch and roll zero).
-//! * **Height**: altitude above mean sea level, and the separation of the ellipsoid where the message gives one.
-//! * **Velocity**: INSPVAX; else speed and course of VTG or RMC (`v_E = v sin(course)`, `v_N = v cos(course)`), no climb.
-//! * **Date** of RMC, ZDA or INSPVAX; an epoch without one takes that of the epoch before: where the time of day falls by more
-//!   than half a day, midnight has passed. Before the first date there is none.
+//! * **Position**: INSPVAX before GGA before RMC before GLL. **Attitude**: INSPVAX, PASHR, HDT (pitch and
+//!   roll zero).
+//! * **Height**: altitude above mean sea level, and the separation of the ellipsoid where the message gives
+//!   one.
+//! * **Velocity**: INSPVAX; else speed and course of VTG or RMC (`v_E = v sin(course)`,
+//!   `v_N = v cos(course)`), no climb.
+//! * **Date** of RMC, ZDA or INSPVAX; an epoch without one takes that of the epoch before: where the time of
+//!   day falls by more than half a day, midnight has passed. Before the first date there is none.
 //! * A GST of an earlier time than the open epoch is left.
 //!
 //! ```
@@ -79,8 +83,8 @@ impl Epoch {
         Some(TimeTag::new(self.day? * DAY_S + seconds, rest_ns as f64 * 1e-9))
     }
 
-    /// Height above the ellipsoid, m; where the message gives no separation, the datum decides, and `undulation_m` is
-    /// that of mean sea level above the ellipsoid.
+    /// Height above the ellipsoid, m; where the message gives no separation, the datum decides, and
+    /// `undulation_m` is that of mean sea level above the ellipsoid.
     pub fn height_m(&self, datum: VerticalDatum, undulation_m: f64) -> Option<f64> {
         let altitude_m = self.altitude_m?;
         Some(match (self.separation_m, datum) {

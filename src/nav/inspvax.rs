@@ -1,9 +1,10 @@
 //! Logs of NovAtel receivers: INSPVAX, ASCII or binary.
 //!
-//! Which of the two is found message by message ([`decode`](super::decode)); other messages, NMEA sentences too, may stand
-//! between. Position, attitude and GPS time are those of the message; its height above mean sea level plus its undulation is
-//! the height above the ellipsoid, so the source needs no datum. Messages with a wrong checksum, or that say of themselves
-//! that there is no solution, are skipped and counted. Faults name the message, counted from 1, instead of a line.
+//! Which of the two is found message by message ([`decode`](super::decode)); other messages, NMEA sentences
+//! too, may stand between. Position, attitude and GPS time are those of the message; its height above mean
+//! sea level plus its undulation is the height above the ellipsoid, so the source needs no datum. Messages
+//! with a wrong checksum, or that say of themselves that there is no solution, are skipped and counted.
+//! Faults name the message, counted from 1, instead of a line.
 //!
 //! ```
 //! use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum, inspvax};

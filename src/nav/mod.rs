@@ -1,13 +1,13 @@
 //! Where platforms say they are: recorded fixes from track files and NMEA logs.
 //!
-//! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in
-//! the format that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`].
-//! Formats: [`csv`] (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
-//! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of other vessels are
-//! read by [`ais`].
+//! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in the format
+//! that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`]. Formats: [`csv`]
+//! (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
+//! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of
+//! other vessels are read by [`ais`].
 //!
-//! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`] hears them while a run
-//! goes on. [`encode`] writes what a receiver would send of a [`solution`].
+//! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`]
+//! hears them while a run goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
 #[doc(hidden)]
 pub mod ais;

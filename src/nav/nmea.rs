@@ -16,17 +16,17 @@
 //!   adds `undulation_m`, `Barometric` adds `offset_m` and `undulation_m`. A fix without an altitude gets
 //!   one interpolated between those beside it (held at the ends); a log without any altitude is taken to
 //!   be at mean sea level, `undulation_m`. Both are counted as `heights_filled`.
-//! * **Attitude.** HDT has no time and belongs to the epoch that is open when it comes; alone it gives yaw, with
-//!   pitch and roll zero. Fixes without a heading get one
-//!   interpolated (the short way round; held at the ends) and are counted as `headings_filled`.
-//!   VTG and the course of RMC say where the platform goes, not where it looks, and are not used.
+//! * **Attitude.** HDT has no time and belongs to the epoch that is open when it comes; alone it gives yaw,
+//!   with pitch and roll zero. Fixes without a heading get one interpolated (the short way round; held at the
+//!   ends) and are counted as `headings_filled`. VTG and the course of RMC say where the platform goes, not
+//!   where it looks, and are not used.
 //!
 //! Resolution: a position of `ddmm.mmm` is quantised to 1.9 m, which used as truth without smoothing means
 //! accelerations of metres per second squared.
 //!
-//! Sentences are read by [`decode`](super::decode), joined by [`epoch`](super::epoch) and completed by [`completion`](super::completion),
-//! as those of a live receiver are.
-//! Logs of NovAtel receivers in between are read too, see [`inspvax`](super::inspvax) for files of them alone.
+//! Sentences are read by [`decode`](super::decode), joined by [`epoch`](super::epoch) and completed by
+//! [`completion`](super::completion), as those of a live receiver are. Logs of NovAtel receivers in between
+//! are read too, see [`inspvax`](super::inspvax) for files of them alone.
 //!
 //! ```
 //! use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum, nmea};

@@ -1,10 +1,11 @@
 //! Captures of network traffic: the byte streams that were carried.
 //!
-//! Receivers send over TCP or UDP, and captures of that (`tcpdump -w`) are how many recordings are kept. What is read: classic
-//! pcap of either byte order, with micro- or nanoseconds, gzipped or not; Ethernet (with VLAN tags), Linux "cooked", BSD loopback
-//! and raw IP; IPv4 and IPv6; TCP and UDP. Each direction of each connection is a [`Stream`]: UDP datagrams as they came, TCP in
-//! the order of its sequence numbers, what was sent twice left out, what is missing counted. Packets of other kinds, cut ones
-//! and fragments are counted and left.
+//! Receivers send over TCP or UDP, and captures of that (`tcpdump -w`) are how many recordings are kept. What
+//! is read: classic pcap of either byte order, with micro- or nanoseconds, gzipped or not; Ethernet (with
+//! VLAN tags), Linux "cooked", BSD loopback and raw IP; IPv4 and IPv6; TCP and UDP. Each direction of each
+//! connection is a [`Stream`]: UDP datagrams as they came, TCP in the order of its sequence numbers, what was
+//! sent twice left out, what is missing counted. Packets of other kinds, cut ones and fragments are counted
+//! and left.
 //!
 //! Sequence numbers wrap; they are unwrapped to the nearest of the packet before (within 2 GiB).
 //!

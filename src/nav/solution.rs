@@ -1,8 +1,9 @@
 //! What a navigation system says of one instant: position, velocity, attitude, and how well it knows them.
 //!
-//! In the frame of the place itself (its own East, North and up), as receivers send it. A scene holds states in the ENU frame
-//! of its origin; [`Solution::of_scene`] turns them: position by way of ECEF, velocity `v = L R^T v_scene` with R and L the
-//! rotations from ECEF to the ENU axes of the origin and of the place, attitude likewise, then to yaw, pitch and roll.
+//! In the frame of the place itself (its own East, North and up), as receivers send it. A scene holds states
+//! in the ENU frame of its origin; [`Solution::of_scene`] turns them: position by way of ECEF, velocity
+//! `v = L R^T v_scene` with R and L the rotations from ECEF to the ENU axes of the origin and of the place,
+//! attitude likewise, then to yaw, pitch and roll.
 //!
 //! ```
 //! use nereus::frames::{Earth, Geodetic, Rotation, SceneFrame, Vector, Point};
@@ -39,7 +40,8 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// From a state in the frame of a scene; `None` if that lies nowhere on Earth. Mean sea level is that of the origin.
+    /// From a state in the frame of a scene; `None` if that lies nowhere on Earth. Mean sea level is that of
+    /// the origin.
     pub fn of_scene(
         frame: &SceneFrame,
         time: TimeTag,
@@ -62,7 +64,8 @@ impl Solution {
         })
     }
 
-    /// From a recorded fix; `None` if it is in the frame of a scene. A velocity without a climb is taken as level.
+    /// From a recorded fix; `None` if it is in the frame of a scene. A velocity without a climb is taken as
+    /// level.
     pub fn of_fix(fix: &Fix, undulation_m: f64) -> Option<Self> {
         let Place::Geodetic(place) = fix.place else { return None };
         Some(Self {
@@ -76,8 +79,8 @@ impl Solution {
     }
 }
 
-/// Gives a velocity to the states that have none: from the one before to the one after (`dp/dt`, in the frame of the
-/// place; at the ends from one neighbour). How many there were.
+/// Gives a velocity to the states that have none: from the one before to the one after (`dp/dt`, in the frame
+/// of the place; at the ends from one neighbour). How many there were.
 pub fn derive_velocities(solutions: &mut [Solution]) -> usize {
     let mut derived = 0;
     for index in 0..solutions.len() {

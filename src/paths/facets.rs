@@ -1,15 +1,16 @@
 //! The facets of the sea, as one emission and one receive window meet them.
 //!
-//! Facet `(ix, iy)` of the patch scatters from the place `x_grid + D + z up` (lowered on a curved Earth), moving with the
-//! orbital velocity and acceleration while the pulse is under way; delay, rate, directions and legs come from this one path
-//! ([`crate::geometry::light_time`]), so that the carrier phase of a facet is a smooth function of slow time whose
-//! derivative is its Doppler. Tilt and area are those of the grid position, with the slope of the mean surface added on a curved Earth. Its amplitude in a channel is
+//! Facet `(ix, iy)` of the patch scatters from the place `x_grid + D + z up` (lowered on a curved Earth),
+//! moving with the orbital velocity and acceleration while the pulse is under way; delay, rate, directions
+//! and legs come from this one path ([`crate::geometry::light_time`]), so that the carrier phase of a facet
+//! is a smooth function of slow time whose derivative is its Doppler. Tilt and area are those of the grid
+//! position, with the slope of the mean surface added on a curved Earth. Its amplitude in a channel is
 //!
 //! `a = K / (R_t R_r)  g_t g_r  v_t v_r  (e_r^T S e_t)`
 //!
 //! with the radar equation's constant and legs ([`crate::radar::link`]), field gains and polarisations
-//! ([`crate::radar::antenna`], [`crate::radar::polarisation`]), the visibility weights of both ends, and the matrix `S` of
-//! [`crate::scattering::water`].
+//! ([`crate::radar::antenna`], [`crate::radar::polarisation`]), the visibility weights of both ends, and the
+//! matrix `S` of [`crate::scattering::water`].
 //!
 //! Facets are visited in chunks, within a chunk ordered by kind of surface. A facet is passed over where its
 //! echo misses the window, where an antenna is dark or hidden, and where it scatters nothing.
@@ -83,7 +84,8 @@ pub(super) struct Lighting<'a> {
     pub window: Window,
 }
 
-/// Motion of a facet about the instant of the fields; `drop_m` is how far the mean surface lies below the plane there.
+/// Motion of a facet about the instant of the fields; `drop_m` is how far the mean surface lies below the
+/// plane there.
 pub(super) fn motion(fields: &Fields<f64>, index: usize, [x, y]: [f64; 2], drop_m: f64) -> PhaseCentre {
     let at = |column: &Vec<f64>| column[index];
     let z = at(&fields.height_m) - drop_m;
@@ -147,7 +149,8 @@ impl Chunk {
         self.pairs.iter_mut().for_each(PairColumns::clear);
     }
 
-    /// Takes in the paths of a facet over every pair; of one that no pair receives nothing is kept. Says whether it was kept.
+    /// Takes in the paths of a facet over every pair; of one that no pair receives nothing is kept. Says
+    /// whether it was kept.
     pub fn see(
         &mut self,
         lighting: &Lighting,
@@ -203,8 +206,8 @@ impl Chunk {
         kept
     }
 
-    /// Takes in the rest of a facet whose paths are in: its place in the patch, its tilt, the share its kind covers, its
-    /// random phasors.
+    /// Takes in the rest of a facet whose paths are in: its place in the patch, its tilt, the share its kind
+    /// covers, its random phasors.
     pub fn take(&mut self, index: usize, slope: [f64; 2], cover: f64, phasors: &[Complex64]) {
         self.index.push(index);
         self.slope.iter_mut().zip(slope).for_each(|(column, slope)| column.push(slope));

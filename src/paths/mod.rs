@@ -11,9 +11,9 @@
 //! are searched between bounds on their delays: those of emission `n`, widened by the fastest change of
 //! delay, `(|v_T| + |v_R| + 2 |v_s| + 1000 m/s) / c`, the last term for manoeuvres.
 //!
-//! The sea, if there is one, contributes a scatterer path for every facet that the window receives and that returns
-//! anything. It does not count for [`flags::OUTSIDE_WINDOW`]: a patch that reaches beyond the window is the
-//! rule.
+//! The sea, if there is one, contributes a scatterer path for every facet that the window receives and that
+//! returns anything. It does not count for [`flags::OUTSIDE_WINDOW`]: a patch that reaches beyond the window
+//! is the rule.
 //!
 //! Each emission has its own geometry: platforms, pointing and transmit polarisation at `t_e`, the
 //! receive antenna at reception. When polarisations alternate, a channel receives an emission only if that
@@ -283,7 +283,8 @@ impl PathGenerator {
         Self { clocks, ..self }
     }
 
-    /// Other tracks, in the order of the platforms, where those that it was prepared with were a nominal trajectory.
+    /// Other tracks, in the order of the platforms, where those that it was prepared with were a nominal
+    /// trajectory.
     pub fn set_tracks(&mut self, tracks: Vec<PlatformTracks>) {
         self.tracks = tracks;
     }
@@ -307,7 +308,8 @@ impl PathGenerator {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are first asked for.
+        // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are
+        // first asked for.
         let costs = Costs::default();
         Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
     }
@@ -528,8 +530,8 @@ impl PathGenerator {
         outside
     }
 
-    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; says whether an echo
-    /// lies partly or wholly outside the window.
+    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; says whether an
+    /// echo lies partly or wholly outside the window.
     fn weigh(
         &self,
         lighting: &Lighting,

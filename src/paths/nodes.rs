@@ -1,4 +1,5 @@
-//! Pulses of a block: whether they can be made together, their records, and their targets as scatterer paths that can be interpolated.
+//! Pulses of a block: whether they can be made together, their records, and their targets as scatterer paths
+//! that can be interpolated.
 
 use num_complex::Complex64;
 
@@ -16,8 +17,8 @@ use crate::scene::radar::TxPolarisation;
 const MOST_IN_AIR: u64 = 256;
 
 impl PathGenerator {
-    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at equal intervals,
-    /// from facets that keep their phases: then their scatterer paths can be interpolated.
+    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at
+    /// equal intervals, from facets that keep their phases: then their scatterer paths can be interpolated.
     pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
         let even = self.radar.emissions.is_uniform();
         let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
@@ -35,7 +36,8 @@ impl PathGenerator {
         Ok(true)
     }
 
-    /// Share of the echo of a pulse with such a delay that some window receives, of those that open `opens_s` after their emission: 0 to 1.
+    /// Share of the echo of a pulse with such a delay that some window receives, of those that open `opens_s`
+    /// after their emission: 0 to 1.
     pub fn heard_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
         let listens_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let begins_s = delay_s - opens_s;
@@ -63,7 +65,8 @@ impl PathGenerator {
         (most_s.max(0.0) / self.pulse_length_s).min(1.0)
     }
 
-    /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay rates.
+    /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay
+    /// rates.
     pub fn rates(&self, paths: &ScattererPaths, pair: usize, share: impl Fn(f64) -> f64) -> (f64, f64) {
         let (mut power, mut sum) = (0.0, 0.0);
         for (channel, _) in self.channel_pairs().iter().enumerate().filter(|(_, own)| **own == pair) {
@@ -88,7 +91,8 @@ impl PathGenerator {
         self.window_start_s(index, self.radar.emissions.emission(self.start, index))
     }
 
-    /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for good.
+    /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for
+    /// good.
     pub fn hold_pulses(&self) -> Option<u64> {
         self.hold_pulses
     }
@@ -100,8 +104,8 @@ impl PathGenerator {
         Ok(Some(patch.map_err(|failure| self.track_error(index, failure))?))
     }
 
-    /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its scatterer paths;
-    /// see [`Self::pulse`].
+    /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its
+    /// scatterer paths; see [`Self::pulse`].
     pub fn record(
         &self,
         index: u64,
@@ -125,7 +129,8 @@ impl PathGenerator {
         Ok(())
     }
 
-    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received or not.
+    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received
+    /// or not.
     pub fn points(
         &self,
         index: u64,

@@ -1,8 +1,10 @@
 //! Where blocks of pulses end because a report changes.
 //!
-//! Antennas and gates that go by reports jump when a report is changed ([`crate::motion::changes`]), and no interpolation knows of a jump. So blocks end
-//! at the first pulse whose emission comes a servo's lag after the change; and, because axes of receive antennas are found over the time of flight,
-//! also at the first that sees it in that time (without a lag that is the same one: blocks are made of pulses of which one flies at a time).
+//! Antennas and gates that go by reports jump when a report is changed ([`crate::motion::changes`]), and no
+//! interpolation knows of a jump. So blocks end at the first pulse whose emission comes a servo's lag after
+//! the change; and, because axes of receive antennas are found over the time of flight, also at the first
+//! that sees it in that time (without a lag that is the same one: blocks are made of pulses of which one
+//! flies at a time).
 
 use std::ops::Range;
 
@@ -45,8 +47,8 @@ pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
 const GUARD_S: f64 = 1e-3;
 
 impl PathGenerator {
-    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later emissions, the longest
-    /// light time, and two pulses more.
+    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later
+    /// emissions, the longest light time, and two pulses more.
     pub fn latest_state_needed(&self, index: u64) -> TimeTag {
         let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let opens_s = match &self.radar.window.gate {
@@ -109,8 +111,9 @@ impl PathGenerator {
         low
     }
 
-    /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its window receives was sent that much later at
-    /// most, and antennas are asked where they point a time of flight after that.
+    /// How long after its emission a pulse still asks what platforms report, s: the latest echo that its
+    /// window receives was sent that much later at most, and antennas are asked where they point a time of
+    /// flight after that.
     pub fn asks_ahead_s(&self, index: u64) -> f64 {
         let opens_s = self.window_start_of(index).unwrap_or(0.0);
         let window = Window::new(&self.radar, opens_s, self.pulse_length_s);

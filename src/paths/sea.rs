@@ -1,7 +1,7 @@
 //! The sea of a run: drawn once, illuminated emission by emission.
 //!
-//! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch lies at a
-//! time and how long its echoes take, and visits its facets ([`super::facets`]).
+//! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch
+//! lies at a time and how long its echoes take, and visits its facets ([`super::facets`]).
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -82,8 +82,8 @@ pub(super) struct Run {
 const LONGEST_HOLD_S: f64 = 0.5;
 const FACETS_A_JUMP: f64 = 16.0;
 
-/// How many pulses a patch that follows at a speed stays where it is: a choice of the model, which knows no blocks, but a number with
-/// many divisors, so that blocks fit. `None` where it stays for good.
+/// How many pulses a patch that follows at a speed stays where it is: a choice of the model, which knows no
+/// blocks, but a number with many divisors, so that blocks fit. `None` where it stays for good.
 pub(super) fn hold_pulses(patch_mps: f64, facet_m: f64, interval_s: f64) -> Option<u64> {
     const ROUND: [u64; 9] = [24, 18, 12, 9, 6, 4, 3, 2, 1];
     if patch_mps == 0.0 {
@@ -103,8 +103,8 @@ impl Run {
         sea.shadow.or_else(of_earth)
     }
 
-    /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet asked for
-    /// until the next: what the patch moves between the two, and while it is held.
+    /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet
+    /// asked for until the next: what the patch moves between the two, and while it is held.
     fn margin(&self, sea: &Sea) -> Result<usize, SeaFault> {
         let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, self.shadowing(sea)) else {
             return Ok(0);
@@ -364,7 +364,8 @@ impl SeaPlan {
         let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
         let (low, high) =
             (patch.centre_m(patch.first).map(|x| x - side), patch.centre_m(last).map(|x| x + side));
-        // The mean surface is nowhere higher than where the patch is nearest to the origin, nor lower than in a corner.
+        // The mean surface is nowhere higher than where the patch is nearest to the origin, nor lower than in
+        // a corner.
         let earth = lighting.surroundings.frame.earth();
         let inner = [0, 1].map(|i| 0f64.clamp(low[i], high[i]));
         let corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
@@ -473,8 +474,8 @@ impl SeaPlan {
         Ok(())
     }
 
-    /// Patch and antennas at a time after pulse 0. A track that ends before goes straight on from the last emission: the update of the
-    /// shadows after it is asked for, and a recorded track need not reach so far.
+    /// Patch and antennas at a time after pulse 0. A track that ends before goes straight on from the last
+    /// emission: the update of the shadows after it is asked for, and a recorded track need not reach so far.
     pub fn scenery(
         &self,
         lighting: &Lighting,

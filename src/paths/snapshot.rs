@@ -8,9 +8,9 @@ use crate::radar::window::Window;
 use crate::scene::Patch;
 use crate::time::TimeTag;
 
-/// The facets of the sea as one emission lights them, whatever receive windows hear of it. Arrays over facets are
-/// `[iy][ix]` over the patch. A facet is illuminated when both antennas of any pair see it; whether it then scatters shows in its
-/// amplitude.
+/// The facets of the sea as one emission lights them, whatever receive windows hear of it. Arrays over facets
+/// are `[iy][ix]` over the patch. A facet is illuminated when both antennas of any pair see it; whether it
+/// then scatters shows in its amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The pulse.
@@ -29,8 +29,8 @@ pub struct Snapshot {
     pub delay_rate: Vec<Vec<f64>>,
     /// `[channel][facet]`: amplitude without carrier phase, sqrt(W); zero where the facet is dark.
     pub amplitude: Vec<Vec<Complex64>>,
-    /// `[pair][facet]`: whether its echo reaches into the window of this pulse, or of a later one (taken as long after
-    /// that pulse as this one's window).
+    /// `[pair][facet]`: whether its echo reaches into the window of this pulse, or of a later one (taken as
+    /// long after that pulse as this one's window).
     pub heard: Vec<Vec<bool>>,
 }
 
@@ -41,10 +41,12 @@ impl Snapshot {
         self.amplitude[channel].iter().map(dbw).collect()
     }
 
-    /// Power of the heard facets along the edge of the patch over that of all heard facets, dB, in the worst channel:
-    /// what comes and goes when the patch moves by one row. Negative infinity where nothing is received.
+    /// Power of the heard facets along the edge of the patch over that of all heard facets, dB, in the worst
+    /// channel: what comes and goes when the patch moves by one row. Negative infinity where nothing is
+    /// received.
     ///
-    /// `pair_of` is the pair of each channel; `moves` tells along which axes (East, North) the patch moves at all.
+    /// `pair_of` is the pair of each channel; `moves` tells along which axes (East, North) the patch moves at
+    /// all.
     pub fn edge_db(&self, pair_of: &[usize], moves: [bool; 2]) -> f64 {
         let [nx, ny] = self.patch.facets;
         let channels = self.amplitude.iter().zip(pair_of);
@@ -125,7 +127,8 @@ mod tests {
 
     #[test]
     fn only_edges_that_move_come_and_go() {
-        // 4 x 3 facets of power 1, but for those of the corners, which are silent; one that the window does not hear.
+        // 4 x 3 facets of power 1, but for those of the corners, which are silent; one that the window does
+        // not hear.
         let one = Complex64::ONE;
         let mut amplitude = vec![one; 12];
         for corner in [0, 3, 8, 11] {

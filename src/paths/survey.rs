@@ -12,7 +12,8 @@ use crate::scene::radar::{Aim, AimFrom, Pointing};
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Patch, Sea};
 
-/// Share of the distance to the horizon within which a patch is far from it, between the instants that are evaluated too.
+/// Share of the distance to the horizon within which a patch is far from it, between the instants that are
+/// evaluated too.
 const NEAR_HORIZON: f64 = 0.9;
 
 /// A target that the earth hides.
@@ -59,7 +60,8 @@ impl PathGenerator {
             .collect()
     }
 
-    /// Whether the patch comes near the horizon of an antenna, at any of a few dozen instants spread over the run.
+    /// Whether the patch comes near the horizon of an antenna, at any of a few dozen instants spread over the
+    /// run.
     pub(super) fn nears_horizon(&self, sea: &Sea) -> Result<bool, RadarError> {
         let earth = self.frame.hiding_earth();
         if earth == Earth::Flat {
@@ -115,8 +117,9 @@ impl PathGenerator {
             .map(move |sounding| (u128::from(last) * u128::from(sounding) / u128::from(count.max(1))) as u64)
     }
 
-    /// A bound on how fast the patch moves, m/s: 0 where it stays; of a point beside a platform, twice the greatest speed of that
-    /// platform at a few dozen instants spread over the run (in a turn the point is faster than the platform).
+    /// A bound on how fast the patch moves, m/s: 0 where it stays; of a point beside a platform, twice the
+    /// greatest speed of that platform at a few dozen instants spread over the run (in a turn the point is
+    /// faster than the platform).
     pub(super) fn patch_speed_mps(&self, sea: &Sea) -> Result<f64, RadarError> {
         let platform = match &sea.place {
             PatchPlace::Fixed => return Ok(0.0),

@@ -1,11 +1,13 @@
 //! Visibility of facets from every antenna, updated at intervals and cross-faded in between.
 //!
-//! Updates happen at `t_k = k T` after pulse 0 (`T` the update interval), the last one after the last emission, so that the weights of
-//! a pulse depend on its time alone, however long the run. Between two updates the weights of each
-//! antenna are interpolated linearly. An update sees the patch as it is placed then, with a margin for where it may be
-//! until the next one; facets beyond the margin take the weight of the nearest facet within.
+//! Updates happen at `t_k = k T` after pulse 0 (`T` the update interval), the last one after the last
+//! emission, so that the weights of a pulse depend on its time alone, however long the run. Between two
+//! updates the weights of each antenna are interpolated linearly. An update sees the patch as it is placed
+//! then, with a margin for where it may be until the next one; facets beyond the margin take the weight of
+//! the nearest facet within.
 //!
-//! What lies beyond the horizon of an antenna on a curved earth is hidden besides ([`horizon`]), each facet by its own height.
+//! What lies beyond the horizon of an antenna on a curved earth is hidden besides ([`horizon`]), each facet
+//! by its own height.
 
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
@@ -52,8 +54,9 @@ pub(super) struct Updates<T: Real = f64> {
     held: [Update; 2],
 }
 
-/// Updates that a block shares with the one before or after it, so that workers make each once. What an update holds depends on its
-/// number alone, so it is the same whoever makes it, and whether it is found here.
+/// Updates that a block shares with the one before or after it, so that workers make each once. What an
+/// update holds depends on its number alone, so it is the same whoever makes it, and whether it is found
+/// here.
 #[derive(Debug, Default)]
 pub struct Borders {
     workers: usize,
@@ -67,7 +70,8 @@ pub trait ShareBorders: Send + Sync {
 }
 
 impl Borders {
-    /// Updates that neighbouring blocks have in common, at most: the one before the second block begins and the one after the first ends.
+    /// Updates that neighbouring blocks have in common, at most: the one before the second block begins and
+    /// the one after the first ends.
     pub(super) const COMMON: u64 = 2;
 
     /// One more worker takes part.
@@ -80,7 +84,8 @@ impl Borders {
         self.held.iter().find(|update| update.number == Some(number))
     }
 
-    /// Keeps an update, in place of the oldest one where there are enough for the borders of as many blocks as workers.
+    /// Keeps an update, in place of the oldest one where there are enough for the borders of as many blocks
+    /// as workers.
     pub(super) fn keep(&mut self, update: &Update) {
         let places = Self::COMMON as usize * (self.workers + 1);
         let oldest = self.held.iter().enumerate().min_by_key(|(_, own)| own.number).map(|(place, _)| place);
@@ -150,8 +155,8 @@ impl Visibility {
         (lasts_s / self.update_s - 1e-6).ceil().max(0.0) as usize + 2
     }
 
-    /// Makes an update, unless it is held. `scenery` tells the patch and the place of every antenna at a time, and
-    /// `lower` the fall of the mean surface at a place, m.
+    /// Makes an update, unless it is held. `scenery` tells the patch and the place of every antenna at a
+    /// time, and `lower` the fall of the mean surface at a place, m.
     pub fn update<'a, T: Real, E: From<WakeError> + From<ShadowError>>(
         &self,
         updates: &'a mut Updates<T>,
@@ -244,7 +249,8 @@ impl Visibility {
         horizon::holds(self.earth, place, [patch.centre_m(patch.first), patch.centre_m(last)], 1.0)
     }
 
-    /// Takes from the weights of facets (of these heights in the scene's frame, m) what the earth hides from a place.
+    /// Takes from the weights of facets (of these heights in the scene's frame, m) what the earth hides from
+    /// a place.
     fn set_behind_earth(&self, place: Point<Enu>, patch: &Patch, heights_m: &[f64], weights: &mut [f64]) {
         let columns = patch.facets[0];
         let rows = heights_m.chunks_exact(columns).zip(weights.chunks_exact_mut(columns)).enumerate();

@@ -1,14 +1,17 @@
 //! Pulses in blocks: everything found at a few instants, interpolated in between, all pulses spread at once.
 //!
-//! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s` the node spacing). The sea comes
-//! tile by tile ([`crate::paths::block`]) and is spread at once ([`crate::echo::synth::lanes`]); targets and the direct path are
-//! scatterer paths at the gain instants, through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]).
-//! A block that the run cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
-//! alternate or intervals differ, and where facets forget their phases, every pulse is a block of
-//! its own, and nothing is interpolated. Where a report is changed by which something is aimed, a block ends ([`PathGenerator::unbroken`]).
+//! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s`
+//! the node spacing). The sea comes tile by tile ([`crate::paths::block`]) and is spread at once
+//! ([`crate::echo::synth::lanes`]); targets and the direct path are scatterer paths at the gain instants,
+//! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]). A block that the run
+//! cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
+//! alternate or intervals differ, and where facets forget their phases, every pulse is a block of its own,
+//! and nothing is interpolated. Where a report is changed by which something is aimed, a block ends
+//! ([`PathGenerator::unbroken`]).
 //!
-//! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A block depends on its number and the run alone, so any thread may make
-//! any pulse: the block that holds it is made first, unless it is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
+//! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A
+//! block depends on its number and the run alone, so any thread may make any pulse: the block that holds it
+//! is made first, unless it is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -293,8 +296,8 @@ impl BlockEcho {
         Ok((first, end))
     }
 
-    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets at [`of_points`] (of all
-    /// of them where the window receives nothing).
+    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets at
+    /// [`of_points`] (of all of them where the window receives nothing).
     fn mean_doppler(
         &self,
         generator: &PathGenerator,

@@ -133,7 +133,8 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
     faults
 }
 
-/// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal trajectory flown.
+/// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal
+/// trajectory flown.
 pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     let mut faults = given(run, &range);
     let scene = &run.scene;
@@ -269,7 +270,8 @@ impl PulseStream {
         &self.schedule
     }
 
-    /// Asks for changes of reports while the run goes on; `None` unless the run allows that ([`Run::control`]).
+    /// Asks for changes of reports while the run goes on; `None` unless the run allows that
+    /// ([`Run::control`]).
     pub fn control(&self) -> Option<Control> {
         self.control.as_ref().map(|(control, _)| control.clone())
     }
@@ -430,8 +432,8 @@ fn yield_to_pacer() {
     }
 }
 
-/// Lets every worker make a block before the clock starts, so that it has all the memory it will need, in runs that are longer than that.
-/// What fails here fails again in the run, which tells.
+/// Lets every worker make a block before the clock starts, so that it has all the memory it will need, in
+/// runs that are longer than that. What fails here fails again in the run, which tells.
 fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
     let block = factory.block_pulses();
     if block <= 1 || (range.end - range.start) / block <= work.len() as u64 {
@@ -444,8 +446,8 @@ fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
     });
 }
 
-/// Makes the pulses of `range` until all are made or the stream ends. Workers take block by block, each at its own pace: a block is made by
-/// one worker, and two would each make all of it.
+/// Makes the pulses of `range` until all are made or the stream ends. Workers take block by block, each at
+/// its own pace: a block is made by one worker, and two would each make all of it.
 fn generate(
     source: &mut Source,
     factory: &PulseFactory,

@@ -40,7 +40,8 @@ pub(super) fn tracks(
     })
 }
 
-/// Enters the events of a run. This comes after everything that is planned: a plan knows no change, whether it stands in the scenario or comes later.
+/// Enters the events of a run. This comes after everything that is planned: a plan knows no change, whether
+/// it stands in the scenario or comes later.
 pub(super) fn enter(events: &[Event], changes: Option<&Arc<Changes>>) -> Result<(), ChangeFault> {
     let Some(changes) = changes else { return Ok(()) };
     events.iter().try_for_each(|event| changes.enter(event, Origin::Scenario))

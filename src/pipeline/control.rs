@@ -1,11 +1,14 @@
 //! Changes of reports while a run goes on.
 //!
-//! Whoever holds a [`Control`] asks for a change; it is taken between two claims of the workers ([`Dispatcher::between`](crate::transport::dispatcher::Dispatcher::between)) and has
-//! effect from the first pulse that no work begun so far asks for. That is the first one that no worker has claimed or, where windows hear
-//! later emissions or flights are longer than an interval, some pulses later. The same change given as an event of the scenario at that
-//! pulse makes the same pulses, bit for bit, on any number of threads.
+//! Whoever holds a [`Control`] asks for a change; it is taken between two claims of the workers
+//! ([`Dispatcher::between`](crate::transport::dispatcher::Dispatcher::between)) and has effect from the first
+//! pulse that no work begun so far asks for. That is the first one that no worker has claimed or, where
+//! windows hear later emissions or flights are longer than an interval, some pulses later. The same change
+//! given as an event of the scenario at that pulse makes the same pulses, bit for bit, on any number of
+//! threads.
 //!
-//! Nobody in the stream waits for whoever asks: a channel of bounded length is evaluated, and what is found is answered.
+//! Nobody in the stream waits for whoever asks: a channel of bounded length is evaluated, and what is found
+//! is answered.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -135,7 +138,8 @@ impl CommandQueue {
         let _ = self.health.set(Arc::clone(health));
     }
 
-    /// Takes what is asked for. `untouched` finds the first pulse that may have it, and the run ends before pulse `end`.
+    /// Takes what is asked for. `untouched` finds the first pulse that may have it, and the run ends before
+    /// pulse `end`.
     pub fn serve(&self, untouched: impl Fn() -> u64, end: u64) {
         while let Ok(Request { platform, change, answer }) = self.requests.try_recv() {
             let pulse = untouched();

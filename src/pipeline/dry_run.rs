@@ -1,17 +1,19 @@
-//! A dry run of what is planned: pulses as they will be made, against the same pulses from exact scatterer paths.
+//! A dry run of what is planned: pulses as they will be made, against the same pulses from exact scatterer
+//! paths.
 //!
-//! What a plan predicts is a statistic of many facets, and it is the worst pulse that is promised. On a small patch few facets decide: one
-//! that turns away between two nodes, one behind a crest, one in a null of its scattering. No sample tells which. But such a patch is cheap:
-//! so its pulses are made before anything is promised, and where they miss what is asked, finer settings are tried, then pulses one by one,
-//! then f64.
+//! What a plan predicts is a statistic of many facets, and it is the worst pulse that is promised. On a small
+//! patch few facets decide: one that turns away between two nodes, one behind a crest, one in a null of its
+//! scattering. No sample tells which. But such a patch is cheap: so its pulses are made before anything is
+//! promised, and where they miss what is asked, finer settings are tried, then pulses one by one, then f64.
 //!
 //! ```text
 //! error = max over pulses and channels of |planned - exact|^2 / mean |exact|^2  +  finest grid + Doppler within the pulse + rounding
 //! ```
 //!
-//! Exact are scatterer paths found at every pulse, spread in f64 by the widest kernel; Doppler within a pulse is of both alike, so that part stays as
-//! the plan predicts it. Where all pulses were made, the error found is the prediction; where there is time for a part of them alone, it
-//! only raises the prediction. How many are made depends on the scene alone: [`FACET_PULSES`].
+//! Exact are scatterer paths found at every pulse, spread in f64 by the widest kernel; Doppler within a pulse
+//! is of both alike, so that part stays as the plan predicts it. Where all pulses were made, the error found
+//! is the prediction; where there is time for a part of them alone, it only raises the prediction. How many
+//! are made depends on the scene alone: [`FACET_PULSES`].
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -42,7 +44,8 @@ const LEAST_PULSES: u64 = 8;
 const TRIES: u32 = 5;
 /// How much finer than what was missed the next settings are, dB.
 const CLOSER_DB: f64 = 3.0;
-/// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions round otherwise, dB.
+/// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions
+/// round otherwise, dB.
 const MORE_DB: f64 = 1.0;
 /// Heavier tails than this say that too few pulses were made to tell.
 const HEAVIEST_TAIL: f64 = 1.5;
@@ -122,7 +125,8 @@ impl Chosen {
         if all <= count {
             return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true };
         }
-        // Half of them all over the run; a block at its begin, and its end, where the last block is cut short.
+        // Half of them all over the run; a block at its begin, and its end, where the last block is cut
+        // short.
         let spread: BTreeSet<u64> = spread_over(all, count / 2).collect();
         let ends = (count / 4).min(block);
         let pulses: BTreeSet<u64> = spread.iter().copied().chain(0..ends).chain(all - ends..all).collect();
@@ -248,8 +252,8 @@ mod tests {
 
     #[test]
     fn the_worst_of_a_longer_run() {
-        // Quantiles of a Pareto law of index 0.5: the worst of 100 times as many is 10 times as large. 200 of them know the index to some
-        // 0.5/sqrt(20), a factor of 1.7.
+        // Quantiles of a Pareto law of index 0.5: the worst of 100 times as many is 10 times as large. 200 of
+        // them know the index to some 0.5/sqrt(20), a factor of 1.7.
         let errors: Vec<f64> = (0..200).map(|n| ((f64::from(n) + 0.5) / 200.0).powf(-0.5)).collect();
         let most = errors[0];
         assert_eq!(worst_of_run(errors.clone(), None), most);

@@ -1,10 +1,11 @@
 //! What ships carry: the scatterers of their hulls become point targets.
 //!
-//! A scatterer stays where its hull's file has it (forward, starboard, down of midship at the waterline) and sails with
-//! the ship: height above the mean sea `-down`, velocity that of the ship. Its name is `<ship>.<scatterer>`, its echo that
-//! of a sphere of the radar cross section in the file, whatever the length to which the hull is scaled. Limits: the ship
-//! does not heave, roll or pitch, nothing hides its scatterers, and like every target they sail straight on, off the sea
-//! of a curved earth (by 0.8 m after 3.2 km).
+//! A scatterer stays where its hull's file has it (forward, starboard, down of midship at the waterline) and
+//! sails with the ship: height above the mean sea `-down`, velocity that of the ship. Its name is
+//! `<ship>.<scatterer>`, its echo that of a sphere of the radar cross section in the file, whatever the
+//! length to which the hull is scaled. Limits: the ship does not heave, roll or pitch, nothing hides its
+//! scatterers, and like every target they sail straight on, off the sea of a curved earth (by 0.8 m after 3.2
+//! km).
 //!
 //! ```
 //! use nereus::pipeline::hull_scatterers::{place, Scatters};

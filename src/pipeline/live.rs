@@ -4,18 +4,22 @@
 //! feed (a thread per source) -> growing track -> generation, which waits for what the next block rests on
 //! ```
 //!
-//! * **Before the run.** Sources are opened, and the run waits for its first fixes, [`LiveSource::timeout_s`] at most. What has to
-//!   know the whole flight beforehand (`plan`, the outlook) goes by the nominal trajectory of the source, or straight on from the last fix. Pulses
-//!   begin when the navigation of every live platform has reached the emission of the first one: from then on one second
-//!   of the run is one second of navigation.
-//! * **While it runs** a block is made when the tracks reach its last emission and the light time after it. It cannot wait longer than
-//!   `deadline - lead`, with `lead` twice the longest time a block has taken of late (at most half of the latency): then
-//!   tracks are extrapolated, and the pulses say so. So with a latency of support + block + lead, and what the receiver itself is late, every pulse has
-//!   the bits that a file would give.
-//! * A fix that the platform cannot have flown to is refused and counted ([`MotionGate`]); when such fixes go on to agree, they are believed, and the
-//!   motion goes to them as after a time without navigation.
-//! * Where the scenario asks for no latency, it is what the interval between the first fixes makes necessary (`LiveNav::needed_latency_s`).
-//! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left, and counted.
+//! * **Before the run.** Sources are opened, and the run waits for its first fixes, [`LiveSource::timeout_s`]
+//!   at most. What has to know the whole flight beforehand (`plan`, the outlook) goes by the nominal
+//!   trajectory of the source, or straight on from the last fix. Pulses begin when the navigation of every
+//!   live platform has reached the emission of the first one: from then on one second of the run is one
+//!   second of navigation.
+//! * **While it runs** a block is made when the tracks reach its last emission and the light time after it.
+//!   It cannot wait longer than `deadline - lead`, with `lead` twice the longest time a block has taken of
+//!   late (at most half of the latency): then tracks are extrapolated, and the pulses say so. So with a
+//!   latency of support + block + lead, and what the receiver itself is late, every pulse has the bits that a
+//!   file would give.
+//! * A fix that the platform cannot have flown to is refused and counted ([`MotionGate`]); when such fixes go
+//!   on to agree, they are believed, and the motion goes to them as after a time without navigation.
+//! * Where the scenario asks for no latency, it is what the interval between the first fixes makes necessary
+//!   (`LiveNav::needed_latency_s`).
+//! * A fix more than [`MOST_AHEAD_S`] ahead of the schedule comes from a clock that has stepped: it is left,
+//!   and counted.
 
 use super::fault::LiveFault;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -46,7 +50,8 @@ const FORGOTTEN: Duration = Duration::from_secs(5);
 const LEAST_LEAD: Duration = Duration::from_millis(2);
 /// What a receiver and its line may take, and what making a block may, s.
 const MARGIN_S: f64 = 0.3;
-/// From the last fix to the first pulse of a run that begins with its navigation, s: what making it ready may take.
+/// From the last fix to the first pulse of a run that begins with its navigation, s: what making it ready may
+/// take.
 const READY_S: f64 = 3.0;
 
 /// What became of the navigation of a platform.
@@ -116,7 +121,8 @@ struct Blocks {
 }
 
 impl LiveNav {
-    /// Opens the live sources of a run and waits for their first fixes. `None` if it has none; else the run as it is run on its nominal trajectory as well.
+    /// Opens the live sources of a run and waits for their first fixes. `None` if it has none; else the run
+    /// as it is run on its nominal trajectory as well.
     pub(super) fn open(run: &Run) -> Result<Option<(Run, Arc<Self>)>, BuildErrors> {
         let live = |(platform, nav): (usize, &crate::motion::PlatformNav)| match &nav.truth {
             TrackSource::Live(source) => Some((platform, source.clone())),
@@ -234,8 +240,9 @@ impl LiveNav {
         if faults.is_empty() { Ok(run) } else { Err(BuildErrors(faults)) }
     }
 
-    /// The latency with which every pulse is interpolated, s: the fixes that the interpolant needs after an instant, one more for
-    /// sentences, whose epoch ends with the next one, a block of pulses, and [`MARGIN_S`] for the receiver and for making it.
+    /// The latency with which every pulse is interpolated, s: the fixes that the interpolant needs after an
+    /// instant, one more for sentences, whose epoch ends with the next one, a block of pulses, and
+    /// [`MARGIN_S`] for the receiver and for making it.
     pub(super) fn needed_latency_s(&self, block_s: f64) -> f64 {
         let of = |flight: &Flight| {
             let fixes = flight.track.support() + 1;
@@ -286,7 +293,8 @@ impl LiveNav {
         self.flights.iter().map(move |flight| (flight.name.as_str(), &flight.source.origin, of(flight)))
     }
 
-    /// Waits until all tracks reach an instant, until they may have to go on without it, or `stop` is set; then they do.
+    /// Waits until all tracks reach an instant, until they may have to go on without it, or `stop` is set;
+    /// then they do.
     pub(super) fn hold(&self, need: TimeTag, deadline: Instant, latency: Duration, stop: &AtomicBool) {
         let lead = (2 * self.longest() + LEAST_LEAD).min(latency / 2);
         let until = deadline.checked_sub(lead).unwrap_or(deadline);
@@ -305,7 +313,8 @@ impl LiveNav {
         }
     }
 
-    /// Notes how long a block has taken. What was long once is forgotten after 5 to 10 s: a stall of the machine is no reason to wait less for ever.
+    /// Notes how long a block has taken. What was long once is forgotten after 5 to 10 s: a stall of the
+    /// machine is no reason to wait less for ever.
     pub(super) fn took(&self, time: Duration) {
         let mut blocks = self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
         if blocks.since.elapsed() > FORGOTTEN {

@@ -9,8 +9,9 @@
 //! | grids of a worker | pulses of a block x cells x 2 floats a channel |
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
-//! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256 and 512 x 512 facets with one and
-//! two workers. Scatterer paths of blocks of single pulses are in the bytes of the reference.
+//! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256
+//! and 512 x 512 facets with one and two workers. Scatterer paths of blocks of single pulses are in the bytes
+//! of the reference.
 
 use crate::echo::Fidelity;
 use crate::scene::Scene;
@@ -23,7 +24,8 @@ pub const PROGRAM_BYTES: u64 = 26 << 20;
 pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 /// Of each worker, a facet: the reference's, the fast echo's.
 pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
-/// Of each worker of the fast echo, a facet, where the patch follows: a surface of its own for the shadows, and updates that blocks share.
+/// Of each worker of the fast echo, a facet, where the patch follows: a surface of its own for the shadows,
+/// and updates that blocks share.
 pub const FOLLOW_FACET_BYTES: u64 = 250;
 
 /// About what the sea of a scene takes, bytes.

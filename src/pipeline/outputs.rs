@@ -22,7 +22,8 @@ pub(crate) fn preflight(sinks: &[sinks::Settings]) -> Vec<SinkError> {
     sinks.iter().filter_map(unnamed).chain(sinks::preflight(sinks)).collect()
 }
 
-/// A recording gets its name when it is begun, in place of what is replaced: `.` and `..` are no names that can be given.
+/// A recording gets its name when it is begun, in place of what is replaced: `.` and `..` are no names that
+/// can be given.
 fn unnamed(settings: &sinks::Settings) -> Option<SinkError> {
     let (Kind::Hdf5 { path, .. } | Kind::Plain { path, .. }) = &settings.kind else { return None };
     let words = "the path ends in no name; allowed: the name of a file or folder that is to be made";
@@ -137,8 +138,8 @@ pub(super) fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec
     Ok(opened)
 }
 
-/// Puts recordings in the place of older ones, if the run went well; otherwise they stay beside them. `asked` is the
-/// number of pulses, if they are all that the scenario has.
+/// Puts recordings in the place of older ones, if the run went well; otherwise they stay beside them. `asked`
+/// is the number of pulses, if they are all that the scenario has.
 pub(super) fn placed(
     outcome: Outcome<Option<Closed>, PulseError, SinkError>,
     asked: Option<u64>,

@@ -1,11 +1,11 @@
 //! Whether a run can be meant as it is, as far as that takes trajectories or samples.
 //!
 //! * A fault: an antenna below mean sea level, a pulse from a file that is longer than the pulse interval.
-//! * A warning: targets whose echo never lies in the receive window, a converter that clips or that its signal never fills by one
-//!   code.
+//! * A warning: targets whose echo never lies in the receive window, a converter that clips or that its
+//!   signal never fills by one code.
 //!
-//! Geometry is taken at [`INSTANTS`] pulses spread over the run, without the motion during the echo. What needs no trajectory
-//! is evaluated when the scenario is read (`config::resolve`).
+//! Geometry is taken at [`INSTANTS`] pulses spread over the run, without the motion during the echo. What
+//! needs no trajectory is evaluated when the scenario is read (`config::resolve`).
 
 use serde::Serialize;
 use thiserror::Error;

@@ -55,8 +55,8 @@ impl Scenario {
         Ok(build::stream(&self.0, pulses)?)
     }
 
-    /// Makes some pulses as fast as the machine can and hands each over, in order; sinks of the scenario are left out. The samples are
-    /// those that `nereus run` records, bit by bit.
+    /// Makes some pulses as fast as the machine can and hands each over, in order; sinks of the scenario are
+    /// left out. The samples are those that `nereus run` records, bit by bit.
     ///
     /// # Errors
     /// What keeps the run from being built, or ends it.

@@ -1,4 +1,5 @@
-//! Pulses one by one, in f64: exact scatterer paths, spread and transformed without a digit lost, for budgets that blocks cannot keep.
+//! Pulses one by one, in f64: exact scatterer paths, spread and transformed without a digit lost, for budgets
+//! that blocks cannot keep.
 
 use num_complex::Complex64;
 

@@ -4,7 +4,8 @@
 //! tracks -> generator -> paths -> echo -> spectrum -> receiver -> samples
 //! ```
 //!
-//! The echo is the reference, pulse by pulse, or the fast one, block by block ([`Fidelity`](crate::echo::Fidelity)).
+//! The echo is the reference, pulse by pulse, or the fast one, block by block
+//! ([`Fidelity`](crate::echo::Fidelity)).
 //!
 //! A pulse depends on its number alone, so any thread may make any pulse and the bits are the same.
 
@@ -206,8 +207,8 @@ impl PulseFactory {
         self.generator.snapshot(index, &mut work.generator)
     }
 
-    /// The scatterer paths that the window of a pulse hears, as the reference echo takes them; the rest of the pulse but its samples is
-    /// filled in.
+    /// The scatterer paths that the window of a pulse hears, as the reference echo takes them; the rest of
+    /// the pulse but its samples is filled in.
     pub fn contact_list<'a>(
         &self,
         index: u64,
@@ -230,7 +231,8 @@ impl PulseFactory {
 
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        // Every target and the direct path, of this pulse and of two neighbours, and, where they are listed, every facet.
+        // Every target and the direct path, of this pulse and of two neighbours, and, where they are listed,
+        // every facet.
         let points = 3 * (self.layout.targets + 1);
         let paths = points + self.generator.facets();
         let (pairs, channels) = (self.layout.pairs, self.echo_channels());
@@ -254,9 +256,9 @@ impl PulseFactory {
         }
     }
 
-    /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has
-    /// seen the largest scatterer path list. Tracks were checked to cover the run, so an error is a fault of the program or
-    /// a pulse that the run does not have.
+    /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has seen
+    /// the largest scatterer path list. Tracks were checked to cover the run, so an error is a fault of the
+    /// program or a pulse that the run does not have.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
         let Workspace { generator, paths, block, single, spectrum, receiver, clocks, generators } = work;
         generator.costs.begin();

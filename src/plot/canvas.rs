@@ -1,8 +1,9 @@
 //! Pixels, lines and letters; PNG.
 //!
-//! x to the right and y **downward** in pixels, as in the file; integer pixels have their centres at halves. What lies
-//! outside is not drawn. Lines are smoothed by the share of a pixel that they cover (distance of its centre from the
-//! line, to a good 0.1). Letters are rastered beforehand (Noto Sans Mono, Latin-1); other characters become `?`.
+//! x to the right and y **downward** in pixels, as in the file; integer pixels have their centres at halves.
+//! What lies outside is not drawn. Lines are smoothed by the share of a pixel that they cover (distance of
+//! its centre from the line, to a good 0.1). Letters are rastered beforehand (Noto Sans Mono, Latin-1); other
+//! characters become `?`.
 //!
 //! ```
 //! use nereus::plot::canvas::{Align, Canvas, Face};
@@ -87,7 +88,8 @@ impl Canvas {
         Self { width, height, rgb: colour.repeat(width * height) }
     }
 
-    /// Canvases side by side, `columns` to a row, each in a box as large as the largest; what is left is filled. At most [`MAX_SIDE`] to a side.
+    /// Canvases side by side, `columns` to a row, each in a box as large as the largest; what is left is
+    /// filled. At most [`MAX_SIDE`] to a side.
     pub fn tiled(canvases: &[Self], columns: usize, colour: Colour) -> Self {
         let columns = columns.clamp(1, canvases.len().max(1));
         let most = |side: fn(&Self) -> usize| canvases.iter().map(side).max().unwrap_or(1);
@@ -271,7 +273,8 @@ fn around(centre: [f64; 2], radius: f64, [left, top, right, bottom]: Area) -> Ar
     [left.max(low[0]), top.max(low[1]), right.min(high[0]), bottom.min(high[1])]
 }
 
-/// The part of a line within an area grown by a margin (Liang and Barsky); none outside, or for what is no number.
+/// The part of a line within an area grown by a margin (Liang and Barsky); none outside, or for what is no
+/// number.
 fn clip(
     [from, to]: [[f64; 2]; 2],
     [left, top, right, bottom]: [f64; 4],
@@ -342,8 +345,8 @@ mod tests {
             let mut canvas = Canvas::new(100, 100, WHITE);
             canvas.line(&[from, to], 3.0, [0, 0, 100, 100], BLACK);
             let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-            // The round ends add a disc of the width; a share by distance is within 0.1 of the area on the rims,
-            // where its sign alternates along a slanting line.
+            // The round ends add a disc of the width; a share by distance is within 0.1 of the area on the
+            // rims, where its sign alternates along a slanting line.
             let area = 3.0 * length + std::f64::consts::PI * 1.5 * 1.5;
             assert!((ink(&canvas) / area - 1.0).abs() < 0.03, "{} for {area}", ink(&canvas));
         }

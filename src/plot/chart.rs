@@ -1,8 +1,8 @@
 //! Curves on linear, logarithmic or decibel axes.
 //!
-//! Limits of an axis are those of the points, with a little room, unless given. Points that an axis cannot show (no
-//! number, beyond 1e150, not positive on a logarithmic or decibel axis) break their curve. The legend stands beside
-//! the frame and hides nothing. Colours repeat after eight curves.
+//! Limits of an axis are those of the points, with a little room, unless given. Points that an axis cannot
+//! show (no number, beyond 1e150, not positive on a logarithmic or decibel axis) break their curve. The
+//! legend stands beside the frame and hides nothing. Colours repeat after eight curves.
 //!
 //! ```
 //! use nereus::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};

@@ -1,13 +1,14 @@
 //! Colour maps of even steps, and colours for curves.
 //!
-//! Anchors stand in Oklab (B. Ottosson, "A perceptual color space for image processing", 2020: lightness L, green to
-//! red a, blue to yellow b) and are joined by straight lines there, so equal steps of a value look like equal steps of
-//! colour. The anchors are this project's own: [`ColourMap::Deep`] climbs in lightness alone in even steps, from
-//! violet to yellow; [`ColourMap::Swell`] falls in lightness from a pale middle, to blue below and to red above.
+//! Anchors stand in Oklab (B. Ottosson, "A perceptual color space for image processing", 2020: lightness L,
+//! green to red a, blue to yellow b) and are joined by straight lines there, so equal steps of a value look
+//! like equal steps of colour. The anchors are this project's own: [`ColourMap::Deep`] climbs in lightness
+//! alone in even steps, from violet to yellow; [`ColourMap::Swell`] falls in lightness from a pale middle, to
+//! blue below and to red above.
 //!
-//! Oklab to linear sRGB, with `l = (L + 0.396 a + 0.216 b)^3` and so on: matrices of the same source; then the transfer
-//! curve of IEC 61966-2-1. [`CURVES`] are the eight colours of M. Okabe and K. Ito ("Color universal design", 2008),
-//! told apart by any eye, in an order that begins with the dark ones.
+//! Oklab to linear sRGB, with `l = (L + 0.396 a + 0.216 b)^3` and so on: matrices of the same source; then
+//! the transfer curve of IEC 61966-2-1. [`CURVES`] are the eight colours of M. Okabe and K. Ito ("Color
+//! universal design", 2008), told apart by any eye, in an order that begins with the dark ones.
 //!
 //! ```
 //! use nereus::plot::colours::ColourMap;
@@ -84,7 +85,8 @@ impl ColourMap {
         self == Self::Swell
     }
 
-    /// Colour at a share of the range, 0 to 1; beyond, and for what is no number, the nearest end (the lower one).
+    /// Colour at a share of the range, 0 to 1; beyond, and for what is no number, the nearest end (the lower
+    /// one).
     pub fn colour(self, share: f64) -> Colour {
         let anchors: &[[f64; 3]] = match self {
             Self::Deep => &DEEP,
@@ -143,8 +145,8 @@ mod tests {
             let lightness: Vec<f64> = (0..=16).map(|i| cielab(map.colour(f64::from(i) / 16.0))[0]).collect();
             let mean = (lightness[16] - lightness[0]) / 16.0;
             for (i, pair) in lightness.windows(2).enumerate() {
-                // Oklab's L and CIE's L* differ in their curves (cube root of cone responses or of luminance):
-                // a fifth over the range used here. A flat or falling stretch would be -100 %.
+                // Oklab's L and CIE's L* differ in their curves (cube root of cone responses or of
+                // luminance): a fifth over the range used here. A flat or falling stretch would be -100 %.
                 assert!(((pair[1] - pair[0]) / mean - 1.0).abs() < 0.2, "{map:?} step {i}: {lightness:?}");
             }
         }

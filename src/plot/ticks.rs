@@ -1,8 +1,8 @@
 //! Round numbers along an axis.
 //!
 //! Steps are 1, 2 or 5 times a power of ten, as fine as the room allows. Labels have the digits that tell
-//! neighbours apart, and an exponent where plain digits would be many. Over two decades or more a logarithmic axis
-//! bears powers of ten, with 2 and 5 between them where there is room.
+//! neighbours apart, and an exponent where plain digits would be many. Over two decades or more a logarithmic
+//! axis bears powers of ten, with 2 and 5 between them where there is room.
 //!
 //! Limits: axes between finite numbers up to 1e150, at least 1e-12 of their size apart ([`spread`]).
 //!
@@ -27,8 +27,8 @@ pub struct Tick {
     pub label: String,
 }
 
-/// Limits that an axis can have, from the least and greatest value to be shown: what is no number becomes `[0, 1]`, a
-/// single value gets room on both sides.
+/// Limits that an axis can have, from the least and greatest value to be shown: what is no number becomes
+/// `[0, 1]`, a single value gets room on both sides.
 pub fn spread([low, high]: [f64; 2]) -> [f64; 2] {
     if !(low.abs() <= LARGEST && high.abs() <= LARGEST && low <= high) {
         return [0.0, 1.0];
@@ -95,8 +95,8 @@ fn label(value: f64, step: f64, exponent: i32, top: i32) -> String {
     format!("{value:.*}", usize::try_from(-exponent).unwrap_or(0))
 }
 
-/// Powers of ten between limits given as log10, at most `most` of them; 2 and 5 between where there is room, round
-/// numbers of the value itself within a decade.
+/// Powers of ten between limits given as log10, at most `most` of them; 2 and 5 between where there is room,
+/// round numbers of the value itself within a decade.
 pub fn logarithmic(limits: [f64; 2], most: usize) -> Vec<Tick> {
     let [low, high] = spread(limits);
     // No number has such a logarithm.
@@ -186,8 +186,8 @@ mod tests {
         #[test]
         fn ordinary_axes_are_well_filled(low in -1e6..1e6, span in 1e-3..1e6, most in 4usize..12) {
             let ticks = linear([low, low + span], most);
-            // A step too fine has more than `most`, and the next is at most 2.5 times as long: (most + 1 - 1) / 2.5
-            // lengths of it fit, the ticks are one fewer at worst.
+            // A step too fine has more than `most`, and the next is at most 2.5 times as long: (most + 1 - 1)
+            // / 2.5 lengths of it fit, the ticks are one fewer at worst.
             prop_assert!(ticks.len() >= 2 && ticks.len() + 1 > most * 2 / 5, "{ticks:?}");
             prop_assert!(ticks.len() <= most.max(5), "{ticks:?}");
         }

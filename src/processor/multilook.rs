@@ -1,7 +1,7 @@
 //! Fewer, smoother pixels, and how bright the brightest may be shown.
 //!
-//! Looks are means of power over `n x n` neighbouring pixels: speckle falls as `1/sqrt(n^2)` while pixels are no closer than the
-//! resolution. A [`percentile`] of 98 % sets the upper end of the scale, as in the paper.
+//! Looks are means of power over `n x n` neighbouring pixels: speckle falls as `1/sqrt(n^2)` while pixels are
+//! no closer than the resolution. A [`percentile`] of 98 % sets the upper end of the scale, as in the paper.
 //!
 //! ```
 //! use nereus::processor::multilook::{multilook, percentile};
@@ -10,8 +10,8 @@
 //! assert_eq!(percentile(&[4.0, 1.0, 3.0, 2.0, f64::NAN], 50.0), Some(2.0));
 //! ```
 
-/// Means of power over `looks` by `looks` pixels; what does not fill a block at the far edges is left out. `pixels` are along x and y;
-/// looks beyond the shorter side are taken as that side.
+/// Means of power over `looks` by `looks` pixels; what does not fill a block at the far edges is left out.
+/// `pixels` are along x and y; looks beyond the shorter side are taken as that side.
 pub fn multilook(power: &[f64], pixels: [usize; 2], looks: usize) -> (Vec<f64>, [usize; 2]) {
     let looks = looks.max(1).min(pixels[0].max(1)).min(pixels[1].max(1));
     let blocks = pixels.map(|n| n / looks);

@@ -1,21 +1,25 @@
 //! What an image makes of a point.
 //!
-//! Near a point the image is the transform of what was measured in the space of wave numbers. On the image's plane, `d` from the point,
+//! Near a point the image is the transform of what was measured in the space of wave numbers. On the image's
+//! plane, `d` from the point,
 //!
 //! ```text
 //! I(d) = a sinc(b_1 . d) sinc(b_2 . d),   b_1 = B grad tau,   b_2 = f0 (grad tau_last - grad tau_first) M/(M - 1)
 //! ```
 //!
-//! `grad tau` the gradient of the bistatic delay along the plane (`(u_T + u_R)/c` projected), cycles per metre; `M` pulses, those that
-//! the point takes through the gate of the aperture. `b_1` and `b_2` need
-//! not be perpendicular. So the cut **in range** runs along the line of equal Doppler (across `b_2`), the cut **in cross-range** along
-//! the line of equal delay (across `b_1`): each is one sinc. Half-power width `0.8859 / |b . e|` along the cut `e` (of a taper:
-//! [`Taper::width`]), highest side lobe -13.26 dB, a cell is `1 / |b . e|`.
+//! `grad tau` the gradient of the bistatic delay along the plane (`(u_T + u_R)/c` projected), cycles per
+//! metre; `M` pulses, those that the point takes through the gate of the aperture. `b_1` and `b_2` need not
+//! be perpendicular. So the cut **in range** runs along the line of equal Doppler (across `b_2`), the cut
+//! **in cross-range** along the line of equal delay (across `b_1`): each is one sinc. Half-power width
+//! `0.8859 / |b . e|` along the cut `e` (of a taper: [`Taper::width`]), highest side lobe -13.26 dB, a cell
+//! is `1 / |b . e|`.
 //!
-//! Limits: apertures and relative bandwidths small enough that the support is a parallelogram (its curvature moves cells
-//! by `f0 B^-1 theta^2/8`, theta the angle that the aperture spans); gain equal over the aperture.
+//! Limits: apertures and relative bandwidths small enough that the support is a parallelogram (its curvature
+//! moves cells by `f0 B^-1 theta^2/8`, theta the angle that the aperture spans); gain equal over the
+//! aperture.
 //!
-//! The image is not interpolated: the peak is sought on a fine grid, then both cuts are back-projected at 32 points a cell.
+//! The image is not interpolated: the peak is sought on a fine grid, then both cuts are back-projected at 32
+//! points a cell.
 //!
 //! | figure | what |
 //! | --- | --- |
@@ -96,7 +100,8 @@ impl Support {
         independent.then(|| Self { range: along.to_array(), cross: across.to_array() })
     }
 
-    /// Directions of the cuts in range and in cross-range (unit vectors, East and North), and the length of a cell along each, m.
+    /// Directions of the cuts in range and in cross-range (unit vectors, East and North), and the length of a
+    /// cell along each, m.
     pub fn cuts(&self) -> [([f64; 2], f64); 2] {
         let (range, cross) = (DVec2::from(self.range), DVec2::from(self.cross));
         let cut = |along: DVec2, across: DVec2| {
@@ -208,12 +213,13 @@ impl From<[f64; 3]> for Sought {
     }
 }
 
-/// Measures points about given places; none for those that show no main lobe within [`SEARCH_CELLS`] of theirs, or none that stands out of noise and sea. `tapers` are
-/// those over the band and over the pulses.
+/// Measures points about given places; none for those that show no main lobe within [`SEARCH_CELLS`] of
+/// theirs, or none that stands out of noise and sea. `tapers` are those over the band and over the pulses.
 ///
-/// A cell in cross-range is that of all pulses. Where a narrow beam passes over a point, few of them carry its echo, and its
-/// main lobe is wider than what is searched. Points that are not found are sought again in cross-range steps that are
-/// 4 and 16 times as long, for main lobes of at least as many cells: what is sharp is not taken from further away.
+/// A cell in cross-range is that of all pulses. Where a narrow beam passes over a point, few of them carry
+/// its echo, and its main lobe is wider than what is searched. Points that are not found are sought again in
+/// cross-range steps that are 4 and 16 times as long, for main lobes of at least as many cells: what is sharp
+/// is not taken from further away.
 pub fn analyse(aperture: &Aperture, sought: &[Sought], tapers: [Taper; 2]) -> Vec<Option<PointTarget>> {
     let supports: Vec<Option<Support>> =
         sought.iter().map(|point| Support::of(aperture, point.about_m)).collect();
@@ -342,15 +348,16 @@ fn judge(
     })
 }
 
-/// Whether the brightest pixel is [`CLEAR_DB`] above the median: a chip of noise or sea has some hundred cells, of which the brightest is
-/// 8 dB above.
+/// Whether the brightest pixel is [`CLEAR_DB`] above the median: a chip of noise or sea has some hundred
+/// cells, of which the brightest is 8 dB above.
 fn stands_out(power: &[f64]) -> bool {
     let top = power.iter().copied().fold(0.0, f64::max);
     let median = percentile(power, 50.0).unwrap_or(0.0);
     top > 0.0 && top >= median * 10f64.powf(CLEAR_DB / 10.0)
 }
 
-/// The brightest pixel's place, refined by a parabola along both sides of the grid, and whether it lies within the grid's edge.
+/// The brightest pixel's place, refined by a parabola along both sides of the grid, and whether it lies
+/// within the grid's edge.
 pub(super) fn brightest(power: &[f64], chip: &Ground) -> ([f64; 3], bool) {
     let [columns, rows] = chip.pixels;
     let at = |i: usize, j: usize| power[j * columns + i];
@@ -368,9 +375,9 @@ pub(super) fn brightest(power: &[f64], chip: &Ground) -> ([f64; 3], bool) {
     (chip.point_m(x, y), true)
 }
 
-/// Where on the plane of `start_m` a target appears whose delays are recorded: the point at rest whose delays come nearest (least squares,
-/// Gauss and Newton). A high target lies over, a moving one is displaced, as in the image. None where fewer than two delays
-/// are numbers or the delays do not tell a place.
+/// Where on the plane of `start_m` a target appears whose delays are recorded: the point at rest whose delays
+/// come nearest (least squares, Gauss and Newton). A high target lies over, a moving one is displaced, as in
+/// the image. None where fewer than two delays are numbers or the delays do not tell a place.
 pub fn locate(
     transmitter: &PhasePath,
     receiver: &PhasePath,

@@ -1,24 +1,26 @@
 //! Range compression with the recorded replica.
 //!
 //! The echo of a scatterer path, mid-pulse at `t_m + Tc/2 + tau`, is
-//! `a e^{-j 2 pi f0 tau} q(u) e^{+j 2 pi f_D (u - Tc/2)}`, `u` after its start. Its correlation with the replica, turned by the
-//! Doppler `f_D` that the middle of the image has in this pulse,
+//! `a e^{-j 2 pi f0 tau} q(u) e^{+j 2 pi f_D (u - Tc/2)}`, `u` after its start. Its correlation with the
+//! replica, turned by the Doppler `f_D` that the middle of the image has in this pulse,
 //!
 //! ```text
 //! C(tau) = sum_i s(t_i) conj( q(t_i - tau) e^{j 2 pi f_D (t_i - tau - Tc/2)} ) / sum_i |q_i|^2
 //! ```
 //!
-//! peaks at `tau`, the delay of the **middle** of the pulse, with `a e^{-j 2 pi f0 tau}`: the phase at mid-pulse has no first-order term
-//! in the Doppler that is left. That leaves `delta f_D Tc / B` of range (5 mm of path for 1 kHz, 1 us, 60 MHz).
+//! peaks at `tau`, the delay of the **middle** of the pulse, with `a e^{-j 2 pi f0 tau}`: the phase at
+//! mid-pulse has no first-order term in the Doppler that is left. That leaves `delta f_D Tc / B` of range (5
+//! mm of path for 1 kHz, 1 us, 60 MHz).
 //!
-//! * In the frequency domain: `S(f) conj(Q(f)) w(f/B)`, or flat `S(f) / Q(f) w(f/B)` within the band, see [`RangeFilter`]. Divided by
-//!   what the replica itself makes of that at its place, `sum |Q|^2 w` or `sum w` over the bins: the peak is `a` whatever the taper.
-//! * Zeros beyond the band interleave `oversampling` cells in a sample; between cells the image interpolates linearly.
-//!   Relative rms error of that for a flat band `B`, cells of `h = 1/(fs oversampling)`:
+//! * In the frequency domain: `S(f) conj(Q(f)) w(f/B)`, or flat `S(f) / Q(f) w(f/B)` within the band, see
+//!   [`RangeFilter`]. Divided by what the replica itself makes of that at its place, `sum |Q|^2 w` or `sum w`
+//!   over the bins: the peak is `a` whatever the taper.
+//! * Zeros beyond the band interleave `oversampling` cells in a sample; between cells the image interpolates
+//!   linearly. Relative rms error of that for a flat band `B`, cells of `h = 1/(fs oversampling)`:
 //!   `sqrt(1/30)/2 sqrt(1/5) (pi B h)^2 = 0.0408 (pi B h)^2`: [`interpolation_error_db`]. Asked for an error,
 //!   [`oversampling`] finds the cells.
-//! * The transform is longer than window and replica together: nothing wraps. Delays are kept from the first sample to the last; near the
-//!   last the echo is cut by the window, and weaker.
+//! * The transform is longer than window and replica together: nothing wraps. Delays are kept from the first
+//!   sample to the last; near the last the echo is cut by the window, and weaker.
 //!
 //! ```
 //! use nereus::processor::range_compress::{interpolation_error_db, oversampling};
@@ -41,10 +43,12 @@ const MOST_OVERSAMPLING: usize = 64;
 /// What becomes of the spectrum of the pulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RangeFilter {
-    /// The matched filter: best against noise. Side lobes are those of the pulse (of a sweep of `B Tc = 20` behind the receive filter: -13.7 dB).
+    /// The matched filter: best against noise. Side lobes are those of the pulse (of a sweep of `B Tc = 20`
+    /// behind the receive filter: -13.7 dB).
     #[default]
     Matched,
-    /// The spectrum of the pulse is divided out within the band: the response is that of the taper, whatever the pulse.
+    /// The spectrum of the pulse is divided out within the band: the response is that of the taper, whatever
+    /// the pulse.
     Flat,
 }
 
@@ -159,7 +163,8 @@ impl Compressor {
             inverse: FftPlanner::new().plan_fft_inverse(len * oversampling),
             replica,
         };
-        // Once, without Doppler: that moves the pulse under the taper by f_D/B and the level by less, 2.5e-4 for 15 kHz in 60 MHz.
+        // Once, without Doppler: that moves the pulse under the taper by f_D/B and the level by less, 2.5e-4
+        // for 15 kHz in 60 MHz.
         let own = made.transform(&mut made.replica.iter().copied());
         let level: f64 = own.iter().enumerate().map(|(k, q)| (q * made.weight(k, *q)).re).sum();
         made.scale = level.recip();
@@ -222,8 +227,8 @@ impl Compressor {
         }
     }
 
-    /// Spectrum of a compressed window: bin `k` belongs to the frequency `k fs/N`, the upper half negative, and
-    /// `C(lag) = sum_k spectrum[k] e^{j 2 pi f_k lag / fs}`.
+    /// Spectrum of a compressed window: bin `k` belongs to the frequency `k fs/N`, the upper half negative,
+    /// and `C(lag) = sum_k spectrum[k] e^{j 2 pi f_k lag / fs}`.
     pub fn spectrum(&self, window: &[Complex32], doppler_hz: f64) -> Vec<Complex64> {
         let mut echo = window.iter().take(self.samples).map(|z| Complex64::new(z.re.into(), z.im.into()));
         let mut bins = self.transform(&mut echo);
@@ -291,7 +296,8 @@ mod tests {
     fn a_pulse_of_known_delay_and_doppler_is_found() {
         let pulse_s = 4e-6;
         let compressor = compressor(pulse_s, RangeFilter::Matched, Taper::Uniform, 16);
-        // On a sample: between samples a cut sweep is not band limited and the peak is known to some 1e-2 only.
+        // On a sample: between samples a cut sweep is not band limited and the peak is known to some 1e-2
+        // only.
         for doppler_hz in [0.0, 15e3, -500e3] {
             let window = sweep(pulse_s, 300.0 / RATE_HZ, doppler_hz, 1024);
             let cells = compressor.compress(&window, doppler_hz);

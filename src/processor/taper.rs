@@ -7,9 +7,9 @@
 //! | Taylor | `1 + 2 sum_{m<6} F_m cos(2 pi m x)`, `F_m` for -35 dB and n = 6 | -35 dB |
 //! | Kaiser | `I0(beta sqrt(1 - 4 x^2)) / I0(beta)`, beta = 6 | -44 dB |
 //!
-//! Zero beyond the band. Sources: T. T. Taylor, IRE Trans. Antennas Propag. 3, 16 (1955), with `F_m` as in W. G. Carrara,
-//! R. S. Goodman, R. M. Majewski, *Spotlight Synthetic Aperture Radar* (1995), appendix D; J. F. Kaiser, R. W. Schafer, IEEE
-//! Trans. ASSP 28, 105 (1980).
+//! Zero beyond the band. Sources: T. T. Taylor, IRE Trans. Antennas Propag. 3, 16 (1955), with `F_m` as in W.
+//! G. Carrara, R. S. Goodman, R. M. Majewski, *Spotlight Synthetic Aperture Radar* (1995), appendix D; J. F.
+//! Kaiser, R. W. Schafer, IEEE Trans. ASSP 28, 105 (1980).
 //!
 //! ```
 //! use nereus::processor::taper::Taper;
@@ -65,7 +65,8 @@ impl Taper {
 impl Taper {
     /// Half-power width of the response to a point, in units of one over the band: 0.8859 without a taper.
     pub fn width(self) -> f64 {
-        // Midpoint rule; the transform falls steadily over the main lobe, which no taper here makes wider than 4.
+        // Midpoint rule; the transform falls steadily over the main lobe, which no taper here makes wider
+        // than 4.
         let cells = 512;
         let weights: Vec<[f64; 2]> = (0..cells)
             .map(|i| (f64::from(i) + 0.5) / f64::from(cells) - 0.5)
@@ -135,8 +136,8 @@ mod tests {
 
     #[test]
     fn side_lobes_are_those_of_the_books() {
-        // sinc: sin x/x at tan x = x; Hann: -31.47 (F. J. Harris, Proc. IEEE 66, 1978, table 1). A grid of 0.01 in u misses
-        // a lobe's top by less than 0.01 dB, 400 cells the integral by 1e-5.
+        // sinc: sin x/x at tan x = x; Hann: -31.47 (F. J. Harris, Proc. IEEE 66, 1978, table 1). A grid of
+        // 0.01 in u misses a lobe's top by less than 0.01 dB, 400 cells the integral by 1e-5.
         for (taper, expected, within) in
             [(Taper::Uniform, -13.26, 0.02), (Taper::Hann, -31.47, 0.02), (Taper::Taylor, -35.0, 0.35)]
         {

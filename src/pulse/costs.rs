@@ -1,9 +1,9 @@
 //! What making pulses costs: time by stage, and how many facets and scatterer paths were dealt with.
 //!
-//! A stopwatch that always runs and is read between stages: [`Costs::begin`] starts it, [`Costs::lap`] gives the time since the
-//! last reading to a stage. So no time is counted twice and the stages add up to the whole, also where stages take turns
-//! within a pulse (tile by tile). Each worker has its own; [`Costs::add`] sums them. Nothing allocates. A reading takes some
-//! 30 ns: read once a tile, not once a facet.
+//! A stopwatch that always runs and is read between stages: [`Costs::begin`] starts it, [`Costs::lap`] gives
+//! the time since the last reading to a stage. So no time is counted twice and the stages add up to the
+//! whole, also where stages take turns within a pulse (tile by tile). Each worker has its own; [`Costs::add`]
+//! sums them. Nothing allocates. A reading takes some 30 ns: read once a tile, not once a facet.
 //!
 //! Seconds are those of one worker: with two workers at once, a run of 1 s has 2 s of them.
 //!
@@ -104,7 +104,8 @@ impl Costs {
         self.read = Some(Instant::now());
     }
 
-    /// Gives the time since the last reading to a stage. The first reading of a stopwatch that nobody started only starts it.
+    /// Gives the time since the last reading to a stage. The first reading of a stopwatch that nobody started
+    /// only starts it.
     pub fn lap(&mut self, stage: Stage) {
         let now = Instant::now();
         if let Some(read) = self.read {
@@ -113,7 +114,8 @@ impl Costs {
         self.read = Some(now);
     }
 
-    /// Counts facets whose path generator was found out: how many, how many of them are illuminated, how many of the illuminated ones were left out.
+    /// Counts facets whose path generator was found out: how many, how many of them are illuminated, how many
+    /// of the illuminated ones were left out.
     pub fn looked_at(&mut self, facets: usize, illuminated: usize, culled: usize) {
         self.counts.facets += facets as u64;
         self.counts.illuminated += illuminated as u64;

@@ -1,8 +1,8 @@
 //! What was changed while a run went on, and at which pulse.
 //!
-//! A [`Log`] is shared by those who change something and by the recordings, which write a row for every change that has come into effect
-//! (`truth/changes`). It only grows: a change is entered before any pulse that has it is begun, so whoever holds a pulse finds all
-//! changes up to it.
+//! A [`Log`] is shared by those who change something and by the recordings, which write a row for every
+//! change that has come into effect (`truth/changes`). It only grows: a change is entered before any pulse
+//! that has it is begun, so whoever holds a pulse finds all changes up to it.
 //!
 //! ```
 //! use nereus::pulse::log::{Entry, Log, Origin};

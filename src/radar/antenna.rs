@@ -1,9 +1,10 @@
 //! Field gain of an antenna.
 //!
-//! **Field gain** `g` (complex, `|g|^2` = power gain) of a uniformly illuminated aperture in direction cosines
-//! `u = d.y_a`, `v = d.z_a`, with full dimensions `a` along y and `b` along z:
+//! **Field gain** `g` (complex, `|g|^2` = power gain) of a uniformly illuminated aperture in direction
+//! cosines `u = d.y_a`, `v = d.z_a`, with full dimensions `a` along y and `b` along z:
 //!
-//! * rectangle: `g = sqrt(4 pi a b) / lambda  sinc(pi a u / lambda) sinc(pi b v / lambda)`, `sinc x = sin x / x`;
+//! * rectangle: `g = sqrt(4 pi a b) / lambda  sinc(pi a u / lambda) sinc(pi b v / lambda)`,
+//!   `sinc x = sin x / x`;
 //! * ellipse: `g = sqrt(4 pi (pi a b / 4)) / lambda  2 J1(X) / X`, `X = (pi / lambda) hypot(a u, b v)`;
 //! * isotropic: constant;
 //! * a measured pattern ([`crate::radar::pattern`]).

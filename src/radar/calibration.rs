@@ -5,23 +5,28 @@
 //! loopback  s_n[i] = sqrt(P) e^{j phi} q(i/fs - d) ,               Q(f) = P(f) H(f)
 //! ```
 //!
-//! `P` power, W; `phi` phase, rad; `df` offset from the carrier, Hz; `t_n` emission of pulse `n`, exact; `w_n` start of its window as recorded, s; `q` the pulse
-//! after the receive filter ([`super::filter`]), `d` its delay after the window's first sample, s, the same in every window. The tone is that of a source which knows the
-//! time; its level is that of samples, whatever the filter does at `df`. Both go through the converter, and through the clocks
-//! ([`super::clock`]) of the receiver and, for the loopback, of the transmitter:
+//! `P` power, W; `phi` phase, rad; `df` offset from the carrier, Hz; `t_n` emission of pulse `n`, exact;
+//! `w_n` start of its window as recorded, s; `q` the pulse after the receive filter ([`super::filter`]), `d`
+//! its delay after the window's first sample, s, the same in every window. The tone is that of a source which
+//! knows the time; its level is that of samples, whatever the filter does at `df`. Both go through the
+//! converter, and through the clocks ([`super::clock`]) of the receiver and, for the loopback, of the
+//! transmitter:
 //!
 //! ```text
 //! tone      turned by -2 pi (f_0 + df) x ,  x = x_R + y_R (w_n + i/fs)
 //! loopback  turned by -2 pi f_0 x ,         x = x_R - x_T + (y_R - y_T) (w_n + i/fs)
 //! ```
 //!
-//! The loopback goes through a cable without length: what the transmitter's oscillator sends at `t_n + w_n + i/fs` is mixed with the receiver's of that same
-//! instant, so a clock that both share leaves no turn at all. An echo left `w_n` earlier, and is turned by what a shared clock does in between ([`super::clock`]).
-//! It is sent when the receiver's own window has been open for `d`, so its place in the window tells nothing of clocks.
-//! Whole turns are taken off before they cost digits: the phase of a tone is right to 2e-8 turns for any length of run (`df` below 1e8 Hz).
+//! The loopback goes through a cable without length: what the transmitter's oscillator sends at
+//! `t_n + w_n + i/fs` is mixed with the receiver's of that same instant, so a clock that both share leaves no
+//! turn at all. An echo left `w_n` earlier, and is turned by what a shared clock does in between
+//! ([`super::clock`]). It is sent when the receiver's own window has been open for `d`, so its place in the
+//! window tells nothing of clocks. Whole turns are taken off before they cost digits: the phase of a tone is
+//! right to 2e-8 turns for any length of run (`df` below 1e8 Hz).
 //!
-//! The transform that makes the loopback has the period of the echo's, so the whole pulse must lie in the window; what the filter rings beyond that wraps around and
-//! is below 1e-6 of the peak. Every other channel is left alone.
+//! The transform that makes the loopback has the period of the echo's, so the whole pulse must lie in the
+//! window; what the filter rings beyond that wraps around and is below 1e-6 of the peak. Every other channel
+//! is left alone.
 //!
 //! ```
 //! use nereus::radar::calibration::turns;
@@ -193,7 +198,8 @@ impl Generators {
         GeneratorScratch { bins: vec![Complex64::ZERO; if noisy { receiver.fft_len() } else { 0 }] }
     }
 
-    /// Makes the samples of the calibration channels of a pulse whose index and window are known and whose echoes have been received.
+    /// Makes the samples of the calibration channels of a pulse whose index and window are known and whose
+    /// echoes have been received.
     pub fn fill(
         &self,
         receiver: &Receiver,

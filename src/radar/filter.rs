@@ -78,7 +78,8 @@ mod tests {
         for fs in [1.0, 12.5e6, 100e6, 2.4e9] {
             let filter = ReceiveFilter::new(fs);
             // Midpoint rule over +-0.5 fs: with a multiple of 10 cells the kinks lie on cell borders and the
-            // error is h^2/24 [d|H|^2/df] = 0 plus fourth order: below 1e-12 at 10^5 cells; sum rounding 1e-12.
+            // error is h^2/24 [d|H|^2/df] = 0 plus fourth order: below 1e-12 at 10^5 cells; sum rounding
+            // 1e-12.
             let cells = 100_000;
             let sum: f64 = (0..cells)
                 .map(|i| filter.response(((f64::from(i) + 0.5) / f64::from(cells) - 0.5) * fs).powi(2))

@@ -2,17 +2,17 @@
 //!
 //! Over a scatterer with legs `R_t`, `R_r` and matrix `S` (sqrt(m^2)):
 //!
-//! `a = sqrt(P lambda^2 / ((4 pi)^3 L)) g_t g_r / (R_t R_r)  (e_r^T S e_t)  10^(-A (R_t + R_r) / 20)`  sqrt(W)
+//! `a = sqrt(P lambda^2 / ((4 pi)^3 L)) g_t g_r / (R_t R_r)  (e_r^T S e_t)  10^(-A (R_t + R_r) / 20)`
+//! sqrt(W)
 //!
 //! and straight from transmitter to receiver over `R`:
 //!
 //! `a = sqrt(P lambda^2 / ((4 pi)^2 L)) g_t g_r / R  (e_r . e_t)  10^(-A R / 20)`
 //!
-//! with `P` the peak power per polarisation (W), `L` the system losses (ratio), `A` the one-way
-//! atmospheric attenuation (dB/m), `g` field gains, `e` polarisation components
-//! ([`crate::radar::polarisation::field`]). On the direct path transmitter and receiver share the direction `k`
-//! and its basis, so the product is that of the two field vectors, `S = 1`. The carrier phase is not in
-//! `a`.
+//! with `P` the peak power per polarisation (W), `L` the system losses (ratio), `A` the one-way atmospheric
+//! attenuation (dB/m), `g` field gains, `e` polarisation components ([`crate::radar::polarisation::field`]).
+//! On the direct path transmitter and receiver share the direction `k` and its basis, so the product is that
+//! of the two field vectors, `S = 1`. The carrier phase is not in `a`.
 //!
 //! **Limit.** Far field. A leg shorter than a wavelength carries nothing (a target in the antenna, a
 //! receiver that shares the transmitter's phase centre): the equation would return more than was sent.

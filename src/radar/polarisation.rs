@@ -1,28 +1,30 @@
 //! Fields of the ports of an antenna across a ray.
 //!
-//! Towards a unit direction `d` from the phase centre an antenna has two real unit vectors, `e_H` and `e_V`, orthogonal to
-//! each other and to `d`, with `d x e_H = e_V`. On the boresight of a level antenna they are its axes y (left) and z (up).
+//! Towards a unit direction `d` from the phase centre an antenna has two real unit vectors, `e_H` and `e_V`,
+//! orthogonal to each other and to `d`, with `d x e_H = e_V`. On the boresight of a level antenna they are
+//! its axes y (left) and z (up).
 //!
-//! * **Local-horizontal** (isotropic antennas): `e_H = u x d / |u x d|` with the vertical `u` at the phase centre
-//!   ([`crate::frames::Earth::up`]), `e_V = d x e_H`. Neither pointing nor the roll of the platform counts.
-//!   Straight up and straight down `e_H` has no limit: it turns once about the vertical with the azimuth. Exactly there it
-//!   is North made normal to `d`.
-//! * **Ludwig's third definition** (apertures and measured patterns; A. C. Ludwig, IEEE Trans. AP-21, 1973, p. 116), with
-//!   theta from the boresight and phi from y about it:
-//!   `e_H = cos phi  theta^ - sin phi  phi^`, `e_V = sin phi  theta^ + cos phi  phi^`.
-//!   It is computed without angles: both are the axes mirrored in the plane normal to `s = x_a + d`,
-//!   `e = a - 2 (a.s) s / s^2` for `a = y_a, z_a`, which is
-//!   `y_a - (d.y_a) / (1 + d.x_a) (x_a + d)`. Straight back (`s = 0`), its one singular direction, H and V turn twice with
-//!   phi; there `s` is taken along `z_a`, the limit in the vertical plane: `y_a` and `-z_a`. Apertures are dark there.
+//! * **Local-horizontal** (isotropic antennas): `e_H = u x d / |u x d|` with the vertical `u` at the phase
+//!   centre ([`crate::frames::Earth::up`]), `e_V = d x e_H`. Neither pointing nor the roll of the platform
+//!   counts. Straight up and straight down `e_H` has no limit: it turns once about the vertical with the
+//!   azimuth. Exactly there it is North made normal to `d`.
+//! * **Ludwig's third definition** (apertures and measured patterns; A. C. Ludwig, IEEE Trans. AP-21, 1973,
+//!   p. 116), with theta from the boresight and phi from y about it: `e_H = cos phi  theta^ - sin phi  phi^`,
+//!   `e_V = sin phi  theta^ + cos phi  phi^`. It is computed without angles: both are the axes mirrored in
+//!   the plane normal to `s = x_a + d`, `e = a - 2 (a.s) s / s^2` for `a = y_a, z_a`, which is
+//!   `y_a - (d.y_a) / (1 + d.x_a) (x_a + d)`. Straight back (`s = 0`), its one singular direction, H and V
+//!   turn twice with phi; there `s` is taken along `z_a`, the limit in the vertical plane: `y_a` and `-z_a`.
+//!   Apertures are dark there.
 //!
-//! **Ports.** H has the field `e_H`, V `e_V`, R `(e_H - j e_V)/sqrt 2`, L `(e_H + j e_V)/sqrt 2`. A port that leaks has
-//! `e_a + eps e_x` for `e_a`, with `e_x` the other port of the pair and `eps = 10^(-isolation/20)`, real; the sum is scaled to
-//! unit length, since the port's power is the power that leaves, leak included (20 dB of isolation cost the wanted
-//! polarisation 0.043 dB).
+//! **Ports.** H has the field `e_H`, V `e_V`, R `(e_H - j e_V)/sqrt 2`, L `(e_H + j e_V)/sqrt 2`. A port that
+//! leaks has `e_a + eps e_x` for `e_a`, with `e_x` the other port of the pair and `eps = 10^(-isolation/20)`,
+//! real; the sum is scaled to unit length, since the port's power is the power that leaves, leak included (20
+//! dB of isolation cost the wanted polarisation 0.043 dB).
 //!
-//! Fields are given in components `(v, h)` of the propagation direction ([`crate::geometry::bistatic::Basis`]). A receiver is
-//! described by the field that it would radiate towards the scatterer, `d = -k_s`, in the basis of `k_s`, **without**
-//! conjugate: what it receives is `e_r^T S e_t`.
+//! Fields are given in components `(v, h)` of the propagation direction
+//! ([`crate::geometry::bistatic::Basis`]). A receiver is described by the field that it would radiate towards
+//! the scatterer, `d = -k_s`, in the basis of `k_s`, **without** conjugate: what it receives is
+//! `e_r^T S e_t`.
 //!
 //! ```
 //! use glam::{DMat3, DVec3};
@@ -53,7 +55,8 @@ const BACKWARD: f64 = 1e-24;
 pub struct PortBasis {
     /// Which definition.
     pub kind: PolarisationBasis,
-    /// Ludwig's: the antenna's axes. Local-horizontal: the vertical at the phase centre as axis z, the others zero.
+    /// Ludwig's: the antenna's axes. Local-horizontal: the vertical at the phase centre as axis z, the others
+    /// zero.
     pub axes: Axes,
 }
 
@@ -101,8 +104,9 @@ pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [
     shares.map(|share| share / length)
 }
 
-/// Components `(v, h)` in the basis of a propagation direction of the field of a port towards a unit direction `d` from the
-/// antenna, unit length. The propagation direction is `d` of a transmitter, `-d` of a receiver.
+/// Components `(v, h)` in the basis of a propagation direction of the field of a port towards a unit
+/// direction `d` from the antenna, unit length. The propagation direction is `d` of a transmitter, `-d` of a
+/// receiver.
 pub fn field(
     antenna: &PortBasis,
     port: Polarisation,
@@ -169,7 +173,8 @@ mod tests {
                 }
                 assert!((d.cross(h) - v).length() < 1e-6, "{n}: {d}: {h}, {v}");
             }
-            // Beside the backward direction `s` loses digits, its direction with them; elsewhere a few roundings.
+            // Beside the backward direction `s` loses digits, its direction with them; elsewhere a few
+            // roundings.
             assert!(worst < 1e-7, "{n}: {worst:e}");
         }
     }

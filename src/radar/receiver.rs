@@ -1,7 +1,7 @@
 //! The receiver: thermal noise, samples, converter.
 //!
-//! Noise. White at the input with `k T0 F` watts per hertz, shaped by the receive filter, added per bin of the
-//! `N`-point transform of period `N/fs`:
+//! Noise. White at the input with `k T0 F` watts per hertz, shaped by the receive filter, added per bin of
+//! the `N`-point transform of period `N/fs`:
 //!
 //! ```text
 //! S[k] += H(f_k) sqrt(k T0 F N / (2 fs)) (x + j y) ,   x, y ~ N(0, 1) independent
@@ -9,8 +9,8 @@
 //! ```
 //!
 //! so a sample has variance `k T0 F (fs/N) sum |H|^2 = k T0 B_n F`, `B_n = 0.875 fs`
-//! ([`ReceiveFilter::noise_bandwidth_hz`]): circular Gaussian, sqrt(W). `T0 = 290 K`. The numbers of pulse `n`, channel `c` come
-//! from the stream (seed, receiver noise, n, c), whatever was asked before and by whom.
+//! ([`ReceiveFilter::noise_bandwidth_hz`]): circular Gaussian, sqrt(W). `T0 = 290 K`. The numbers of pulse
+//! `n`, channel `c` come from the stream (seed, receiver noise, n, c), whatever was asked before and by whom.
 //!
 //! Converter. Mid-rise, I and Q apart, saturating: with `b` bits and full scale `A` the step is
 //! `D = 2A/2^b`, the code `i = floor(x/D)` held in `[-2^(b-1), 2^(b-1) - 1]`, its value `(i + 1/2) D`.
@@ -81,8 +81,8 @@ impl ReceiverScratch {
 }
 
 impl Receiver {
-    /// The receiver of a radar, for spectra of `fft_len` bins in `channels` channels. `fft_len` holds the window and what
-    /// must not wrap into it: take it from the reference echo.
+    /// The receiver of a radar, for spectra of `fft_len` bins in `channels` channels. `fft_len` holds the
+    /// window and what must not wrap into it: take it from the reference echo.
     pub fn new(radar: &Radar, seed: u64, fft_len: usize, channels: usize) -> Self {
         let fs = radar.sample_rate_hz;
         let filter = ReceiveFilter::new(fs);
@@ -195,7 +195,8 @@ impl Receiver {
     /// Makes the samples of `pulse` from its spectra `[channel][bin]` (overwritten) and returns how many real
     /// or imaginary parts saturated the converter, which also sets or clears its flag.
     ///
-    /// Allocates nothing, unless the slot was laid out for another format or size: then its samples are replaced.
+    /// Allocates nothing, unless the slot was laid out for another format or size: then its samples are
+    /// replaced.
     pub fn receive(
         &self,
         spectrum: &mut [Complex64],
@@ -278,12 +279,13 @@ impl Receiver {
         }
     }
 
-    /// The transmitted pulse after the receive filter, `q(i/fs)` with `Q(f) = P(f) H(f)`, unit amplitude, for every sample
-    /// of the pulse: `i = 0 .. ceil(Tc fs)`.
+    /// The transmitted pulse after the receive filter, `q(i/fs)` with `Q(f) = P(f) H(f)`, unit amplitude, for
+    /// every sample of the pulse: `i = 0 .. ceil(Tc fs)`.
     ///
-    /// Entry 0 is the start of the pulse (no lead), so `sum_i s[j + i] conj(replica[i])` peaks at the `j` of the scatterer path's
-    /// delay, where it is `a e^{-j 2 pi f0 tau} sum |replica|^2`. What the filter rings before and
-    /// after the pulse is cut on both sides, so the peak stays where it is (within 1e-2 sample for a short chirp).
+    /// Entry 0 is the start of the pulse (no lead), so `sum_i s[j + i] conj(replica[i])` peaks at the `j` of
+    /// the scatterer path's delay, where it is `a e^{-j 2 pi f0 tau} sum |replica|^2`. What the filter rings
+    /// before and after the pulse is cut on both sides, so the peak stays where it is (within 1e-2 sample for
+    /// a short chirp).
     pub fn replica(&self, waveform: &dyn Waveform) -> Vec<Complex32> {
         let fs = self.sample_rate_hz;
         let len = waveform.span_samples(fs);

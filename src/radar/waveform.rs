@@ -1,13 +1,15 @@
 //! The transmitted baseband pulse.
 //!
-//! A pulse `p(t)` starts at `t = 0` and has unit amplitude (amplitude 1 is the transmitter's peak power); its spectrum is
+//! A pulse `p(t)` starts at `t = 0` and has unit amplitude (amplitude 1 is the transmitter's peak power); its
+//! spectrum is
 //!
 //! ```text
 //! P(f) = int p(t) e^{-j 2 pi f t} dt        [s]
 //! ```
 //!
-//! `f` baseband frequency, Hz. The echo of a scatterer path needs `P` off the grid of any transform (intra-pulse Doppler
-//! shifts it by `f0 dtau/dt`), so [`Waveform::spectrum`] is defined, and exact, at every frequency.
+//! `f` baseband frequency, Hz. The echo of a scatterer path needs `P` off the grid of any transform
+//! (intra-pulse Doppler shifts it by `f0 dtau/dt`), so [`Waveform::spectrum`] is defined, and exact, at every
+//! frequency.
 //!
 //! | waveform | `p(t)` | limits |
 //! | --- | --- | --- |

@@ -1,8 +1,8 @@
 //! From packets to pulses.
 //!
-//! A signal packet belongs to the pulse on whose sample grid its time stamp lies: with `t0` the time of the pulse's
-//! first sample and `fs` the sample rate, `n = (t - t0) fs` is a whole number from 0 up to the samples of a pulse. Stamps
-//! are rounded to picoseconds, so `t` and `t0` are off by half a picosecond each.
+//! A signal packet belongs to the pulse on whose sample grid its time stamp lies: with `t0` the time of the
+//! pulse's first sample and `fs` the sample rate, `n = (t - t0) fs` is a whole number from 0 up to the
+//! samples of a pulse. Stamps are rounded to picoseconds, so `t` and `t0` are off by half a picosecond each.
 
 use std::collections::VecDeque;
 
@@ -15,7 +15,8 @@ use super::open::Open;
 use super::packet::{Frame, Kind, Packet, SECOND_PS};
 use super::track::{Numbers, Track, Verdict};
 
-/// Pulses that may be open at a time: a packet that comes later than so many pulses after its own is too late.
+/// Pulses that may be open at a time: a packet that comes later than so many pulses after its own is too
+/// late.
 const OPEN_PULSES: usize = 8;
 /// Memory of open pulses, samples.
 const OPEN_SAMPLES: usize = 1 << 25;
@@ -23,15 +24,16 @@ const OPEN_SAMPLES: usize = 1 << 25;
 const CLOSED_PULSES: usize = 64;
 /// Signal packets that may wait for a pulse that nothing has told of yet.
 const WAITING: usize = 64;
-/// How far a stamp may lie outside the run as it was described: the farthest window, and runs that slip a little.
+/// How far a stamp may lie outside the run as it was described: the farthest window, and runs that slip a
+/// little.
 const BESIDE_S: f64 = 1e6;
 const SLIP: f64 = 0.01;
 /// Samples so far after those of the last whole pulse are none of this stream.
 const FAR_PS: i128 = 3600 * SECOND_PS;
 /// Mean intervals between pulses that are no neighbours: twice as many as may be open.
 const APART: f64 = 16.0;
-/// How far a stamp may lie from the grid: half a picosecond for it and for the first sample's, and one more for the
-/// arithmetic of a window in f64.
+/// How far a stamp may lie from the grid: half a picosecond for it and for the first sample's, and one more
+/// for the arithmetic of a window in f64.
 const GRID_PS: f64 = 2.0;
 
 /// What became of a packet.
@@ -56,7 +58,8 @@ pub(super) enum Taken {
 }
 
 impl Taken {
-    /// Whether the packet is of the run, as far as can be seen: one that waits, or that no pulse can have, may be anybody's.
+    /// Whether the packet is of the run, as far as can be seen: one that waits, or that no pulse can have,
+    /// may be anybody's.
     pub(super) fn is_of_run(self) -> bool {
         matches!(self, Self::Yes | Self::Double | Self::Late)
     }
@@ -185,8 +188,9 @@ impl Assembly {
         (self.span_ps.0..=self.span_ps.1).contains(&time_ps)
     }
 
-    /// Whether a packet lies near the last whole pulse, or where the stream began, by the time of its samples or its emission,
-    /// or in a pulse whose states are: what is noted of it changes what is expected of the packets after it.
+    /// Whether a packet lies near the last whole pulse, or where the stream began, by the time of its samples
+    /// or its emission, or in a pulse whose states are: what is noted of it changes what is expected of the
+    /// packets after it.
     pub(super) fn is_near(&self, kind: Kind, time_ps: i128) -> bool {
         let base_ps = if kind == Kind::Signal { self.base_ps } else { self.track.base_ps() };
         let is_of = |open: &Open| {
@@ -332,8 +336,9 @@ impl Assembly {
         Taken::Waits
     }
 
-    /// Puts samples into an open pulse on whose grid they lie: first those whose first samples of the channel came, for a
-    /// single state can open a pulse a sample before the true one, whose other packets lie on the grid of both.
+    /// Puts samples into an open pulse on whose grid they lie: first those whose first samples of the channel
+    /// came, for a single state can open a pulse a sample before the true one, whose other packets lie on the
+    /// grid of both.
     fn place(
         &mut self,
         channel: usize,
@@ -376,8 +381,9 @@ impl Assembly {
     /// Opens a pulse at its place among the others, and gives up the oldest where there are too many.
     fn begin(&mut self, first_ps: i128, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> usize {
         while self.open.len() >= self.most {
-            // First one of which only states came, or only samples: who opens many shall not close those that become whole.
-            // Then a pulse that lies apart, or all others if this one comes before them: it would be late.
+            // First one of which only states came, or only samples: who opens many shall not close those that
+            // become whole. Then a pulse that lies apart, or all others if this one comes before them: it
+            // would be late.
             let last = self.open.len() - 1;
             let weak = self.open.iter().rposition(|open| !open.is_sound());
             let apart = |open: &Open| open.first_ps - first_ps > self.apart_ps;
@@ -425,7 +431,8 @@ impl Assembly {
         }
     }
 
-    /// Remembers the number of a pulse of which only states came: it is not missing, but says nothing of others.
+    /// Remembers the number of a pulse of which only states came: it is not missing, but says nothing of
+    /// others.
     fn note_unsound(&mut self, open: &Open) {
         if open.known && self.unsound.len() < CLOSED_PULSES {
             self.unsound.push(open.pulse.index);

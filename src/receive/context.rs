@@ -1,5 +1,5 @@
-//! What context packets say: the fields of the first context indicator of VITA 49.2 (section 9), and the extension
-//! contexts of `docs/wire.md`.
+//! What context packets say: the fields of the first context indicator of VITA 49.2 (section 9), and the
+//! extension contexts of `docs/wire.md`.
 
 use serde::Serialize;
 
@@ -67,7 +67,8 @@ fn triple(words: &mut Words<'_>, point: u32) -> Result<[Option<f64>; 3], Malform
 /// The two words of the payload format.
 fn format(first: u32, second: u32) -> Option<Format> {
     let complex = first >> 29 & 3 == 1;
-    // No tags, no repetition, one value a vector; items as wide as their fields, so the packing method is alike.
+    // No tags, no repetition, one value a vector; items as wide as their fields, so the packing method is
+    // alike.
     let plain = first >> 12 & 0x0fff == 0 && second == 0;
     let widths = (first >> 6 & 63, first & 63);
     match (complex && plain, first >> 24 & 31, widths) {
@@ -78,8 +79,8 @@ fn format(first: u32, second: u32) -> Option<Format> {
 }
 
 impl Context {
-    /// Reads the payload of a context packet. `None` when its fields have attributes (CIF 7), which is legal but not
-    /// understood here.
+    /// Reads the payload of a context packet. `None` when its fields have attributes (CIF 7), which is legal
+    /// but not understood here.
     pub fn parse(payload: &[u8]) -> Result<Option<Self>, Malformed> {
         let mut words = Words::new(payload, "context indicators");
         let fields = words.u32()?;

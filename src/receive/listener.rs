@@ -101,7 +101,8 @@ pub struct Senders {
     pub restart: bool,
     /// Where further runs are recorded, by their number from 2.
     pub next: Option<Box<dyn Fn(usize) -> Opener + Send + Sync>>,
-    /// Recordings of an earlier reception that are removed when this one has ended well, where it makes none of its own.
+    /// Recordings of an earlier reception that are removed when this one has ended well, where it makes none
+    /// of its own.
     pub older: Vec<PathBuf>,
     /// Takes what the user should know at once.
     pub notice: Option<fn(&str)>,
@@ -186,8 +187,8 @@ impl Listener {
         self.buffer_bytes
     }
 
-    /// Receives until the end that was asked for, or until `stop` is set. Whole pulses go to the recording, if there is
-    /// one, and to `see`.
+    /// Receives until the end that was asked for, or until `stop` is set. Whole pulses go to the recording,
+    /// if there is one, and to `see`.
     ///
     /// # Errors
     /// What ended the reception or the recording early, with the report until then.

@@ -1,22 +1,24 @@
 //! A reference receiver of the wire.
 //!
 //! It is written against ANSI/VITA 49.2-2017 and `docs/wire.md`, and shares no packing code with
-//! [`crate::sinks::vita49`]: what both agree on is on the wire. [`Listener`] owns the socket, [`Receiver`] knows only datagrams.
+//! [`crate::sinks::vita49`]: what both agree on is on the wire. [`Listener`] owns the socket, [`Receiver`]
+//! knows only datagrams.
 //!
-//! A pulse is whole when every sample of every channel has come, and the state of every platform. Pulses are handed on
-//! in the order of their emission; one that is not whole when eight later ones are open is given up and counted. All that
-//! is read is bounded, a datagram that is no packet is counted, and what came first of two contradicting descriptions holds.
+//! A pulse is whole when every sample of every channel has come, and the state of every platform. Pulses are
+//! handed on in the order of their emission; one that is not whole when eight later ones are open is given up
+//! and counted. All that is read is bounded, a datagram that is no packet is counted, and what came first of
+//! two contradicting descriptions holds.
 //!
 //! Lateness is `arrival - emission` above its least value: it needs no common clock, only two that run alike.
 //!
-//! Nothing hangs on one datagram, for anybody may have sent it. Times and numbers of pulses must be of the run as it was
-//! described and agree with each other. A leap of more than a second is followed when a majority of the states agree, 32 of
-//! 16 pulses at least, and so is a stream that goes back. Until the first pulse is whole, descriptions that contradict what
-//! was learned make the receiver learn anew. A sender that begins again is counted in `restarts`; [`Receiver::following`]
-//! begins again with it.
+//! Nothing hangs on one datagram, for anybody may have sent it. Times and numbers of pulses must be of the
+//! run as it was described and agree with each other. A leap of more than a second is followed when a
+//! majority of the states agree, 32 of 16 pulses at least, and so is a stream that goes back. Until the first
+//! pulse is whole, descriptions that contradict what was learned make the receiver learn anew. A sender that
+//! begins again is counted in `restarts`; [`Receiver::following`] begins again with it.
 //!
-//! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits do not see sixteen
-//! lost packets in a row, time stamps and pulse numbers do.
+//! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits
+//! do not see sixteen lost packets in a row, time stamps and pulse numbers do.
 //!
 //! ```
 //! use nereus::receive::Receiver;
@@ -224,7 +226,8 @@ impl Receiver {
         self.forget_roster();
     }
 
-    /// Learns a description. What came first holds once a pulse of it has been whole; until then, what came last does.
+    /// Learns a description. What came first holds once a pulse of it has been whole; until then, what came
+    /// last does.
     fn learn(&mut self, stream: u32, description: Extension, outlet: &mut impl Outlet) {
         if self.roster.learn(stream, description.clone()) || self.whole_pulses() > 0 {
             return;
@@ -277,7 +280,8 @@ impl Receiver {
                         }
                     }
                     Some(description) => {
-                        // Looked at even when it comes again: another run may begin with the same count and time.
+                        // Looked at even when it comes again: another run may begin with the same count and
+                        // time.
                         self.another(&description, outlet);
                         if self.is_new(stream, &packet) {
                             self.note(stream, packet.kind, packet.count, packet.time_ps, true);
@@ -320,7 +324,8 @@ impl Receiver {
         !double
     }
 
-    /// Notes what was taken, and what had waited for it. What is refused, strays or waits says nothing of what is missing.
+    /// Notes what was taken, and what had waited for it. What is refused, strays or waits says nothing of
+    /// what is missing.
     fn note_taken(&mut self, stream: u32, packet: &Packet<'_>, taken: Option<Taken>) {
         if let Some(taken) = taken.filter(|taken| taken.is_of_run()) {
             self.note(stream, packet.kind, packet.count, packet.time_ps, taken == Taken::Yes);
@@ -333,8 +338,9 @@ impl Receiver {
         }
     }
 
-    /// Notes the count of a packet in a stream of the run, if its time is near. One that is in its `place` is believed more
-    /// than one that lies far ahead of it: that was forged, and would make all others overtaken.
+    /// Notes the count of a packet in a stream of the run, if its time is near. One that is in its `place` is
+    /// believed more than one that lies far ahead of it: that was forged, and would make all others
+    /// overtaken.
     fn note(&mut self, stream: u32, kind: Kind, count: u8, time_ps: Option<i128>, place: bool) {
         let assembly = self.assembly.as_ref();
         if assembly.zip(time_ps).is_some_and(|(assembly, time_ps)| !assembly.is_near(kind, time_ps)) {

@@ -1,6 +1,7 @@
 //! Packet counts: what was lost, doubled or overtaken in a stream.
 //!
-//! A count has four bits, so it alone cannot tell nine lost packets from seven that were overtaken; the time stamp does.
+//! A count has four bits, so it alone cannot tell nine lost packets from seven that were overtaken; the time
+//! stamp does.
 
 /// The packets of one type in one stream.
 #[derive(Clone, Debug)]
@@ -44,7 +45,8 @@ impl Stream {
         time_ps.is_some() && self.seen[usize::from(count & 15)] == time_ps
     }
 
-    /// The stream goes on with this packet: what was noted as its latest was none of it. What is missing stays counted.
+    /// The stream goes on with this packet: what was noted as its latest was none of it. What is missing
+    /// stays counted.
     pub(super) fn begin_anew(&mut self, count: u8, time_ps: Option<i128>) {
         let missing = self.missing;
         *self = Self { missing, ..Self::begin(count, time_ps) };

@@ -1,4 +1,5 @@
-//! A datagram as VITA 49.2 has it: header, stream, class, time stamp, payload, trailer (section 5.1 of the standard).
+//! A datagram as VITA 49.2 has it: header, stream, class, time stamp, payload, trailer (section 5.1 of the
+//! standard).
 
 use thiserror::Error;
 

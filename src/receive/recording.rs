@@ -1,10 +1,10 @@
-//! What is recorded of a reception: a recording of every run, written in a thread of its own, so that the socket is read
-//! meanwhile.
+//! What is recorded of a reception: a recording of every run, written in a thread of its own, so that the
+//! socket is read meanwhile.
 //!
-//! A recording is made when its first pulse is whole: runs that are only announced leave no files. One that is over is closed
-//! while the next is received. All are put in their places when the reception has ended well; when one of them fails to be
-//! written they stay where they are. One that cannot be put in its place does not keep the others from theirs. What is
-//! counted is what a reader finds.
+//! A recording is made when its first pulse is whole: runs that are only announced leave no files. One that
+//! is over is closed while the next is received. All are put in their places when the reception has ended
+//! well; when one of them fails to be written they stay where they are. One that cannot be put in its place
+//! does not keep the others from theirs. What is counted is what a reader finds.
 
 use std::panic;
 use std::path::PathBuf;
@@ -129,7 +129,8 @@ impl Recordings {
         Self { older, ..Self::default() }
     }
 
-    /// The next pulse begins a recording. That of the run before is closed meanwhile; one at a time, for each takes memory.
+    /// The next pulse begins a recording. That of the run before is closed meanwhile; one at a time, for each
+    /// takes memory.
     pub(super) fn begin(&mut self, next: Option<Opener>) {
         if let Some(recorder) = self.recorder.take() {
             self.end_one(true);
@@ -166,8 +167,8 @@ impl Recordings {
         self.fault.is_some() || self.recorder.as_ref().is_some_and(|recorder| recorder.thread.is_finished())
     }
 
-    /// Waits until the recording that is closed is whole. One that others may move on holds no file open: there may be
-    /// hundreds of them.
+    /// Waits until the recording that is closed is whole. One that others may move on holds no file open:
+    /// there may be hundreds of them.
     fn end_one(&mut self, may_be_moved: bool) {
         let Some(thread) = self.ending.take() else { return };
         // A panic goes on where the thread was begun.
@@ -185,7 +186,8 @@ impl Recordings {
         }
     }
 
-    /// Ends the last recording, and puts all in their places if nothing has failed and the reception itself has not.
+    /// Ends the last recording, and puts all in their places if nothing has failed and the reception itself
+    /// has not.
     pub(super) fn finish(mut self, went_well: bool) -> Recorded {
         self.begin(None);
         self.end_one(false);
@@ -205,8 +207,8 @@ impl Recordings {
 }
 
 impl Recorded {
-    /// Puts a recording in its place, or leaves it where it is. A part that is over may be gone: another program may
-    /// move it on while the next is received.
+    /// Puts a recording in its place, or leaves it where it is. A part that is over may be gone: another
+    /// program may move it on while the next is received.
     fn add(&mut self, closed: Closed, places: bool, may_be_gone: bool) {
         let names = closed.report.files.clone();
         let report = if places {

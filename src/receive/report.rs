@@ -51,8 +51,8 @@ pub struct Report {
     pub stray: u64,
     /// Packets whose time stamp is not of the run as it was described, or far from all others.
     pub implausible: u64,
-    /// States whose pulse number is not of the run as it was described, not that of their time, or not that of the other
-    /// states of their pulse.
+    /// States whose pulse number is not of the run as it was described, not that of their time, or not that
+    /// of the other states of their pulse.
     pub misnumbered: u64,
     /// Datagrams of senders that are not listened to (`--from`).
     pub strangers: u64,
@@ -74,7 +74,8 @@ pub struct Report {
     pub out: Vec<PathBuf>,
     /// Older recordings that stay although they were to be replaced.
     pub kept: Vec<PathBuf>,
-    /// Recordings of runs before the last that another program has moved on or removed after they were complete.
+    /// Recordings of runs before the last that another program has moved on or removed after they were
+    /// complete.
     pub gone: Vec<PathBuf>,
     /// What ended the reception or the recording early.
     pub error: Option<String>,
@@ -98,8 +99,8 @@ pub struct Missing {
 pub struct Lateness {
     /// Pulses that it is taken from.
     pub pulses: usize,
-    /// Arrival minus emission by the clock of this machine, of the earliest pulse, s: the latency where the emission is
-    /// stamped with that clock, else the distance of the clocks.
+    /// Arrival minus emission by the clock of this machine, of the earliest pulse, s: the latency where the
+    /// emission is stamped with that clock, else the distance of the clocks.
     pub least_offset_s: f64,
     /// Beyond that offset: median, us.
     pub p50_us: f64,

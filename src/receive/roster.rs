@@ -134,8 +134,8 @@ impl Roster {
         !streams.contains(&stream) || is_of(context, header.layout.format, header.sample_rate_hz)
     }
 
-    /// Takes the standard context of a stream. One that contradicts what is known is counted, and left unless all is to be
-    /// learned anew.
+    /// Takes the standard context of a stream. One that contradicts what is known is counted, and left unless
+    /// all is to be learned anew.
     pub(super) fn hear(&mut self, stream: u32, context: Context, anew: bool) {
         if !self.agrees(stream, &context) {
             self.contradictions += 1;

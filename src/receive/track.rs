@@ -1,10 +1,11 @@
 //! Where in time and number the stream is. What one datagram says is not believed; what a majority says is.
 //!
-//! States are counted, by their emission: the stamps of samples step back at every channel. Those that lie elsewhere, far
-//! ahead or before what has been closed, propose that the stream is there. A proposal gains a vote with every state that
-//! goes on from it, and loses one with every state that does not, above all with every one that is in its place. It is
-//! followed when it has [`VOTES`] of [`PULSES`] pulses. So a few forged or late datagrams never lead away, many do not lead
-//! away for long, and a sender that begins again is found again after a bounded number of datagrams, whoever else sends.
+//! States are counted, by their emission: the stamps of samples step back at every channel. Those that lie
+//! elsewhere, far ahead or before what has been closed, propose that the stream is there. A proposal gains a
+//! vote with every state that goes on from it, and loses one with every state that does not, above all with
+//! every one that is in its place. It is followed when it has [`VOTES`] of [`PULSES`] pulses. So a few forged
+//! or late datagrams never lead away, many do not lead away for long, and a sender that begins again is found
+//! again after a bounded number of datagrams, whoever else sends.
 
 use crate::sinks::sink::Header;
 use crate::time::TimeTag;
@@ -14,10 +15,12 @@ use super::packet::SECOND_PS;
 /// Votes and pulses of a proposal that is followed.
 const VOTES: u32 = 32;
 const PULSES: u32 = 16;
-/// Emissions farther after that of the last whole pulse propose another place: one second, or so many mean intervals.
+/// Emissions farther after that of the last whole pulse propose another place: one second, or so many mean
+/// intervals.
 const LEAP_S: f64 = 1.0;
 const LEAP_INTERVALS: f64 = 64.0;
-/// How far a number may lie from that of its emission at the mean PRF: sequences of intervals go ahead and fall behind.
+/// How far a number may lie from that of its emission at the mean PRF: sequences of intervals go ahead and
+/// fall behind.
 const SLACK: f64 = 64.0;
 /// More than the longest sequence of intervals.
 const MOST_SLACK: f64 = 131_072.0;
@@ -164,8 +167,9 @@ impl Numbers {
         Self { start, prf_hz, first, count, slack: SLACK, refused: 0 }
     }
 
-    /// Whether a pulse of that emission can have that number: one of the run as it was described, and near that of the emission
-    /// by the mean PRF. How near follows from the stream: intervals that differ are taken for granted when many agree.
+    /// Whether a pulse of that emission can have that number: one of the run as it was described, and near
+    /// that of the emission by the mean PRF. How near follows from the stream: intervals that differ are
+    /// taken for granted when many agree.
     pub(super) fn allow(&mut self, index: u64, emission: TimeTag) -> bool {
         let of_run = index.checked_sub(self.first).is_some_and(|after| self.count == 0 || after < self.count);
         if !of_run {

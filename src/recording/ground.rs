@@ -1,6 +1,7 @@
 //! The points of an image: a grid on a plane, or along any two directions.
 //!
-//! Pixel `(i, j)` is the point `first + i step_x + j step_y`. A map has equal steps to the East and to the North at one height.
+//! Pixel `(i, j)` is the point `first + i step_x + j step_y`. A map has equal steps to the East and to the
+//! North at one height.
 //!
 //! ```
 //! use nereus::recording::ground::Ground;

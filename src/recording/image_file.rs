@@ -5,7 +5,8 @@
 //! | `/image` `[channel, y, x]` | complex64 | sqrt(W) |
 //! | `/x_m` `[x]`, `/y_m` `[y]` | middles of the pixels, East and North | m |
 //!
-//! Root attributes: `format = "nereus-image"`, `version` (1), `channels`, and those of the caller. HDF5 format bounds 1.10.
+//! Root attributes: `format = "nereus-image"`, `version` (1), `channels`, and those of the caller. HDF5
+//! format bounds 1.10.
 //!
 //! ```
 //! use nereus::recording::ground::Ground;

@@ -1,8 +1,8 @@
 //! Several fields over one patch in an HDF5 file.
 //!
-//! Root attributes `format`, `version` (1) and those of the caller. `/x_m` and `/y_m`: centres of the facets, f64, m.
-//! One dataset `[iy][ix]` for every layer, f32 (half a unit of the 24th bit: 6e-8), with the attributes `unit`,
-//! `meaning` and `axes` (`["y_m", "x_m"]`). HDF5 format bounds 1.10.
+//! Root attributes `format`, `version` (1) and those of the caller. `/x_m` and `/y_m`: centres of the facets,
+//! f64, m. One dataset `[iy][ix]` for every layer, f32 (half a unit of the 24th bit: 6e-8), with the
+//! attributes `unit`, `meaning` and `axes` (`["y_m", "x_m"]`). HDF5 format bounds 1.10.
 //!
 //! ```
 //! use nereus::recording::map_file::{Attribute, Layer, MapFile};

@@ -1,10 +1,11 @@
 //! Reads recordings for processing: HDF5 files and plain folders ([`crate::sinks`]).
 //!
-//! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before the first and after the
-//! last pulse of a part. Samples are read in blocks of rows, and only the channels asked for are kept: 8 bytes a sample.
+//! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before
+//! the first and after the last pulse of a part. Samples are read in blocks of rows, and only the channels
+//! asked for are kept: 8 bytes a sample.
 //!
-//! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one, `reported_phase_centre_m` what the platform's reports make of it with the
-//! lever arm as designed.
+//! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one, `reported_phase_centre_m` what the
+//! platform's reports make of it with the lever arm as designed.
 //!
 //! ```no_run
 //! use nereus::recording::Recording;
@@ -297,7 +298,8 @@ impl Recording {
         Self::open_channels(path, pulses, None, |header| Ok((0..header.channels.len()).collect()))
     }
 
-    /// The same with the samples of some channels only, which the header may tell, as long as they take no more bytes than that.
+    /// The same with the samples of some channels only, which the header may tell, as long as they take no
+    /// more bytes than that.
     pub fn open_channels<E: From<RecordingError>>(
         path: &Path,
         pulses: Option<Range<u64>>,
@@ -358,7 +360,8 @@ impl Recording {
         let samples = samples(path, source, &list, used.clone(), &channels, most_bytes)?;
         let rows = used.start - known.start..used.end - known.start;
         let scalar = |name: &str| numbers.get(name).map(|(_, values)| values.clone()).unwrap_or_default();
-        // Whole nanoseconds are taken apart as integers: seconds since 1970 in f64 would be rounded to 2e-7 s.
+        // Whole nanoseconds are taken apart as integers: seconds since 1970 in f64 would be rounded to 2e-7
+        // s.
         let zero_ns = time_ns.first().copied().unwrap_or(0);
         let path_s: Vec<f64> = time_ns
             .iter()

@@ -2,10 +2,10 @@
 //!
 //! One that is complete and cannot be put in its place stays beside it, and the error names it.
 //!
-//! The rule is that of [`crate::files`]: what is there already stays, unless it may be overwritten; then too only a file of
-//! the same kind is exchanged for the new one when that is complete, and none that another program has locked. HDF5 files
-//! say by their attribute `format` that this program made them, pictures and tables begin as those of their kind; an
-//! empty file holds nothing that is lost.
+//! The rule is that of [`crate::files`]: what is there already stays, unless it may be overwritten; then too
+//! only a file of the same kind is exchanged for the new one when that is complete, and none that another
+//! program has locked. HDF5 files say by their attribute `format` that this program made them, pictures and
+//! tables begin as those of their kind; an empty file holds nothing that is lost.
 //!
 //! ```
 //! use nereus::recording::output::{FileKind, Output, OutputError};

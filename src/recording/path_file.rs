@@ -4,8 +4,8 @@
 //! s_c(t) = sum_n a_cn exp(-j 2 pi f0 tau_n) p(u_n) exp(-j 2 pi f0 r_n u_n),   u_n = (t - o_n - tau_n)/(1 + r_n)
 //! ```
 //!
-//! `t` after the emission of the pulse; the first of the samples is taken at `window_start_s`. Before it is sampled, `s_c` passes
-//! the [receive filter](crate::radar::filter).
+//! `t` after the emission of the pulse; the first of the samples is taken at `window_start_s`. Before it is
+//! sampled, `s_c` passes the [receive filter](crate::radar::filter).
 //!
 //! | dataset | symbol | what | unit |
 //! | --- | --- | --- | --- |
@@ -15,8 +15,9 @@
 //! | `/amplitude` `[channel, n]` | `a` | complex amplitude without carrier phase | sqrt(W) |
 //! | `/channel_pair` `[channel]` | | the pair whose delays are those of a channel | |
 //!
-//! All in f64, each with the attributes `unit` and `meaning`. Root attributes: `format = "nereus-paths"`, `version` (1),
-//! `channels` and `pairs` (names, pairs as `transmitter/receiver`), and those of the caller. HDF5 format bounds 1.10.
+//! All in f64, each with the attributes `unit` and `meaning`. Root attributes: `format = "nereus-paths"`,
+//! `version` (1), `channels` and `pairs` (names, pairs as `transmitter/receiver`), and those of the caller.
+//! HDF5 format bounds 1.10.
 //!
 //! ```
 //! use nereus::recording::path_file::PathFile;

@@ -1,9 +1,10 @@
 //! Whether a recording is whole: everything in it is read once and held against what a recording promises.
 //!
-//! - The header is complete and sizes agree with names ([`Header::check`](crate::sinks::sink::Header::check)).
-//! - Every column has as many rows as `/pulse/index`, and every row can be read. In HDF5 the library checks the
-//!   Fletcher-32 checksum of every chunk meanwhile (recordings of earlier versions have none: then a damaged sample is not
-//!   seen, which is noted).
+//! - The header is complete and sizes agree with names
+//!   ([`Header::check`](crate::sinks::sink::Header::check)).
+//! - Every column has as many rows as `/pulse/index`, and every row can be read. In HDF5 the library checks
+//!   the Fletcher-32 checksum of every chunk meanwhile (recordings of earlier versions have none: then a
+//!   damaged sample is not seen, which is noted).
 //! - Pulse numbers ascend; where some are missing, the pulse after the gap says so (`AFTER_GAP`).
 //! - Emission times ascend. Samples, times and states are finite numbers.
 //! - The writer has closed the file: not so while it grows and after its writer was killed.
@@ -122,8 +123,9 @@ fn is_locked(file: &fs::File) -> bool {
     true
 }
 
-/// How a recording ends. In HDF5 a writer leaves its mark in the superblock until it has closed the file; readers lock the
-/// file too, so a lock counts only beside that mark. In a plain recording writers alone lock `meta.json`.
+/// How a recording ends. In HDF5 a writer leaves its mark in the superblock until it has closed the file;
+/// readers lock the file too, so a lock counts only beside that mark. In a plain recording writers alone lock
+/// `meta.json`.
 fn ending(path: &Path) -> Ending {
     let is_folder = path.is_dir();
     let Ok(mut file) = inputs::open(&if is_folder { path.join("meta.json") } else { path.to_owned() }) else {

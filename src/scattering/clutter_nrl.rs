@@ -14,23 +14,25 @@
 //! | VV | -50.796 | 25.93 | 0.7093 | 21.588 | 0.00211 |
 //!
 //! Source: Gregers-Hansen and Mital, An Improved Empirical Model for Radar Sea Clutter Reflectivity,
-//! NRL/MR/5310--12-9346 (2012), equation 7 and the listing of its appendix B; also IEEE TAES 48, 3512 (2012). Table 1 of the
-//! report rounds (20.78, -50.79, 21.58); the listing has one digit more. Confirmed by two things made elsewhere: the
-//! worked example of the `seareflectivity` page of a commercial toolbox (HH, all five digits it prints, which Table 1
-//! misses), and the mean deviations that the report prints for both polarisations, recomputed from Nathanson's 553
-//! measured values. The last digit of `c1` and `c4` of VV (up to 0.02 dB) rests on the listing alone.
+//! NRL/MR/5310--12-9346 (2012), equation 7 and the listing of its appendix B; also IEEE TAES 48, 3512 (2012).
+//! Table 1 of the report rounds (20.78, -50.79, 21.58); the listing has one digit more. Confirmed by two
+//! things made elsewhere: the worked example of the `seareflectivity` page of a commercial toolbox (HH, all
+//! five digits it prints, which Table 1 misses), and the mean deviations that the report prints for both
+//! polarisations, recomputed from Nathanson's 553 measured values. The last digit of `c1` and `c4` of VV (up
+//! to 0.02 dB) rests on the listing alone.
 //!
-//! Limits: carrier 0.5 to 35 GHz, grazing angle 0.1 to 60 degrees, sea state 0 to 6 (fractions allowed), HH and VV.
-//! It is a mean over upwind, downwind and crosswind, in decibels, and holds the shadows and the propagation of
-//! the measurements. It was fitted to Nathanson's tables with a mean absolute deviation of 2.6 dB; single
-//! entries are 11 dB off.
+//! Limits: carrier 0.5 to 35 GHz, grazing angle 0.1 to 60 degrees, sea state 0 to 6 (fractions allowed), HH
+//! and VV. It is a mean over upwind, downwind and crosswind, in decibels, and holds the shadows and the
+//! propagation of the measurements. It was fitted to Nathanson's tables with a mean absolute deviation of 2.6
+//! dB; single entries are 11 dB off.
 //!
 //! Sea state and wind, the report's equations 5 and 3, for a sea fully risen:
 //!
 //! `h = 0.04 + 0.1 s^2.1`, `U = 7.18 h^0.4`
 //!
-//! with `h` the significant wave height, m, and `U` the wind, m/s, at a height that is not stated (taken as 10 m here).
-//! Sea states 0 to 6 are winds of 2.0 to 12.9 m/s. (Equation 4, the inverse of 3, is misprinted: the exponent is 2.5.)
+//! with `h` the significant wave height, m, and `U` the wind, m/s, at a height that is not stated (taken as
+//! 10 m here). Sea states 0 to 6 are winds of 2.0 to 12.9 m/s. (Equation 4, the inverse of 3, is misprinted:
+//! the exponent is 2.5.)
 //!
 //! ```
 //! use nereus::scattering::clutter_nrl::{SeaState, sigma0};

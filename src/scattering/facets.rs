@@ -3,13 +3,13 @@
 //! One batch is facets of one surface kind, as a structure of arrays; the result is four arrays, the entries
 //! `vv, vh, hv, hh` (p received, q transmitted) of each facet's matrix in sqrt(m^2):
 //!
-//! * [`Phases::PolCoherent`] (default): `S = sqrt(A_f) [sum_n B_n e^{j phi_n} + G e^{j phi_0}]`, Bragg matrices
-//!   `B_n` and specular matrix `G` with their own random phases: co- and cross-polar phases within a mechanism
-//!   are physical;
+//! * [`Phases::PolCoherent`] (default): `S = sqrt(A_f) [sum_n B_n e^{j phi_n} + G e^{j phi_0}]`, Bragg
+//!   matrices `B_n` and specular matrix `G` with their own random phases: co- and cross-polar phases within a
+//!   mechanism are physical;
 //! * [`Phases::Single`], as the paper: `S_pq = sqrt(A_f sigma0_pq) e^{j phi_0}`, one phase for all four.
 //!
-//! `A_f = dx dy sqrt(1 + zx^2 + zy^2)` is the area of the facet itself. `E|S_pq|^2 = A_f sigma0_pq` in both. No memory
-//! is taken per facet; batches may be cut anywhere and filled by any thread.
+//! `A_f = dx dy sqrt(1 + zx^2 + zy^2)` is the area of the facet itself. `E|S_pq|^2 = A_f sigma0_pq` in both.
+//! No memory is taken per facet; batches may be cut anywhere and filled by any thread.
 //!
 //! ```
 //! use glam::DVec3;
@@ -78,8 +78,9 @@ pub struct Facets<'a> {
     pub slope_y: &'a [f64],
     /// Share of each facet that the kind covers, 0 to 1; empty for 1 everywhere.
     pub cover: &'a [f64],
-    /// Random phasors, those of a facet side by side (see [`speckle`](super::speckle)): `1 + TwoScale::tilts()`
-    /// per facet for [`Phases::PolCoherent`], of which [`Phases::Single`] uses the first.
+    /// Random phasors, those of a facet side by side (see [`speckle`](super::speckle)):
+    /// `1 + TwoScale::tilts()` per facet for [`Phases::PolCoherent`], of which [`Phases::Single`] uses the
+    /// first.
     pub phasors: &'a [Complex64],
     /// Horizontal area `dx dy` of a facet, m^2.
     pub footprint_m2: f64,
@@ -109,8 +110,8 @@ impl Facets<'_> {
         self.scatter_beside(sea, phases, |_, _, _| 0.0, out)
     }
 
-    /// The same with waves beside those of the wind: `beside(i, kx, ky)` is their symmetrised spectrum on facet `i`, m^4, at a wave vector
-    /// on the axes of the medium.
+    /// The same with waves beside those of the wind: `beside(i, kx, ky)` is their symmetrised spectrum on
+    /// facet `i`, m^4, at a wave vector on the axes of the medium.
     ///
     /// # Errors
     /// An array whose length does not fit the number of facets.

@@ -28,7 +28,8 @@ pub struct Reflection {
 pub fn refracted(eps: Complex64, cos_theta: f64) -> Complex64 {
     // eps - sin^2 written as (eps - 1) + cos^2: no loss of digits near grazing or near eps = 1.
     let square = eps - 1.0 + cos_theta * cos_theta;
-    // sqrt(z) from |z|, the larger part first so that nothing cancels (the library's goes through polar form).
+    // sqrt(z) from |z|, the larger part first so that nothing cancels (the library's goes through polar
+    // form).
     let larger = (0.5 * (square.norm_sqr().sqrt() + square.re.abs())).sqrt();
     if larger == 0.0 {
         Complex64::ZERO

@@ -9,9 +9,10 @@
 //! [`Response::bragg`](super::two_scale::Response::bragg).
 //!
 //! [`Speckle::Frozen`]: unit phasors `exp(j phi)`. [`Speckle::Decorrelating`]: a stationary process of unit
-//! power, nearly complex Gaussian, whose covariance is `exp(-(t/tau)^2)`: `gamma(t) = M^{-1/2} sum_m exp(j (w_m t +
-//! phi_m))`, the `w_m` drawn once per facet from a Gaussian of deviation `sqrt(2)/tau`. It needs no state: any
-//! time may be asked in any order. (Typical `tau` at X band: 5 to 10 ms.)
+//! power, nearly complex Gaussian, whose covariance is `exp(-(t/tau)^2)`:
+//! `gamma(t) = M^{-1/2} sum_m exp(j (w_m t + phi_m))`, the `w_m` drawn once per facet from a Gaussian of
+//! deviation `sqrt(2)/tau`. It needs no state: any time may be asked in any order. (Typical `tau` at X band:
+//! 5 to 10 ms.)
 //!
 //! ```
 //! use nereus::scattering::speckle::Speckle;

@@ -6,13 +6,15 @@
 //! `K^4 Psi(K, phi) = c_0(K) + sum_n [c_n(K) cos 2n phi + s_n(K) sin 2n phi]`
 //!
 //! (odd multiples vanish by symmetry), each interpolated by a cubic through four nodes. Harmonics that
-//! nowhere reach [`HARMONIC_FLOOR`] of `c_0` are left out: a `1 + Delta cos 2 phi` sea keeps one. The factor `K^4`
-//! takes the steepness out of the spectrum.
+//! nowhere reach [`HARMONIC_FLOOR`] of `c_0` are left out: a `1 + Delta cos 2 phi` sea keeps one. The factor
+//! `K^4` takes the steepness out of the spectrum.
 //!
-//! [`SpectrumTable::worst_relative_error`] is measured against the spectrum itself when the table is made: between nodes, at azimuths
-//! that turn from node to node so that no narrow beam or cusp hides between them, and on some circles at [`DENSE_AZIMUTHS`]; whoever chooses the path compares it with the error budget and keeps the exact spectrum where it
-//! does not fit. (A relative error `e` of `Psi` is `e/2` of an amplitude.) Outside its range the table asks the
-//! spectrum itself; [`SpectrumTable::for_bragg`] chooses the range so that this is rare.
+//! [`SpectrumTable::worst_relative_error`] is measured against the spectrum itself when the table is made:
+//! between nodes, at azimuths that turn from node to node so that no narrow beam or cusp hides between them,
+//! and on some circles at [`DENSE_AZIMUTHS`]; whoever chooses the path compares it with the error budget and
+//! keeps the exact spectrum where it does not fit. (A relative error `e` of `Psi` is `e/2` of an amplitude.)
+//! Outside its range the table asks the spectrum itself; [`SpectrumTable::for_bragg`] chooses the range so
+//! that this is rare.
 //!
 //! ```
 //! use nereus::scattering::spectrum_table::SpectrumTable;
@@ -33,12 +35,13 @@ pub const HARMONIC_FLOOR: f64 = 1e-9;
 pub(super) const AZIMUTHS: usize = 32;
 /// Coefficients on a circle: the mean, and cosine and sine of each harmonic.
 pub(super) const COEFFICIENTS: usize = 1 + 2 * (AZIMUTHS / 2 - 1);
-/// Azimuths over half a turn at which some circles are probed: 0.35 degrees apart, where the narrowest spreading of a sea (`s = 1000`) is 5
-/// degrees wide.
+/// Azimuths over half a turn at which some circles are probed: 0.35 degrees apart, where the narrowest
+/// spreading of a sea (`s = 1000`) is 5 degrees wide.
 pub const DENSE_AZIMUTHS: usize = 512;
 /// Every so many circles one is probed at all of these.
 const DENSE_EVERY: usize = 64;
-/// Share of the largest density on a circle below which errors count relative to that share: amplitudes of -60 dB.
+/// Share of the largest density on a circle below which errors count relative to that share: amplitudes of
+/// -60 dB.
 const LEAST_SHARE: f64 = 1e-6;
 /// Nodes per factor e in wave number.
 const NODES_PER_E: f64 = 100.0;
@@ -59,8 +62,8 @@ pub struct SpectrumTable<F> {
 }
 
 impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
-    /// Tabulates what facets can ask of a Bragg spectrum: from half an octave below the cut (without one, from
-    /// `k/1000`) to `2k`, `k` the radar wave number, rad/m.
+    /// Tabulates what facets can ask of a Bragg spectrum: from half an octave below the cut (without one,
+    /// from `k/1000`) to `2k`, `k` the radar wave number, rad/m.
     pub fn for_bragg(psi: F, wavenumber_radpm: f64, cut_radpm: Option<f64>) -> Self {
         let to = 2.0 * wavenumber_radpm;
         let from = cut_radpm.map_or(1e-3 * wavenumber_radpm, |cut| cut / SQRT_2);
@@ -95,8 +98,8 @@ impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
         self.harmonics
     }
 
-    /// Largest `|table - psi|/psi` over points between nodes (where `psi` is below 1e-6 of the largest on its circle: relative to that
-    /// share).
+    /// Largest `|table - psi|/psi` over points between nodes (where `psi` is below 1e-6 of the largest on its
+    /// circle: relative to that share).
     pub fn worst_relative_error(&self) -> f64 {
         self.worst_relative_error
     }
@@ -158,8 +161,8 @@ pub(super) fn probe_azimuths(circle: usize) -> Vec<f64> {
     (0..count).map(|j| PI * (j as f64 + turned) / count as f64).collect()
 }
 
-/// Largest relative error on a circle of `[whole, exact, found]`: relative to the whole density, nowhere to less than [`LEAST_SHARE`] of
-/// the largest; 0 where there is nothing above `least`.
+/// Largest relative error on a circle of `[whole, exact, found]`: relative to the whole density, nowhere to
+/// less than [`LEAST_SHARE`] of the largest; 0 where there is nothing above `least`.
 pub(super) fn relative_error(values: &[[f64; 3]], least: f64) -> f64 {
     let largest =
         values.iter().fold(0.0f64, |most, [whole, exact, found]| most.max(*whole).max(*exact).max(*found));

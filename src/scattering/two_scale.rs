@@ -10,8 +10,8 @@
 //! | `Consistent` | `s_u^2 = integral of K_u^2 Psi, K_max < K < K_cut` (and `s_c^2`) | `K > K_cut` | `exp(-4 k^2 cos^2 th_l s^2)`, `s^2` of all `K > K_cut` |
 //! | `Mars2007` | Cox-Munk, all waves | all | not applied |
 //!
-//! `K_cut = max(K_max, k/3)` unless set by hand; `k` is the radar wave number. `Mars2007` counts the waves of the
-//! height map twice, as the paper does.
+//! `K_cut = max(K_max, k/3)` unless set by hand; `k` is the radar wave number. `Mars2007` counts the waves of
+//! the height map twice, as the paper does.
 //!
 //! Optionally (`tilt_average`) the Bragg part is a sum over nine sub-facets, tilted by the nodes of a 3 x 3
 //! Gauss-Hermite rule of the slope density, each with its own random phase: its covariance is the average
@@ -160,8 +160,8 @@ impl Response {
     }
 }
 
-/// The sea of one surface kind, ready to be asked facet by facet. `F(kx, ky)` is the symmetrised spectrum of the
-/// clean sea, m^4, on the axes of [`Medium::axis`].
+/// The sea of one surface kind, ready to be asked facet by facet. `F(kx, ky)` is the symmetrised spectrum of
+/// the clean sea, m^4, on the axes of [`Medium::axis`].
 #[derive(Clone, Copy, Debug)]
 pub struct TwoScale<K, F> {
     settings: Settings,
@@ -281,7 +281,8 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         SlopePdf::along(self.moments(cover).slopes, skew, self.downwind.0, self.downwind.1)
     }
 
-    /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`, m^4.
+    /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`,
+    /// m^4.
     #[inline]
     pub fn bragg_spectrum(&self, kx: f64, ky: f64, cover: f64) -> f64 {
         self.raised_spectrum(kx, ky, cover, |_, _| 0.0)
@@ -324,8 +325,8 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         response
     }
 
-    /// Hands over the matrices of [`Self::response`] one by one with their mechanism (0 specular, 1 onwards Bragg),
-    /// leaving out what is not there.
+    /// Hands over the matrices of [`Self::response`] one by one with their mechanism (0 specular, 1 onwards
+    /// Bragg), leaving out what is not there.
     #[inline]
     pub fn visit(
         &self,
@@ -337,8 +338,8 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         self.visit_beside(path, slopes, cover, |_, _| 0.0, each);
     }
 
-    /// [`Self::visit`] with waves beside those of the wind that scatter by Bragg: their symmetrised spectrum at a wave vector on the
-    /// local axes, m^4.
+    /// [`Self::visit`] with waves beside those of the wind that scatter by Bragg: their symmetrised spectrum
+    /// at a wave vector on the local axes, m^4.
     #[inline]
     pub fn visit_beside(
         &self,

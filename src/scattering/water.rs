@@ -1,11 +1,12 @@
 //! The water of a scene: which kind of surface a facet is, and what facets of each kind return.
 //!
-//! Kinds are numbered: 0 clean, then the slicks in the order of the scene, then the water stirred by its ships. A
-//! facet belongs to the slick or strip that covers most of its centre (the first of equals), to the share it
-//! covers; where none does, it is clean.
+//! Kinds are numbered: 0 clean, then the slicks in the order of the scene, then the water stirred by its
+//! ships. A facet belongs to the slick or strip that covers most of its centre (the first of equals), to the
+//! share it covers; where none does, it is clean.
 //!
 //! Beside the waves of the wind those of ships may scatter that the map leaves out
-//! ([`short_waves`](crate::sea::wake::short_waves)): where the facet is, which way its Bragg wave runs, decides.
+//! ([`short_waves`](crate::sea::wake::short_waves)): where the facet is, which way its Bragg wave runs,
+//! decides.
 //!
 //! Spectrum, slope variances and the local axes of facets are counted from the direction the wind blows
 //! towards, so that turning scene, wind and radar together changes nothing.
@@ -188,8 +189,8 @@ pub struct WaterScattering {
 /// Longest wave of which a strip knows the damping, rad/m.
 const LONGEST_STIRRED_RADPM: f64 = 0.5;
 
-/// Water in which only a part of the wind at 10 m raises the short waves. A measured spectrum does not tell what less wind would
-/// do; the ratio is then that of Elfouhaily's.
+/// Water in which only a part of the wind at 10 m raises the short waves. A measured spectrum does not tell
+/// what less wind would do; the ratio is then that of Elfouhaily's.
 fn stirred(
     water: &Water,
     light_wind: LightWinds,
@@ -330,7 +331,8 @@ impl WaterScattering {
         })
     }
 
-    /// The spectrum that scatters from clean water, as facets side by side ask it: a table where one holds it.
+    /// The spectrum that scatters from clean water, as facets side by side ask it: a table where one holds
+    /// it.
     fn bragg_table(&self) -> BraggTable {
         let table = self.kinds[0].bragg_table();
         // Half an octave below the cut the high pass is closed.
@@ -343,7 +345,8 @@ impl WaterScattering {
         table.with_spectrum(self.bragg_density())
     }
 
-    /// The spectrum that scatters from clean water, high pass included, at a wave vector on the axes of the wind, m^4.
+    /// The spectrum that scatters from clean water, high pass included, at a wave vector on the axes of the
+    /// wind, m^4.
     pub(super) fn bragg_density(&self) -> Density {
         let (spectrum, cut_radpm) = (Arc::clone(&self.spectrum), self.cut_radpm);
         let [cos, sin] = self.downwind;
@@ -373,7 +376,8 @@ impl WaterScattering {
         }
     }
 
-    /// The same beside the short waves of ships ([`short_waves`](crate::sea::wake::short_waves)): [`Self::scatter_at`] has them.
+    /// The same beside the short waves of ships ([`short_waves`](crate::sea::wake::short_waves)):
+    /// [`Self::scatter_at`] has them.
     pub fn with_short_waves(self, short_waves: Vec<ShortWaves>) -> Self {
         Self { short_waves, ..self }
     }
@@ -413,16 +417,16 @@ impl WaterScattering {
         self.speckle != Speckle::Frozen
     }
 
-    /// Where the ships of the strips and those of the short waves are, `t_s` after pulse 0: for [`Self::kind_at`] and
-    /// [`Self::scatter_at`].
+    /// Where the ships of the strips and those of the short waves are, `t_s` after pulse 0: for
+    /// [`Self::kind_at`] and [`Self::scatter_at`].
     pub fn poses(&self, t_s: f64, out: &mut Vec<Pose>) {
         out.clear();
         out.extend(self.strips.iter().map(|strip| strip.course.pose(t_s)));
         out.extend(self.short_waves.iter().map(|waves| waves.course().pose(t_s)));
     }
 
-    /// Symmetrised spectrum of the short waves of all ships at a place, for a wave vector East and North, with ships at these poses,
-    /// m^4. Ships' spectra add: their waves have no phase in common that lasts.
+    /// Symmetrised spectrum of the short waves of all ships at a place, for a wave vector East and North,
+    /// with ships at these poses, m^4. Ships' spectra add: their waves have no phase in common that lasts.
     pub fn short_wave_psi_m4(&self, place_m: [f64; 2], [kx, ky]: [f64; 2], poses: &[Pose]) -> f64 {
         let poses = poses.get(self.strips.len()..).unwrap_or(&[]);
         let of_ship = |(waves, pose): (&ShortWaves, &Pose)| {
@@ -432,7 +436,8 @@ impl WaterScattering {
         self.short_waves.iter().zip(poses).map(of_ship).sum()
     }
 
-    /// Kind of the facet centred on a place, and the share of it that the kind covers, with ships at these poses.
+    /// Kind of the facet centred on a place, and the share of it that the kind covers, with ships at these
+    /// poses.
     pub fn kind_at(&self, place_m: [f64; 2], poses: &[Pose]) -> (usize, f64) {
         let mut most = (0, 0.0);
         for (kind, (region, bounds)) in (1..).zip(&self.regions) {
@@ -453,7 +458,8 @@ impl WaterScattering {
         most
     }
 
-    /// Whether any facet centred in a rectangle (least and largest x, and y) may be of another kind than clean water.
+    /// Whether any facet centred in a rectangle (least and largest x, and y) may be of another kind than
+    /// clean water.
     pub fn kinds_within(&self, bounds_m: [[f64; 2]; 2], poses: &[Pose]) -> bool {
         let [[x0, x1], [y0, y1]] = bounds_m;
         let of_slicks = self

@@ -1,4 +1,5 @@
-//! Clocks of transmitters and receivers, as they are described. What they do is the business of `radar::clock`.
+//! Clocks of transmitters and receivers, as they are described. What they do is the business of
+//! `radar::clock`.
 
 /// A clock. Its reading less the time of the run is `x`, s; `y = dx/dt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -133,8 +133,8 @@ impl Patch {
         }
     }
 
-    /// Place of the facet with a global key in arrays `[iy][ix]` over the patch; of a facet outside, the place of the
-    /// nearest one inside.
+    /// Place of the facet with a global key in arrays `[iy][ix]` over the patch; of a facet outside, the
+    /// place of the nearest one inside.
     pub fn nearest_index(&self, key: [i64; 2]) -> usize {
         let [ix, iy] = [0, 1].map(|i| (key[i] - self.first[i]).clamp(0, self.facets[i] as i64 - 1) as usize);
         iy * self.facets[0] + ix

@@ -58,7 +58,8 @@ impl Radar {
         pairs
     }
 
-    /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships and clocks.
+    /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships and
+    /// clocks.
     pub fn layout(&self, platforms: usize, targets: usize) -> Layout {
         Layout {
             channels: self.channels.len(),
@@ -116,7 +117,8 @@ pub enum Sweep {
 /// Polarisation of an antenna port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Polarisation {
-    /// Along the first vector of the antenna's basis: horizontal, or +y of the aperture ([`PolarisationBasis`]).
+    /// Along the first vector of the antenna's basis: horizontal, or +y of the aperture
+    /// ([`PolarisationBasis`]).
     H,
     /// Along the second: upward, or +z of the aperture.
     V,

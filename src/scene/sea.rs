@@ -14,7 +14,8 @@ pub struct Sea {
     pub water: Water,
     /// How the spectrum is drawn, and where from.
     pub realisation: Realisation,
-    /// The facets that are modelled. Of a patch that follows, only their number and size: where they are, its aim says.
+    /// The facets that are modelled. Of a patch that follows, only their number and size: where they are, its
+    /// aim says.
     pub patch: Patch,
     /// Whether they stay.
     pub place: PatchPlace,
@@ -87,7 +88,8 @@ pub struct FacetScattering {
     pub phases: Phases,
     /// Time in which a facet forgets its phase, s; `None` for never.
     pub decorrelation_s: Option<f64>,
-    /// Whether facets follow the horizontal orbital motion; if not (as in the paper) they move up and down only.
+    /// Whether facets follow the horizontal orbital motion; if not (as in the paper) they move up and down
+    /// only.
     pub displacement: bool,
 }
 
@@ -150,8 +152,8 @@ pub enum Phases {
 /// How visibility is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadowing {
-    /// Width of the edge between light and shadow as a tangent: 0 for the paper's binary rule, `None` for half the
-    /// rms change of slope over a facet.
+    /// Width of the edge between light and shadow as a tangent: 0 for the paper's binary rule, `None` for
+    /// half the rms change of slope over a facet.
     pub width_rad: Option<f64>,
     /// Rays per facet across the look direction.
     pub rays_per_facet: usize,
@@ -180,7 +182,8 @@ pub struct SlickRegion {
     pub name: String,
     /// Where it is.
     pub shape: SlickShape,
-    /// Width of the rim, m, over which the cover falls from full to none (raised cosine, centred on the outline).
+    /// Width of the rim, m, over which the cover falls from full to none (raised cosine, centred on the
+    /// outline).
     pub rim_m: f64,
     /// Share of the water covered inside, 0 to 1.
     pub cover: f64,
@@ -224,7 +227,8 @@ impl SlickRegion {
 }
 
 impl SlickShape {
-    /// Distance from the outline, m, positive inside. Of an ellipse it is counted along the ray from the centre.
+    /// Distance from the outline, m, positive inside. Of an ellipse it is counted along the ray from the
+    /// centre.
     fn inward_m(&self, place_m: [f64; 2]) -> f64 {
         match self {
             Self::Ellipse { centre_m, half_axes_m, direction_rad } => {

@@ -1,8 +1,8 @@
 //! The moving surface over a patch: what scatters, facet by facet, in the order of the patch.
 //!
 //! A [`Surface`] repeats with its grid; a patch is a window on it, placed anywhere by the global keys of its
-//! facets. Fields of a sheet stand in arrays `[iy][ix]` over the patch. Ships add their waves to those of the wind
-//! ([`FacetSurface::with_wakes`]); unlike these, they do not repeat. In f64 or f32.
+//! facets. Fields of a sheet stand in arrays `[iy][ix]` over the patch. Ships add their waves to those of the
+//! wind ([`FacetSurface::with_wakes`]); unlike these, they do not repeat. In f64 or f32.
 //!
 //! ```
 //! use nereus::scene::Patch;
@@ -28,8 +28,8 @@ use super::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceError};
 use super::wake::{Map, Wake, WakeError};
 use crate::scene::Patch;
 
-/// Error of the wakes of a sheet over the root sum square of their waves, dB: below the rounding of what follows, in f64
-/// and in f32.
+/// Error of the wakes of a sheet over the root sum square of their waves, dB: below the rounding of what
+/// follows, in f64 and in f32.
 const WAKE_ERROR_DB: [f64; 2] = [-140.0, -95.0];
 
 /// Evaluates a surface over patches; one per thread.
@@ -74,8 +74,8 @@ impl<T: Real> FacetSurface<T> {
         Fields::sized(patch.len(), self.selection)
     }
 
-    /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have been made
-    /// for as many facets, which with ships are those of the patch that they were given.
+    /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have
+    /// been made for as many facets, which with ships are those of the patch that they were given.
     pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
         let grid = &self.grid;
         if patch.facets == [grid.nx(), grid.ny()] {

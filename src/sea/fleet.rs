@@ -1,9 +1,9 @@
 //! The ships of a scene: their hulls found, their wakes prepared for the patch that will be looked at.
 //!
-//! A hull is read (or is Wigley's), scaled to the length asked, and its Kochin function gives the amplitudes of the
-//! free waves; they are prepared as far from the ship as any facet of the given patches lies, and fade between 30 and 40
-//! lengths astern. Ships that raise no
-//! waves on these facets (too slow, waves too short) have a wake without waves, and say why ([`Wake::presence`]).
+//! A hull is read (or is Wigley's), scaled to the length asked, and its Kochin function gives the amplitudes
+//! of the free waves; they are prepared as far from the ship as any facet of the given patches lies, and fade
+//! between 30 and 40 lengths astern. Ships that raise no waves on these facets (too slow, waves too short)
+//! have a wake without waves, and say why ([`Wake::presence`]).
 //!
 //! ```
 //! use nereus::scene::ship::{HullGiven, KelvinWake, Ship, TurbulentWake};
@@ -39,8 +39,8 @@ use crate::scene::ship::{HullGiven, KelvinWake};
 use crate::scene::{Patch, Ship};
 use crate::sea::facet_surface::Wakes;
 
-/// Distances astern of midship, in lengths of the ship, over which its waves fade: real ones are lost among others and in
-/// turbulence. It bounds what a patch far from its ships costs.
+/// Distances astern of midship, in lengths of the ship, over which its waves fade: real ones are lost among
+/// others and in turbulence. It bounds what a patch far from its ships costs.
 const FADE_LENGTHS: [f64; 2] = [30.0, 40.0];
 
 /// Error of [`Fleet::waves`] over the root sum square of the waves, dB: below half a unit of an f32.
@@ -121,7 +121,8 @@ pub fn course(ship: &Ship) -> Course {
     Course::straight(ship.position_m, ship.heading_rad, ship.speed_mps)
 }
 
-/// The short waves of the ships that are asked for theirs, on facets of a side, for wave vectors up to a wave number.
+/// The short waves of the ships that are asked for theirs, on facets of a side, for wave vectors up to a wave
+/// number.
 ///
 /// # Errors
 /// The first ship that cannot sail.
@@ -148,13 +149,14 @@ pub fn short_waves(ships: &[Ship], facet_m: f64, shortest_radpm: f64) -> Result<
 }
 
 impl Fleet {
-    /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are reported.
+    /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are
+    /// reported.
     pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetErrors> {
         Self::muster_between(ships, patches, f64::INFINITY, 0.0)
     }
 
-    /// The same for a patch that moves from place to place no faster than `patch_mps` and is looked at until `held_s` after
-    /// it was there: the less it can stray from these places, the fewer waves a ship needs.
+    /// The same for a patch that moves from place to place no faster than `patch_mps` and is looked at until
+    /// `held_s` after it was there: the less it can stray from these places, the fewer waves a ship needs.
     pub fn muster_between(
         ships: &[Ship],
         patches: &[(f64, Patch)],
@@ -191,8 +193,8 @@ impl Fleet {
             let fade_m = FADE_LENGTHS.map(|lengths| lengths * hull.length_m());
             let moves = patches.iter().any(|(_, patch)| patch.first != patches[0].1.first);
             for (index, &(time_s, ref patch)) in patches.iter().enumerate() {
-                // A patch that moves strays no further than its speed allows until half-way to the next place, and waves are
-                // only asked for within the wake's end and the patch that touches it.
+                // A patch that moves strays no further than its speed allows until half-way to the next
+                // place, and waves are only asked for within the wake's end and the patch that touches it.
                 let [x_m, y_m] = patch.size_m();
                 let (end_m, patch_m) = (fade_m[1] + 0.5 * hull.length_m(), x_m.hypot(y_m));
                 let most = Reach {

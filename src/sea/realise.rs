@@ -1,8 +1,8 @@
 //! From the description of a sea to its wind, its spectrum and one realisation of its surface.
 //!
-//! The grid of the surface is that of the patch: as many facets, the same side. A surface read from a file must
-//! have that grid and the dispersion of the scene; its amplitudes then stand for spectrum and seed, while wind and
-//! spectrum still decide how facets scatter.
+//! The grid of the surface is that of the patch: as many facets, the same side. A surface read from a file
+//! must have that grid and the dispersion of the scene; its amplitudes then stand for spectrum and seed,
+//! while wind and spectrum still decide how facets scatter.
 //!
 //! ```
 //! use nereus::scene::sea::{Averaging, FacetScattering, PatchPlace, Realisation};

@@ -1,7 +1,8 @@
 //! The per-pulse columns of a recording: which there are, of what type and shape, and how a pulse
 //! fills a row. HDF5 and plain recordings hold the same columns under the same paths.
 //!
-//! What each of them is, in words: [`super::descriptions`]. [`INDEX`] is always last, because it is written after all others.
+//! What each of them is, in words: [`super::descriptions`]. [`INDEX`] is always last, because it is written
+//! after all others.
 
 use bytemuck::cast_slice;
 use num_complex::{Complex, Complex32};

@@ -1,7 +1,7 @@
 //! What every dataset of a recording is, in words: its axes, its unit, its frame.
 //!
-//! Both kinds of recordings carry these words: HDF5 as attributes of each dataset, plain folders in `meta.json`. Their table
-//! in `docs/recording.md` is this one, which a test checks.
+//! Both kinds of recordings carry these words: HDF5 as attributes of each dataset, plain folders in
+//! `meta.json`. Their table in `docs/recording.md` is this one, which a test checks.
 //!
 //! ```
 //! use nereus::sinks::descriptions::{DESCRIPTIONS, named};

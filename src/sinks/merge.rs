@@ -1,13 +1,14 @@
 //! Joins shards or segments of one run into the recording of the whole.
 //!
 //! Shards are put in the order of their pulses, whatever the order given. Their headers must agree in
-//! everything but the range of pulses, and so must their changes of reports up to the last pulse of the earlier one; no pulse may be in two of them. A gap between two shards is
-//! refused and named, unless the run itself dropped those pulses: then the pulse after it carries `AFTER_GAP`, and
-//! the shard before it is the one that its segment followed (`after_pulse`), or the part of the run before its own.
-//! The recording of the whole run would have the same gap. The datasets of the result are
-//! those of the whole run, bit for bit. Shards are copied in blocks of bounded size into a file beside the
-//! output, which gets its name at the end ([`crate::files`]): a merge that fails leaves nothing, and what was there before. A complete
-//! result that cannot be put in its place stays beside it, and the error names it.
+//! everything but the range of pulses, and so must their changes of reports up to the last pulse of the
+//! earlier one; no pulse may be in two of them. A gap between two shards is refused and named, unless the run
+//! itself dropped those pulses: then the pulse after it carries `AFTER_GAP`, and the shard before it is the
+//! one that its segment followed (`after_pulse`), or the part of the run before its own. The recording of the
+//! whole run would have the same gap. The datasets of the result are those of the whole run, bit for bit.
+//! Shards are copied in blocks of bounded size into a file beside the output, which gets its name at the end
+//! ([`crate::files`]): a merge that fails leaves nothing, and what was there before. A complete result that
+//! cannot be put in its place stays beside it, and the error names it.
 
 use std::path::{Path, PathBuf};
 

@@ -125,8 +125,8 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     faults
 }
 
-/// A complete output that replaces older ones of its kind without one of its own in their places, too: they are removed
-/// when it has been put in its place.
+/// A complete output that replaces older ones of its kind without one of its own in their places, too: they
+/// are removed when it has been put in its place.
 pub fn with_surplus(mut closed: sink::Closed, older: Vec<PathBuf>) -> sink::Closed {
     closed.surplus.extend(older);
     closed

@@ -1,10 +1,12 @@
 //! Navigation out: what a platform reports, on a port, in step with the pulses.
 //!
-//! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it tells the reported state at
-//! the first pulse at or after the tick, and bears the emission time of that pulse. With `latency_s` it leaves with the first pulse
-//! emitted that much later, as from a receiver that thinks for a while. With a rate above the PRF there is one message a pulse.
+//! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it tells the
+//! reported state at the first pulse at or after the tick, and bears the emission time of that pulse. With
+//! `latency_s` it leaves with the first pulse emitted that much later, as from a receiver that thinks for a
+//! while. With a rate above the PRF there is one message a pulse.
 //!
-//! The sink does not wait for its port ([`Port`]). What a message says is the business of a [`Speech`]; rooms above give it.
+//! The sink does not wait for its port ([`Port`]). What a message says is the business of a [`Speech`]; rooms
+//! above give it.
 
 use std::collections::VecDeque;
 use std::time::Duration;

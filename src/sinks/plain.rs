@@ -1,8 +1,8 @@
 //! A recording as a folder of plain files, for machines without HDF5.
 //!
-//! `meta.json` holds the header and, under `columns`, the type, row shape and words ([`super::descriptions`]) of every per-pulse
-//! file; under `descriptions` the words for what is there once.
-//! Column `a/b` is the file `a/b.bin`: rows one after the other in C order, without any header, so
+//! `meta.json` holds the header and, under `columns`, the type, row shape and words ([`super::descriptions`])
+//! of every per-pulse file; under `descriptions` the words for what is there once. Column `a/b` is the file
+//! `a/b.bin`: rows one after the other in C order, without any header, so
 //!
 //! ```python
 //! import json, numpy as np
@@ -13,10 +13,10 @@
 //! ```
 //!
 //! Codes of a converter are pairs of i2: a trailing axis of 2 (in-phase, quadrature). `replica.bin` is
-//! complex64. `pulse/index.bin` is written last at every flush
-//! ([`FLUSH_INTERVAL`]): after a kill the first `n` rows of every file are
-//! complete, n being its length. The columns are listed in [`super::columns`]. Where reports may be changed, `truth/changes.jsonl` has a line for every
-//! change up to the last pulse: `{"pulse":2220,"time_ns":..,"platform":"aircraft","text":"step position.up 5 m","source":"scenario"}`.
+//! complex64. `pulse/index.bin` is written last at every flush ([`FLUSH_INTERVAL`]): after a kill the first
+//! `n` rows of every file are complete, n being its length. The columns are listed in [`super::columns`].
+//! Where reports may be changed, `truth/changes.jsonl` has a line for every change up to the last pulse:
+//! `{"pulse":2220,"time_ns":..,"platform":"aircraft","text":"step position.up 5 m","source":"scenario"}`.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -80,7 +80,8 @@ pub(super) fn preflight(path: &Path, force: bool) -> Result<(), SinkError> {
 /// Largest `meta.json` that is looked at.
 const META_BYTES: u64 = 256 << 20;
 
-/// The files of a plain recording, if a folder holds one and nothing else. An empty folder holds nothing that is lost.
+/// The files of a plain recording, if a folder holds one and nothing else. An empty folder holds nothing that
+/// is lost.
 fn recognise(path: &Path) -> Option<Holding> {
     let (found, folders) = tree(path)?;
     if found.is_empty() {
@@ -310,7 +311,8 @@ impl Sink for PlainSink {
         if self.is_all_there().is_err() {
             return Some(0);
         }
-        // Rows beyond the last whole pulse are cut off; where that fails, the index still says how many are complete.
+        // Rows beyond the last whole pulse are cut off; where that fails, the index still says how many are
+        // complete.
         let index_bytes =
             self.files.last().and_then(|index| index.file.metadata().ok()).map(|data| data.len());
         let pulses = index_bytes.map_or(0, |bytes| bytes / size_of::<u64>() as u64);

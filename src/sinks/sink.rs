@@ -44,8 +44,8 @@ pub trait Sink: Send {
     fn flush(&mut self) -> Result<(), SinkError>;
     /// Completes and closes the output. It is not yet put in the place of an older one: see [`Closed`].
     fn close(&mut self) -> Result<Closed, SinkError>;
-    /// After a failure: gives up what cannot be completed, and counts the pulses that a reader of the output finds.
-    /// `None` of a sink that keeps nothing.
+    /// After a failure: gives up what cannot be completed, and counts the pulses that a reader of the output
+    /// finds. `None` of a sink that keeps nothing.
     fn readable(&mut self) -> Option<u64> {
         None
     }
@@ -59,8 +59,8 @@ pub trait Sink: Send {
 
 /// An output that is complete and closed.
 ///
-/// A recording that is to replace an older one still has the name of its process, so that a run that fails in another
-/// of its sinks leaves the older one as it was.
+/// A recording that is to replace an older one still has the name of its process, so that a run that fails in
+/// another of its sinks leaves the older one as it was.
 #[derive(Debug, Default)]
 pub struct Closed {
     /// What the sink did; the files as they will be named.
@@ -79,9 +79,9 @@ impl Closed {
         Self { report, ..Self::default() }
     }
 
-    /// Puts everything in its place, hands it to the disk, and removes what it replaces. What holds nothing replaces
-    /// nothing, and older segments beyond those of this run go only when it was `whole`: it was asked for all pulses and
-    /// has come to its end.
+    /// Puts everything in its place, hands it to the disk, and removes what it replaces. What holds nothing
+    /// replaces nothing, and older segments beyond those of this run go only when it was `whole`: it was
+    /// asked for all pulses and has come to its end.
     ///
     /// # Errors
     /// The first fault, after all has been tried; the report says where everything is.
@@ -143,8 +143,8 @@ impl Closed {
         self.drafts.iter_mut().for_each(Draft::hand_on);
     }
 
-    /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor does it
-    /// replace anything.
+    /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor
+    /// does it replace anything.
     pub fn keep(mut self) -> SinkReport {
         if self.drafts.is_empty() {
             return self.report;
@@ -254,8 +254,8 @@ pub struct ChannelRow {
     pub receiver: String,
     /// Receive letter, then transmit letter; of a calibration channel `tone` or `loopback`.
     pub polarisations: String,
-    /// Polarisation basis of the transmitter ([`crate::scene::radar::PolarisationBasis::name`]); empty where it is not
-    /// known, as in older recordings, and of calibration channels.
+    /// Polarisation basis of the transmitter ([`crate::scene::radar::PolarisationBasis::name`]); empty where
+    /// it is not known, as in older recordings, and of calibration channels.
     pub transmit_basis: String,
     /// That of the receiver.
     pub receive_basis: String,

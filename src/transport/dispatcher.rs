@@ -1,14 +1,15 @@
 //! Several workers fill one ring, each at its own pace.
 //!
-//! A worker **claims** the next pulses with as many free slots, fills them, and **delivers** them. Claims are handed out in order and
-//! slots reach the ring in that order, whoever is ready first: what comes early waits until all before it is there. No worker waits for
-//! another, only for free slots. All bookkeeping is behind one lock that is held for as long as addresses move; in
-//! steady state nothing is allocated.
+//! A worker **claims** the next pulses with as many free slots, fills them, and **delivers** them. Claims are
+//! handed out in order and slots reach the ring in that order, whoever is ready first: what comes early waits
+//! until all before it is there. No worker waits for another, only for free slots. All bookkeeping is behind
+//! one lock that is held for as long as addresses move; in steady state nothing is allocated.
 //!
-//! What must not change under a pulse is changed *between* claims: [`Dispatcher::between`] is asked with the first pulse that nobody has begun,
-//! while nobody can claim it.
+//! What must not change under a pulse is changed *between* claims: [`Dispatcher::between`] is asked with the
+//! first pulse that nobody has begun, while nobody can claim it.
 //!
-//! Generation is *at work* as long as its workers are: its time is the mean of theirs, without their waits for slots.
+//! Generation is *at work* as long as its workers are: its time is the mean of theirs, without their waits
+//! for slots.
 
 // Boxes are the slots of the ring: their addresses move, pulses stay.
 #![allow(clippy::vec_box)]
@@ -113,8 +114,8 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// Calls something before every claim, and while slots are waited for, with the first pulse that nobody has begun. It must be short: meanwhile no
-    /// worker claims or delivers.
+    /// Calls something before every claim, and while slots are waited for, with the first pulse that nobody
+    /// has begun. It must be short: meanwhile no worker claims or delivers.
     pub fn between(mut self, between: &'a (dyn Fn(u64) + Sync)) -> Self {
         self.between = Some(between);
         self
@@ -124,8 +125,9 @@ impl<'a> Dispatcher<'a> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for slots and takes the next pulses worth making: those from the given one on to the one that `until` tells (later than
-    /// it; never more than the ring has slots). `None` when all are claimed or the run is over.
+    /// Waits for slots and takes the next pulses worth making: those from the given one on to the one that
+    /// `until` tells (later than it; never more than the ring has slots). `None` when all are claimed or the
+    /// run is over.
     pub fn claim(&self, until: impl Fn(u64) -> u64) -> Option<Claim> {
         let since = Instant::now();
         loop {
@@ -199,7 +201,8 @@ impl<'a> Dispatcher<'a> {
 }
 
 impl Drop for Dispatcher<'_> {
-    /// Who had nothing more to do while others were still at work has worked as well: the pulses took that long.
+    /// Who had nothing more to do while others were still at work has worked as well: the pulses took that
+    /// long.
     fn drop(&mut self) {
         let whole = self.started.elapsed() * self.workers;
         let held = self.held.get_mut().unwrap_or_else(PoisonError::into_inner);

@@ -93,7 +93,8 @@ pub struct Snapshot {
     pub pulses: u64,
     /// Pulses released more than one PRI after their deadline.
     pub late: u64,
-    /// Those of them that were computed in time: the operating system delayed the thread that releases pulses.
+    /// Those of them that were computed in time: the operating system delayed the thread that releases
+    /// pulses.
     pub held_up: u64,
     /// Pulses never released: not made in time (policy `drop`).
     pub dropped: u64,
@@ -108,7 +109,8 @@ pub struct Snapshot {
     pub extrapolated: u64,
     /// Those of them for which it was stale.
     pub stale: u64,
-    /// From the arrival of the last fix up to the emission of a pulse to its release; none without live navigation.
+    /// From the arrival of the last fix up to the emission of a pulse to its release; none without live
+    /// navigation.
     pub navigation_to_release_ms: Option<NavigationLatency>,
     /// Fewest pulses found ready at a release while generation was running; none before a release.
     pub ring_low_water: Option<u64>,

@@ -13,19 +13,20 @@
 //! counted and carries `LATE`, whatever the reason.
 //!
 //! **Underrun**: the main ring was seen empty later than `d(n) + P(n) + h`, so pulse n was not *made* in
-//! time. A pacer that wakes late itself finds the pulse in the ring; that is lateness and no underrun. It also
-//! holds back slots that generation needs for the pulses that come one ring later: `h` is the pacer's own worst
-//! lateness over the last two rings of releases, counted from `d(n)` or from when the ring was last seen empty, whichever is later. On an underrun the policy acts:
+//! time. A pacer that wakes late itself finds the pulse in the ring; that is lateness and no underrun. It
+//! also holds back slots that generation needs for the pulses that come one ring later: `h` is the pacer's
+//! own worst lateness over the last two rings of releases, counted from `d(n)` or from when the ring was last
+//! seen empty, whichever is later. On an underrun the policy acts:
 //!
 //! - `stop`: the run ends with [`PacerError::Underrun`].
 //! - `slip`: nothing is lost. When the pulse comes, all deadlines from it on move by its lateness; it
 //!   carries `LATE` and counts as late, with its lateness to the unmoved deadline. The sum of the moves is
 //!   counted.
 //! - `drop`: real time is kept. Every pulse that was not made in time is discarded when it comes; missing
-//!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation is
-//!   told the first index still worth making ([`Worth`]): the one emitted now, so that the full latency
-//!   is again in hand; the pulses between are never made. Under a lasting overload pulses therefore come
-//!   in runs of about a latency's length with gaps between. A run of which not one pulse was released ends with
+//!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation is told the
+//!   first index still worth making ([`Worth`]): the one emitted now, so that the full latency is again in
+//!   hand; the pulses between are never made. Under a lasting overload pulses therefore come in runs of about
+//!   a latency's length with gaps between. A run of which not one pulse was released ends with
 //!   [`PacerError::NothingReleased`].
 //!
 //! At pace `fast` there are no deadlines: nothing waits, nothing is late, nothing is dropped.
@@ -57,7 +58,8 @@ use super::{Pace, Policy, Settings};
 /// The last part of a wait, which is spun: what a plain sleep was seen to overshoot by (median 66 us).
 pub const SPIN_BUDGET: Duration = Duration::from_micros(200);
 
-/// Shortest interval at which the pacer may run ahead of all others: what it spins is then at most a fifth of a core.
+/// Shortest interval at which the pacer may run ahead of all others: what it spins is then at most a fifth of
+/// a core.
 const LEAST_PRI_AHEAD: Duration = Duration::from_millis(1);
 
 /// A long wait looks at the stop flag this often.
@@ -361,7 +363,8 @@ impl Pacer {
         }
     }
 
-    /// How long the pacer need not look into a ring that was empty: till the deadline of the pulse that is due. From then on it counts when it came.
+    /// How long the pacer need not look into a ring that was empty: till the deadline of the pulse that is
+    /// due. From then on it counts when it came.
     fn until_next_look(&self, judge: &Judge, now: Instant, expected: u64) -> Duration {
         if self.settings.pace != Pace::Realtime || expected >= self.schedule.end() {
             return DOZE;
@@ -475,7 +478,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Each batch comes less than an interval later than the one before: at last they are too late all the same.
+    /// Each batch comes less than an interval later than the one before: at last they are too late all the
+    /// same.
     #[test]
     fn a_generation_that_is_short_by_little_is_short() {
         let (batches, batch) = (60, 10);

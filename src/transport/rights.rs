@@ -28,8 +28,8 @@ impl Right {
     }
 }
 
-/// Asks that this thread run at real-time priority: a woken thread of ordinary priority waits until those at work have had their slice,
-/// some milliseconds, nice or not.
+/// Asks that this thread run at real-time priority: a woken thread of ordinary priority waits until those at
+/// work have had their slice, some milliseconds, nice or not.
 pub(super) fn run_ahead() -> Right {
     Right::of("pacer_priority", fifo())
 }

@@ -9,10 +9,11 @@
 //! the batch, whoever filled it. Where workers go at their own pace, slots are [taken](Producer::take) and
 //! [put](Producer::put) instead, and [`crew`](crate::transport::dispatcher) keeps the order.
 //!
-//! No core is burnt while an end waits. The consumer is woken by what is committed (without a lock: a flag, and a wake-up where it is set), or
-//! looks again after [`DOZE`]: where workers take all cores, looking every 0.15 ms cost them a tenth of their time. The producer sleeps [`NAP`]
-//! between two looks for free slots, which are plenty wherever speed matters.
-//! When one end is dropped, the other sees it: the consumer gets what was committed and then the end of the stream; the producer gets no more slots.
+//! No core is burnt while an end waits. The consumer is woken by what is committed (without a lock: a flag,
+//! and a wake-up where it is set), or looks again after [`DOZE`]: where workers take all cores, looking every
+//! 0.15 ms cost them a tenth of their time. The producer sleeps [`NAP`] between two looks for free slots,
+//! which are plenty wherever speed matters. When one end is dropped, the other sees it: the consumer gets
+//! what was committed and then the end of the stream; the producer gets no more slots.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -189,8 +190,8 @@ impl<T> Producer<T> {
         Arc::clone(&self.bell)
     }
 
-    /// Hands over slots that were [taken](Self::take), in order and in one step. It does not wake the consumer, so that it may be called with a lock held:
-    /// the [bell](Self::bell) does.
+    /// Hands over slots that were [taken](Self::take), in order and in one step. It does not wake the
+    /// consumer, so that it may be called with a lock held: the [bell](Self::bell) does.
     pub fn put(&mut self, slots: &mut Vec<Box<T>>) {
         // Room for every slot that exists.
         if let Ok(chunk) = self.filled.write_chunk_uninit(slots.len()) {

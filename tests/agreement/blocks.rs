@@ -41,8 +41,8 @@ fn samples(run: &Run, range: std::ops::Range<u64>) -> Vec<Vec<Complex64>> {
     pulses
 }
 
-/// The error as it is defined: the largest over pulses and channels of a pulse's error over the rms of that channel in the
-/// reference of the run, dB.
+/// The error as it is defined: the largest over pulses and channels of a pulse's error over the rms of that
+/// channel in the reference of the run, dB.
 fn worst_db(found: &[Vec<Complex64>], reference: &[Vec<Complex64>]) -> f64 {
     let channel = |pulse: &[Complex64], c: usize| pulse.chunks(pulse.len() / 4).nth(c).unwrap().to_vec();
     let power = |samples: &[Complex64]| samples.iter().map(|s| s.norm_sqr()).sum::<f64>();
@@ -70,9 +70,10 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
     // The beam passes over the patch; a whole block and parts of two.
     let range = 236..285;
     let exact = samples(&scenario("mars-1.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
-    // Kernel width 5 and single precision leave -80 dB. Cubics through nodes: the error grows with the fourth power of the spacing, 7 dB
-    // from 8 to 12 pulses and 5 from there to 16, and more where the shortest waves are no longer resolved. Gains at 4 pulses do
-    // not show, at 8 they are all that does (six points over a beam's tenth of a lobe).
+    // Kernel width 5 and single precision leave -80 dB. Cubics through nodes: the error grows with the fourth
+    // power of the spacing, 7 dB from 8 to 12 pulses and 5 from there to 16, and more where the shortest
+    // waves are no longer resolved. Gains at 4 pulses do not show, at 8 they are all that does (six points
+    // over a beam's tenth of a lobe).
     for (node, gain, allowed_db) in
         [("1", "1", -75.0), ("8", "4", -72.0), ("12", "4", -66.0), ("16", "4", -58.0), ("12", "8", -25.0)]
     {
@@ -90,7 +91,8 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
     }
 }
 
-/// Grazing incidence: scattering changes faster than the waves, near the angle at which vertical polarisation is least.
+/// Grazing incidence: scattering changes faster than the waves, near the angle at which vertical polarisation
+/// is least.
 #[test]
 fn grazing_facets_are_looked_at_more_often_than_the_sea() {
     let range = 240..282;
@@ -108,7 +110,8 @@ fn grazing_facets_are_looked_at_more_often_than_the_sea() {
     assert!(often < -66.0 && seldom > often + 10.0);
 }
 
-/// Isotropic antennas that look ahead, with the sea abeam and with the sea beneath, where their ports turn quickest.
+/// Isotropic antennas that look ahead, with the sea abeam and with the sea beneath, where their ports turn
+/// quickest.
 #[test]
 fn isotropic_antennas_keep_the_error() {
     let isotropic = [
@@ -208,7 +211,8 @@ fn pulses_that_cannot_be_interpolated_are_made_one_by_one() {
     assert!(error_db < -75.0);
 }
 
-/// At L band the short waves of a ship scatter within facets: the narrow V sails through the patch while blocks are interpolated.
+/// At L band the short waves of a ship scatter within facets: the narrow V sails through the patch while
+/// blocks are interpolated.
 #[test]
 fn blocks_follow_the_short_waves_of_a_ship() {
     let settings = |echo, bragg| {

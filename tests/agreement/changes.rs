@@ -1,5 +1,5 @@
-//! Changes of reports while a run goes on: from one pulse on and not before, whoever asks, on any number of threads, and in both
-//! echoes.
+//! Changes of reports while a run goes on: from one pulse on and not before, whoever asks, on any number of
+//! threads, and in both echoes.
 
 use std::ops::Range;
 use std::path::Path;
@@ -94,7 +94,8 @@ fn what_is_asked_for_meanwhile_is_what_the_same_events_make() {
     }
 }
 
-/// Every pulse from the first one on has a change, and none before; the report differs by what was asked, and the truth by nothing.
+/// Every pulse from the first one on has a change, and none before; the report differs by what was asked, and
+/// the truth by nothing.
 #[test]
 fn a_step_is_there_from_its_pulse_on() {
     let run = scenario("errors.toml", &[]);
@@ -145,7 +146,8 @@ fn reports_are_those_of_the_closed_form() {
         let lost = (20..32).contains(&p.index);
         assert_eq!(p.nav_reported[0].flags, if lost { flags::REPORT_DROPOUT } else { 0 }, "{}", p.index);
         assert_eq!(p.flags & flags::REPORT_DROPOUT != 0, lost);
-        // Moved on with its velocity, a report of a straight flight stays right; what changes meanwhile shows at its end.
+        // Moved on with its velocity, a report of a straight flight stays right; what changes meanwhile shows
+        // at its end.
         near(&p, at(time(&p)) + if p.index < 32 { 0.0 } else { 2.0 });
         let age_s = if lost { (p.index - 19) as f64 / 222.0 } else { 0.0 };
         assert!((p.nav_reported[0].age_s - age_s).abs() < 1e-12);
@@ -184,7 +186,8 @@ fn reports_are_those_of_the_closed_form() {
     }
 }
 
-/// Antennas that aim by the report jump with it, in the middle of a block as well: the fast echo keeps its budget.
+/// Antennas that aim by the report jump with it, in the middle of a block as well: the fast echo keeps its
+/// budget.
 #[test]
 fn the_fast_echo_keeps_its_budget_where_an_aim_jumps() {
     // A start whose fraction of a second makes times round.

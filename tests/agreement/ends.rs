@@ -8,7 +8,8 @@ use nereus::echo::Fidelity;
 use nereus::pipeline::changing;
 use nereus::pulse::Pulse;
 
-/// Coast at 12 m, boat at 9 m and 13 m/s, 64 x 64 facets of 2 m, 2 kHz: updates of the shadows are 40 pulses apart.
+/// Coast at 12 m, boat at 9 m and 13 m/s, 64 x 64 facets of 2 m, 2 kHz: updates of the shadows are 40 pulses
+/// apart.
 fn coast(settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scenarios/boat.toml");
     let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
@@ -22,8 +23,8 @@ fn worst_db(settings: &[(&str, &str)], pulses: std::ops::Range<u64>) -> f64 {
     judge.judge(&run).unwrap().rel_rms_db
 }
 
-/// The last block of 16 pulses has six. Before, the update after the last emission was moved to it, and heights there were those of a cubic far
-/// beyond its nodes: -36.7 dB.
+/// The last block of 16 pulses has six. Before, the update after the last emission was moved to it, and
+/// heights there were those of a cubic far beyond its nodes: -36.7 dB.
 #[test]
 fn the_end_of_a_run_keeps_its_error() {
     let found_db = worst_db(&[("fidelity.node_pulses", "5"), ("fidelity.scatter_pulses", "5")], 60..70);

@@ -1,4 +1,5 @@
-//! What the curve of the earth hides: a radar on a mast of 35 m, whose horizon is `sqrt(2 k R 35 m)` = 24.4 km away.
+//! What the curve of the earth hides: a radar on a mast of 35 m, whose horizon is `sqrt(2 k R 35 m)` = 24.4
+//! km away.
 
 use std::fs;
 
@@ -129,7 +130,8 @@ fn before_the_horizon_no_bit_changes() {
 
 #[test]
 fn crests_are_seen_beyond_the_horizon_and_both_echoes_agree() {
-    // 2.6 km beyond: the mean surface lies 0.4 m below the ray, waves of 1.6 m significant height stand above it in part.
+    // 2.6 km beyond: the mean surface lies 0.4 m below the ray, waves of 1.6 m significant height stand above
+    // it in part.
     let settings = at_range(27e3);
     let [with, without] =
         ["true", "false"].map(|on| paths(COAST, &borrowed(&settings, &[("scene.horizon", on)])));
@@ -150,7 +152,8 @@ fn crests_are_seen_beyond_the_horizon_and_both_echoes_agree() {
 
 #[test]
 fn a_target_that_goes_down_is_the_same_in_both_echoes() {
-    // 0.3 m below, outward at 250 m/s (0.7 m/s up from the ray, as the earth falls away) and 3 m/s down: it fades within the run.
+    // 0.3 m below, outward at 250 m/s (0.7 m/s up from the ray, as the earth falls away) and 3 m/s down: it
+    // fades within the run.
     let range_m = (2.0 * RADIUS_M * 35.0).sqrt() + (2.0 * RADIUS_M * 100.3).sqrt();
     let target = format!(
         "[{{ name = \"t\", position_m = [{range_m:.3}, 0, 100], velocity_mps = [250, 0, -3], rcs_m2 = 1000 }}]"

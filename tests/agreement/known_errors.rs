@@ -1,5 +1,5 @@
-//! Late, lost and wrong reports, turbulence and clocks in a whole run: bit-identical results for any thread and range, the same in
-//! both echoes, and servo and receive window go by the report.
+//! Late, lost and wrong reports, turbulence and clocks in a whole run: bit-identical results for any thread
+//! and range, the same in both echoes, and servo and receive window go by the report.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -130,7 +130,8 @@ fn servo_and_range_gate_go_by_the_report() {
     let near = misled("errors = { position = { bias_m = [0, 100, 0] } }");
     assert!((near.window_start_s - (5800.0 / C - 2e-6)).abs() < 1e-15);
     assert!((energy(&near) / energy(&right) - 1.0).abs() < 1e-3);
-    // A heading that is wrong by half a beam turns the antenna the other way: sinc^2 of a sin(angle)/lambda, a 1 m.
+    // A heading that is wrong by half a beam turns the antenna the other way: sinc^2 of a sin(angle)/lambda,
+    // a 1 m.
     let turned = misled("errors = { attitude = { bias_deg = [0, 0, 0.75] } }");
     let x = std::f64::consts::PI * 0.75f64.to_radians().sin() / (C / 10e9);
     let wanted = (x.sin() / x).powi(2);

@@ -10,12 +10,13 @@ use nereus::pipeline::build;
 
 /// Errors that are asked, dB.
 const SWEEP: [f64; 4] = [-30.0, -45.0, -60.0, -75.0];
-/// Pulses that are compared of the longer scenes; of the others all, since the worst ones are few: those about the first
-/// instants of gain.
+/// Pulses that are compared of the longer scenes; of the others all, since the worst ones are few: those
+/// about the first instants of gain.
 const PULSES: u64 = 66;
 /// A prediction is on the safe side, and no more than that above what is measured, dB.
 const WITHIN_DB: f64 = 6.0;
-/// The same of targets alone, of which two may always be in phase, and each be where its images add; down to [`OF_BOUNDS_DB`].
+/// The same of targets alone, of which two may always be in phase, and each be where its images add; down to
+/// [`OF_BOUNDS_DB`].
 const TARGETS_WITHIN_DB: f64 = 8.0;
 /// Below it rounding counts, which is reported by a bound for many scatterer paths, dB.
 const OF_BOUNDS_DB: f64 = -60.0;
@@ -32,7 +33,8 @@ fn plan(run: &Run) -> Plan {
     *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
 }
 
-/// Measures every error of the sweep, each within its prediction, which is reported to [`WITHIN_DB`] but for some.
+/// Measures every error of the sweep, each within its prediction, which is reported to [`WITHIN_DB`] but for
+/// some.
 fn holds(path: &str, settings: &[(&str, &str)], too_safe: &[f64]) {
     let with = |error_db: f64| {
         let error_db = format!("{error_db:?}");
@@ -87,7 +89,8 @@ fn short_range_at_ka_band() {
     holds("tests/data/scenarios/drone.toml", &[], &[]);
 }
 
-/// Two targets, followed through all pulses: the worst one is where the beam sweeps over them, or their Doppler is farthest off the block's.
+/// Two targets, followed through all pulses: the worst one is where the beam sweeps over them, or their
+/// Doppler is farthest off the block's.
 fn targets_hold(path: &str, settings: &[(&str, &str)], sweep: &[f64]) {
     let with = |error_db: f64| {
         let error_db = format!("{error_db:?}");
@@ -247,9 +250,10 @@ fn gains_leave_what_the_closed_form_says() {
             10.0 * found.log10(),
             10.0 * expected.log10()
         );
-        // The closed form is a mean over all water, here are 128 m of it (two widths of the main lobe, and slopes that weigh them), and the
-        // prediction is that of the worst pulse: 2 dB more, and what its spread over cells and facets adds. Closer gains leave less than the
-        // delays do in other pulses, which are then predicted.
+        // The closed form is a mean over all water, here are 128 m of it (two widths of the main lobe, and
+        // slopes that weigh them), and the prediction is that of the worst pulse: 2 dB more, and what its
+        // spread over cells and facets adds. Closer gains leave less than the delays do in other pulses,
+        // which are then predicted.
         assert!((-3.0..6.0).contains(&apart_db), "{gain_pulses}: {apart_db}");
     }
 }
@@ -264,7 +268,8 @@ fn plans_do_not_know_threads() {
     assert_eq!(of("1"), of("3"));
 }
 
-/// A patch that follows a straight flight for ten hours: 8000 km on a plane earth, and facets known by numbers of 8 million.
+/// A patch that follows a straight flight for ten hours: 8000 km on a plane earth, and facets known by
+/// numbers of 8 million.
 #[test]
 fn hour_ten_is_as_exact_as_second_one() {
     let run = scene(
@@ -300,7 +305,8 @@ fn hour_ten_is_as_exact_as_second_one() {
     assert!((early.rel_rms_db_mean - late.rel_rms_db_mean).abs() < 4.0, "{early:?} {late:?}");
 }
 
-/// The window receives a target and nothing of the patch before it: -18.2 dB where the mean Doppler of blocks was that of the sea.
+/// The window receives a target and nothing of the patch before it: -18.2 dB where the mean Doppler of blocks
+/// was that of the sea.
 #[test]
 fn a_sea_that_the_window_does_not_receive_sets_no_doppler() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scenarios/far-target.toml");

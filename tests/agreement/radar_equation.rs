@@ -122,8 +122,9 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
                 case.name,
                 delay - tau
             );
-            // The recorded replica holds the samples of the pulse itself; the ringing of the receive filter that
-            // is cut moves the peak by the order of 1e-3 sample. A hundredth of a sample is 1/170 of 1/B.
+            // The recorded replica holds the samples of the pulse itself; the ringing of the receive filter
+            // that is cut moves the peak by the order of 1e-3 sample. A hundredth of a sample is 1/170 of
+            // 1/B.
             assert!((delay - tau).abs() < 1e-2 / RATE_HZ, "{}: {delay} for {tau}", case.name);
             assert!(level_db.abs() <= 0.01, "{}: {level_db} dB", case.name);
             assert!(phase.abs() <= 1e-3, "{}: {phase} rad", case.name);

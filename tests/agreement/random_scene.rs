@@ -1,7 +1,8 @@
 //! Random legal scenarios: the same seed is the same file, whatever was drawn before.
 //!
-//! Drones near by, aircraft, coasts, ships' radars, orbits and pairs of these, over all bands, spectra, antennas and options of the sea, on
-//! patches so small that all pulses can be compared. The window holds the echo of the whole patch, or now and then half of it.
+//! Drones near by, aircraft, coasts, ships' radars, orbits and pairs of these, over all bands, spectra,
+//! antennas and options of the sea, on patches so small that all pulses can be compared. The window holds the
+//! echo of the whole patch, or now and then half of it.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

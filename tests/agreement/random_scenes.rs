@@ -1,6 +1,7 @@
 //! What is promised is kept: random scenes, every pulse of each, the fast echo against the reference.
 //!
-//! A promise is a plan that predicts an error at or below the one asked; it is broken where some pulse has more.
+//! A promise is a plan that predicts an error at or below the one asked; it is broken where some pulse has
+//! more.
 //!
 //! | variable | what it sets | default |
 //! | --- | --- | --- |

@@ -109,8 +109,8 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / n)
 }
 
-/// `e_r^T S e_t` of a unit sphere for isotropic antennas: H level, across the direction from the antenna, V upward; in the
-/// bases h = z x k, v = h x k of the wave fronts.
+/// `e_r^T S e_t` of a unit sphere for isotropic antennas: H level, across the direction from the antenna, V
+/// upward; in the bases h = z x k, v = h x k of the wave fronts.
 pub fn polarisation_factor(tx: &[f64; 3], in_flight: &[f64; 3], rx: &[f64; 3], channel: usize) -> f64 {
     let up = [0.0, 0.0, 1.0];
     let components = |k: [f64; 3], from_antenna: [f64; 3]| {

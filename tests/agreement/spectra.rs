@@ -44,7 +44,8 @@ fn a_cusp_up_the_wind() {
     keeps("cusp", &[&[("sea.spectrum", "pierson-moskowitz")], &cusp[..]].concat());
 }
 
-/// Files that reach the Bragg waves of X band: a beam of 3 degrees, and one value in ten of noise about Phillips' law.
+/// Files that reach the Bragg waves of X band: a beam of 3 degrees, and one value in ten of noise about
+/// Phillips' law.
 #[test]
 fn narrow_and_noisy_files() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! The fast echo against the reference: the error that was predicted, for every variant, width and number of scatterer paths.
+//! The fast echo against the reference: the error that was predicted, for every variant, width and number of
+//! scatterer paths.
 
 use std::f64::consts::TAU;
 
@@ -92,7 +93,8 @@ fn gridding_alone_errs_as_predicted_from_both_sides() {
             println!(
                 "oversampling {oversampling}, width {width}: {measured:.1} dB, predicted {predicted:.1}"
             );
-            // 300 scatterer paths in some 400 bins: their mean is known to a dB, the coherence of images as above.
+            // 300 scatterer paths in some 400 bins: their mean is known to a dB, the coherence of images as
+            // above.
             assert!((measured - predicted).abs() <= IMAGES_TOGETHER_DB, "{measured} dB for {predicted}");
         }
     }
@@ -129,11 +131,13 @@ fn every_number_of_contacts_and_channels_is_whole() {
 
 #[test]
 fn doppler_off_the_mean_costs_what_is_predicted() {
-    // Two equal scatterer paths, their Doppler as far above the mean as below; far enough apart that the pulses hardly meet.
+    // Two equal scatterer paths, their Doppler as far above the mean as below; far enough apart that the
+    // pulses hardly meet.
     let airborne = patches()[0].clone();
     let long = Patch { pulse_s: 1e4 / 60e6, samples: 100, ..airborne.clone() };
-    // dB. Mean and Taylor: docs/physics.md section 3.4 and (2 pi nu Tc)^2 / (2 sqrt 80). Shift: impulses, and for the long pulse at
-    // 14.8 kHz (four samples of strip) 2 nu / B; the two between have no closed form and stand for themselves.
+    // dB. Mean and Taylor: docs/physics.md section 3.4 and (2 pi nu Tc)^2 / (2 sqrt 80). Shift: impulses, and
+    // for the long pulse at 14.8 kHz (four samples of strip) 2 nu / B; the two between have no closed form
+    // and stand for themselves.
     let stated = [
         (&airborne, Doppler::Mean, [-64.0, -47.0, -41.0]),
         (&airborne, Doppler::Shift, [-78.0, -60.5, -54.5]),
@@ -157,7 +161,8 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
             let mut exact = vec![Complex64::ZERO; reference.fft_len()];
             reference.spectrum(&paths, patch.window_s(0), &mut exact);
             let measured = error_db(&spectra(&synth, &block, 1, &[0])[0], &exact);
-            // The quadratic term of the envelope's stretch off the mean adds to the Doppler: (2 pi B Tc r')^2 / 180.
+            // The quadratic term of the envelope's stretch off the mean adds to the Doppler: (2 pi B Tc r')^2
+            // / 180.
             let product = patch.bandwidth_hz * patch.pulse_s;
             let of_envelope = (TAU * product * residual_hz / patch.carrier_hz).powi(2) / 180.0;
             let stated_db = 10.0 * (10f64.powf(0.1 * stated_db) + of_envelope).log10();
@@ -180,16 +185,18 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
                 "{doppler:?} Tc {:.2e} s, {residual_hz} Hz: {measured:.2} dB, predicted {predicted:.2}, stated {stated_db}",
                 patch.pulse_s
             );
-            // Two echoes 80 samples apart: the rest of a bin in which they add up, 1/80 of the band, 0.1 dB each.
+            // Two echoes 80 samples apart: the rest of a bin in which they add up, 1/80 of the band, 0.1 dB
+            // each.
             assert!((measured - predicted).abs() < 0.2, "{measured} dB for {predicted}");
-            // The closed forms know nothing of the ripples of a chirp at B Tc = 20, which the filter cuts by some 5 %, 0.5 dB;
-            // the page rounds to 0.5.
+            // The closed forms know nothing of the ripples of a chirp at B Tc = 20, which the filter cuts by
+            // some 5 %, 0.5 dB; the page rounds to 0.5.
             assert!((predicted - stated_db).abs() < 1.0, "{predicted} dB for {stated_db}");
         }
     }
 }
 
-/// Ka band from orbit, looking ahead, and a jet with a long pulse: what the stretch of the envelope is to the reference.
+/// Ka band from orbit, looking ahead, and a jet with a long pulse: what the stretch of the envelope is to the
+/// reference.
 fn stretched_patches() -> [(Patch, f64); 2] {
     let airborne = patches()[0].clone();
     let satellite = End { position_m: [-500e3, -120e3, 600e3], velocity_mps: [7500.0, 0.0, 0.0] };
@@ -231,7 +238,8 @@ fn stretched_envelopes_cost_nothing_and_rigid_ones_what_is_predicted() {
             let predicted = synth.predicted_error(&block).total_db();
             (error_db(&spectra(&synth, &block, 1, &[0])[0], &exact), predicted)
         };
-        // Of one scatterer path, which is all of the mean, the law tells it exactly; chirps of such products lose little to the filter.
+        // Of one scatterer path, which is all of the mean, the law tells it exactly; chirps of such products
+        // lose little to the filter.
         let rate = patch.paths(1, 1, 1, 0).delay_rate[0][0];
         let (waveform, rate_hz) = (patch.waveform(), patch.rate_hz);
         let law = doppler::rigid_error_power(waveform.as_ref(), patch.carrier_hz, rate_hz, n, rate);

@@ -1,4 +1,5 @@
-//! What holds for the fast echo whatever the numbers: bit-identical, variants alike, edges, nothing but finite.
+//! What holds for the fast echo whatever the numbers: bit-identical, variants alike, edges, nothing but
+//! finite.
 
 use nereus::echo::synth::block::{BlockPaths, Node};
 use nereus::echo::synth::doppler::Doppler;

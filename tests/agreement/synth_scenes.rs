@@ -108,7 +108,8 @@ impl Patch {
         self.delay_s([0.0, -half, 0.0], pulse as f64 / self.prf_hz) - 0.3e-6 - 1.3e-8 * pulse as f64
     }
 
-    /// `count` facets on pulse `pulse`; pair `p` sees them `p` times 40 m farther. Amplitudes change linearly.
+    /// `count` facets on pulse `pulse`; pair `p` sees them `p` times 40 m farther. Amplitudes change
+    /// linearly.
     pub fn paths(&self, count: usize, pairs: usize, channels: usize, pulse: usize) -> ScattererPaths {
         let mut numbers = Numbers(77);
         let t_s = pulse as f64 / self.prf_hz;

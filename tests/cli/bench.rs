@@ -53,7 +53,8 @@ fn bench_tells_speed_memory_stages_and_error() {
     }
     let startup_s = number(&report, "startup_s");
     assert!(startup_s > 0.0, "{startup_s}");
-    // What the workers spent is what they had: two of them for as long as generation took, less what they waited.
+    // What the workers spent is what they had: two of them for as long as generation took, less what they
+    // waited.
     let stages = report["stages"].as_object().unwrap();
     for stage in ["record", "surface", "shadow", "paths", "fill", "spread", "transform", "receive"] {
         assert!(stages[stage].as_f64().unwrap() >= 0.0, "{stage}");
@@ -212,7 +213,8 @@ fn tradeoff_sweeps_the_knobs_and_writes_table_and_picture() {
     assert!(again.stderr.contains("--force"), "{}", again.stderr);
 }
 
-/// A sweep that is stopped keeps the settings that were measured: rows of the whole table, one more each time.
+/// A sweep that is stopped keeps the settings that were measured: rows of the whole table, one more each
+/// time.
 #[test]
 #[cfg(unix)]
 fn a_sweep_writes_its_table_as_it_goes() {

@@ -126,7 +126,8 @@ fn the_conversation_of_the_page_is_what_happens() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
 }
 
-/// The pulse that the client is reported is the one in the recording, and the recording is that of the same event.
+/// The pulse that the client is reported is the one in the recording, and the recording is that of the same
+/// event.
 #[test]
 fn what_is_injected_is_recorded_and_can_be_repeated() {
     let folder = tempfile::tempdir().unwrap();
@@ -215,7 +216,8 @@ fn garbage_and_crowds_do_no_harm() {
     deaf.stream.set_write_timeout(Some(Duration::from_millis(100))).unwrap();
     let flood = "help\n".repeat(20_000);
     let _ = deaf.stream.write_all(flood.as_bytes());
-    // A crowd: those for whom there is no room are reported. At most 16 may stay, and they hear nothing unasked.
+    // A crowd: those for whom there is no room are reported. At most 16 may stay, and they hear nothing
+    // unasked.
     let mut crowd: Vec<Client> = (0..40).map(|_| live.client()).collect();
     thread::sleep(Duration::from_millis(500));
     let hear = |one: &mut Client| {

@@ -1,4 +1,5 @@
-//! What happens to files when things go wrong: full disks, calls that fail, runs that meet, and `nereus verify`.
+//! What happens to files when things go wrong: full disks, calls that fail, runs that meet, and
+//! `nereus verify`.
 
 use std::fs;
 use std::path::Path;
@@ -218,8 +219,8 @@ fn calls(folder: &Path) -> Option<PathBuf> {
     Some(library)
 }
 
-/// After a power cut there is the old recording or the new one: the new one, its folders and its name are on the disk before
-/// the old one is removed.
+/// After a power cut there is the old recording or the new one: the new one, its folders and its name are on
+/// the disk before the old one is removed.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_old_recording_goes_after_the_new_one_is_on_the_disk() {
@@ -374,8 +375,9 @@ fn a_recording_that_is_removed_meanwhile_is_a_failure() {
     }
 }
 
-/// Every call that makes a recording fails once, at each place in turn: what is there then can be read to its last whole
-/// pulse, and the exit code and the counts say so. All of them with NEREUS_ALL_IO_FAULTS=1, else every few.
+/// Every call that makes a recording fails once, at each place in turn: what is there then can be read to its
+/// last whole pulse, and the exit code and the counts say so. All of them with NEREUS_ALL_IO_FAULTS=1, else
+/// every few.
 #[cfg(target_os = "linux")]
 #[test]
 fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {

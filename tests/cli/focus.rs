@@ -142,7 +142,8 @@ fn channels_of_calibration_are_left_out_and_refused_by_name() {
     let wanted_dbw = 10.0
         * (100.0 * 1e6 * 0.029_979_245_8f64.powi(2) * 100.0 / (4.0 * std::f64::consts::PI).powi(3)).log10()
         - 40.0 * range_m.log10();
-    // An eighth of a metre off the pixel: 0.04 dB. Noise 46 dB below: 0.05 dB. A pulse between samples: 0.09 dB.
+    // An eighth of a metre off the pixel: 0.04 dB. Noise 46 dB below: 0.05 dB. A pulse between samples: 0.09
+    // dB.
     assert!((channels[0]["peak_dbw"].as_f64().unwrap() - wanted_dbw).abs() < 0.2, "{wanted_dbw} {report}");
     for (name, kind) in [("tone", "tone"), ("loopback", "loopback")] {
         let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", name]].concat());
@@ -310,7 +311,8 @@ fn the_independent_processor_does_not_pass_what_it_did_not_compare() {
     let make = ["focus", "s.h5", "--centre-m", "3300,0", "--size-m", "16", "--out", "i.h5"];
     let ended = nereus(folder.path(), &make);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    // Copies of the image: one whose values are no numbers, of nothing, of a channel that the recording does not have.
+    // Copies of the image: one whose values are no numbers, of nothing, of a channel that the recording does
+    // not have.
     let copies = "import h5py, shutil\n\
         for name in 'nan', 'zero', 'other':\n    \
             shutil.copy('i.h5', name + '.h5')\n    \

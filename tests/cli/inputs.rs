@@ -122,7 +122,8 @@ fn names_stay_on_their_line() {
     }
 }
 
-/// Before: `\u{202e}` in JSON, which no parser reads, and of a path that is not UTF-8 no JSON at all, after a complete run.
+/// Before: `\u{202e}` in JSON, which no parser reads, and of a path that is not UTF-8 no JSON at all, after a
+/// complete run.
 #[test]
 fn json_is_valid_whatever_a_path_holds() {
     use std::ffi::{OsStr, OsString};

@@ -97,7 +97,8 @@ fn report(child: Child) -> serde_json::Value {
     serde_json::from_str(String::from_utf8_lossy(&output.stdout).lines().last().unwrap()).unwrap()
 }
 
-/// Sends epochs at their times until the run has ended, but for those that `lost` says; something else before each.
+/// Sends epochs at their times until the run has ended, but for those that `lost` says; something else before
+/// each.
 fn fly(
     to: &mut impl Write,
     child: &mut Child,

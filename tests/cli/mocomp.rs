@@ -38,8 +38,9 @@ fn a_table_sets_prediction_beside_measurement() {
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
     let target = &report["channels"][0]["targets"][0];
     let of = |kind: &str, axis: usize| target[kind]["shift_cells"][axis].as_f64().unwrap();
-    // 2 x 50 mm/s cos 45 for 40 pulses of 1/300 s over 29.98 mm: -0.3145 cells (cross-range counts against the flight); and 0.1 m along the
-    // track, gained up to the middle of the run, over cells of lambda R/(2 L) = 4.77 m.
+    // 2 x 50 mm/s cos 45 for 40 pulses of 1/300 s over 29.98 mm: -0.3145 cells (cross-range counts against
+    // the flight); and 0.1 m along the track, gained up to the middle of the run, over cells of lambda R/(2
+    // L) = 4.77 m.
     let length_m = 100.0 * 40.0 / 300.0;
     let law = -0.05 * 2f64.sqrt() * 40.0 / 300.0 / 0.029_979_245_8
         - 0.1 * 299.5 / 300.0 * 2.0 * length_m / (0.029_979_245_8 * 3000.0 * 2f64.sqrt());

@@ -75,7 +75,8 @@ fn inspect_tells_what_is_there() {
     assert!(text.contains("no date") && text.contains("219 good"), "{text}");
 }
 
-/// The block that `inspect` prints is a track: of noisy fixes with smoothing, without which their attitude turns too far.
+/// The block that `inspect` prints is a track: of noisy fixes with smoothing, without which their attitude
+/// turns too far.
 #[test]
 fn the_block_of_inspect_is_a_track() {
     let folder = tempfile::tempdir().unwrap();
@@ -126,7 +127,8 @@ fn convert_goes_around() {
             }
         }
     }
-    // What is there is not overwritten; a name without a format is refused; so is an attitude that nobody knows.
+    // What is there is not overwritten; a name without a format is refused; so is an attitude that nobody
+    // knows.
     let again = nereus(folder, &["nav", "convert", &cart(), "a.csv"]);
     assert_eq!(again.code, 2);
     assert!(again.stderr.contains("exists already"), "{}", again.stderr);
@@ -171,8 +173,8 @@ fn of_the_manual(word: &str, instead: &str) -> String {
     line.replace("--to inspvaxb", "--to inspvaxb --rate 5")
 }
 
-/// Runs a command of the manual while its fixes are received; they are those of the file, of which the first and the last
-/// may be missed.
+/// Runs a command of the manual while its fixes are received; they are those of the file, of which the first
+/// and the last may be missed.
 #[cfg(unix)]
 fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
     use nereus::nav::live::{Feed, LiveSource, Origin};

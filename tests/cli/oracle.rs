@@ -66,8 +66,8 @@ fn recordings_are_what_an_independent_program_computes() {
     }
 }
 
-/// The paper's scenes on 64 x 64 facets while the beam passes over them; what the oracle does not know (shadows that
-/// fall, means over cells of the spectrum) is switched off.
+/// The paper's scenes on 64 x 64 facets while the beam passes over them; what the oracle does not know
+/// (shadows that fall, means over cells of the spectrum) is switched off.
 #[test]
 fn the_sea_is_what_an_independent_program_computes() {
     if !can_judge() {

@@ -1,6 +1,7 @@
 //! Every command of the front page and of docs/ is run, made small, or listed with the reason why not.
 //!
-//! A page has a folder of its own, with the scenarios, hulls and tools of the package. Its lines run in order, so what one makes the next one reads.
+//! A page has a folder of its own, with the scenarios, hulls and tools of the package. Its lines run in
+//! order, so what one makes the next one reads.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -53,8 +54,9 @@ const BEFORE: [(&str, &str); 5] = [
 /// Scenarios with a sea, by the beginning of their names.
 const WITH_SEA: [&str; 4] = ["configs/mars-", "configs/quickstart", "configs/sea", "first.toml"];
 
-/// What makes a sea quick in a debug build: few facets, and no plan of the fast echo, whose dry run takes a minute. The tests of plans and
-/// benchmarks run the fast echo. Of settings of the same key the last one counts.
+/// What makes a sea quick in a debug build: few facets, and no plan of the fast echo, whose dry run takes a
+/// minute. The tests of plans and benchmarks run the fast echo. Of settings of the same key the last one
+/// counts.
 const SMALL_SEA: [&str; 2] = ["scene.patch_size_m=[32,32]", "fidelity.echo=reference"];
 
 /// Sets an option, in place of its value where it is given.

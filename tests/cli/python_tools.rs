@@ -42,15 +42,17 @@ fn baseline_agrees_with_the_recording_and_is_timed() {
     // 256 facets and a buoy.
     assert_eq!(report["paths"], 257);
     let error = |way: &str, of: &str| report["error_db"][way][of].as_f64();
-    // What the receive filter takes from one chirp of 60 MHz is -20.3 dB of it. Here the echoes of a few resolution cells of
-    // random phase add up, so that the share scatters from pulse to pulse: 6 dB are left to it.
+    // What the receive filter takes from one chirp of 60 MHz is -20.3 dB of it. Here the echoes of a few
+    // resolution cells of random phase add up, so that the share scatters from pulse to pulse: 6 dB are left
+    // to it.
     for way in ["numpy chirp", "numba chirp"] {
         for of in ["recorded", "reference"] {
             assert!(error(way, of).is_none_or(|db| (-26.3..-14.3).contains(&db)), "{way} {of}: {report}");
         }
     }
     assert!(error("numpy chirp", "reference").is_some());
-    // Eight times the rate leaves the images beyond 750 MHz: the spectrum of a cut chirp falls as 1/f, which is -41 dB.
+    // Eight times the rate leaves the images beyond 750 MHz: the spectrum of a cut chirp falls as 1/f, which
+    // is -41 dB.
     assert!(error("numba chirp x8", "reference").is_none_or(|db| db < -35.0), "{report}");
     // Five cells leave -90 dB, Doppler by a shift less than -80 dB in this scene.
     assert!(error("numba grid", "reference").is_none_or(|db| db < -75.0), "{report}");
@@ -88,7 +90,8 @@ fn steady_tells_a_recording_that_changes_from_one_that_does_not() {
         (&400.into(), &200.into(), &0.into())
     );
     for channel in report["channels"].as_array().unwrap() {
-        // Noise of 3 dB over 87.5 MHz: k T0 B F = -204.0 + 79.4 + 3.0 dBW, and the targets' echo, some 1 % of it.
+        // Noise of 3 dB over 87.5 MHz: k T0 B F = -204.0 + 79.4 + 3.0 dBW, and the targets' echo, some 1 % of
+        // it.
         let power_dbw = channel["first_dbw"].as_f64().unwrap();
         assert!((power_dbw + 121.55).abs() < 0.1, "{channel}");
         // Thermal noise: 2, and its deviation is sqrt(20/N) of 200 x 512 samples.

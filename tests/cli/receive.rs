@@ -191,7 +191,8 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
     assert!(ended.stdout.contains("lateness    not reported: nothing was received"), "{}", ended.stdout);
 }
 
-/// A limit of the size of files is what a full disk is: the recording can be read, and what is counted is what is in it.
+/// A limit of the size of files is what a full disk is: the recording can be read, and what is counted is
+/// what is in it.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_what_is_counted() {
@@ -258,7 +259,8 @@ fn further_recordings_follow_the_rule_of_outputs() {
     assert_eq!((&report["restarts"], &report["recorded"]), (&1.into(), &222.into()), "{report}");
     assert_eq!(report["out"], serde_json::json!([out]));
     assert!(there(out) && !there(second));
-    // What an earlier reception left is no part of this one: without --force it stands in the way, and is said so at once.
+    // What an earlier reception left is no part of this one: without --force it stands in the way, and is
+    // said so at once.
     fs::rename(folder.path().join(out), folder.path().join(second)).unwrap();
     let ended = nereus(
         folder.path(),

@@ -2,7 +2,8 @@
 
 use crate::program::{nereus, package};
 
-/// Before: 876 faults, twenty of them printed and none with the key, and the next fault only once these were gone.
+/// Before: 876 faults, twenty of them printed and none with the key, and the next fault only once these were
+/// gone.
 #[test]
 fn gaps_and_turns_of_a_track_are_reported_at_once() {
     let folder = tempfile::tempdir().unwrap();

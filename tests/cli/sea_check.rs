@@ -109,8 +109,8 @@ fn the_configurations_of_the_paper_have_their_wind_and_their_resolution() {
 #[test]
 fn the_windows_of_the_paper_s_scenarios_hold_their_patches() {
     for n in 1..=4 {
-        // Few pulses: the three that are looked at are at the ends and the middle of the track all the same. A coarse
-        // facet keeps the size of the patch and spares the forecast.
+        // Few pulses: the three that are looked at are at the ends and the middle of the track all the same.
+        // A coarse facet keeps the size of the patch and spares the forecast.
         let (report, _) = check(&format!("configs/mars-{n}.toml"), &["scene.facet_m=16"]);
         assert_eq!(number(&report, "share_in_window"), 1.0, "mars-{n}");
         assert_eq!(report["pulses"], 500);
@@ -233,7 +233,8 @@ warning: 100 % of the patch lie beyond the horizon of "rx" at pulse 0 and are da
     assert!(report["not_modelled"].as_array().unwrap().iter().any(|row| row["what"] == "horizon"));
 }
 
-/// A buoy's spectrum ends before the radar's Bragg waves: they are Elfouhaily's unless the file's own are asked for.
+/// A buoy's spectrum ends before the radar's Bragg waves: they are Elfouhaily's unless the file's own are
+/// asked for.
 #[test]
 fn waves_beyond_a_measured_spectrum_are_stated() {
     let folder = tempfile::tempdir().unwrap();

@@ -59,7 +59,8 @@ fn wave_resistance_is_the_golden_one() {
             // The tolerance of the golden file.
             judge.compare(row, "Rw_N_rho1000", found.get("resistance_n"), 1e-6, 0.0);
             judge.compare(row, "Fn", found.get("froude"), 1e-9, 0.0);
-            // The wetted surface is that of inscribed triangles: 5.4e-4 at most (tests/physics/hull_particulars.rs).
+            // The wetted surface is that of inscribed triangles: 5.4e-4 at most
+            // (tests/physics/hull_particulars.rs).
             judge.compare(row, "S_wet_m2", found.get("wetted_surface_m2"), 5.4e-4, 0.0);
             judge.compare(row, "Cw", found.get("cw"), 5.5e-4, 0.0);
         }

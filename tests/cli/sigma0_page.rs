@@ -10,8 +10,8 @@ const SEA: &str = "--kind elfouhaily --carrier-hz 10e9";
 /// Aspects of the azimuth mean: one every 15 degrees.
 const ASPECTS: usize = 24;
 
-/// One wind's table: incidences, and the eight columns (HH, then VV: upwind, azimuth mean, mars2007, NRL), empty where the
-/// page has nothing.
+/// One wind's table: incidences, and the eight columns (HH, then VV: upwind, azimuth mean, mars2007, NRL),
+/// empty where the page has nothing.
 fn page(wind: &str) -> Vec<(String, Vec<Option<f64>>)> {
     let text = fs::read_to_string(package().join("docs/sigma0.md")).unwrap();
     let (_, below) =

@@ -27,9 +27,10 @@ fn levels_are_those_of_the_radar_equation() {
         let rows = report["channels"].as_array().unwrap();
         rows.iter().find(|row| row[0] == name).unwrap()[2].as_f64().unwrap()
     };
-    // A facet of 1 m^2 on the beam's axis returns -156.3 dBW in VV at a cross section of -16.7 dB (golden notes), which is that
-    // of level water across the wind; the tilts of the waves and 30 deg from the wind bring up to 4 dB. The beam leaves
-    // the integral of sinc^4 over u = 4 m / wavelength: 2/3 wavelength/4 m of 4243 m = 21.2 m, times 64 m.
+    // A facet of 1 m^2 on the beam's axis returns -156.3 dBW in VV at a cross section of -16.7 dB (golden
+    // notes), which is that of level water across the wind; the tilts of the waves and 30 deg from the wind
+    // bring up to 4 dB. The beam leaves the integral of sinc^4 over u = 4 m / wavelength: 2/3 wavelength/4 m
+    // of 4243 m = 21.2 m, times 64 m.
     let level_dbw = -156.3 + 10.0 * f64::log10(21.2 * 64.0);
     let found = channel("VV");
     println!("VV sum {found:.1} dBW, level water {level_dbw:.1} dBW");
@@ -117,8 +118,8 @@ fn contacts_are_those_of_the_pulse() {
     let delay_s = read(&file, "delay_s");
     assert_eq!(file.dataset("delay_s").unwrap().shape(), [1, 2]);
     assert_eq!(delay_s, truth[..2]);
-    // The rate is the delay's: a difference over 1/222 s of a delay of 24 us, whose last digit is 3e-21 s, misses it by half the
-    // interval times the rate of the rate, v^2/(R c) = 6e-8/s here at most.
+    // The rate is the delay's: a difference over 1/222 s of a delay of 24 us, whose last digit is 3e-21 s,
+    // misses it by half the interval times the rate of the rate, v^2/(R c) = 6e-8/s here at most.
     let rate = read(&file, "delay_rate");
     for (target, rate) in rate.iter().enumerate() {
         let difference = (truth[2 + target] - truth[target]) * 222.0;

@@ -103,7 +103,8 @@ fn spectra_are_the_golden_ones() {
             assert!((found.get("b") - b).abs() <= CLOSED_FORM * b, "line {}", row.line);
             let down = row.get("Psi_down_m4");
             judge.compare(row, "Psi_down_m4", found.get("psi_symmetric_along_m4"), CLOSED_FORM, 0.0);
-            // Crosswind is proportional to 1 - Delta; where Delta is 1 but for roundings of 1e-16 only they are left.
+            // Crosswind is proportional to 1 - Delta; where Delta is 1 but for roundings of 1e-16 only they
+            // are left.
             let roundings = 4.0 * f64::EPSILON * down;
             let across = found.get("psi_symmetric_across_m4");
             judge.compare(row, "Psi_cross_m4", across, CLOSED_FORM, roundings);
@@ -288,8 +289,8 @@ fn cross_sections_are_the_golden_ones() {
                 break;
             }
             let found = ratio(bragg.get(&format!("spm_{pq}_db")));
-            // 1e-8 of the set, twice for a power; nine decimals of dB are 1e-10; what vanishes by symmetry is a
-            // residue of 1e-14 in amplitude of the row's largest.
+            // 1e-8 of the set, twice for a power; nine decimals of dB are 1e-10; what vanishes by symmetry is
+            // a residue of 1e-14 in amplitude of the row's largest.
             let error = (found - expected(pq)).abs();
             assert!(
                 error <= 2e-8 * expected(pq) + 1e-28 * largest(&expected),
@@ -315,8 +316,8 @@ fn ratio(decibels: f64) -> f64 {
     10f64.powf(decibels / 10.0)
 }
 
-/// The NRCS table of docs/physics.md section 10.6 at 45 degrees upwind (10 GHz, 10 m/s, whole sea, averaged over tilts), where
-/// specular points hardly count: to half its last digit, 0.05 dB.
+/// The NRCS table of docs/physics.md section 10.6 at 45 degrees upwind (10 GHz, 10 m/s, whole sea, averaged
+/// over tilts), where specular points hardly count: to half its last digit, 0.05 dB.
 #[test]
 fn the_default_is_the_whole_sea_seen_from_where_it_is_lit() {
     let found = printed("sigma0 --light-wind published --kind elfouhaily --wind-mps 10 --incidence-deg 45");
@@ -329,8 +330,8 @@ fn the_default_is_the_whole_sea_seen_from_where_it_is_lit() {
     assert_eq!((found.get("scattering_deg"), found.get("azimuth_deg")), (45.0, 180.0));
 }
 
-/// The worked example of another program (MathWorks, `seareflectivity`): 2.1555e-4, cut or rounded; all seven sea states
-/// from 0.1 to 60 degrees unless asked otherwise.
+/// The worked example of another program (MathWorks, `seareflectivity`): 2.1555e-4, cut or rounded; all seven
+/// sea states from 0.1 to 60 degrees unless asked otherwise.
 #[test]
 fn measured_clutter_is_that_of_another_program() {
     let found = printed("sigma0-nrl --carrier-hz 30e9 --sea-state 2 --grazing-deg 10");
@@ -594,7 +595,8 @@ fn names_of_columns_bear_units() {
     }
 }
 
-/// Before: Mitsuyasu's spreading had a cusp at the Bragg waves, and exactly upwind and downwind were 1.9 dB lower than 10 degrees beside.
+/// Before: Mitsuyasu's spreading had a cusp at the Bragg waves, and exactly upwind and downwind were 1.9 dB
+/// lower than 10 degrees beside.
 #[test]
 fn sigma0_is_smooth_upwind_and_downwind() {
     for kind in ["jonswap", "pierson-moskowitz"] {

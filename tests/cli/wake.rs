@@ -52,13 +52,14 @@ fn transverse_waves_have_their_length() {
         let waves = crossings.len() - 1;
         let found_m = (crossings[waves] - crossings[0]) / waves as f64;
         let expected_m = TAU * speed_mps * speed_mps / 9.81;
-        // The phase on the axis drifts with distance as A does about theta = 0, of width 1/sqrt(k0 X): 1 % is asked.
+        // The phase on the axis drifts with distance as A does about theta = 0, of width 1/sqrt(k0 X): 1 % is
+        // asked.
         assert!((found_m / expected_m - 1.0).abs() < 0.01, "{found_m} m, expected {expected_m} m");
     }
 }
 
-/// Root mean square over cuts of the middle and of the highest place across, and the share of the variance in waves
-/// more than 35.26 degrees from the course, whose wave number across is above `k0 tan sec`.
+/// Root mean square over cuts of the middle and of the highest place across, and the share of the variance in
+/// waves more than 35.26 degrees from the course, whose wave number across is above `k0 tan sec`.
 fn arms_and_divergent(folder: &Path, speed_mps: f64) -> [f64; 2] {
     let speed = format!("ship.0.speed_mps={speed_mps}");
     let astern: Vec<String> = (300..=450).step_by(4).map(|x| x.to_string()).collect();
@@ -126,7 +127,8 @@ fn cuts_are_symmetric_and_sail_with_the_ship() {
     let mut met = 0;
     for row in &later {
         if let Some(before) = starboard.iter().find(|before| before[0] == row[0]) {
-            // Another reach means other nodes: each sum is exact to rounding of the root sum square of its waves.
+            // Another reach means other nodes: each sum is exact to rounding of the root sum square of its
+            // waves.
             assert!((before[2] - row[2]).abs() < 1e-9, "{before:?} {row:?}");
             met += 1;
         }
@@ -240,7 +242,8 @@ fn the_map_reads_back_as_the_sum_of_waves() {
         for (values, expected) in
             [(&heights_m, sample.height_m), (&slopes, sample.slope[0]), (&up_mps, sample.velocity_mps[2])]
         {
-            // f32 keeps 2^-24 of a value; -150 dB of the root sum square, which is below the largest value, is less.
+            // f32 keeps 2^-24 of a value; -150 dB of the root sum square, which is below the largest value,
+            // is less.
             let error = (f64::from(values[facet]) - expected).abs();
             assert!(error <= 1.2e-7 * f64::from(largest(values)), "facet {facet}: off by {error:e}");
         }

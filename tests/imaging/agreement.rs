@@ -28,8 +28,8 @@ fn the_fast_way_is_the_reference_to_within_its_interpolation() {
         println!("{}: fast differs by {found_db:.1} dB, interpolation {predicted_db:.1} dB", geometry.name);
         // The band's edges weigh more where the image holds little but side lobes: 2 dB.
         assert!(found_db < predicted_db + 2.0, "{}: {found_db}", geometry.name);
-        // Finer cells take the interpolation away, and bring the rest to light: cubics of phase of up to 5e-5 turns, -70 dB, far less
-        // in most runs.
+        // Finer cells take the interpolation away, and bring the rest to light: cubics of phase of up to 5e-5
+        // turns, -70 dB, far less in most runs.
         let peak = wanted.iter().map(|z| z.norm()).fold(0.0, f64::max);
         let phase = wanted
             .iter()

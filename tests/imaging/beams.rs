@@ -58,11 +58,12 @@ fn ghosts_of_a_strip_map_are_gone() {
     for i in [0, 2] {
         // Without a gate the ghost is the point again, spread by the third order of the range.
         assert!(db(&all, i) > -3.0);
-        // With it: the pulses beyond the first nulls, side lobes of both ends: -26.5 dB below the axis at most, of either sign.
+        // With it: the pulses beyond the first nulls, side lobes of both ends: -26.5 dB below the axis at
+        // most, of either sign.
         assert!(db(&gated, i) < -26.5);
     }
-    // The pixel is divided by its own pulses: 64 of 199 in the band. What it leaves out are the side lobes of both ends, all positive:
-    // a tenth of the integral of sinc^2, less where the track ends.
+    // The pixel is divided by its own pulses: 64 of 199 in the band. What it leaves out are the side lobes of
+    // both ends, all positive: a tenth of the integral of sinc^2, less where the track ends.
     let share = gated[1] / all[1] / (199.0 / 64.0);
     assert!((0.90..0.97).contains(&share), "{share}");
 }
@@ -80,7 +81,8 @@ fn the_band_sets_width_side_lobes_place_and_phase() {
     let compressor = compressor(&recording, RangeFilter::Flat, Taper::Uniform);
     let mut aperture = aperture(&recording, &compressor, [&paths[0], &paths[1]], 0);
     let aim_hz = vec![37.0; aperture.pulses.len()];
-    // The echo as each pulse alone shows it: the axes of these antennas turn under the line of sight, which changes it by 6 % of its size.
+    // The echo as each pulse alone shows it: the axes of these antennas turn under the line of sight, which
+    // changes it by 6 % of its size.
     let all = aperture.pulses.clone();
     let mut alone = |place: usize| {
         aperture.pulses = vec![all[place]];

@@ -27,7 +27,8 @@ fn times_s() -> Vec<f64> {
     (0..PULSES).map(|i| i as f64 / PRF_HZ).collect()
 }
 
-/// 50 m/s past a point 42 km away: the line of sight turns by 2.4e-3 rad over the aperture, so that closed forms for one that does not turn hold to 1e-5.
+/// 50 m/s past a point 42 km away: the line of sight turns by 2.4e-3 rad over the aperture, so that closed
+/// forms for one that does not turn hold to 1e-5.
 fn far(error_m: impl Fn(f64) -> [f64; 3]) -> PhasePath {
     let at = |t: f64| {
         let e = error_m(t);
@@ -87,7 +88,8 @@ fn a_sinusoid_raises_paired_echoes() {
     // From 1.43 rad on the first pair is higher than the main lobe.
     for beta in [0.2, 0.4446, 1.0, 1.3] {
         for phase in [0.0f64, 1.0] {
-            // Nine cells away. Hann's side lobes are zero at whole cells, so that the main lobe leaves the level of the echoes alone.
+            // Nine cells away. Hann's side lobes are zero at whole cells, so that the main lobe leaves the
+            // level of the echoes alone.
             let law = paired_echoes(beta, 4.5, APERTURE_S);
             let error = |t: f64| [0.0, 0.0, height_m(beta) * (std::f64::consts::TAU * 4.5 * t + phase).sin()];
             let found = predicted(error, Taper::Hann);
@@ -95,8 +97,8 @@ fn a_sinusoid_raises_paired_echoes() {
             println!("beta {beta}: {law:?}; loss {:.4} dB, {:?}", found.loss_db, cut.lobes);
             // 1e-3 of an amplitude is 0.009 dB; pairs behind the first one add their skirts to it.
             assert!((found.loss_db + law.main_db).abs() < 2e-3, "{} {}", found.loss_db, law.main_db);
-            // Skirts of the main lobe and of the second pair pass through zero there, with slopes of J0 and J2 over n (n^2 - 1), against a top that
-            // bends by 1.13 J1: that moves the top.
+            // Skirts of the main lobe and of the second pair pass through zero there, with slopes of J0 and
+            // J2 over n (n^2 - 1), against a top that bends by 1.13 J1: that moves the top.
             let moved = (bessel(0, beta) + bessel(2, beta)) / bessel(1, beta) / (9.0 * 80.0) / 1.13;
             for lobe in cut.lobes.iter().flatten() {
                 assert!((lobe.level_db - law.level_db).abs() < 0.02, "{lobe:?} {law:?}");

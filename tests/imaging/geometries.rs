@@ -48,7 +48,8 @@ const fn end(position_m: [f64; 3], velocity_mps: [f64; 3]) -> End {
     End { position_m, velocity_mps }
 }
 
-/// One aircraft; two on parallel and on crossing courses; a mast on the coast and an aircraft; two satellites.
+/// One aircraft; two on parallel and on crossing courses; a mast on the coast and an aircraft; two
+/// satellites.
 pub const GEOMETRIES: [Geometry; 5] = [
     Geometry {
         name: "one aircraft",

@@ -22,14 +22,16 @@ fn unit_from(end: [f64; 3]) -> [f64; 2] {
     [d[0] / r, d[1] / r]
 }
 
-/// Widths along the lines of equal Doppler and of equal delay, from the geometry alone: the support of the wave numbers is spanned by
-/// `B g / c` and `f0 (g_end - g_begin)/c`, `g` the sum of the horizontal parts of the two unit vectors towards the target.
+/// Widths along the lines of equal Doppler and of equal delay, from the geometry alone: the support of the
+/// wave numbers is spanned by `B g / c` and `f0 (g_end - g_begin)/c`, `g` the sum of the horizontal parts of
+/// the two unit vectors towards the target.
 fn widths_m(geometry: &Geometry) -> [f64; 2] {
     let g = |t_s: f64| {
         let (a, b) = (unit_from(geometry.transmitter.at(t_s)), unit_from(geometry.receiver.at(t_s)));
         [a[0] + b[0], a[1] + b[1]]
     };
-    // The echo reaches the receiver later; over 6 ms in orbit it moves by 45 m of 9e5 m, and both ends of the aperture alike.
+    // The echo reaches the receiver later; over 6 ms in orbit it moves by 45 m of 9e5 m, and both ends of the
+    // aperture alike.
     let span_s = geometry.pulses as f64 / geometry.prf_hz;
     let (begin, middle, end) = (g(0.0), g(0.5 * span_s), g(span_s));
     let along = middle.map(|x| x * BAND_HZ / C_MPS);
@@ -84,8 +86,8 @@ fn points_are_as_wide_and_as_high_as_theory_has_them_in_every_geometry_and_chann
             let found = analyse(&aperture, &[TARGET_M.into()], [Taper::Uniform; 2]);
             judge(geometry, &row.name, &found[0].unwrap(), [SINC_DB; 2]);
         }
-        // The truth record alone tells the place: light time of both sides to 1e-9 m over the angle that the aperture spans,
-        // 2e-3 rad at least.
+        // The truth record alone tells the place: light time of both sides to 1e-9 m over the angle that the
+        // aperture spans, 2e-3 rad at least.
         let delays = recording.delays_s("t", "r", 0).unwrap();
         let place = locate(&transmitter, &receiver, &recording.emission_s, &delays, [0.0; 3]).unwrap();
         let off: Vec<f64> = place.iter().zip(TARGET_M).map(|(a, b)| (a - b).abs()).collect();
@@ -99,8 +101,8 @@ fn a_point_is_as_bright_as_the_radar_equation_behind_every_filter_and_taper() {
     let geometry = &GEOMETRIES[0];
     let recording = geometry.record("", [[0.0; 3]; 2]);
     let paths = [recording.true_path("t").unwrap(), recording.true_path("r").unwrap()];
-    // P G_t G_r lambda^2 sigma / ((4 pi)^3 R_t^2 R_r^2), sigma = |S|^2: 100 W, isotropic, |S_vv| = 24 m. R^2 = 4245^2 m^2 changes by
-    // (30 m / 4245 m)^2 = 5e-5 over the aperture.
+    // P G_t G_r lambda^2 sigma / ((4 pi)^3 R_t^2 R_r^2), sigma = |S|^2: 100 W, isotropic, |S_vv| = 24 m. R^2
+    // = 4245^2 m^2 changes by (30 m / 4245 m)^2 = 5e-5 over the aperture.
     let four_pi = 4.0 * std::f64::consts::PI;
     let middle_s = 0.5 * (geometry.pulses - 1) as f64 / geometry.prf_hz;
     let square_m2 = |end: [f64; 3]| (0..3).map(|i| (TARGET_M[i] - end[i]).powi(2)).sum::<f64>();
@@ -117,8 +119,9 @@ fn a_point_is_as_bright_as_the_radar_equation_behind_every_filter_and_taper() {
             let image = fast(&aperture, &[Ground::line(TARGET_M, [0.0; 3], 1)], &|_| ());
             let off = f64::from(image[0][0].norm()) / power_w.sqrt() - 1.0;
             println!("{filter:?} {taper:?}: {off:+.2e} of the radar equation");
-            // The replica is cut at the ends of the pulse, where the receive filter rings on: with B Tc = 240 less than 1/240 of the pulse
-            // is missed at each end. Linear interpolation at a peak: (pi B h)^2/24 = 6e-4.
+            // The replica is cut at the ends of the pulse, where the receive filter rings on: with B Tc = 240
+            // less than 1/240 of the pulse is missed at each end. Linear interpolation at a peak: (pi B
+            // h)^2/24 = 6e-4.
             assert!(off.abs() < 1e-2, "{filter:?} {taper:?}: {off}");
         }
     }
@@ -149,7 +152,8 @@ fn short_pulses_have_their_own_side_lobes_and_a_flat_spectrum_those_of_the_taper
         assert!((cut.pslr_db + 31.47).abs() < 0.5, "{cut:?}");
         assert!((cut.width_m / cut.theory_m - 1.0).abs() < 0.03, "{cut:?}");
     }
-    // Matched: the response of a cut sweep is |sin(pi B t (1 - t/Tc)) / (pi B t)|; its first side lobe by a search over the formula.
+    // Matched: the response of a cut sweep is |sin(pi B t (1 - t/Tc)) / (pi B t)|; its first side lobe by a
+    // search over the formula.
     let x = |t: f64| std::f64::consts::PI * BAND_HZ * t;
     let response = |t: f64| ((x(t) * (1.0 - t / 0.333e-6)).sin() / x(t)).abs();
     let highest =
@@ -160,8 +164,8 @@ fn short_pulses_have_their_own_side_lobes_and_a_flat_spectrum_those_of_the_taper
     assert!((found.range.pslr_db - sweep_db).abs() < 0.5);
 }
 
-/// A beam passes over the point: one pulse in twenty carries its echo, and its main lobe is as many cells wide. Before: it
-/// was not found, because it has no two sides within 10 cells.
+/// A beam passes over the point: one pulse in twenty carries its echo, and its main lobe is as many cells
+/// wide. Before: it was not found, because it has no two sides within 10 cells.
 #[test]
 fn a_point_that_a_beam_passes_over_is_found() {
     let geometry = &GEOMETRIES[0];
@@ -183,7 +187,8 @@ fn a_point_that_a_beam_passes_over_is_found() {
     assert!(found.cross_range.error_cells.abs() < 1.0 && found.range.error_cells.abs() < 0.05, "{found:?}");
 }
 
-/// A point is sought about the place that wrong navigation gives it, and nothing sharp is taken from elsewhere.
+/// A point is sought about the place that wrong navigation gives it, and nothing sharp is taken from
+/// elsewhere.
 #[test]
 fn a_point_is_found_where_the_navigation_puts_it() {
     let geometry = &GEOMETRIES[0];

@@ -1,4 +1,5 @@
-//! Laws of clutter: `kdist`, `ward_baker_watts`, every row; fits of synthetic samples and their errors; goodness; extremes.
+//! Laws of clutter: `kdist`, `ward_baker_watts`, every row; fits of synthetic samples and their errors;
+//! goodness; extremes.
 
 use std::path::PathBuf;
 
@@ -35,8 +36,9 @@ fn the_k_law_is_that_of_the_golden_rows() {
 
 #[test]
 fn large_shapes_are_rayleigh_and_its_first_corrections() {
-    // Rayleigh's law over a gamma law of the power P of mean 1 and variance 1/nu: the n-th derivative over P, times P^n, is
-    // (-1)^n n! L_n(u) of the law itself, u = z^2, L_n Laguerre's polynomial; the moments are 1/nu, 2/nu^2, 3/nu^2 + 6/nu^3, 20/nu^3, 15/nu^3.
+    // Rayleigh's law over a gamma law of the power P of mean 1 and variance 1/nu: the n-th derivative over P,
+    // times P^n, is (-1)^n n! L_n(u) of the law itself, u = z^2, L_n Laguerre's polynomial; the moments are
+    // 1/nu, 2/nu^2, 3/nu^2 + 6/nu^3, 20/nu^3, 15/nu^3.
     let laguerre = |u: f64| {
         let mut l = [1.0, 1.0 - u, 0.0, 0.0, 0.0];
         for n in 1..4 {
@@ -56,8 +58,9 @@ fn large_shapes_are_rayleigh_and_its_first_corrections() {
             let within = 45.0 * (0.5 * u).exp() / shape.powi(3) + 1e-15 * shape * shape.ln() + 1e-13;
             let found = law.density(z);
             assert!((found / wanted - 1.0).abs() < within, "{shape} {z}: {found} {wanted}");
-            // The law itself is the integral of the density; to first order 1 - P = e^-u (1 + u (u - 2)/(2 nu)).
-            // Left out: the integral of (3 + 2) e^{-u/2}/nu^2, ten times e^{-u/2}/nu^2, and a fifth of that.
+            // The law itself is the integral of the density; to first order 1 - P = e^-u (1 + u (u - 2)/(2
+            // nu)). Left out: the integral of (3 + 2) e^{-u/2}/nu^2, ten times e^{-u/2}/nu^2, and a fifth of
+            // that.
             let tail = (-u).exp() * (1.0 + u * (u - 2.0) / (2.0 * shape));
             let within = 12.0 * (0.5 * u).exp() / shape.powi(2) + 1e-15 * shape * shape.ln() + 1e-13;
             let found = 1.0 - law.probability(z);
@@ -119,7 +122,8 @@ fn powers(law: &Law, count: usize, seed: u64, part: u64) -> Vec<f64> {
     (0..count).map(|_| law.draw(&mut numbers).powi(2)).collect()
 }
 
-/// Deviations of the shape (of `1/nu` of a K law) and of the logarithm of the mean power over their stated errors, `[trial]`.
+/// Deviations of the shape (of `1/nu` of a K law) and of the logarithm of the mean power over their stated
+/// errors, `[trial]`.
 fn deviations(
     law: &Law,
     count: usize,
@@ -170,7 +174,8 @@ fn parameters_come_back_and_the_stated_errors_are_those_of_many_seeds() {
                     assert_eq!(rms, 0.0, "{law:?}");
                     continue;
                 }
-                // The rms of 100 is known to 7 %, the mean to 0.1; a bias of second order is 1/sqrt(4000) of an error, a few times.
+                // The rms of 100 is known to 7 %, the mean to 0.1; a bias of second order is 1/sqrt(4000) of
+                // an error, a few times.
                 assert!((0.8..1.2).contains(&rms), "{law:?} {name} {what}: {rms}");
                 assert!(mean.abs() < 0.4, "{law:?} {name} {what}: {mean}");
             }
@@ -185,7 +190,8 @@ fn shapes_by_moments_come_back_within_their_error() {
         let found = deviations(&law, 50_000, 40, 78, moments::fit);
         let [mean, rms] = mean_and_rms(found.iter().map(|d| d[0]));
         println!("{law:?}: {mean:+.2} in the mean, {rms:.2} rms");
-        // 1, to sqrt(1/2n) = 11 %; heavy tails make the fourth moment of a sample, and with it the error, too small at times: 1.5.
+        // 1, to sqrt(1/2n) = 11 %; heavy tails make the fourth moment of a sample, and with it the error, too
+        // small at times: 1.5.
         assert!((0.7..1.5).contains(&rms) && found.iter().all(|d| d[0].abs() < 5.0), "{law:?}: {rms}");
         let [mean, rms] = mean_and_rms(found.iter().map(|d| d[1]));
         assert!((0.7..1.3).contains(&rms) && mean.abs() < 0.6, "{law:?}: {mean} {rms}");
@@ -201,8 +207,9 @@ fn quantiles() -> Sample {
 
 #[test]
 fn fits_are_those_of_another_program() {
-    // By scipy 1.x: Nelder and Mead on the likelihood of every power (special.kve), and on the squared distance of the same histogram; errors from the
-    // products of numerical scores; roots by brentq. Bins of 0.02 of ln z: 2e-5 of curvature each, far below a thousandth of an error.
+    // By scipy 1.x: Nelder and Mead on the likelihood of every power (special.kve), and on the squared
+    // distance of the same histogram; errors from the products of numerical scores; roots by brentq. Bins of
+    // 0.02 of ln z: 2e-5 of curvature each, far below a thousandth of an error.
     let sample = quantiles();
     let close = |found: f64, wanted: f64, within: f64| {
         assert!((found / wanted - 1.0).abs() < within, "{found} {wanted}")
@@ -396,7 +403,8 @@ fn blocks_tell_the_error_of_pixels_that_are_alike() {
             assert!(blocks > 2.0 * alone, "{alone} {blocks}");
         }
     }
-    // Independent pixels of a K law: both ways agree, to 1/sqrt(2 x 25) each and 1/sqrt(8) less for eight images.
+    // Independent pixels of a K law: both ways agree, to 1/sqrt(2 x 25) each and 1/sqrt(8) less for eight
+    // images.
     let ratios: f64 = (0..8)
         .map(|trial| {
             let powers = powers(&Law::new(Kind::K, 1.5, 1.0), 100 * 100, 85, trial);

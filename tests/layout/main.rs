@@ -1,4 +1,5 @@
-//! The house keeps its order: modules import only modules before them, files stay small, pages say what is there.
+//! The house keeps its order: modules import only modules before them, files stay small, pages say what is
+//! there.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 use std::fs;

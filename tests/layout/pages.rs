@@ -173,7 +173,8 @@ fn sections_of_the_physics_page_exist() {
 
 #[test]
 fn physics_is_cited_from_documents_that_are_here() {
-    // Names of documents that are not part of the repository; put together so that this file does not hold them.
+    // Names of documents that are not part of the repository; put together so that this file does not hold
+    // them.
     let in_capitals = format!("{}{}", "PHYS", "ICS");
     let in_any_case = ["project", "physics"].map(|word| format!("{word} notes"));
     let mut faults = Vec::new();

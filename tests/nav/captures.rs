@@ -121,7 +121,8 @@ fn the_cut_of_a_real_capture() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
 
-    /// Segments shuffled and sent twice, numbers over their end, make the same stream; a lost one is a hole of its length.
+    /// Segments shuffled and sent twice, numbers over their end, make the same stream; a lost one is a hole
+    /// of its length.
     #[test]
     fn segments_in_any_order(
         lengths in proptest::collection::vec(1usize..40, 2..20),

@@ -156,7 +156,8 @@ fn leap_seconds() {
     let (_, counts) = decode(&[sentence("GPZDA,235960.00,31,12,2016,00,00").as_bytes()]);
     assert_eq!((counts.good, counts.malformed), (0, 1));
     let tag = |week, seconds| nereus::time::TimeTag::from_gps(week, seconds).unwrap();
-    // 2017 began at second 18 of week 1930: 17 leap seconds before it, 18 from it on; the leap second itself is 17.
+    // 2017 began at second 18 of week 1930: 17 leap seconds before it, 18 from it on; the leap second itself
+    // is 17.
     assert_eq!(tag(1930, 16.0).to_string(), "2016-12-31T23:59:59.000000Z");
     assert_eq!(tag(1930, 18.0).to_string(), "2017-01-01T00:00:00.000000Z");
     assert_eq!(tag(1930, 17.0), tag(1930, 18.0));

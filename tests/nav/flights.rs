@@ -77,8 +77,8 @@ fn altitude_steps_of_25_ft_are_tamed() {
     assert!(sampled_acceleration(&track) <= 2.9);
     // A step of 25 ft has an error of 25 ft/sqrt(12) = 2.2 m rms when the time of the step is not used.
     assert!(report.fit.vertical_rms_m < 2.2, "{}", report.fit);
-    // The aircraft itself reports -64 to 4031 ft/min on the way (vertical_rate): -0.3 to 20.5 m/s. A step of 25 ft between
-    // rows a second apart is 7.6 m/s more or less; tamed means less than half of that.
+    // The aircraft itself reports -64 to 4031 ft/min on the way (vertical_rate): -0.3 to 20.5 m/s. A step of
+    // 25 ft between rows a second apart is 7.6 m/s more or less; tamed means less than half of that.
     let (first, last) = track.span().unwrap();
     for i in 0..(last.since(first) as u32) {
         let climb = track.state(first.plus(f64::from(i))).unwrap().velocity.to_array()[2];
@@ -110,8 +110,8 @@ fn the_path_does_not_depend_on_the_origin_of_the_scene() {
         worst = worst.max((pa - pb).norm());
     }
     println!("worst {worst:.2e} m");
-    // Coordinates of 6.4e6 m round to 1e-9 m; the search for the density stops where its cost, rounded to 1e-13, is
-    // flat: 1 % of the density moves the path by less than a millimetre per metre of residual.
+    // Coordinates of 6.4e6 m round to 1e-9 m; the search for the density stops where its cost, rounded to
+    // 1e-13, is flat: 1 % of the density moves the path by less than a millimetre per metre of residual.
     assert!(worst < 1e-3, "{worst}");
 }
 
@@ -197,8 +197,8 @@ fn quantised_nmea_becomes_a_ship_again() {
     };
     let (smooth, report) = Track::recorded(&fixes, &frame(), &source).unwrap();
     println!("smoothed: worst {:.2} m; {report}", worst(&smooth));
-    // Flown: 8 m/s, 0.08 m/s^2. Half a step is 0.93 m in latitude and 0.56 m in longitude: 1.08 m at the corner of
-    // the cell, which no fix exceeds, and which averaging only makes smaller.
+    // Flown: 8 m/s, 0.08 m/s^2. Half a step is 0.93 m in latitude and 0.56 m in longitude: 1.08 m at the
+    // corner of the cell, which no fix exceeds, and which averaging only makes smaller.
     assert!(worst(&smooth) < 1.08);
     assert!(sampled_acceleration(&smooth) <= 0.5);
     assert!(report.speed_mps[0] > 7.0 && report.speed_mps[1] < 9.0, "{report}");
@@ -221,7 +221,8 @@ fn a_real_boat_log_is_smoothed() {
         Track::recorded(&recording.fixes, &SceneFrame::at(place, Earth::Flat), &source).unwrap();
     println!("{}\n{report}", recording.report);
     assert!(sampled_acceleration(&track) <= 0.5);
-    // Its VTG says 5.7 to 5.9 knots over the ground: 2.9 to 3.0 m/s; a position step of 1.9 m in 2 s is 0.9 m/s.
+    // Its VTG says 5.7 to 5.9 knots over the ground: 2.9 to 3.0 m/s; a position step of 1.9 m in 2 s is 0.9
+    // m/s.
     assert!(report.speed_mps[0] > 2.0 && report.speed_mps[1] < 4.0, "{report}");
     assert!(report.horizontal_rms_m < 1.9, "{report}");
 }

@@ -28,12 +28,13 @@ fn a_recorded_cart_is_read() {
     let (first, last) = (&recording.fixes[0], &recording.fixes[299]);
     assert_eq!(first.time.to_string(), "2014-11-24T20:30:19.900000Z");
     assert!((last.time.since(first.time) - 14.95).abs() < 1e-9);
-    // What an independent unpacking of the first message gives: 16 leap seconds in 2014, height and undulation of the message.
+    // What an independent unpacking of the first message gives: 16 leap seconds in 2014, height and
+    // undulation of the message.
     let place = geodetic(first.place);
     assert!((place.lat_rad.to_degrees() - 43.404_083_561_565_2).abs() < 1e-9);
     assert!((place.lon_rad.to_degrees() + 80.470_222_635_887_9).abs() < 1e-9);
-    // The track turns as the velocity of the messages says: sums of velocity are differences of position, to the
-    // 0.02 m/s and the corrections of the filter.
+    // The track turns as the velocity of the messages says: sums of velocity are differences of position, to
+    // the 0.02 m/s and the corrections of the filter.
     let frame = nereus::frames::SceneFrame::at(place, nereus::frames::Earth::Flat);
     let way = frame.from_geodetic(geodetic(last.place)).unwrap() - Point::new(0.0, 0.0, 0.0);
     let mut sum = [0.0; 3];
@@ -122,7 +123,8 @@ fn sbet_records() {
     assert_eq!(fix.time.to_string(), "2018-05-09T20:00:00.500000Z");
     assert_eq!(geodetic(fix.place), Geodetic { lat_rad: 0.9, lon_rad: 0.1, h_m: 300.0 });
     assert_eq!(fix.yaw_pitch_roll_rad, Some([1.25, 0.05, 0.1]));
-    // Speed and the angle between velocity and nose do not depend on the wander angle: x ahead of the wander frame, y to port.
+    // Speed and the angle between velocity and nose do not depend on the wander angle: x ahead of the wander
+    // frame, y to port.
     let [e, n] = fix.velocity_mps.unwrap();
     assert!((e.hypot(n) - 50.0).abs() < 1e-12 && fix.climb_mps == Some(2.0));
     let course = e.atan2(n);

@@ -82,7 +82,8 @@ fn bits_are_those_of_a_file() {
     }
 }
 
-/// Asks every 20 ms for what is reported up to then, as pulses would, with fixes that come `late_s` after their time.
+/// Asks every 20 ms for what is reported up to then, as pulses would, with fixes that come `late_s` after
+/// their time.
 fn fly(
     live: &LiveTrack,
     late_s: f64,
@@ -126,10 +127,11 @@ fn what_was_told_stays_and_is_smooth() {
             worst_mps2 = worst_mps2.max((b.state.velocity - a.state.velocity).norm() / step_s);
         }
         println!("fixes {late_s} s late, silent {silent:?}: up to {worst_mps2:.1} m/s^2");
-        // 10 of the flight, and some 20 for each way back, of which there are a few at a time; half a metre at once would be 2500.
+        // 10 of the flight, and some 20 for each way back, of which there are a few at a time; half a metre
+        // at once would be 2500.
         assert!(worst_mps2 < 100.0, "{late_s}: {worst_mps2}");
-        // Not known is 10 m/s^2 over the age of the last fix and the 0.1 s that its velocity is older; the way back lags by
-        // 0.6 T times the velocity that is missed.
+        // Not known is 10 m/s^2 over the age of the last fix and the 0.1 s that its velocity is older; the
+        // way back lags by 0.6 T times the velocity that is missed.
         let unknown_s = late_s.max(0.0) + 0.2;
         let bound = 10.0 * unknown_s * (unknown_s + 0.6 * 0.3) + 0.5;
         for (t_s, told) in &told {

@@ -1,4 +1,5 @@
-//! Live navigation: what a stream gives is what its file gives; lines that are noisy, vanish, jump or fall silent.
+//! Live navigation: what a stream gives is what its file gives; lines that are noisy, vanish, jump or fall
+//! silent.
 
 use std::io::Write;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -178,7 +179,8 @@ fn what_never_comes_is_not_waited_for_twice() {
 fn clocks_that_step() {
     let mut ear = ear(10.0);
     let mut told = Vec::new();
-    // Back by 2 and 0 s: out of order. Back by 20 s: steps. 60 s ahead, alone: a step. From 100 on: believed with the second.
+    // Back by 2 and 0 s: out of order. Back by 20 s: steps. 60 s ahead, alone: a step. From 100 on: believed
+    // with the second.
     for second in [30, 31, 29, 31, 11, 12, 32, 92, 33, 100, 99, 101, 80, 102] {
         ear.hear(&inspvax(second), &mut |fix| told.push(fix));
     }
@@ -200,7 +202,8 @@ fn wrong_stamps_cost_little() {
     };
     // 3 s ahead, less than two talkers may differ: it is the one that follows that counts.
     assert_eq!(tell(&[30, 31, 34, 32, 33, 34, 35]), (vec![30.0, 31.0, 32.0, 33.0, 34.0, 35.0], 0, 1));
-    // Two messages of another hour confirm each other; the third that follows from the old time on is believed again.
+    // Two messages of another hour confirm each other; the third that follows from the old time on is
+    // believed again.
     let told = vec![30.0, 31.0, 91.0, 92.0, 34.0, 35.0];
     assert_eq!(tell(&[30, 31, 91, 92, 32, 33, 34, 35]), (told, 0, 3));
 }

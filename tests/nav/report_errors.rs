@@ -104,8 +104,8 @@ fn dropouts_come_as_often_and_last_as_long_as_asked() {
     let falls = lost.windows(2).filter(|w| !w[0] && w[1]).count() as f64;
     let (down, up) =
         (lost.iter().filter(|l| **l).count() as f64, lost.iter().filter(|l| !**l).count() as f64);
-    // Chances of a step: 1 - e^(-dt r), e^(-dt/m). Runs are geometric: their number is near Poisson, the mean of n lengths
-    // spreads by sqrt(1 - p)/(p sqrt(n)).
+    // Chances of a step: 1 - e^(-dt r), e^(-dt/m). Runs are geometric: their number is near Poisson, the mean
+    // of n lengths spreads by sqrt(1 - p)/(p sqrt(n)).
     let fall = -(-0.1f64 * 0.05).exp_m1();
     assert!((falls - fall * up).abs() < SIGMAS * (fall * up).sqrt(), "{falls} {}", fall * up);
     let back = -(-0.1f64 / 4.0).exp_m1();
@@ -295,8 +295,8 @@ fn a_recorded_report_leaves_the_truth_beside_it() {
         let wanted = 2.0 * (std::f64::consts::TAU * 0.5 * t_s).sin();
         assert!((error.to_array()[0] - wanted).abs() < 1e-9, "{error:?}");
         north.push(error.to_array()[1] - 3.0);
-        // Velocity, acceleration and angular rate are derivatives of what is there: third derivatives times h^2/6, and
-        // rounding of 1e4 m over h.
+        // Velocity, acceleration and angular rate are derivatives of what is there: third derivatives times
+        // h^2/6, and rounding of 1e4 m over h.
         let h = 1e-3;
         let [before, after] = [-h, h].map(|d| both.truth.state(t.plus(d)).unwrap());
         let slope = (after.position - before.position) * (0.5 / h);

@@ -78,8 +78,8 @@ proptest! {
     fn sentences_are_read_back(said in any_solution()) {
         let fix = read_back(&Format::Nmea(Sentence::ALL.to_vec()), &said);
         prop_assert!(fix.time.since(said.time).abs() <= 0.5e-9 + 1e-12);
-        // Half of 1e-8 minutes (1.86 m a thousandth) along both axes, at heights up to 1000 km 16 % more; height 5e-6 m; f64 of
-        // ECEF 1e-9 m a coordinate.
+        // Half of 1e-8 minutes (1.86 m a thousandth) along both axes, at heights up to 1000 km 16 % more;
+        // height 5e-6 m; f64 of ECEF 1e-9 m a coordinate.
         let allowed_m = 1.16 * 1862e-8 / 2.0 * 2f64.sqrt() + 5e-6 + 3e-9;
         prop_assert!(distance_m(said.place, fix.place) < allowed_m);
         prop_assert!(allowed_m < 1e-4);
@@ -111,8 +111,8 @@ proptest! {
         let local = SceneFrame::at(said.place, Earth::Flat);
         let moved = local.to_ecef(Point::new(e * step_s, n * step_s, u * step_s)).unwrap();
         let Place::Geodetic(found) = fix.place else { panic!("not geodetic") };
-        // Half of 1e-11 deg twice and of 1e-5 m; 6 m of way on a sphere of 6.3e6 m curve by 3e-6 m, near the poles by
-        // way^2 tan(lat) / radius.
+        // Half of 1e-11 deg twice and of 1e-5 m; 6 m of way on a sphere of 6.3e6 m curve by 3e-6 m, near the
+        // poles by way^2 tan(lat) / radius.
         let way_m = velocity.iter().map(|v| v * step_s).fold(0.0, f64::hypot);
         let bend_m = way_m * way_m * (1.0 + said.place.lat_rad.tan().abs()) / 6.3e6;
         let allowed_m = 1.6e-6 + 5e-6 + bend_m + 1e-8;
@@ -147,8 +147,8 @@ fn angles_of_the_receiver_are_those_of_the_body() {
     }
 }
 
-/// A state in the frame of a scene is reported in the frame of its place: 60 nautical miles North of an origin on the equator, a
-/// level velocity there points down into the ground here.
+/// A state in the frame of a scene is reported in the frame of its place: 60 nautical miles North of an
+/// origin on the equator, a level velocity there points down into the ground here.
 #[test]
 fn states_of_a_scene_are_turned_to_their_place() {
     let frame = SceneFrame::at(Geodetic::from_deg(0.0, 10.0, 30.0), Earth::Flat);

@@ -72,7 +72,8 @@ fn exact_fixes_are_met_and_converge_at_high_order() {
     // Hermite's own remainder is p^(6) h^6/(720 64) = 2000 0.05^6 64/46080 = 4.3e-8 m at 2 s; node velocities
     // (error p^(7) h^6 36/5040 = 7.1e-7 m/s, times h times at most 0.16 from each end) add 2.3e-7 m at most.
     assert!(errors[0][0] < 3e-7, "{:?}", errors[0]);
-    // Sixth order is a factor 64; one factor of 2 is left for what is not yet asymptotic and for rounding (5e-10 m).
+    // Sixth order is a factor 64; one factor of 2 is left for what is not yet asymptotic and for rounding
+    // (5e-10 m).
     assert!(errors[1][0] < errors[0][0] / 32.0 + 1e-9, "{errors:?}");
 }
 
@@ -149,8 +150,8 @@ fn a_coordinated_turn_banks_into_the_turn() {
         let [yaw, pitch, roll] = track.state(start().plus(t)).unwrap().attitude.to_yaw_pitch_roll();
         // Clockwise from North at 0.05 rad/s, starting eastwards: a right turn of v^2/r = 5 m/s^2.
         let want = (std::f64::consts::FRAC_PI_2 + 0.05 * t).rem_euclid(std::f64::consts::TAU);
-        // The acceleration at the nodes is exact to p^(7) h^5/140 = 2000 0.05^7/140 = 1e-8 m/s^2, hence the roll to
-        // 1e-9; the quaternion, of frequency 0.025 rad/s, is interpolated to 1e-12.
+        // The acceleration at the nodes is exact to p^(7) h^5/140 = 2000 0.05^7/140 = 1e-8 m/s^2, hence the
+        // roll to 1e-9; the quaternion, of frequency 0.025 rad/s, is interpolated to 1e-12.
         assert!((yaw - want).abs() < 1e-8, "{t}: {yaw} {want}");
         assert!((pitch - 2f64.atan2(100.0)).abs() < 1e-8);
         assert!((roll - (5.0f64 / 9.80665).atan()).abs() < 1e-8, "{roll}");
@@ -273,7 +274,8 @@ proptest! {
 
 #[test]
 fn states_do_not_depend_on_the_epoch() {
-    // The same motion in 1970 and in 2200: only the fraction of the node times may round (2^-53 s at 100 m/s).
+    // The same motion in 1970 and in 2200: only the fraction of the node times may round (2^-53 s at 100
+    // m/s).
     let build = |zero: TimeTag| {
         let fixes: Vec<Fix> = (0..20)
             .map(|i| {

@@ -93,7 +93,8 @@ fn the_aircraft_follows_below_its_cut_off() {
                 + dt * dt / 12.0 * (w[0].acceleration_mps2 - w[1].acceleration_mps2);
             worst = worst.max((w[1].position_m - w[0].position_m - rise).abs());
         }
-        // The third derivative jumps as white noise does within a step: s w_c^2 sqrt(2/T) dt^3.5 / 30 at one sigma.
+        // The third derivative jumps as white noise does within a step: s w_c^2 sqrt(2/T) dt^3.5 / 30 at one
+        // sigma.
         let bound = 6.0 * 1.5 * cutoff.powi(2) * 3f64.sqrt() * dt.powf(3.5) / 30.0;
         assert!(worst < bound, "{worst:e} {bound:e}");
     }
@@ -113,7 +114,8 @@ fn scales_meet_at_their_borders() {
             }
         }
     }
-    // 200 ft, W20 = 20 m/s, by hand: 0.177 + 0.1646 = 0.3416; 200/0.3416^1.2 = 725.8 ft; 2/0.3416^0.4 = 3.074.
+    // 200 ft, W20 = 20 m/s, by hand: 0.177 + 0.1646 = 0.3416; 200/0.3416^1.2 = 725.8 ft; 2/0.3416^0.4 =
+    // 3.074.
     let low = strength(200.0 * FOOT_M, 20.0);
     assert!(
         (low.length_m[0] / FOOT_M - 725.8).abs() < 0.1 && (low.length_m[2] / FOOT_M - 200.0).abs() < 1e-9

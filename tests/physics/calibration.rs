@@ -68,7 +68,8 @@ fn the_tone_keeps_level_and_phase_over_a_hundred_thousand_pulses() {
             // f32: half a unit of the last place in each part, 2^-24 of the amplitude.
             assert!((s.norm() / 1e-5 - 1.0).abs() < 1.2e-7, "{}", s.norm());
             let expected = 30.0 / 360.0 + of_pulse + OFFSET_HZ * (20.0013e-6 + i as f64 / FS_HZ);
-            // The same of the phase, 2^-24 rad = 1e-8 turns; 2e-8 turns for the emission (5e7 Hz x 2^-53 s and its neighbours).
+            // The same of the phase, 2^-24 rad = 1e-8 turns; 2e-8 turns for the emission (5e7 Hz x 2^-53 s
+            // and its neighbours).
             let off = apart(s.arg() / TAU, expected);
             assert!(off.abs() < 3e-8, "pulse {}, sample {i}: {off:e} turns", pulse.index);
         }
@@ -85,7 +86,8 @@ proptest! {
         let rest = (i128::from(hz) * interval_as * i128::from(pulse)).rem_euclid(1_000_000_000_000_000_000);
         let found = turns(hz as f64, &times, pulse, 0.0);
         prop_assert!(found.is_finite());
-        // 5e7 Hz, and a fraction of a second that is right to a rounding of its own and one of the sum: 2^-53 s each.
+        // 5e7 Hz, and a fraction of a second that is right to a rounding of its own and one of the sum: 2^-53
+        // s each.
         prop_assert!(apart(found, rest as f64 / 1e18).abs() < 2e-8, "{found} {rest}");
     }
 }
@@ -93,7 +95,8 @@ proptest! {
 /// Delay and phase of a signal against the pulse's own spectrum, over the band.
 fn fitted(samples: &[Complex64], run: &Run) -> (f64, f64, f64) {
     let waveform = nereus::radar::waveform::from_description(&run.scene.radar.waveform).unwrap();
-    // Frequencies of the flat band. Weighted straight line through the phase of S/P after the nominal delay is taken off.
+    // Frequencies of the flat band. Weighted straight line through the phase of S/P after the nominal delay
+    // is taken off.
     let ratio = |f_hz: f64| {
         let sum = samples.iter().enumerate().fold(Complex64::ZERO, |sum, (i, s)| {
             sum + s * Complex64::cis(-TAU * (f_hz * i as f64 / FS_HZ).fract())
@@ -116,8 +119,9 @@ fn the_loopback_has_its_delay_level_and_phase_in_every_window() {
         for pulse in &made {
             assert_eq!(channel(pulse, 2), channel(&made[0], 2));
             let (delay_s, turns, amplitude) = fitted(&channel(pulse, 2), &run);
-            // What the filter rings over the ends of the window wraps and is missed: beyond 123 samples t^-3 leaves 1e-7 of the peak, 41 frequencies of
-            // up to 20 MHz make of that 1e-7 / (2 pi 12 MHz sqrt(41)) = 2e-16 s. f32: 4e-8 / (2 pi 12 MHz sqrt(100 samples)) = 5e-17 s.
+            // What the filter rings over the ends of the window wraps and is missed: beyond 123 samples t^-3
+            // leaves 1e-7 of the peak, 41 frequencies of up to 20 MHz make of that 1e-7 / (2 pi 12 MHz
+            // sqrt(41)) = 2e-16 s. f32: 4e-8 / (2 pi 12 MHz sqrt(100 samples)) = 5e-17 s.
             assert!(delay_s.abs() < 1e-15, "{delay_s:e}");
             assert!(apart(turns, -45.0 / 360.0).abs() < 1e-7, "{turns}");
             assert!((amplitude / 10f64.powf(-4.5) - 1.0).abs() < 1e-6, "{amplitude:e}");
@@ -194,7 +198,8 @@ fn clocks_turn_both_signals() {
                 // Twice the rounding of phases; 1e10 Hz x 1e-9 s is ten turns, to 1e-15.
                 assert!(apart(turned(1, i), -(10e9 + OFFSET_HZ) * at([x_r, y_r], i)).abs() < 5e-8);
             }
-            // The pulse lies in samples 123.4 to 223.4. The transmitter turns by 4e-5 from the first of these samples to the last.
+            // The pulse lies in samples 123.4 to 223.4. The transmitter turns by 4e-5 from the first of these
+            // samples to the last.
             for i in [130, 175, 217] {
                 let x_s = at([x_r, y_r], i) - at([x_t, y_t], i);
                 assert!(apart(turned(2, i), -10e9 * x_s).abs() < 5e-8, "{i}: {:e}", turned(2, i));

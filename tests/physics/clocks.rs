@@ -16,7 +16,8 @@ const CARRIER_HZ: f64 = 10e9;
 const C: f64 = 299_792_458.0;
 const SAMPLES: u64 = 100_000;
 
-/// A mast that transmits, one that receives, and a target: `range_m` from both, without noise. `more` goes into tables.
+/// A mast that transmits, one that receives, and a target: `range_m` from both, without noise. `more` goes
+/// into tables.
 fn scenario(tx: &str, rx: &str, more: &str) -> config::Run {
     let text = format!(
         r#"
@@ -96,8 +97,8 @@ fn spectrum(samples: &[Complex32], k: usize) -> Complex64 {
     })
 }
 
-/// How far the second signal is from the first delayed by `delay_s` with its carrier, and `turns` more: the worst of some
-/// frequencies of the band, turns.
+/// How far the second signal is from the first delayed by `delay_s` with its carrier, and `turns` more: the
+/// worst of some frequencies of the band, turns.
 fn worst_phase(first: &[Complex32], second: &[Complex32], delay_s: f64, turns: f64) -> f64 {
     let mut worst = 0f64;
     for k in [0usize, 20, 50, 100, 412, 450, 500] {
@@ -138,8 +139,8 @@ fn offset_and_drift_are_a_delay_and_a_phase() {
         let (Samples::Cf32(a), Samples::Cf32(b)) = (&calm.pulse.samples, &off.pulse.samples) else {
             panic!("codes")
         };
-        // Lost at the ends of the window: below 1e-3 of the signal. A delay of 1e-3/(2 pi) turns of 10 GHz is 16 fs, of
-        // the band of 60 MHz 3 ps.
+        // Lost at the ends of the window: below 1e-3 of the signal. A delay of 1e-3/(2 pi) turns of 10 GHz is
+        // 16 fs, of the band of 60 MHz 3 ps.
         let worst = worst_phase(a, b, delay_s, turns);
         println!("pulse {}: {delay_s:e} s, worst phase {worst:.2e} turns", calm.pulse.index);
         assert!(worst < 1e-3 / TAU, "{worst}");
@@ -210,8 +211,8 @@ fn running(noise: [f64; 5], pulses: u64, seed: u64) -> Result<RunningClocks, Clo
 
 #[test]
 fn allan_deviations_are_those_asked() {
-    // Relative spread of a deviation from M second differences without overlap: K/sqrt(M) (P. Lesage and C. Audoin, IEEE
-    // Trans. Instrum. Meas. 22 (1973) 157).
+    // Relative spread of a deviation from M second differences without overlap: K/sqrt(M) (P. Lesage and C.
+    // Audoin, IEEE Trans. Instrum. Meas. 22 (1973) 157).
     let cases = [
         ("random walk", [1e-20, 0.0, 0.0, 0.0, 0.0], 0.75),
         ("flicker", preset("ocxo").unwrap(), 0.77),
@@ -231,8 +232,8 @@ fn allan_deviations_are_those_asked() {
             let square = second.iter().map(|d| d * d).sum::<f64>() / second.len() as f64;
             let found = (square / 2.0).sqrt() / tau_s;
             let wanted = adev(&noise, tau_s, 50.0);
-            // Flicker of phase: the closed form is one for 2 pi f_h tau >> 1, here 31 at m of 10: terms of its inverse are left
-            // out, 3 % of a deviation. Sums of processes ripple by 0.3 %.
+            // Flicker of phase: the closed form is one for 2 pi f_h tau >> 1, here 31 at m of 10: terms of
+            // its inverse are left out, 3 % of a deviation. Sums of processes ripple by 0.3 %.
             if name == "flicker of phase" && m < 10 {
                 continue;
             }
@@ -271,7 +272,8 @@ fn clocks_that_are_too_wrong_are_refused() {
 
 #[test]
 fn noise_of_a_shared_clock_is_that_of_the_time_between() {
-    // Phases of a point target over 2000 pulses: variance of x of h_0 w / 2 with w of 18 us, times (2 pi f_0)^2.
+    // Phases of a point target over 2000 pulses: variance of x of h_0 w / 2 with w of 18 us, times (2 pi
+    // f_0)^2.
     let tx = "clock = { noise_h = [0, 0, 2e-18, 0, 0] }";
     let run = scenario(tx, "clock = { same_as = \"tx\" }", "");
     let pulses: Vec<u64> = (0..2000).collect();

@@ -1,4 +1,5 @@
-//! The NRL sea clutter model beside what others computed with it, and beside the measurements it was fitted to.
+//! The NRL sea clutter model beside what others computed with it, and beside the measurements it was fitted
+//! to.
 
 use nereus::scattering::clutter_nrl::{GRAZING_DEG, SeaState, sigma0};
 use proptest::prelude::*;
@@ -65,8 +66,8 @@ fn deviations_from_nathanson_are_those_of_the_report() {
     for (horizontal, count) in [(true, 267), (false, 286)] {
         assert_eq!(tables.iter().filter(|value| value.horizontal == horizontal).count(), count);
     }
-    // Mean absolute deviations, dB: to 10 degrees from its Table 2, to half the last digit; to 60 degrees from the heading
-    // of its listing of SigmaSea_vs_Freq.m, likewise. (Table 3 has 2.6 for both.)
+    // Mean absolute deviations, dB: to 10 degrees from its Table 2, to half the last digit; to 60 degrees
+    // from the heading of its listing of SigmaSea_vs_Freq.m, likewise. (Table 3 has 2.6 for both.)
     for (horizontal, most_deg, printed, tolerance) in [
         (true, 10.0, 2.3, 0.05),
         (false, 10.0, 2.2, 0.05),
@@ -92,8 +93,9 @@ fn x_band_is_near_what_was_measured() {
             "X band, {}: {count} values, mean {offset:.2} dB, absolute {absolute:.2} dB",
             if horizontal { "HH" } else { "VV" }
         );
-        // 2.6 dB is the mean absolute deviation over all bands; that of a Laplace law with this mean spreads by as much,
-        // so a mean of 46 lies within 3 * 2.6/sqrt(46) = 1.2 dB of it, and the offset, of spread 2.6 sqrt 2, within 1.7.
+        // 2.6 dB is the mean absolute deviation over all bands; that of a Laplace law with this mean spreads
+        // by as much, so a mean of 46 lies within 3 * 2.6/sqrt(46) = 1.2 dB of it, and the offset, of spread
+        // 2.6 sqrt 2, within 1.7.
         assert!(count >= 46 && absolute < 2.6 + 1.2 && offset.abs() < 1.7);
     }
 }
@@ -103,8 +105,8 @@ fn winds_and_sea_states_are_those_of_the_report() {
     // Sea state 0 is a wind below 4 knots (page 2 of the report): 2.06 m/s; its fit has 3.85 knots.
     let calm = SeaState::new(0.0).unwrap();
     assert!((3.5..4.0).contains(&(calm.wind_mps() / 0.514_444)), "{}", calm.wind_mps());
-    // The other fit of the report, in its listing of the GIT model: 2.15 s^1.04 m/s. They are two fits of one table whose
-    // steps are 2 m/s wide: half a step, and a tenth.
+    // The other fit of the report, in its listing of the GIT model: 2.15 s^1.04 m/s. They are two fits of one
+    // table whose steps are 2 m/s wide: half a step, and a tenth.
     for number in 1..=6 {
         let sea = SeaState::new(f64::from(number)).unwrap();
         let other_mps = 2.15 * f64::from(number).powf(1.04);
@@ -115,8 +117,8 @@ fn winds_and_sea_states_are_those_of_the_report() {
         );
         assert!((sea.wind_mps() - other_mps).abs() < 1.0 + 0.1 * other_mps);
     }
-    // A fully risen sea has 4 sigma_h = 0.0213 U^2 (Pierson and Moskowitz) where the two laws cross, near 10 m/s; their powers
-    // are 2 and 2.5: from 5 to 12.9 m/s they part by (12.9/5)^0.5, a factor 1.6 in all.
+    // A fully risen sea has 4 sigma_h = 0.0213 U^2 (Pierson and Moskowitz) where the two laws cross, near 10
+    // m/s; their powers are 2 and 2.5: from 5 to 12.9 m/s they part by (12.9/5)^0.5, a factor 1.6 in all.
     for wind_mps in [5.0f64, 10.0, 12.9] {
         let height_m = SeaState::of_wind(wind_mps).unwrap().wave_height_m();
         let ratio = height_m / (0.0213 * wind_mps * wind_mps);
@@ -159,19 +161,20 @@ proptest! {
         let grazing_rad = grazing_deg.to_radians().clamp(0.1f64.to_radians(), 60f64.to_radians());
         let sea = SeaState::new(number).unwrap();
         let found = sigma0(carrier_hz, grazing_rad, sea).unwrap();
-        // The dimmest corner (0.5 GHz, 0.1 degrees, sea state 0) is -112.5 dB; Nathanson's brightest value is -4 dB,
-        // and the fit is nowhere more than 12 dB above a value.
+        // The dimmest corner (0.5 GHz, 0.1 degrees, sea state 0) is -112.5 dB; Nathanson's brightest value is
+        // -4 dB, and the fit is nowhere more than 12 dB above a value.
         for level in [db(found.hh), db(found.vv)] {
             prop_assert!((-112.5..=8.0).contains(&level), "{}", level);
         }
         let rougher = SeaState::new((number + step).min(6.0)).unwrap();
         let more = sigma0(carrier_hz, grazing_rad, rougher).unwrap();
-        // The wind comes back: a power and its root, some roundings of 1e-16 times the powers 2.5 and 2.1, the
-        // difference h - 0.04 of a calm losing digits.
+        // The wind comes back: a power and its root, some roundings of 1e-16 times the powers 2.5 and 2.1,
+        // the difference h - 0.04 of a calm losing digits.
         let again = SeaState::of_wind(sea.wind_mps()).unwrap();
         prop_assert!((again.wind_mps() - sea.wind_mps()).abs() < 1e-14 * 13.0, "{:?} {:?}", again, sea);
         prop_assert!(rougher.wind_mps() >= sea.wind_mps());
-        // (1 + s)^(1/(2 + a + b s)) grows with s as long as ln(1 + s) < (2 + a + b s)/(b (1 + s)): here for all s to 6.
+        // (1 + s)^(1/(2 + a + b s)) grows with s as long as ln(1 + s) < (2 + a + b s)/(b (1 + s)): here for
+        // all s to 6.
         prop_assert!(more.hh >= found.hh * (1.0 - 1e-12) && more.vv >= found.vv * (1.0 - 1e-12));
     }
 }

@@ -141,8 +141,8 @@ fn spectrum_matches_reference_b_in_every_row() {
         worst = (worst.0.max(row), worst.1.max(rms));
     }
     println!("reference B: worst row {:.2e} of the rms, worst pulse {:.2e}", worst.0, worst.1);
-    // tau is a sum of a few roundings on either side, and f0 tau one more: some ten of them in all, each half an
-    // epsilon of the phase 2 pi f0 tau; a row may stand 4 times above the rms. The file has 13 digits.
+    // tau is a sum of a few roundings on either side, and f0 tau one more: some ten of them in all, each half
+    // an epsilon of the phase 2 pi f0 tau; a row may stand 4 times above the rms. The file has 13 digits.
     let delay_s = scene.t0 + scene.N as f64 / scene.fs;
     let tolerance = 4.0 * 10.0 * 0.5 * f64::EPSILON * std::f64::consts::TAU * scene.f0 * delay_s + 1e-11;
     assert!(worst.0 <= tolerance, "{worst:?} {tolerance}");

@@ -1,7 +1,9 @@
-//! A scatterer path's echo, received without noise and range-compressed, peaks at its delay with its amplitude and phase.
+//! A scatterer path's echo, received without noise and range-compressed, peaks at its delay with its
+//! amplitude and phase.
 //!
-//! Compressed signal at lag `t` after the window's start, from the samples `s` and a replica `q`, both on `M` points:
-//! `c(t) = (1/M) sum_k S[k] conj(Q[k]) e^{j 2 pi f_k t} / sum |q|^2`. Predicted: `a e^{-j 2 pi f0 tau}` at `t = o + tau - t_w`.
+//! Compressed signal at lag `t` after the window's start, from the samples `s` and a replica `q`, both on `M`
+//! points: `c(t) = (1/M) sum_k S[k] conj(Q[k]) e^{j 2 pi f_k t} / sum |q|^2`. Predicted:
+//! `a e^{-j 2 pi f0 tau}` at `t = o + tau - t_w`.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -88,8 +90,8 @@ fn compress(fs_hz: f64, samples: &[Complex64], replica: &[Complex64]) -> Peak {
     Peak { lag_s: lag / fs_hz, value: at(lag) }
 }
 
-/// `Q_r(f) = (1 + r) P((1 + r) f + f0 r) H(f)` in time, ringing and all: what a processor that knows the Doppler correlates with. Entry
-/// `lead` is the start of the pulse.
+/// `Q_r(f) = (1 + r) P((1 + r) f + f0 r) H(f)` in time, ringing and all: what a processor that knows the
+/// Doppler correlates with. Entry `lead` is the start of the pulse.
 fn matched(waveform: &dyn Waveform, fs_hz: f64, rate: f64, lead: usize) -> Vec<Complex64> {
     let period = (waveform.span_samples(fs_hz) + 4 * lead).next_power_of_two();
     let filter = ReceiveFilter::new(fs_hz);
@@ -144,8 +146,9 @@ fn recorded_replica_finds_a_still_contact() {
             let waveform: Arc<dyn Waveform> = Arc::new(Lfm::new(60e6, 0.333e-6, sweep).unwrap());
             let (receiver, samples) = received(&case, &waveform);
             let peak = compress(case.fs_hz, &samples, &replica64(&receiver, waveform.as_ref()));
-            // The replica ends 0.3 of a sample short of the middle of its last interval; the unequal ends (|q|^2 differs
-            // by up to 0.5 there) tilt |c| by 0.25 against its curvature (2 pi 17 MHz)^2 33 = 38/sample^2: 7e-3 sample.
+            // The replica ends 0.3 of a sample short of the middle of its last interval; the unequal ends
+            // (|q|^2 differs by up to 0.5 there) tilt |c| by 0.25 against its curvature (2 pi 17 MHz)^2 33 =
+            // 38/sample^2: 7e-3 sample.
             check("still", &peak, case.amplitude * carrier(case.delay_s), case.delay_s - case.start_s, 7e-11);
         }
     }
@@ -153,7 +156,8 @@ fn recorded_replica_finds_a_still_contact() {
 
 #[test]
 fn recorded_replica_finds_a_moving_contact_where_the_chirp_puts_it() {
-    // p(t) e^{j 2 pi v t} = p(t + v/mu) e^{j pi v Tc - j pi v^2/mu} where both last: earlier by v/mu, v = f_D.
+    // p(t) e^{j 2 pi v t} = p(t + v/mu) e^{j pi v Tc - j pi v^2/mu} where both last: earlier by v/mu, v =
+    // f_D.
     let waveform: Arc<dyn Waveform> = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());
     let mu = 60e6 / 0.333e-6;
     for doppler_hz in [7e3, -7e3] {
@@ -180,8 +184,8 @@ fn matched_replica_finds_every_doppler() {
         let lead = 64;
         let peak = compress(case.fs_hz, &samples, &matched(waveform.as_ref(), case.fs_hz, case.rate, lead));
         let lag_s = case.delay_s - case.start_s - lead as f64 / case.fs_hz;
-        // f32 samples: 6e-8 of the peak over a curvature of 1.2/sample^2 moves a maximum by sqrt(1e-7) at most; the
-        // ringing that window and replica cut off (1e-5) by 1e-5.
+        // f32 samples: 6e-8 of the peak over a curvature of 1.2/sample^2 moves a maximum by sqrt(1e-7) at
+        // most; the ringing that window and replica cut off (1e-5) by 1e-5.
         check(what, &peak, case.amplitude * carrier(case.delay_s), lag_s, 4e-12);
     }
 }

@@ -74,8 +74,9 @@ fn periodic_response(t: f64, n: usize) -> f64 {
     (1.0 + terms.sum::<f64>()) / n as f64
 }
 
-/// `a e^{-j 2 pi f0 tau} int q(x) h(t - o - tau - x) dx` at sample `j`; what leaves `u` after the beginning of the pulse
-/// arrives at `x = (1 + r) u` with the phase of its emission: `q(x) = p(u) e^{j 2 pi f0 (u - x)}`.
+/// `a e^{-j 2 pi f0 tau} int q(x) h(t - o - tau - x) dx` at sample `j`; what leaves `u` after the beginning
+/// of the pulse arrives at `x = (1 + r) u` with the phase of its emission:
+/// `q(x) = p(u) e^{j 2 pi f0 (u - x)}`.
 fn integral(echoes: &[Echo], b_hz: f64, tc_s: f64, j: usize, h: impl Fn(f64) -> f64) -> Complex64 {
     let mut sum = Complex64::ZERO;
     for e in echoes {
@@ -123,8 +124,9 @@ fn reference_is_the_integral_it_stands_for() {
 
 #[test]
 fn nothing_wraps_into_the_window() {
-    // The same with the filter's own, endless response: what differs is what the period folds back. An echo's image
-    // ends or begins a guard or more from any sample, where |h| <= 1/(pi n (0.04 n^2 - 1)), and lasts Tc.
+    // The same with the filter's own, endless response: what differs is what the period folds back. An echo's
+    // image ends or begins a guard or more from any sample, where |h| <= 1/(pi n (0.04 n^2 - 1)), and lasts
+    // Tc.
     let (b_hz, tc_s) = (60e6, 0.333e-6);
     let pulse = Lfm::new(b_hz, tc_s, Sweep::Up).unwrap();
     let span = pulse.span_samples(FS_HZ);
@@ -147,9 +149,10 @@ fn nothing_wraps_into_the_window() {
 
 #[test]
 fn reference_is_the_low_passed_oversampled_pulse() {
-    // Reference A at 64 fs, filtered by H in the frequency domain. Sampling moves each of the two edges of a pulse by up
-    // to half a fine sample, 1/(128 fs): a white error of that size over 0.875 fs against the energy Tc gives
-    // (1/128) sqrt(2 x 0.875 / (fs Tc)) = 1.8e-3 (-55 dB) at worst, -59 dB for edges placed at random.
+    // Reference A at 64 fs, filtered by H in the frequency domain. Sampling moves each of the two edges of a
+    // pulse by up to half a fine sample, 1/(128 fs): a white error of that size over 0.875 fs against the
+    // energy Tc gives (1/128) sqrt(2 x 0.875 / (fs Tc)) = 1.8e-3 (-55 dB) at worst, -59 dB for edges placed
+    // at random.
     const FINE: usize = 64;
     let (b_hz, tc_s) = (60e6, 0.333e-6);
     let pulse = Arc::new(Lfm::new(b_hz, tc_s, Sweep::Up).unwrap());
@@ -198,7 +201,8 @@ fn neglected_doppler_is_no_doppler() {
 
 #[test]
 fn channels_of_a_pair_share_and_pairs_do_not() {
-    // Channels 0, 1, 3 on pair 0 and 2 on pair 1: each is what it would be alone, bit for bit, however often asked.
+    // Channels 0, 1, 3 on pair 0 and 2 on pair 1: each is what it would be alone, bit for bit, however often
+    // asked.
     let pulse = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Down).unwrap());
     let echo = ReferenceEcho::new(pulse.clone(), F0_HZ, FS_HZ, WINDOW, vec![0, 0, 1, 0]);
     let n = echo.fft_len();
@@ -237,7 +241,8 @@ fn channels_of_a_pair_share_and_pairs_do_not() {
     }
 }
 
-/// A scatterer path, its radar, and what its echo lacks (dB) where the envelope is not stretched with the carrier.
+/// A scatterer path, its radar, and what its echo lacks (dB) where the envelope is not stretched with the
+/// carrier.
 struct Stretched {
     what: &'static str,
     f0_hz: f64,
@@ -303,7 +308,8 @@ fn envelope_is_stretched_with_its_carrier() {
         let rigid = rigid_samples(&case, &one[0], n);
         for j in (7..window).step_by(window / 40) {
             let carrier = Complex64::cis(-TAU * (f0_hz * delay_s).fract());
-            // What leaves u after the beginning arrives x after the beginning, with the phase of its emission.
+            // What leaves u after the beginning arrives x after the beginning, with the phase of its
+            // emission.
             let part = unit_interval(panels, |y| {
                 let u = y * tc_s;
                 let x = u + rate * u;

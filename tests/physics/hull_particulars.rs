@@ -29,14 +29,16 @@ fn shipped_hulls_have_their_particulars() {
             ("waterplane", found.waterplane, waterplane, 4),
             ("lcb", found.lcb_percent, lcb_percent, 3),
         ] {
-            // Offsets are printed to a micrometre: 1e-7 of the volume, the ten thousandth part of what is compared.
+            // Offsets are printed to a micrometre: 1e-7 of the volume, the ten thousandth part of what is
+            // compared.
             let allowed = 0.5 * 10f64.powi(-digits) * 1.001 + 1e-7 * expected.abs();
             assert!((found - expected).abs() <= allowed, "{file} {name}: {found}, {expected}");
         }
     }
 }
 
-/// The figures published for the bare 5415 at full scale (SIMMAN), and how far a table lifted from its surface is off.
+/// The figures published for the bare 5415 at full scale (SIMMAN), and how far a table lifted from its
+/// surface is off.
 #[test]
 fn the_5415_is_the_published_ship() {
     for (file, surface_percent) in [("dtmb5415.toml", 2.0), ("dtmb5415_fine.toml", 1.0)] {
@@ -88,9 +90,9 @@ fn the_parabolic_hull_in_closed_form() {
     near(found.midship, 2.0 / 3.0);
     near(found.waterplane, 2.0 / 3.0);
     assert!(found.lcb_percent.abs() < 1e-12);
-    // Inscribed triangles lose 1/24 of the square of the turn between neighbours: Y_z goes from 0 to B/T = 1.6 over 24
-    // waterlines, 1.9e-4 at most. At the four lower corners half a triangle pair lies on the centre plane and is not
-    // counted: a quarter of 2 m x 0.26 m each, 3.5e-4 of the whole.
+    // Inscribed triangles lose 1/24 of the square of the turn between neighbours: Y_z goes from 0 to B/T =
+    // 1.6 over 24 waterlines, 1.9e-4 at most. At the four lower corners half a triangle pair lies on the
+    // centre plane and is not counted: a quarter of 2 m x 0.26 m each, 3.5e-4 of the whole.
     let surface_m2 = 0.148_790_63 * length_m * length_m;
     let lost = 1.0 - found.wetted_surface_m2 / surface_m2;
     assert!((3.5e-4..5.4e-4).contains(&lost), "{lost:e}");

@@ -1,4 +1,5 @@
-//! Bragg waves in light wind: what the sea returns grows with the wind, and the dark wake is dark in every band.
+//! Bragg waves in light wind: what the sea returns grows with the wind, and the dark wake is dark in every
+//! band.
 
 use glam::DVec3;
 use nereus::scattering::kind::clean::Clean;
@@ -55,7 +56,8 @@ fn looks() -> Vec<(String, f64, f64, Path)> {
     looks
 }
 
-/// As published it rises by up to 8 dB as the wind falls (X band, VV, 45 degrees: -25.4 dB at 3 m/s, -17.9 at 0.31).
+/// As published it rises by up to 8 dB as the wind falls (X band, VV, 45 degrees: -25.4 dB at 3 m/s, -17.9 at
+/// 0.31).
 #[test]
 fn more_wind_never_returns_less() {
     let looks = looks();
@@ -109,7 +111,8 @@ fn a_fresh_breeze_is_as_published() {
     assert_eq!(threshold_mps(370.0), threshold_mps(1500.0));
 }
 
-/// Prints the table of docs/sigma0.md: clean water over the middle of a dark wake, VV, 45 degrees, upwind, dB.
+/// Prints the table of docs/sigma0.md: clean water over the middle of a dark wake, VV, 45 degrees, upwind,
+/// dB.
 #[test]
 fn the_dark_wake_is_dark_in_every_band() {
     for u10_mps in [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0] {

@@ -97,8 +97,8 @@ fn ports_of_an_aperture_are_orthogonal_far_off_its_boresight() {
     let [hh, hv, vh, vv] = amplitudes(&mut scene, [0.0, 0.0, 3000.0], [0.0; 3], place, sphere);
     assert!((hh - vv).norm() < 1e-12 * hh.norm(), "HH {hh}, VV {vv}");
     assert!(db(hv, hh) < -240.0 && db(vh, hh) < -240.0, "{hv}, {vh}");
-    // Ludwig-3 there, by hand: theta = 60 degrees, phi from the left axis -135 degrees (right, down). V has the part
-    // (sin phi theta^ + cos phi phi^) . up = 1 - sin^2 phi (1 - cos theta) = 3/4 of a vertical wire.
+    // Ludwig-3 there, by hand: theta = 60 degrees, phi from the left axis -135 degrees (right, down). V has
+    // the part (sin phi theta^ + cos phi phi^) . up = 1 - sin^2 phi (1 - cos theta) = 3/4 of a vertical wire.
     let mut wire = scene.clone();
     let d = [off, FRAC_PI_3.cos(), -off];
     let vertical = |theta: f64, phi: f64| {
@@ -107,7 +107,8 @@ fn ports_of_an_aperture_are_orthogonal_far_off_its_boresight() {
     };
     let expected = vertical(FRAC_PI_3, -0.75 * PI);
     assert!((expected - 0.75).abs() < 1e-15);
-    // The wire answers the component along v of the ray, up = -sin(incidence) v: S_vv = sin^2(incidence) as a dipole has.
+    // The wire answers the component along v of the ray, up = -sin(incidence) v: S_vv = sin^2(incidence) as a
+    // dipole has.
     let sine = d[0].hypot(d[1]);
     let dipole = [[(sine * sine).into(), Complex64::ZERO], [Complex64::ZERO; 2]];
     let [_, _, _, of_v] = amplitudes(&mut wire, [0.0, 0.0, 3000.0], [0.0; 3], place, dipole);

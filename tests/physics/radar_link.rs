@@ -200,7 +200,8 @@ fn turned(original: &Scene) {
 #[test]
 fn roll_turns_the_polarisation() {
     let mut scene = scene();
-    // Both antennas bolted to one aircraft that flies north level and scattering epochs ahead at a target at its height.
+    // Both antennas bolted to one aircraft that flies north level and scattering epochs ahead at a target at
+    // its height.
     for mount in [&mut scene.radar.transmitters[0].antenna, &mut scene.radar.receivers[0].antenna] {
         mount.platform = 0;
         mount.pointing = Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 };

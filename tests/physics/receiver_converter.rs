@@ -57,8 +57,9 @@ fn quantisation_noise_follows_the_number_of_bits() {
             let db = 10.0 * sqnr(Adc { bits, full_scale }, 1237, amplitude).log10();
             let expected = 6.0206 * f64::from(bits) + 1.7609 - headroom_db;
             println!("{bits} bits, headroom {headroom_db} dB: {db:.2} dB, expected {expected:.2}");
-            // Power of 8192 uniform errors: deviation sqrt(4/5/8192) = 1 %, five of them 0.21 dB. The error of a sine
-            // also has a part that is not uniform, at its crests: sqrt(step/amplitude) of the samples, up to 0.15 dB.
+            // Power of 8192 uniform errors: deviation sqrt(4/5/8192) = 1 %, five of them 0.21 dB. The error
+            // of a sine also has a part that is not uniform, at its crests: sqrt(step/amplitude) of the
+            // samples, up to 0.15 dB.
             assert!((db - expected).abs() < 0.21 + 0.15, "{bits}: {db} {expected}");
         }
     }

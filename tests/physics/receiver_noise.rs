@@ -1,4 +1,5 @@
-//! Thermal noise of the receiver: variance, shape, independence, and the same numbers whatever was asked before.
+//! Thermal noise of the receiver: variance, shape, independence, and the same numbers whatever was asked
+//! before.
 
 use nereus::pulse::{Layout, Pulse, SampleFormat, Samples};
 use nereus::radar::filter::{ReceiveFilter, bin_frequency_hz};
@@ -110,7 +111,8 @@ fn noise_is_white_before_the_filter_and_circular() {
     let level = receiver.noise_variance_w() * n as f64 / 0.875;
     for (k, p) in power.iter().enumerate() {
         let expected = level * filter.response(bin_frequency_hz(k, n, FS_HZ)).powi(2);
-        // Mean of 4000 exponentials: 1.6 % each; five deviations for the worst of 128. Cf32 rounding: 1e-14 of the level.
+        // Mean of 4000 exponentials: 1.6 % each; five deviations for the worst of 128. Cf32 rounding: 1e-14
+        // of the level.
         assert!(
             (p - expected).abs() <= 5.0 / (trials as f64).sqrt() * expected + 1e-13 * level,
             "bin {k}: {p} {expected}"

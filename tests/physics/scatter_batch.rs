@@ -1,4 +1,5 @@
-//! Batches of facets: means over random phases, frozen and forgotten phases, the tabulated spectrum, bad lengths.
+//! Batches of facets: means over random phases, frozen and forgotten phases, the tabulated spectrum, bad
+//! lengths.
 
 use glam::DVec3;
 use nereus::scattering::facets::{Facets, LengthError, Phases};
@@ -183,8 +184,8 @@ fn tabulated_spectrum_stays_within_its_word() {
         "spectrum table: {} harmonics, own word {word:.1e}, Bragg {relative_db:.0} dB, worst {worst:.1e}",
         table.harmonics()
     );
-    // An amplitude is a root of the spectrum: half its relative error, and the word is taken midway between nodes,
-    // where the cubic is worst.
+    // An amplitude is a root of the spectrum: half its relative error, and the word is taken midway between
+    // nodes, where the cubic is worst.
     assert!(worst <= word && word < 1e-6);
     // 20 dB below the -66 dB that the error budget gives to gain and scattering together.
     assert!(relative_db < -86.0);
@@ -199,7 +200,8 @@ fn many_harmonics_are_kept() {
     };
     let table = SpectrumTable::new(psi, 20.0, 400.0);
     assert_eq!(table.harmonics(), 8);
-    // Off its axis the true value is as small as 1e-21 of the crest: compared with the crest, 20 sums of 1e-16.
+    // Off its axis the true value is as small as 1e-21 of the crest: compared with the crest, 20 sums of
+    // 1e-16.
     for (x, y) in [(100.0, 0.0), (100.0, 30.0), (80.0, -80.0), (3.0, 90.0), (-50.0, 50.0)] {
         let crest = psi(f64::hypot(x, y), 0.0);
         assert!((table.psi(x, y) - psi(x, y)).abs() < 1e-9 * crest, "{x} {y}");

@@ -1,6 +1,7 @@
-//! The composite NRCS of docs/physics.md section 10.6 (10 GHz, radar looking upwind, U10 = 10 m/s, cut k/3, all waves below the cut in the
-//! slope density, averaged over tilts). Its table is what 13 x 13 Gauss-Hermite nodes and a sharp cut give; the library has
-//! 3 x 3 nodes and a smooth cut, and docs/sigma0.md says how far each is from the integral.
+//! The composite NRCS of docs/physics.md section 10.6 (10 GHz, radar looking upwind, U10 = 10 m/s, cut k/3,
+//! all waves below the cut in the slope density, averaged over tilts). Its table is what 13 x 13
+//! Gauss-Hermite nodes and a sharp cut give; the library has 3 x 3 nodes and a smooth cut, and docs/sigma0.md
+//! says how far each is from the integral.
 
 use std::f64::consts::PI;
 
@@ -39,8 +40,9 @@ fn db(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
-/// Nodes and weights of the n-point Gauss-Hermite rule of a unit Gaussian: the nodes are the zeros of the Hermite
-/// polynomial `He_n`, found by halving between those of `He_(n-1)`; the weights are `(n-1)!/(n He_(n-1)^2)`.
+/// Nodes and weights of the n-point Gauss-Hermite rule of a unit Gaussian: the nodes are the zeros of the
+/// Hermite polynomial `He_n`, found by halving between those of `He_(n-1)`; the weights are
+/// `(n-1)!/(n He_(n-1)^2)`.
 fn gauss_hermite(n: u32) -> Vec<(f64, f64)> {
     // He_n over the root of n!, which stays near 1.
     let polynomial = |n: u32, x: f64| {
@@ -178,8 +180,8 @@ fn page_rows(heading: &str) -> Vec<Vec<f64>> {
     rows
 }
 
-/// The page's table of the tilt average: facet (0: the whole sea) and incidence, then VV and HH by 3 x 3 nodes, by 13 x 13
-/// nodes with a sharp cut, and of the integral; specular part damped.
+/// The page's table of the tilt average: facet (0: the whole sea) and incidence, then VV and HH by 3 x 3
+/// nodes, by 13 x 13 nodes with a sharp cut, and of the integral; specular part damped.
 #[test]
 fn the_page_tells_what_three_nodes_cost() {
     let (three, thirteen) = (gauss_hermite(3), gauss_hermite(13));

@@ -1,4 +1,5 @@
-//! Extremes of docs/physics.md section 19 that concern scattering: nothing panics, nothing is NaN or infinite.
+//! Extremes of docs/physics.md section 19 that concern scattering: nothing panics, nothing is NaN or
+//! infinite.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

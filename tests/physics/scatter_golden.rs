@@ -155,7 +155,8 @@ fn facet_scatter_rows() {
             let largest = expected.iter().map(|e| e.norm()).fold(0.0, f64::max);
             for (found, expected) in [a[0][0], a[0][1], a[1][0], a[1][1]].into_iter().zip(expected) {
                 let error = (found - expected).norm();
-                // 1e-8 of the set; entries that vanish by symmetry are residues of 1e-16 of the row's largest.
+                // 1e-8 of the set; entries that vanish by symmetry are residues of 1e-16 of the row's
+                // largest.
                 assert!(
                     error <= 1e-8 * expected.norm() + 1e-14 * largest,
                     "SPM at {row:?}: {found} not {expected}"

@@ -84,8 +84,8 @@ fn swapping_the_ends_changes_nothing() {
 
 #[test]
 fn specular_scattering_keeps_the_energy() {
-    // Of slopes as small as this (total 0.0143, U10 = 10 m/s on a 1 m grid) the mean of |R|^2 over local angles is
-    // within s^2 |R|''/2 of |R(th_i)|^2: below 0.5 %. The half-degree rule adds less than 1e-4.
+    // Of slopes as small as this (total 0.0143, U10 = 10 m/s on a 1 m grid) the mean of |R|^2 over local
+    // angles is within s^2 |R|''/2 of |R(th_i)|^2: below 0.5 %. The half-degree rule adds less than 1e-4.
     let pdf = SlopePdf::new(MeanSquareSlope { up: 0.0083, cross: 0.0060 }, None, 0.0);
     let flat = Tangent::from_slopes(0.0, 0.0, DVec3::X);
     let step = 0.5f64.to_radians();
@@ -143,7 +143,8 @@ fn monostatic_bragg_is_the_textbook_formula() {
     println!("monostatic Bragg: worst {worst:.1e}");
 }
 
-/// The printed amplitudes rotated by the bases of facet and vertical, as docs/physics.md section 10.3 writes it.
+/// The printed amplitudes rotated by the bases of facet and vertical, as docs/physics.md section 10.3 writes
+/// it.
 fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -> f64) -> ScatterMatrix {
     let Some((ci, cs)) = path.local_cosines(plane.normal) else { return NO_ECHO };
     let (kx, ky) = spm::bragg_vector(k, plane, path);
@@ -181,8 +182,8 @@ fn bragg_without_bases_is_bragg_with_bases() {
         let b = by_local_bases(k, &plane, &path, |x, y| sea.psi(x, y));
         for (a_pq, b_pq) in a.iter().flatten().zip(b.iter().flatten()) {
             let error = (a_pq - b_pq).norm();
-            // Local bases lose digits as a direction nears the normal (1e-16 over the sine, here down to 1e-3), and
-            // both forms share the spectrum.
+            // Local bases lose digits as a direction nears the normal (1e-16 over the sine, here down to
+            // 1e-3), and both forms share the spectrum.
             assert!(error <= 1e-11 * largest(&b), "{path:?} {slopes:?}: {a:?} {b:?}");
             worst = worst.max(error / largest(&b).max(f64::MIN_POSITIVE));
         }

@@ -1,4 +1,5 @@
-//! Laws that the two-scale facet keeps whatever is chosen, and rows of docs/physics.md section 19 about specular points and steep facets.
+//! Laws that the two-scale facet keeps whatever is chosen, and rows of docs/physics.md section 19 about
+//! specular points and steep facets.
 
 use std::f64::consts::{PI, TAU};
 
@@ -60,7 +61,8 @@ fn the_ends_may_be_swapped_in_every_option() {
                     let largest = a.iter().flatten().map(|s| s.norm()).fold(0.0, f64::max);
                     for (p, q, sign) in [(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)] {
                         let error = (a[p][q] - b[q][p] * sign).norm();
-                        // About 50 roundings of 1e-16, times the steepness of spectrum and slope density (to 1e2).
+                        // About 50 roundings of 1e-16, times the steepness of spectrum and slope density (to
+                        // 1e2).
                         assert!(error <= 1e-12 * largest, "{settings:?} {from} {to} {slopes:?}: {a:?} {b:?}");
                         worst = worst.max(error / largest.max(f64::MIN_POSITIVE));
                     }
@@ -73,8 +75,8 @@ fn the_ends_may_be_swapped_in_every_option() {
 
 #[test]
 fn wind_and_radar_turn_together_over_level_facets() {
-    // The axis of the facets stays that of the map, as in a scene; only radar, wind and waves turn. Of a level facet
-    // without sub-facet tilts the local axes are those of the map, so that this is exact.
+    // The axis of the facets stays that of the map, as in a scene; only radar, wind and waves turn. Of a
+    // level facet without sub-facet tilts the local axes are those of the map, so that this is exact.
     let mut draws = ChaCha8Rng::seed_from_u64(22);
     let mut worst: f64 = 0.0;
     for settings in every_setting().into_iter().filter(|settings| !settings.tilt_average) {
@@ -139,7 +141,8 @@ fn monostatic_specular_points_are_the_textbook_formula() {
 fn the_receiver_passes_through_the_specular_point() {
     let medium = Medium { resolved_radpm: 0.0, downwind_rad: 0.0, ..medium(DVec3::X) };
     let waves = Elfouhaily { wind_10_mps: 10.0, downwind_rad: 0.0 };
-    // At nadir: 12.9 dB with the slopes below the cut (damping undone), 10.7 dB "order" with those of Cox and Munk.
+    // At nadir: 12.9 dB with the slopes below the cut (damping undone), 10.7 dB "order" with those of Cox and
+    // Munk.
     let peak_db = |splitting| {
         let settings = Settings { splitting, ..Settings::default() };
         let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
@@ -153,8 +156,8 @@ fn the_receiver_passes_through_the_specular_point() {
     // Half the last digit; the second figure is of order: the digit itself.
     assert!((consistent_db - 12.9).abs() <= 0.05 && (paper_db - 10.7).abs() <= 0.1);
 
-    // Across the specular direction of a transmitter at 50 degrees, in steps of 0.01 degrees: what the radar sees changes
-    // smoothly and peaks there.
+    // Across the specular direction of a transmitter at 50 degrees, in steps of 0.01 degrees: what the radar
+    // sees changes smoothly and peaks there.
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {
         let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
         let ki = DVec3::new(50f64.to_radians().sin(), 0.0, -(50f64.to_radians().cos()));
@@ -166,8 +169,9 @@ fn the_receiver_passes_through_the_specular_point() {
         let mut last = at(48.0, 0.0);
         for i in 1..=400 {
             let here = at(48.0 + 0.01 * f64::from(i), 0.0);
-            // d(ln p) = z dz / s^2: slopes of at most 0.02, steps of 1e-4 rad (half for the slope), s^2 of 0.01 and more, give 1e-4; the
-            // secant and the reflection change by less than 1e-3 of the step each.
+            // d(ln p) = z dz / s^2: slopes of at most 0.02, steps of 1e-4 rad (half for the slope), s^2 of
+            // 0.01 and more, give 1e-4; the secant and the reflection change by less than 1e-3 of the step
+            // each.
             assert!((here / last - 1.0).abs() < 5e-4, "{settings:?} at {i}: {here} after {last}");
             last = here;
         }
@@ -184,7 +188,8 @@ fn the_receiver_passes_through_the_specular_point() {
 /// docs/physics.md section 19, "slopes of 1 and more".
 #[test]
 fn facets_steeper_than_45_degrees_are_facets() {
-    // Seen along its own normal a facet is a mirror, however steep it is: the specular part is that of a level one at nadir.
+    // Seen along its own normal a facet is a mirror, however steep it is: the specular part is that of a
+    // level one at nadir.
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, ..Settings::default() };
         let sea = TwoScale::new(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
@@ -205,7 +210,8 @@ fn facets_steeper_than_45_degrees_are_facets() {
     }
 }
 
-/// docs/physics.md section 19, "facet under an antenna": the bases at nadir are a convention, the power is not.
+/// docs/physics.md section 19, "facet under an antenna": the bases at nadir are a convention, the power is
+/// not.
 #[test]
 fn nadir_does_not_depend_on_the_convention_of_its_bases() {
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {

@@ -34,7 +34,8 @@ impl Golden {
     }
 }
 
-/// Elfouhaily et al. 1997, fully developed, symmetrised: S(K) (1 + Delta cos 2phi) / (2 pi K), phi from the wind.
+/// Elfouhaily et al. 1997, fully developed, symmetrised: S(K) (1 + Delta cos 2phi) / (2 pi K), phi from the
+/// wind.
 #[derive(Clone, Copy)]
 pub struct Elfouhaily {
     pub wind_10_mps: f64,

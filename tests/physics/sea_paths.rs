@@ -1,4 +1,5 @@
-//! The facets of the sea as scatterer paths: one path for delay, phase and Doppler, keys, kinds, shadows, reciprocity.
+//! The facets of the sea as scatterer paths: one path for delay, phase and Doppler, keys, kinds, shadows,
+//! reciprocity.
 
 use std::f64::consts::TAU;
 
@@ -63,8 +64,8 @@ fn power(paths: &ScattererPaths, channel: usize) -> f64 {
 
 #[test]
 fn phase_is_smooth_and_its_derivative_is_the_doppler() {
-    // 20 kHz, so that a central difference leaves jerk T^2 / 6: 1e-9 m/s of some 1 m/s, and rounding of the delay
-    // (3e-21 s over 1e-4 s) 1e-8 of the rate.
+    // 20 kHz, so that a central difference leaves jerk T^2 / 6: 1e-9 m/s of some 1 m/s, and rounding of the
+    // delay (3e-21 s over 1e-4 s) 1e-8 of the rate.
     for displacement in [true, false] {
         let mut water = sea(16, 1.0, 0.5);
         water.scattering.displacement = displacement;
@@ -95,8 +96,8 @@ fn phase_is_smooth_and_its_derivative_is_the_doppler() {
 
 #[test]
 fn orbital_motion_carries_the_radial_velocity_of_waves() {
-    // At 45 degrees, looking along the waves, the radial velocity of a deep-water wave has the amplitude w a in full; with
-    // the horizontal part frozen only cos 45 of it is left.
+    // At 45 degrees, looking along the waves, the radial velocity of a deep-water wave has the amplitude w a
+    // in full; with the horizontal part frozen only cos 45 of it is left.
     let rms = |displacement: bool| {
         let mut water = sea(64, 4.0, TAU / 4.0);
         water.scattering.displacement = displacement;
@@ -154,7 +155,8 @@ fn launch(position_m: [f64; 2]) -> Ship {
 
 #[test]
 fn a_wake_moves_facets_along_one_path_too() {
-    // Waves of the ship on calm water: under its bow, astern of it, and where its wake ends (30 to 40 lengths astern).
+    // Waves of the ship on calm water: under its bow, astern of it, and where its wake ends (30 to 40 lengths
+    // astern).
     for ahead_m in [0.0, 40.0, 700.0] {
         let mut water = sea(16, 1.0, 0.0);
         water.water.wind.strength = WindStrength::Speed { speed_mps: 3.0, height_m: 10.0 };
@@ -230,14 +232,15 @@ fn a_facet_is_the_same_through_any_patch() {
     for pulse in [0, 3, 7, 13] {
         let (here, there) = (paths(&still, &tracks, pulse), paths(&moving, &tracks, pulse));
         assert_eq!((here.len(), there.len()), (1024, 1024));
-        // Rows and columns by which the moving patch has gone, two along x and one along y per pulse; it is held for 16 facets at 496 m/s, 7
-        // pulses, of which 6 have more divisors.
+        // Rows and columns by which the moving patch has gone, two along x and one along y per pulse; it is
+        // held for 16 facets at 496 m/s, 7 pulses, of which 6 have more divisors.
         let gone = pulse as usize / 6 * 6;
         let mut shared = 0;
         for (i, delay) in there.delay_s[0].iter().enumerate() {
             if let Some(j) = here.delay_s[0].iter().position(|d| d == delay) {
-                // Receive axes are interpolated over the longest delay of the run, which is that of the patch: rounding,
-                // of which cross-polarised channels keep more because their parts nearly cancel.
+                // Receive axes are interpolated over the longest delay of the run, which is that of the
+                // patch: rounding, of which cross-polarised channels keep more because their parts nearly
+                // cancel.
                 for (a, b) in here.amplitude.iter().zip(&there.amplitude) {
                     let apart = (a[j] - b[i]).norm() / a[j].norm();
                     assert!(apart <= 1e-11, "{apart:e}");
@@ -332,7 +335,8 @@ fn shadows_fade_linearly_between_updates() {
     let tracks = at_rest(&scene, [0.0, -1000.0, 10.0], [0.0, -1000.0, 10.0]);
     let open = PathGenerator::new(&scene, PULSE_S, tracks.clone()).unwrap();
     let shaded = PathGenerator::new(&shaded, PULSE_S, tracks).unwrap();
-    // One-way weights of the facets that face the radar: what the shadow leaves of an amplitude is their square.
+    // One-way weights of the facets that face the radar: what the shadow leaves of an amplitude is their
+    // square.
     let weights = |pulse| {
         let amplitudes = |light: &PathGenerator| {
             light.snapshot(pulse, &mut light.workspace()).unwrap().unwrap().amplitude.remove(0)
@@ -386,15 +390,16 @@ fn a_curved_earth_lowers_the_far_sea() {
     let drop_m = 50_000f64.powi(2) / (2.0 * 4.0 / 3.0 * 6_371_000.0);
     let later_s = on_sphere.delay_s[0][0] - on_plane.delay_s[0][0];
     let expected_s = 2.0 * (3000f64.hypot(3000.0 + drop_m) - 3000f64.hypot(3000.0)) / 299_792_458.0;
-    // The facet asked lies up to 6 m from the middle, where the path changes by 4 parts in a thousand of the difference.
+    // The facet asked lies up to 6 m from the middle, where the path changes by 4 parts in a thousand of the
+    // difference.
     assert!((later_s / expected_s - 1.0).abs() < 5e-3, "{later_s:e} for {expected_s:e}");
 }
 
 #[test]
 fn a_curved_earth_tilts_the_far_sea_outward() {
     use nereus::frames::{Earth, SceneFrame};
-    // Calm water 40 km East of the origin leans to the East by 40/8494 = 4.7 mrad, which its glint (rms slope 3.2 mrad)
-    // tells: seen from above, from where it leans to, from where it leans from.
+    // Calm water 40 km East of the origin leans to the East by 40/8494 = 4.7 mrad, which its glint (rms slope
+    // 3.2 mrad) tells: seen from above, from where it leans to, from where it leans from.
     let mut water = sea(1, 1.0, 0.0);
     water.water.wind.strength = WindStrength::Speed { speed_mps: 0.0, height_m: 10.0 };
     water.patch = Patch::new([1.0, 1.0], 1.0, [40_000.0, 0.0]).unwrap();

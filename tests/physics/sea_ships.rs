@@ -63,7 +63,8 @@ fn a_ship_without_way_changes_nothing() {
         let still = paths(&with_ships(1.0, vec![ship(20.0, speed_mps, [12.0, 0.0])]));
         assert!(still == empty, "{speed_mps} m/s");
     }
-    // Nor does one that is yet to come, one whose waves have faded (its strip is still there then), and one that passes far off.
+    // Nor does one that is yet to come, one whose waves have faded (its strip is still there then), and one
+    // that passes far off.
     for place_m in [[-500.0, 0.0], [20.0 * 42.0, 0.0], [12.0, 2000.0]] {
         let turbulent = Some(TurbulentWake::default()).filter(|_| place_m[0] < 100.0);
         let away = paths(&with_ships(1.0, vec![Ship { turbulent, ..ship(20.0, 6.0, place_m) }]));
@@ -125,13 +126,15 @@ fn a_following_patch_meets_ships() {
         changed += usize::from(a.delay_s != b.delay_s);
     }
     println!("ships change {changed} of 35 pulses");
-    // The first wake is under the patch until that has overtaken the ship by its own half length; ahead of that there is none.
+    // The first wake is under the patch until that has overtaken the ship by its own half length; ahead of
+    // that there is none.
     assert!((5..35).contains(&changed));
 }
 
 #[test]
 fn short_waves_brighten_a_narrow_v() {
-    // A ship of 100 m at 9 m/s, 300 m ahead of facets of 1 m: its waves of 20 rad/m run within a few metres of the rays.
+    // A ship of 100 m at 9 m/s, 300 m ahead of facets of 1 m: its waves of 20 rad/m run within a few metres
+    // of the rays.
     let scene = with_ships(1.0, vec![ship(100.0, 9.0, [300.0, 0.0])]);
     let Some(sea) = &scene.sea else { panic!("a sea") };
     let realised = realise(sea, scene.seed).unwrap();
@@ -152,9 +155,11 @@ fn short_waves_brighten_a_narrow_v() {
     let psi = |y_m: f64, k: [f64; 2]| water.short_wave_psi_m4([0.0, y_m], k, &poses);
     let on_rays = rays_m.map(|y_m| psi(y_m, k)).into_iter().fold(0.0, f64::max);
     assert!(on_rays > 1e-10);
-    // Fresnel width of 0.6 m: nothing 25 m aside; the mirrored wave on the other side; the same wave seen from behind.
+    // Fresnel width of 0.6 m: nothing 25 m aside; the mirrored wave on the other side; the same wave seen
+    // from behind.
     assert_eq!(psi(rays_m[1] + 25.0, k), 0.0);
-    // On the other side run waves of (kx, -ky), whose negative is 2 kx = 3.1 rad/m from K, 1.8 deviations of a facet: exp(-1.6).
+    // On the other side run waves of (kx, -ky), whose negative is 2 kx = 3.1 rad/m from K, 1.8 deviations of
+    // a facet: exp(-1.6).
     assert!(psi(-rays_m[1], k) < 0.3 * psi(rays_m[1], k));
     assert_eq!(psi(-rays_m[0], [k[0], -k[1]]), psi(rays_m[0], k));
     assert_eq!(psi(rays_m[0], [-k[0], -k[1]]), psi(rays_m[0], k));
@@ -168,8 +173,8 @@ fn short_waves_brighten_a_narrow_v() {
 
 #[test]
 fn facets_get_the_spectrum_of_the_short_waves() {
-    // Light wind, so that the waves of the ship stand out. Facets are evaluated from South, across the track: Bragg waves of
-    // 2 k sin 45 deg = 38.5 rad/m run North and South.
+    // Light wind, so that the waves of the ship stand out. Facets are evaluated from South, across the track:
+    // Bragg waves of 2 k sin 45 deg = 38.5 rad/m run North and South.
     let mut scene = with_ships(1.0, vec![Ship { turbulent: None, ..ship(100.0, 9.0, [300.0, 0.0]) }]);
     let bright = paths(&scene);
     scene.ships[0].kelvin = Some(KelvinWake::default());
@@ -181,8 +186,8 @@ fn facets_get_the_spectrum_of_the_short_waves() {
     let greatest_db = gains_db.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let raised = gains_db.iter().filter(|db| db.abs() > 0.1).count();
     println!("greatest {greatest_db:.1} dB, {raised} of {} facets", bright.len());
-    // t = 17.8 for 38.5 rad/m: rays 7 m (stern) to 10 m (bow) off the track, at the edge of 16 x 16 facets; in between and
-    // inside of it longer and shorter waves lie.
+    // t = 17.8 for 38.5 rad/m: rays 7 m (stern) to 10 m (bow) off the track, at the edge of 16 x 16 facets;
+    // in between and inside of it longer and shorter waves lie.
     assert!(greatest_db > 10.0 && raised > 10 && raised < bright.len());
 }
 

@@ -151,8 +151,8 @@ fn every_row_of_rayleigh_density() {
     judge.verdict();
 }
 
-/// docs/physics.md section 6.9: heights and slopes of Elfouhaily's sea, to the digits printed, and within its acceptance
-/// bands of 0.0246 U10^2 and of Cox and Munk.
+/// docs/physics.md section 6.9: heights and slopes of Elfouhaily's sea, to the digits printed, and within its
+/// acceptance bands of 0.0246 U10^2 and of Cox and Munk.
 #[test]
 fn heights_and_slopes_of_the_table() {
     // U10, Hs and the unit of its last digit, slopes and the unit of theirs, Cox and Munk.
@@ -206,7 +206,8 @@ fn least_length_of_the_actual_spectrum() {
 
 #[test]
 fn printed_facet_densities() {
-    // docs/physics.md section 8.2: facets per metre at 10, 5 and 1 GHz, normal incidence, for 5, 10 and 15 m/s at 19.5 m.
+    // docs/physics.md section 8.2: facets per metre at 10, 5 and 1 GHz, normal incidence, for 5, 10 and 15
+    // m/s at 19.5 m.
     let printed = [(10e9, [26.4, 42.7, 62.7]), (5e9, [10.0, 14.8, 20.6]), (1e9, [1.01, 1.08, 1.17])];
     for (carrier_hz, row) in printed {
         for (speed_mps, printed) in [5.0, 10.0, 15.0].into_iter().zip(row) {
@@ -323,8 +324,8 @@ fn a_turned_wind_turns_the_spectrum() {
     }
 }
 
-/// The slope ratio for which Fung and Lee's directional function was made (docs/physics.md section 6.3): crosswind over
-/// upwind is R. The band is that of the integral, its rule another one: 1e-4.
+/// The slope ratio for which Fung and Lee's directional function was made (docs/physics.md section 6.3):
+/// crosswind over upwind is R. The band is that of the integral, its rule another one: 1e-4.
 #[test]
 fn fung_lee_has_the_slope_ratio_of_cox_and_munk() {
     let sea = FungLee::new(&wind(10.0, 12.5));
@@ -337,7 +338,8 @@ fn fung_lee_has_the_slope_ratio_of_cox_and_munk() {
 
 #[test]
 fn the_mix_has_the_crosswind_ratio_of_its_spreading() {
-    // docs/physics.md section 6.3: up over cross 3.8 dB at X band (K_B = 2 k sin 45 deg) with D from Fung and Lee.
+    // docs/physics.md section 6.3: up over cross 3.8 dB at X band (K_B = 2 k sin 45 deg) with D from Fung and
+    // Lee.
     let wind = Wind::from_friction_velocity(0.36, WindProfile::Cardone, 0.0).unwrap();
     let mix = Mix::new(&wind, age(0.84)).unwrap();
     let k = 2.0 * TAU * 10e9 / 299_792_458.0 * 0.5f64.sqrt();

@@ -134,7 +134,8 @@ fn f32_fields_are_within_minus_120_db() {
     }
 }
 
-/// H built from the amplitudes as docs/physics.md section 7.2 prints it, over the full plane: the transform is real.
+/// H built from the amplitudes as docs/physics.md section 7.2 prints it, over the full plane: the transform
+/// is real.
 #[test]
 fn the_full_complex_transform_is_real_and_equal() {
     let (nx, ny) = (64, 48);
@@ -194,8 +195,8 @@ fn variance_and_slopes_over_twenty_seeds() {
 
 #[test]
 fn what_a_grid_holds_is_what_the_spectrum_has() {
-    // docs/physics.md section 7.1: 512 m at U10 = 10 m/s: Hs 2.602 m; slopes resolved on 1 m facets .01202 / .00717
-    // (downwind and crosswind).
+    // docs/physics.md section 7.1: 512 m at U10 = 10 m/s: Hs 2.602 m; slopes resolved on 1 m facets .01202 /
+    // .00717 (downwind and crosswind).
     let grid = Grid::new(512, 512, 1.0).unwrap();
     let spectrum = elfouhaily(10.0, 0.0);
     let surface = Surface::synthesise(grid, &spectrum, DEEP, 1, Averaging::Points).unwrap();

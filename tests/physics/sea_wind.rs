@@ -35,7 +35,8 @@ fn every_row_of_wind_inverse() {
 
 #[test]
 fn printed_figures_of_the_paper() {
-    // docs/physics.md section 5: u* = 36 cm/s is 9.368, 9.569, 9.969 m/s at 10, 12.5, 19.5 m; half a last digit.
+    // docs/physics.md section 5: u* = 36 cm/s is 9.368, 9.569, 9.969 m/s at 10, 12.5, 19.5 m; half a last
+    // digit.
     let wind = Wind::from_friction_velocity(0.36, WindProfile::Cardone, 0.0).unwrap();
     assert!((wind.u10_mps - 9.368).abs() < 5e-4);
     assert!((wind.u12_5_mps - 9.569).abs() < 5e-4);

@@ -390,9 +390,9 @@ fn f32_rounds_only_the_result() {
     }
 }
 
-/// Heights that move linearly. Where the clearance moves linearly too (the horizon stays on its point), the second
-/// difference of the weight is at most max |smoothstep''| (c'/w dt)^2 = 6 (dc/w)^2; a jump of the first
-/// derivative would leave a term of first order in dc.
+/// Heights that move linearly. Where the clearance moves linearly too (the horizon stays on its point), the
+/// second difference of the weight is at most max |smoothstep''| (c'/w dt)^2 = 6 (dc/w)^2; a jump of the
+/// first derivative would leave a term of first order in dc.
 #[test]
 fn weights_are_c1_in_time() {
     let side = 48;

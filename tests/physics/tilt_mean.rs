@@ -1,4 +1,5 @@
-//! The average over tilts: what a sea returns in the mean is what the table has, whatever the size of its facets.
+//! The average over tilts: what a sea returns in the mean is what the table has, whatever the size of its
+//! facets.
 
 use glam::DVec3;
 use nereus::scattering::kind::clean::Clean;

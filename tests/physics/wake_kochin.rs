@@ -1,4 +1,5 @@
-//! Kochin function and wave resistance against golden rows, the closed form of Wigley's hull, and Michell's integral.
+//! Kochin function and wave resistance against golden rows, the closed form of Wigley's hull, and Michell's
+//! integral.
 
 use nereus::scene::hull::Hull;
 use nereus::sea::GRAVITY_MPS2;
@@ -27,7 +28,8 @@ fn at(hull: &Hull, speed_mps: f64) -> Kochin {
     Kochin::new(hull, speed_mps, Transom::Open).unwrap()
 }
 
-/// `Fz` of Wigley's hull in closed form (docs/physics.md section 9.2), by quadrature where the closed form loses digits.
+/// `Fz` of Wigley's hull in closed form (docs/physics.md section 9.2), by quadrature where the closed form
+/// loses digits.
 fn depthwise_m(draught_m: f64, k_radpm: f64) -> f64 {
     let at = k_radpm * draught_m;
     if at < 0.5 {
@@ -83,8 +85,8 @@ fn kochin_function_is_the_golden_one_row_by_row() {
         let t = row.get("theta_deg").to_radians().tan();
         let (sec, k0) = (t.hypot(1.0), ship.transverse_radpm());
         let u = 0.5 * k0 * sec * length_m;
-        // Between zeros P goes as 1/u^2. V is printed in 13 digits, good to 5e-13, and the phase u goes as V^-2: the
-        // golden value is that of a phase which is off by 1e-12 u.
+        // Between zeros P goes as 1/u^2. V is printed in 13 digits, good to 5e-13, and the phase u goes as
+        // V^-2: the golden value is that of a phase which is off by 1e-12 u.
         let between_m3 = beam_m * depthwise_m(draught_m, k0 * sec * sec) * length_m / (1.0 + u * u);
         let scale_m3 = row.get("P_m3").abs() + 1e-3 * u * between_m3;
         judge.compare_at(row, "P_m3", ship.kochin_m3(t).re, scale_m3);
@@ -151,8 +153,8 @@ fn coefficients_of_the_standard_hull() {
     }
 }
 
-/// The curve that was computed apart, 101 Froude numbers. Its quadrature ends at tan theta = 60; it agrees with a
-/// third code within 0.09 percent. 0.5 percent is asked; the two agree far better.
+/// The curve that was computed apart, 101 Froude numbers. Its quadrature ends at tan theta = 60; it agrees
+/// with a third code within 0.09 percent. 0.5 percent is asked; the two agree far better.
 #[test]
 fn the_curve_of_resistance_is_that_of_another_code() {
     let path = format!("{}/tests/data/hulls/wigley_michell_cw.csv", env!("CARGO_MANIFEST_DIR"));
@@ -173,7 +175,8 @@ fn the_curve_of_resistance_is_that_of_another_code() {
 }
 
 /// `R = 4 rho g^2/(pi V^2) int_0^{pi/2} (I^2 + J^2) sec^3 theta dtheta`, I + jJ the slope form, here with the
-/// closed form over the depth, quadrature over the length and the substitution sec theta = cosh u: nothing is shared with the library.
+/// closed form over the depth, quadrature over the length and the substitution sec theta = cosh u: nothing is
+/// shared with the library.
 #[test]
 fn resistance_is_michells() {
     let (length_m, beam_m, draught_m) = (100.0, 10.0, 6.25);
@@ -198,7 +201,8 @@ fn resistance_is_michells() {
         let found_n = at(&standard(length_m), speed_mps).wave_resistance_n(DENSITY_KGPM3).unwrap();
         let error = (found_n / michell_n - 1.0).abs();
         println!("Fn {froude}: {found_n:.3} N, Michell {michell_n:.3} N, {error:.1e}");
-        // The 8-point rule resolves 10 rad a panel to some percent, which is reached at u = 4.7, where 1e-8 is left.
+        // The 8-point rule resolves 10 rad a panel to some percent, which is reached at u = 4.7, where 1e-8
+        // is left.
         assert!(error < 1e-8);
     }
 }
@@ -238,7 +242,8 @@ fn any_grid_of_the_parabolic_hull_is_exact() {
     }
 }
 
-/// For a hull whose ends close, the slope form and P + jQ are one thing; with a transom they differ by its term.
+/// For a hull whose ends close, the slope form and P + jQ are one thing; with a transom they differ by its
+/// term.
 #[test]
 fn slope_form_and_kochin_function_agree() {
     let closed = standard(100.0);
@@ -296,10 +301,11 @@ fn the_same_form_makes_the_same_waves_at_any_scale() {
     assert!((a / b / ratio.powi(3) - 1.0).abs() < 1e-10);
 }
 
-/// Cw of the 5415 at 100 m was computed apart, with bilinear tables and an open stern (wetted surface 2991 m^2 at full
-/// scale): 3.85e-4 at 4.5 m/s and 1.607e-3 at 9 m/s on 801 x 289 points, where halving the grid changes 0.5 and 0.2
-/// percent; that is the tolerance of the fine table. The coarse one has one interval for the bow dome: bilinear it is
-/// 4 and 1.3 percent off, and a quadratic through the same points may differ as much again.
+/// Cw of the 5415 at 100 m was computed apart, with bilinear tables and an open stern (wetted surface 2991
+/// m^2 at full scale): 3.85e-4 at 4.5 m/s and 1.607e-3 at 9 m/s on 801 x 289 points, where halving the grid
+/// changes 0.5 and 0.2 percent; that is the tolerance of the fine table. The coarse one has one interval for
+/// the bow dome: bilinear it is 4 and 1.3 percent off, and a quadratic through the same points may differ as
+/// much again.
 #[test]
 fn resistance_of_the_5415() {
     let surface_m2 = 2991.0 * (100.0_f64 / 142.0).powi(2);
@@ -356,8 +362,8 @@ fn waves_across_the_track_are_none() {
         assert_eq!(ship.amplitude_m(t), Complex64::ZERO, "{t}");
         assert_eq!(ship.amplitude_m(-t), Complex64::ZERO, "{t}");
     }
-    // Where the bow is a wedge of half angle Y_x, |A| is about 2 Y_x/(pi k0) of it, then and for all shorter waves:
-    // bow and stern of the standard hull give twice 2 * 0.2/(pi k0) at most.
+    // Where the bow is a wedge of half angle Y_x, |A| is about 2 Y_x/(pi k0) of it, then and for all shorter
+    // waves: bow and stern of the standard hull give twice 2 * 0.2/(pi k0) at most.
     for t in [1e2, 1e4, 1e6] {
         let most_m = 2.0 * 2.0 * 0.2 / (std::f64::consts::PI * k0);
         assert!(ship.amplitude_m(t).norm() < 1.001 * most_m, "{t}");

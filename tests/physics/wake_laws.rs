@@ -81,7 +81,8 @@ fn transverse_waves_have_kelvins_length() {
     }
 }
 
-/// Resistance, N, from a cut across the wake: the energy of each transverse wave number, from height and slope.
+/// Resistance, N, from a cut across the wake: the energy of each transverse wave number, from height and
+/// slope.
 fn resistance_by_cut_n(speed_mps: f64, height_m: &[f64], slope_astern: &[f64], dy_m: f64) -> f64 {
     let n = height_m.len();
     let transform = |field: &[f64]| {
@@ -235,7 +236,8 @@ fn fields_are_derivatives_of_height_and_displacement() {
             close(here.velocity_mps[2], rate(early.height_m, late.height_m), "vertical velocity");
             for axis in 0..3 {
                 let both = [&early, &late].map(|sample| sample.velocity_mps[axis]);
-                // w'' jumps at the ends of the ship, by pi^2 V^2 z/(2 L^2): differences across it are no judge.
+                // w'' jumps at the ends of the ship, by pi^2 V^2 z/(2 L^2): differences across it are no
+                // judge.
                 let astern =
                     -(x - 9.0 * 0.5f64.cos()) * 0.5f64.cos() - (y - 9.0 * 0.5f64.sin()) * 0.5f64.sin();
                 if (astern.abs() - 50.0).abs() > 0.1 {

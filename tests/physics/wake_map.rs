@@ -165,8 +165,8 @@ fn scenes() -> Vec<(&'static str, Vec<Wake>, Patch, f64)> {
 fn maps_agree_with_the_direct_sum() {
     let mut worst = f64::NEG_INFINITY;
     for (name, wakes, patch, time_s) in scenes() {
-        // The budget is relative to the waves' root sum square, the error here to the largest value on the map, which is no
-        // less. At -200 dB rounding has its share: 10 dB.
+        // The budget is relative to the waves' root sum square, the error here to the largest value on the
+        // map, which is no less. At -200 dB rounding has its share: 10 dB.
         for (error_db, allowed_db) in [(-80.0, -80.0), (-100.0, -100.0), (-200.0, -190.0)] {
             let errors = errors_db::<f64>(&wakes, &patch, error_db, time_s);
             let (field, error) = errors.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
@@ -239,8 +239,8 @@ fn any_selection_gives_the_same_values() {
 
 #[test]
 fn more_nodes_change_nothing() {
-    // Nodes for the place, and for ten times the reach: the rule's aliases are below rounding (1e-13 of the sum of
-    // amplitudes, which is below 10 m).
+    // Nodes for the place, and for ten times the reach: the rule's aliases are below rounding (1e-13 of the
+    // sum of amplitudes, which is below 10 m).
     for (speed_mps, place) in [
         (4.5, [-500.0, 250.0]),
         (9.0, [-500.0, 250.0]),
@@ -283,7 +283,8 @@ fn the_node_rule_is_that_of_the_book() {
 #[test]
 fn sums_of_few_waves_forget_those_before() {
     use nereus::sea::wake::nonuniform::NonUniform;
-    // Waves in a narrow band along x, which leaves most rows of the grid empty; then others, also about the edge of the band; then none.
+    // Waves in a narrow band along x, which leaves most rows of the grid empty; then others, also about the
+    // edge of the band; then none.
     let facets = [60, 20];
     let mut sum = NonUniform::<f64>::new(facets, 3, -120.0).unwrap();
     let mut out = vec![Complex64::ZERO; facets[0] * facets[1]];

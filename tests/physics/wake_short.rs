@@ -1,4 +1,5 @@
-//! Short waves of ships as a local spectrum: held to direct sums of the free waves, of which it knows only energies and rays.
+//! Short waves of ships as a local spectrum: held to direct sums of the free waves, of which it knows only
+//! energies and rays.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -35,7 +36,8 @@ struct Wave {
     k_radpm: [f64; 2],
 }
 
-/// Free waves from one t to another, in steps so small that phases turn by less than half a turn at 300 m astern.
+/// Free waves from one t to another, in steps so small that phases turn by less than half a turn at 300 m
+/// astern.
 fn left_out(from: f64, to: f64) -> Vec<Wave> {
     let k0 = GRAVITY_MPS2 / (SPEED_MPS * SPEED_MPS);
     let band = Band::of_facets(FACET_M);
@@ -55,7 +57,8 @@ fn left_out(from: f64, to: f64) -> Vec<Wave> {
 
 #[test]
 fn the_spectrum_has_the_energy_that_the_map_leaves_out() {
-    // By waves: up to t = 8 of either side; half the squared modulus over a cut is Parseval's, at any distance.
+    // By waves: up to t = 8 of either side; half the squared modulus over a cut is Parseval's, at any
+    // distance.
     let most = 8.0;
     let waves = left_out(-most, most);
     let (astern_m, dy_m) = (150.0, 0.05);
@@ -72,8 +75,8 @@ fn the_spectrum_has_the_energy_that_the_map_leaves_out() {
     // The table ends six deviations, 6 sqrt(3) rad/m, above the wave number asked.
     let short = boat(k0 * (1.0 + most * most) - 6.0 * 3f64.sqrt()).with_losses(Losses::NONE);
     let by_table = short.energy_m3();
-    // By the spectrum: over half the cut, and as much again for the other. Steps of a deviation leave exp(-2 pi^2) = 3e-9
-    // of a Gaussian's integral.
+    // By the spectrum: over half the cut, and as much again for the other. Steps of a deviation leave exp(-2
+    // pi^2) = 3e-9 of a Gaussian's integral.
     let (dy_m, dk) = (FACET_M / 12f64.sqrt(), 3f64.sqrt());
     let mut by_spectrum = 0.0;
     for iy in 0..230 {
@@ -130,8 +133,8 @@ fn the_spectrum_of_a_place_is_that_of_its_waves() {
         }
     }
     println!("worst {worst:.3e}, largest {largest:.2e} m^4");
-    // Linear interpolation of amplitudes that turn by 1/16 radian from node to node loses 1/2048 of them, of bow and stern each;
-    // of an amplitude whose parts cancel to a third, 1/340.
+    // Linear interpolation of amplitudes that turn by 1/16 radian from node to node loses 1/2048 of them, of
+    // bow and stern each; of an amplitude whose parts cancel to a third, 1/340.
     assert!(worst < 3e-3);
 }
 
@@ -143,7 +146,8 @@ fn waves_of_slow_ships_and_of_ships_that_no_map_shows() {
         ShortWaves::new(course, 20.0, &settings, 50.0, |t| BOAT.amplitude_m(speed_mps, t)).unwrap()
     };
     assert!(make(0.0, 1.0).is_empty() && make(0.0999, 1.0).is_empty());
-    // 2 pi V^2/g = 3.63 m is less than four facets of 1 m: all of its waves are within facets, also the longest, of k0.
+    // 2 pi V^2/g = 3.63 m is less than four facets of 1 m: all of its waves are within facets, also the
+    // longest, of k0.
     let (hidden, k0) = (make(2.38, 1.0), GRAVITY_MPS2 / (2.38 * 2.38));
     let shown = make(2.6, 1.0);
     assert!(hidden.psi_m4([60.0, 0.0], [k0, 0.0]) > 0.0);
@@ -179,8 +183,8 @@ fn losses_only_take() {
             // The spectrum of the steepest wave, STEEPEST^2/K^2 s^2/(2 pi).
             let bound = (STEEPEST / k[0].hypot(k[1])).powi(2) * FACET_M * FACET_M / 12.0 / (2.0 * PI);
             assert!(fewer <= bound * (1.0 + 1e-12));
-            // exp(-4 nu K^2 a) of the ray itself. At t = 8, K = 25 rad/m, a deviation of K is 7 %, of K^2 14 %, and from 100 m on
-            // ages of bow and stern differ by 10 % from that of midship.
+            // exp(-4 nu K^2 a) of the ray itself. At t = 8, K = 25 rad/m, a deviation of K is 7 %, of K^2 14
+            // %, and from 100 m on ages of bow and stern differ by 10 % from that of midship.
             let age_s = astern_m / (SPEED_MPS * (1.0 - 0.5 / (1.0 + t * t)));
             let k2 = k0 * k0 * (1.0 + t * t).powi(2);
             let exponent = 4.0 * VISCOSITY_M2PS * k2 * age_s;

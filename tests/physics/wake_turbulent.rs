@@ -119,8 +119,8 @@ fn the_spectrum_in_the_strip_is_that_of_a_weaker_wind() {
     let ratio = |k: f64| mean(&weak, k) / mean(&clean, k);
     let stirred = TurbulentWake::new([1.0, 1000.0], ratio).unwrap();
     for k in [1.5, 37.0, 209.0, 419.0, 900.0] {
-        // 256 values over ln 1000: steps of 0.027, and linear between misses by step^2/8 of the second derivative,
-        // which at the capillary end is about 10.
+        // 256 values over ln 1000: steps of 0.027, and linear between misses by step^2/8 of the second
+        // derivative, which at the capillary end is about 10.
         assert!(
             (stirred.spectrum_factor(k) - ratio(k).min(1.0)).abs() < 1e-3,
             "{k}: {}",

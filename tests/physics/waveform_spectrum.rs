@@ -72,7 +72,8 @@ fn lfm_is_smooth_where_its_formula_changes() {
 
 #[test]
 fn lfm_obeys_parseval() {
-    // Energy Tc = int |P|^2 df; beyond +-F the two edges leave 2 x 2/(4 pi^2 F) (two unit jumps, each |P| = 1/(2 pi f)).
+    // Energy Tc = int |P|^2 df; beyond +-F the two edges leave 2 x 2/(4 pi^2 F) (two unit jumps, each |P| =
+    // 1/(2 pi f)).
     let (b, duration_s) = (20.0, 1.0);
     let pulse = Lfm::new(b / duration_s, duration_s, Sweep::Up).unwrap();
     let limit = 4000.0;
@@ -82,7 +83,8 @@ fn lfm_obeys_parseval() {
         (0..n).map(|i| pulse.spectrum((f64::from(i) + 0.5) * h - limit).norm_sqr()).sum::<f64>() * h;
     let outside = 2.0 * 2.0 / (4.0 * PI * PI * limit);
     println!("Parseval: {:.2e} from unity", inside + outside - 1.0);
-    // The tail is |1/(f - B/2)|^2 rather than 1/f^2 (b/F = 0.5 %), with a fringe of period 1/Tc: 1 % of 2.5e-5.
+    // The tail is |1/(f - B/2)|^2 rather than 1/f^2 (b/F = 0.5 %), with a fringe of period 1/Tc: 1 % of
+    // 2.5e-5.
     assert!((inside + outside - duration_s).abs() < 1e-2 * outside, "{}", inside + outside);
 }
 

@@ -1,4 +1,5 @@
-//! gpsd as the listener: the sentences of a navigation output on a pseudo terminal are those of a live receiver to it.
+//! gpsd as the listener: the sentences of a navigation output on a pseudo terminal are those of a live
+//! receiver to it.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};

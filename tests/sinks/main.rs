@@ -1,4 +1,5 @@
-//! Recordings: what is in them, while they grow, after a kill, on a full disk, merged. The wire: what is sent, and received.
+//! Recordings: what is in them, while they grow, after a kill, on a full disk, merged. The wire: what is
+//! sent, and received.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 #[cfg(all(unix, feature = "serial"))]

@@ -1,4 +1,5 @@
-//! Changes of reports in recordings: every one up to the last pulse, in files that grow, in segments, and joined.
+//! Changes of reports in recordings: every one up to the last pulse, in files that grow, in segments, and
+//! joined.
 
 use std::path::PathBuf;
 use std::sync::Arc;

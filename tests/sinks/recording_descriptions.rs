@@ -58,7 +58,8 @@ fn listed(section: &str) -> BTreeSet<String> {
     names.map(str::to_owned).collect()
 }
 
-/// Runs the block of Python on the page that has these words, for a recording in place of `named`; its `iq` are the samples.
+/// Runs the block of Python on the page that has these words, for a recording in place of `named`; its `iq`
+/// are the samples.
 fn run_block(page: &str, words: &str, named: &str, path: &Path) {
     let blocks = page.split("```python\n").skip(1).filter_map(|rest| rest.split("```").next());
     let block = blocks.into_iter().find(|block| block.contains(words)).unwrap();

@@ -211,7 +211,8 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
     Some(out)
 }
 
-/// What `verify` says of a recording that is closed, as soon as no child has inherited its lock: see [`unlocked`].
+/// What `verify` says of a recording that is closed, as soon as no child has inherited its lock: see
+/// [`unlocked`].
 #[cfg(feature = "hdf5")]
 pub fn verified(path: &Path) -> Verdict {
     for _ in 0..600 {
@@ -225,8 +226,8 @@ pub fn verified(path: &Path) -> Verdict {
     panic!("{}: locked for 30 s", path.display());
 }
 
-/// Tries again while a file is in use. Tests run side by side: a child that another one starts while the HDF5 library has
-/// a file open inherits its lock.
+/// Tries again while a file is in use. Tests run side by side: a child that another one starts while the HDF5
+/// library has a file open inherits its lock.
 pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
     for _ in 0..200 {
         match make() {

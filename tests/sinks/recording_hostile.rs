@@ -1,5 +1,5 @@
-//! Recordings that are damaged or forged in ways that can be written down. `tests/python/test_hostile_recordings.py` has
-//! hundreds of others.
+//! Recordings that are damaged or forged in ways that can be written down.
+//! `tests/python/test_hostile_recordings.py` has hundreds of others.
 
 use std::fs;
 use std::path::Path;
@@ -46,7 +46,8 @@ fn texts_are_checked() {
     let path = folder.path().join("r.h5");
     hdf5(&path, |_| {});
     let whole = fs::read(&path).unwrap();
-    // The name stands in the attribute, in names of groups and in the text of the scenario: each is damaged in turn.
+    // The name stands in the attribute, in names of groups and in the text of the scenario: each is damaged
+    // in turn.
     let mut reported = Vec::new();
     for at in (0..whole.len() - 8).filter(|at| whole[*at..].starts_with(b"aircraft")) {
         let mut bytes = whole.clone();
@@ -78,8 +79,8 @@ fn figures_that_no_radar_has_are_refused() {
     assert!(refused(&path).contains("pulse 8 leaves"), "{}", refused(&path));
 }
 
-/// Whoever has a recording examined reads on after a fault, so nothing may lie behind it unread. Before: the examination
-/// ended at the first.
+/// Whoever has a recording examined reads on after a fault, so nothing may lie behind it unread. Before: the
+/// examination ended at the first.
 #[test]
 fn an_examination_reads_all_whatever_is_damaged() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,7 +179,8 @@ fn pipes_are_refused() {
     assert!(matches!(Recording::open(&plain, None), Err(RecordingError::File(_))));
 }
 
-/// A bit of the superblock flipped. Before: read as if a run were writing it, again and again, with ever longer pauses.
+/// A bit of the superblock flipped. Before: read as if a run were writing it, again and again, with ever
+/// longer pauses.
 #[test]
 fn a_damaged_superblock_ends_the_reading() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! `--force`, and what other programs do meanwhile: when an older recording goes, and where the new one is if it cannot.
+//! `--force`, and what other programs do meanwhile: when an older recording goes, and where the new one is if
+//! it cannot.
 
 use std::fs;
 use std::path::{Path, PathBuf};

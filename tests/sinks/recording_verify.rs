@@ -46,7 +46,8 @@ impl Dice {
     }
 }
 
-/// Another `verify` holds the lock of `meta.json` for an instant. Before: the recording counted as being written.
+/// Another `verify` holds the lock of `meta.json` for an instant. Before: the recording counted as being
+/// written.
 #[test]
 fn two_at_once_do_not_disturb_each_other() {
     let dir = tempfile::tempdir().unwrap();
@@ -76,8 +77,8 @@ fn a_plain_recording_that_grows_is_being_written() {
     assert!(growing.findings[0].what.starts_with("being written"), "{growing:?}");
 }
 
-/// 300 plain recordings with numbers in their columns that no run has, bits of their header flipped, or files cut.
-/// Before: pulses 0, 2^64 - 1, 0, 2^64 - 1 after gaps were more than can be counted.
+/// 300 plain recordings with numbers in their columns that no run has, bits of their header flipped, or files
+/// cut. Before: pulses 0, 2^64 - 1, 0, 2^64 - 1 after gaps were more than can be counted.
 #[test]
 fn damaged_plain_recordings_are_judged() {
     let dir = tempfile::tempdir().unwrap();
@@ -136,7 +137,8 @@ mod hdf5 {
     use super::*;
     use crate::recording_hdf5::record;
 
-    /// Before: whoever had the file open, under the lock that the HDF5 library takes for readers, counted as its writer.
+    /// Before: whoever had the file open, under the lock that the HDF5 library takes for readers, counted as
+    /// its writer.
     #[test]
     fn readers_are_no_fault() {
         let dir = tempfile::tempdir().unwrap();
@@ -166,7 +168,8 @@ mod hdf5 {
         assert!(growing.findings[0].what.starts_with("being written"), "{growing:?}");
     }
 
-    /// 100 recordings whose index, flags and times are replaced by numbers that no run has, with sound checksums.
+    /// 100 recordings whose index, flags and times are replaced by numbers that no run has, with sound
+    /// checksums.
     #[test]
     fn damaged_indices_are_judged() {
         let dir = tempfile::tempdir().unwrap();

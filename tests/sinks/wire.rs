@@ -75,8 +75,9 @@ fn stamps_are_the_instant_of_the_first_sample() {
                 if n % 4 == 0 {
                     first = 0;
                 }
-                // Attoseconds: the fraction of the second and the window are f64 (111 as of rounding in the product), and so is
-                // n / fs (2e-16 of at most 21 us). Windows of the fixture are eighths of a second.
+                // Attoseconds: the fraction of the second and the window are f64 (111 as of rounding in the
+                // product), and so is n / fs (2e-16 of at most 21 us). Windows of the fixture are eighths of
+                // a second.
                 let fraction_as = (of.time.fraction_s() * 1e18).round() as i128;
                 let window_as = (of.window_start_s * 8.0) as i128 * 125_000_000_000_000_000;
                 let sample_as = (f64::from(first) / rate_hz * 1e18).round() as i128;
@@ -108,7 +109,8 @@ fn trailers_tell_where_a_pulse_begins_and_ends() {
             let packet = &buffer[..length];
             if kind(packet) == SIGNAL && word(packet, 4) == CHANNELS {
                 let trailer = word(packet, length - 4);
-                // Calibrated time, valid data, reference lock, over-range and both bits of the frame are reported.
+                // Calibrated time, valid data, reference lock, over-range and both bits of the frame are
+                // reported.
                 assert_eq!(trailer >> 20, 0b1110_0010_1100);
                 assert_eq!(trailer >> 17 & 7, 7);
                 codes.push((trailer >> 10 & 3, trailer >> 13 & 1));

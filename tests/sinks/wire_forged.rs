@@ -12,7 +12,8 @@ use nereus::receive::listener::{Listener, Until};
 use crate::wire_fixture::{datagrams, kind, word};
 use crate::wire_hostile::{DESCRIPTIONS, later, near, received, restamped, run, states, wide};
 
-/// Before: the pulse that such a state opened took the middle packets of the true one, of which none was whole.
+/// Before: the pulse that such a state opened took the middle packets of the true one, of which none was
+/// whole.
 #[test]
 fn a_state_one_sample_early_costs_no_pulse() {
     let header = wide(SampleFormat::Ci16);
@@ -28,7 +29,8 @@ fn a_state_one_sample_early_costs_no_pulse() {
     assert_eq!((report.implausible, report.misnumbered, report.missing.pulses_by_index), (0, 0, 0));
 }
 
-/// Before: every packet after the forged one was counted as overtaken, and no loss was seen in its stream any more.
+/// Before: every packet after the forged one was counted as overtaken, and no loss was seen in its stream any
+/// more.
 #[test]
 fn loss_is_counted_after_a_forged_packet() {
     let mut header = wide(SampleFormat::Ci16);

@@ -74,7 +74,8 @@ fn stamps_of_2096_deafen_nobody() {
     assert_eq!((report.incomplete, report.missing.pulses_by_index), (0, 0));
 }
 
-/// Stamps within the run, but hours ahead: a few are passed over; what goes on so is followed, and left again.
+/// Stamps within the run, but hours ahead: a few are passed over; what goes on so is followed, and left
+/// again.
 #[test]
 fn a_leap_is_followed_when_the_stream_agrees() {
     let mut header = run(SampleFormat::Ci16);
@@ -210,7 +211,8 @@ fn the_same_run_again_is_followed_over_several_channels() {
         assert_eq!(report.restarts, 1, "{report:?}");
         assert!(indices.len() >= 180 && *indices.last().unwrap() == 99, "{}", indices.len());
     }
-    // A run that was cut short begins again: its pulses are remembered, and not taken for datagrams that came twice.
+    // A run that was cut short begins again: its pulses are remembered, and not taken for datagrams that came
+    // twice.
     let cut = all.len() / 2;
     let (indices, report) = received(Receiver::following(), all[..cut].iter().chain(&all));
     assert_eq!((report.restarts, *indices.last().unwrap()), (1, 99));
@@ -280,7 +282,8 @@ fn numbers_outside_the_run_are_refused() {
         let (indices, report) = received(Receiver::new(), &mixed);
         assert_eq!(indices, (0..60).collect::<Vec<_>>(), "{index}");
         assert_eq!((report.missing.pulses_by_index, report.backwards), (0, 0), "{index}");
-        // As the first state of its pulse, too, but for numbers near the true one: those cost one pulse at most.
+        // As the first state of its pulse, too, but for numbers near the true one: those cost one pulse at
+        // most.
         mixed.remove(at);
         mixed.insert(at - 3, forged);
         let (indices, _) = received(Receiver::new(), &mixed);
@@ -501,8 +504,8 @@ fn nonsense_does_not_keep_a_reception_from_its_end() {
 }
 
 proptest! {
-    /// Fields of any packet set to the worst that they can be, in runs that begin again: nothing panics, counts add up, and
-    /// what is whole is of the run.
+    /// Fields of any packet set to the worst that they can be, in runs that begin again: nothing panics,
+    /// counts add up, and what is whole is of the run.
     #[test]
     fn forged_fields_never_panic(
         forgeries in prop::collection::vec((0usize..2000, 1usize..60, 0usize..12, any::<u64>(), 0usize..400), 1..60),

@@ -106,8 +106,8 @@ fn the_wire_runs_over_ipv6() {
     assert_eq!((report.pulses, report.malformed), (5, 0));
 }
 
-/// Which polarisation bases the antennas have is sent as an addition to the description of a channel: a sender that is
-/// older leaves it out, a receiver that is older reads what stands before.
+/// Which polarisation bases the antennas have is sent as an addition to the description of a channel: a
+/// sender that is older leaves it out, a receiver that is older reads what stands before.
 #[test]
 fn polarisation_bases_arrive() {
     let header = wide(SampleFormat::Cf32);
@@ -297,7 +297,8 @@ fn a_halted_receiver_does_not_hold_up_the_sink() {
     }
 }
 
-/// A recording of what was received holds what a recording of the run holds, but for what the wire does not carry.
+/// A recording of what was received holds what a recording of the run holds, but for what the wire does not
+/// carry.
 #[test]
 fn a_plain_recording_can_be_made_of_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -64,7 +64,8 @@ fn pulses(path: &Path) -> u64 {
     fs::metadata(path.join("pulse/index.bin")).unwrap().len() / 8
 }
 
-/// Before: the first recording was reported as removed (exit 1), and those after it were not put in their places.
+/// Before: the first recording was reported as removed (exit 1), and those after it were not put in their
+/// places.
 #[test]
 fn a_recording_that_is_over_may_be_moved_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -112,7 +113,8 @@ fn recordings_that_are_over_hold_no_files_open() {
     assert_eq!((report.recorded, report.out.len()), (Some(4 * PULSES), 4));
 }
 
-/// Before: what followed a recording that could not be put in its place stayed under the names of the process, unnamed.
+/// Before: what followed a recording that could not be put in its place stayed under the names of the
+/// process, unnamed.
 #[test]
 fn one_recording_that_is_in_use_does_not_keep_the_others_from_their_places() {
     let folder = tempfile::tempdir().unwrap();

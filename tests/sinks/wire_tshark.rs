@@ -1,5 +1,5 @@
-//! The wire through the dissector of Wireshark (Debian package `tshark`), from a capture written here: capturing needs
-//! rights that a test does not have.
+//! The wire through the dissector of Wireshark (Debian package `tshark`), from a capture written here:
+//! capturing needs rights that a test does not have.
 
 use std::fs;
 use std::path::Path;

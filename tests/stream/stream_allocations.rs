@@ -111,7 +111,8 @@ fn counted_run() {
     }
 }
 
-/// The whole way, generation included: the calibration scene and a sea on two workers, fast, then in real time.
+/// The whole way, generation included: the calibration scene and a sea on two workers, fast, then in real
+/// time.
 #[test]
 fn making_pulses_allocates_nothing() {
     in_a_process_of_its_own("counted_pipeline");

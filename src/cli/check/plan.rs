@@ -40,7 +40,8 @@ struct DryRunReport {
 /// What the dry run found above the sum of the parts, beside the names of these.
 const BY_DRY_RUN: &str = "dry_run";
 
-/// Parts of a predicted error, dB; what is none is left out. A dry run that found less than their sum stands for itself.
+/// Parts of a predicted error, dB; what is none is left out. A dry run that found less than their sum stands
+/// for itself.
 pub(in crate::cli) fn parts_db(prediction: &Prediction) -> Map<String, Value> {
     let found = (BY_DRY_RUN, prediction.total() - prediction.modelled());
     let parts = prediction.parts().into_iter().chain([found]).filter(|(_, part)| *part > 0.0);

@@ -38,8 +38,9 @@ impl Aim {
         Some(Self { scene: run.scene, tracks, ends, zero_s })
     }
 
-    /// Mean over pulses (times of the recording's paths) of the product of both field gains towards a point, ENU, m; none where a track does not
-    /// reach so far. Both directions at the emission: the receiver turns by next to nothing in the time that an echo takes.
+    /// Mean over pulses (times of the recording's paths) of the product of both field gains towards a point,
+    /// ENU, m; none where a track does not reach so far. Both directions at the emission: the receiver turns
+    /// by next to nothing in the time that an echo takes.
     pub fn gain(&self, times_s: &[f64], point_m: [f64; 3]) -> Option<f64> {
         let surroundings =
             Surroundings { tracks: &self.tracks, frame: &self.scene.frame, start: self.scene.start };

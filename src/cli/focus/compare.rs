@@ -1,7 +1,8 @@
 //! `nereus focus --nav both`: what errors of the reports do to the image, predicted and measured.
 //!
-//! Predictions come from the recorded paths ([`crate::processor::degradation`]), measurements from the images by true and by reported navigation. What the
-//! scenario alone tells stands beside them ([`super::forecast`], [`super::aim`]).
+//! Predictions come from the recorded paths ([`crate::processor::degradation`]), measurements from the images
+//! by true and by reported navigation. What the scenario alone tells stands beside them ([`super::forecast`],
+//! [`super::aim`]).
 
 use super::figures::{Channel, Comparison, Figures, Pixels, Target};
 use std::io::Write;

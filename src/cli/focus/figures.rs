@@ -27,7 +27,8 @@ pub(super) struct Channel {
     pub pulses: usize,
     /// Length of a cell in range and in cross-range in the middle of the image, m, by theory.
     pub cell_m: Option<[f64; 2]>,
-    /// Directions in which shifts in range and in cross-range count, East and North, in the middle of the image.
+    /// Directions in which shifts in range and in cross-range count, East and North, in the middle of the
+    /// image.
     pub directions: Option<[[f64; 2]; 2]>,
     pub pixels: Pixels,
     pub targets: Vec<Target>,
@@ -54,11 +55,13 @@ pub(super) struct Target {
     pub laws: Vec<Law>,
     /// The error of the path over the aperture.
     pub terms: Option<PhaseTerms>,
-    /// Loss by aim that differs from that of the recording compared with, two-way, dB; part of the loss predicted.
+    /// Loss by aim that differs from that of the recording compared with, two-way, dB; part of the loss
+    /// predicted.
     pub aim_loss_db: Option<f64>,
     pub predicted: Option<Figures>,
     pub measured: Option<Figures>,
-    /// Cuts in cross-range by true navigation, by reported navigation and as predicted: power over the peak without error.
+    /// Cuts in cross-range by true navigation, by reported navigation and as predicted: power over the peak
+    /// without error.
     #[serde(skip)]
     pub curves: [Vec<[f64; 2]>; 3],
 }

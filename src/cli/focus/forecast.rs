@@ -1,7 +1,8 @@
-//! What the errors of `[platform.errors.position]` do, by closed forms alone: from the scenario of a recording and the lines of sight at the first, the
-//! middle and the last pulse.
+//! What the errors of `[platform.errors.position]` do, by closed forms alone: from the scenario of a
+//! recording and the lines of sight at the first, the middle and the last pulse.
 //!
-//! Left out: presets, drawn biases, walks, rounding, and random parts of reports that do not come with every pulse; errors of attitude and lever arm; turbulence.
+//! Left out: presets, drawn biases, walks, rounding, and random parts of reports that do not come with every
+//! pulse; errors of attitude and lever arm; turbulence.
 
 use serde::Serialize;
 use toml::Table;
@@ -48,7 +49,8 @@ pub(super) fn laws(
     let middle_s = 0.5 * (first_s + last_s);
     let wavelength_m = SPEED_OF_LIGHT_MPS / look.carrier_hz;
     let wave_number = std::f64::consts::TAU / wavelength_m;
-    // One platform may carry both ends: their unit vectors add up. At the first, the middle and the last pulse.
+    // One platform may carry both ends: their unit vectors add up. At the first, the middle and the last
+    // pulse.
     let instants_s = [*first_s, middle_s, *last_s];
     let mut carried: Vec<(String, [[f64; 3]; 3])> = Vec::new();
     for ((kind, name), path) in

@@ -30,8 +30,8 @@ impl FromStr for DopplerBand {
     }
 }
 
-/// The gate of a channel, whose pulses in use are `illuminated`: as asked, or as wide as the pulse rate of the channel where some pixel lies
-/// beyond that in some pulse.
+/// The gate of a channel, whose pulses in use are `illuminated`: as asked, or as wide as the pulse rate of
+/// the channel where some pixel lies beyond that in some pulse.
 pub(super) fn gate(
     args: &FocusArgs,
     recording: &Recording,

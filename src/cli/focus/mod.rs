@@ -124,7 +124,8 @@ pub struct FocusArgs {
     /// Taper over the band
     #[arg(long, value_enum, default_value_t = FocusTaper::None)]
     pub window: FocusTaper,
-    /// Doppler band about the aim of the antennas from which a pixel takes its pulses: Hz, or `all` for all pulses [default: the pulse rate, where the image reaches beyond it]
+    /// Doppler band about the aim of the antennas from which a pixel takes its pulses: Hz, or `all` for all
+    /// pulses [default: the pulse rate, where the image reaches beyond it]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub doppler_hz: Option<DopplerBand>,
     /// Taper over the pulses, or over the Doppler band
@@ -139,7 +140,8 @@ pub struct FocusArgs {
     /// Means of power over so many pixels along both sides, in pictures and statistics
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub looks: usize,
-    /// Picture of amplitudes instead of decibels, up to the amplitude that such a percentage of the pixels do not exceed
+    /// Picture of amplitudes instead of decibels, up to the amplitude that such a percentage of the pixels do
+    /// not exceed
     #[arg(long, value_name = "P", conflicts_with = "dynamic_db")]
     pub percentile: Option<f64>,
     /// Span of the decibels below the brightest pixel
@@ -148,10 +150,12 @@ pub struct FocusArgs {
     /// All channels in one picture, side by side
     #[arg(long)]
     pub panels: bool,
-    /// With --nav both: a recording of the same scenario without what is wrong, whose image by true navigation is the measure [default: this one]
+    /// With --nav both: a recording of the same scenario without what is wrong, whose image by true
+    /// navigation is the measure [default: this one]
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
-    /// With --nav both: picture of a point's cut in cross-range, predicted and measured (the first one on the image), one a channel
+    /// With --nav both: picture of a point's cut in cross-range, predicted and measured (the first one on the
+    /// image), one a channel
     #[arg(long, value_name = "PNG")]
     pub cuts: Option<PathBuf>,
     /// Fit K, Weibull and Rayleigh laws to pixels a resolution cell apart (docs/speckle.md)

@@ -56,8 +56,9 @@ impl Scenario {
         all.iter().filter_map(Value::as_table).find(named)?.get("errors")?.as_table()
     }
 
-    /// Where receive window or antennas of a channel look at a pulse in use, East and North, m: what the window follows, else what the receiver
-    /// aims at, else what the transmitter aims at, else the middle of the patch, else the origin.
+    /// Where receive window or antennas of a channel look at a pulse in use, East and North, m: what the
+    /// window follows, else what the receiver aims at, else what the transmitter aims at, else the middle of
+    /// the patch, else the origin.
     pub fn aim(&self, recording: &Recording, channel: usize, pulse: usize) -> [f64; 2] {
         let row = recording.header.channels.get(channel);
         let table = |path: &[&str]| -> Option<&Table> {
@@ -77,7 +78,8 @@ impl Scenario {
     }
 }
 
-/// East and North of a point given as such, or by latitude and longitude at the height of the origin, as the scenario is read.
+/// East and North of a point given as such, or by latitude and longitude at the height of the origin, as the
+/// scenario is read.
 fn place(aim: &Table, recording: &Recording) -> Option<[f64; 2]> {
     if let Some([x, y, _]) = numbers(aim, "position_m") {
         return Some([x, y]);

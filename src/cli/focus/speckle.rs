@@ -14,7 +14,8 @@ const TEST_PIXELS: usize = 10_000;
 const AROUND: i64 = 8;
 const MOST_STEP: i64 = 32_768;
 
-/// Statistics of one channel, of pixels that are a resolution cell apart, without looks; nothing unless asked for.
+/// Statistics of one channel, of pixels that are a resolution cell apart, without looks; nothing unless asked
+/// for.
 pub(super) fn of(
     args: &FocusArgs,
     recording: &Recording,
@@ -37,9 +38,9 @@ pub(super) fn of(
     Speckle::of(&powers, ground.pixels, step(args, ground, support), &settings).map(Some).map_err(fault)
 }
 
-/// Pixels to the East and to the North after which the response to a point has fallen: a cell in range or in cross-range, by as much wider
-/// as tapers make it.
-/// No two pixels that are taken lie nearer, whatever way the look goes over the image.
+/// Pixels to the East and to the North after which the response to a point has fallen: a cell in range or in
+/// cross-range, by as much wider as tapers make it. No two pixels that are taken lie nearer, whatever way the
+/// look goes over the image.
 fn step(args: &FocusArgs, ground: &Ground, support: &Support) -> [usize; 2] {
     let wide = [args.window, args.aperture].map(|taper| taper.taper().width() / 0.8859);
     let away = |i: i64, j: i64| {
@@ -50,7 +51,8 @@ fn step(args: &FocusArgs, ground: &Ground, support: &Support) -> [usize; 2] {
     // A pixel of exactly a cell is one, in spite of rounding.
     let alone = |away: f64| (away.recip() - 1e-3).ceil().clamp(1.0, MOST_STEP as f64) as i64;
     let [mut x, mut y] = [alone(away(1, 0)), alone(away(0, 1))];
-    // Across an oblique look neighbours may lie along a cell's diagonal: the closer step grows until none does.
+    // Across an oblique look neighbours may lie along a cell's diagonal: the closer step grows until none
+    // does.
     let near = |x: i64, y: i64| {
         (-AROUND..=AROUND)
             .flat_map(|i| (0..=AROUND).map(move |j| (i, j)))

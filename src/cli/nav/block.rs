@@ -19,7 +19,8 @@ const REJECTED_ONE_IN: usize = 100;
 /// Fixes on which settings are tried at most.
 const TRIED: usize = 20_000;
 
-/// The block, on one line; none of a capture, which no scenario reads. Paths in a scenario are relative to its file.
+/// The block, on one line; none of a capture, which no scenario reads. Paths in a scenario are relative to
+/// its file.
 pub(super) fn block(file: &Path, format: Source, args: &SourceArgs, fixes: &[Fix]) -> Option<String> {
     let (kind, of) = match format {
         Source::Csv => ("csv", FileFormat::Csv),
@@ -114,8 +115,9 @@ fn position(fix: &Fix, frame: &SceneFrame) -> Option<[f64; 3]> {
     }
 }
 
-/// Standard deviation of white noise by axis, from fourth differences, which a smooth motion hardly has. Of white noise
-/// they have sqrt(70) times its deviation; the upper quartile leaves manoeuvres out, and steps of a coarse height not.
+/// Standard deviation of white noise by axis, from fourth differences, which a smooth motion hardly has. Of
+/// white noise they have sqrt(70) times its deviation; the upper quartile leaves manoeuvres out, and steps of
+/// a coarse height not.
 fn noise_m(points: &[[f64; 3]], intervals: &[f64]) -> Option<[f64; 3]> {
     /// Of a normal distribution, in deviations.
     const QUARTILE: f64 = 1.1503;

@@ -24,7 +24,8 @@ pub(super) struct Recorded {
     pub bytes: usize,
     /// Messages that were found, and how many of each kind; none in files that hold no messages.
     pub messages: Option<(Counts, [u64; KINDS.len()])>,
-    /// A capture: packets, packets that were left, and of the stream that was read its name and what is missing.
+    /// A capture: packets, packets that were left, and of the stream that was read its name and what is
+    /// missing.
     pub capture: Option<(u64, u64, String, u64)>,
     /// Fixes, or why there are none.
     pub track: Result<Recording, NavError>,

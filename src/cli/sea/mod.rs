@@ -1,7 +1,7 @@
 //! `nereus sea`: the sea of a scenario at a time, as a map and a picture, and its state for reuse.
 //!
-//! The map is that of the patch at pulse 0; a patch that follows moves over the same water. With ships, whose waves are
-//! part of the map, it lies where it does at the time asked. Files:
+//! The map is that of the patch at pulse 0; a patch that follows moves over the same water. With ships, whose
+//! waves are part of the map, it lies where it does at the time asked. Files:
 //! [`map_file`](crate::recording::map_file) with format `nereus-sea`, [`picture`](crate::plot::picture),
 //! [`state`](crate::sea::surface::state).
 

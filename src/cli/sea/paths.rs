@@ -1,4 +1,5 @@
-//! `nereus snapshot --paths`: the scatterer paths that the window of a pulse hears, as the reference echo takes them.
+//! `nereus snapshot --paths`: the scatterer paths that the window of a pulse hears, as the reference echo
+//! takes them.
 
 use super::super::error::CliError;
 use super::SeaError;

@@ -1,9 +1,9 @@
 //! `nereus snapshot`: what every facet contributes to the echo of one pulse.
 //!
-//! `10 log10 |a|^2` of each facet's amplitude `a` in a channel (sqrt(W), before noise and converter), for the emission
-//! of the pulse, whatever its receive window receives of it. Facets that return nothing (behind an antenna, hidden, turned
-//! away) are masked. The HDF5 file has the contributions of all channels, delays, Doppler, heights, and whether the window receives a
-//! facet.
+//! `10 log10 |a|^2` of each facet's amplitude `a` in a channel (sqrt(W), before noise and converter), for the
+//! emission of the pulse, whatever its receive window receives of it. Facets that return nothing (behind an
+//! antenna, hidden, turned away) are masked. The HDF5 file has the contributions of all channels, delays,
+//! Doppler, heights, and whether the window receives a facet.
 //!
 //! `--paths` writes what the echo of the pulse is made of, facets, targets and direct paths alike
 //! ([`contact_file`](crate::recording::path_file)); for that alone the scenario needs no sea.

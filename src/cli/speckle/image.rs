@@ -162,7 +162,8 @@ fn one(
     Ok(Image { powers, pixels, trend_db, geometry })
 }
 
-/// Cells across the look and along it that lie on the patch: as many as may be, then both sides by one factor.
+/// Cells across the look and along it that lie on the patch: as many as may be, then both sides by one
+/// factor.
 fn fitting(
     size_m: [f64; 2],
     [across, along]: [[f64; 2]; 2],
@@ -182,6 +183,7 @@ fn fitting(
             size_m[axis] / length.max(1e-12)
         })
         .fold(1.0, f64::min);
-    // Looks are never quite across the patch, for the radar moves on while the echo returns: a tenth of a cell may hang over.
+    // Looks are never quite across the patch, for the radar moves on while the echo returns: a tenth of a
+    // cell may hang over.
     sides.map(|side| (side * share + 0.1) as usize)
 }

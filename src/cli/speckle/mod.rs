@@ -47,7 +47,8 @@ pub struct SpeckleArgs {
     /// Channels to look at [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub channel: Vec<String>,
-    /// Most pixels of the image across the look and along it; each is a resolution cell, and all lie on the patch
+    /// Most pixels of the image across the look and along it; each is a resolution cell, and all lie on the
+    /// patch
     #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, default_value = "500,1500")]
     pub pixels: Vec<usize>,
     /// Samples drawn from a fitted law for the probability of its distance; 0: none
@@ -164,7 +165,8 @@ fn middle_m(run: &Run, sea: &Sea) -> Result<[f64; 2], CliError> {
     Ok([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])])
 }
 
-/// Direction in which the delay grows in the middle of the patch, counter-clockwise from East: where the platforms are, lever arms left out.
+/// Direction in which the delay grows in the middle of the patch, counter-clockwise from East: where the
+/// platforms are, lever arms left out.
 fn look_rad(run: &Run, sea: &Sea, channel: usize) -> Result<f64, CliError> {
     let scene = &run.scene;
     let radar = &scene.radar;

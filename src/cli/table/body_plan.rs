@@ -1,7 +1,8 @@
 //! Body plan of a hull: its sections seen from ahead and from astern in one frame.
 //!
-//! The stern half stands to the left of the centre line and the bow half to the right, as on a drawing board. Every
-//! curve is a station of the offset table, with straight lines between its waterlines; one metre is as long upward as across.
+//! The stern half stands to the left of the centre line and the bow half to the right, as on a drawing board.
+//! Every curve is a station of the offset table, with straight lines between its waterlines; one metre is as
+//! long upward as across.
 
 use crate::plot::canvas::Canvas;
 use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, PlotError, SIZE_RANGE_PX, Spacing};

@@ -1,8 +1,8 @@
 //! `nereus table`: physics as CSV on standard output.
 //!
-//! One file a family of tables. Keys bear their units and angles are in degrees, here and nowhere below. Where a
-//! key takes a list, a table has one row for every combination of the lists; one key of each table may be swept
-//! instead ([`sweep`]). Columns bear their units too; decibels of nothing are `-inf`.
+//! One file a family of tables. Keys bear their units and angles are in degrees, here and nowhere below.
+//! Where a key takes a list, a table has one row for every combination of the lists; one key of each table
+//! may be swept instead ([`sweep`]). Columns bear their units too; decibels of nothing are `-inf`.
 
 mod antenna;
 mod body_plan;
@@ -50,17 +50,18 @@ pub struct TableArgs {
 pub enum Quantity {
     /// Gain of an aperture along a cut through its boresight
     ///
-    /// The field gain is signed: sidelobes alternate. Sweep: angle from boresight, -5 to 5 degrees by 0.05 unless
-    /// given.
+    /// The field gain is signed: sidelobes alternate. Sweep: angle from boresight, -5 to 5 degrees by 0.05
+    /// unless given.
     Antenna(TableAntennaArgs),
     /// Relative permittivity of sea water against frequency
     ///
-    /// Time convention exp(+jwt), so the imaginary part is negative. Sweep: carrier, 40 points in log spacing over the
-    /// range of the model unless given.
+    /// Time convention exp(+jwt), so the imaginary part is negative. Sweep: carrier, 40 points in log spacing
+    /// over the range of the model unless given.
     Permittivity(TablePermittivityArgs),
     /// Fresnel reflection of sea water against incidence
     ///
-    /// Field coefficients and their powers, both polarisations. Sweep: incidence, 0 to 90 degrees by 5 unless given.
+    /// Field coefficients and their powers, both polarisations. Sweep: incidence, 0 to 90 degrees by 5 unless
+    /// given.
     Fresnel(TableFresnelArgs),
     /// Wind at the heights of the laws, from a speed or a friction velocity
     ///
@@ -68,13 +69,14 @@ pub enum Quantity {
     Wind(TableWindArgs),
     /// Wave spectrum against wave number
     ///
-    /// Omnidirectional S, curvature B = K^3 S, and Psi of waves that travel downwind, upwind and crosswind; then the
-    /// symmetrised Psi, which scattering uses, along and across the wind. Sweep: wave number, 0.001 to 10000 rad/m,
-    /// 141 points in log spacing unless given.
+    /// Omnidirectional S, curvature B = K^3 S, and Psi of waves that travel downwind, upwind and crosswind;
+    /// then the symmetrised Psi, which scattering uses, along and across the wind. Sweep: wave number, 0.001
+    /// to 10000 rad/m, 141 points in log spacing unless given.
     Spectrum(TableSpectrumArgs),
     /// Directional spreading of waves against azimuth
     ///
-    /// Azimuth from the direction the wind blows towards, counter-clockwise. Sweep: azimuth, 0 to 360 degrees by 10 unless given.
+    /// Azimuth from the direction the wind blows towards, counter-clockwise. Sweep: azimuth, 0 to 360 degrees
+    /// by 10 unless given.
     Spreading(TableSpreadingArgs),
     /// Significant height and slopes against wind, Cox and Munk's slopes beside them
     ///
@@ -82,15 +84,17 @@ pub enum Quantity {
     Moments(TableMomentsArgs),
     /// Normalised radar cross section of the sea, mono- and bistatic, all channels
     ///
-    /// Channels are named receiver first. sigma0 is the sum of the Bragg part (spm) and the specular part (go), per area of
-    /// the facet. Without --facet-m no wave is resolved: it is that of the whole sea. Without --scattering-deg the scattering
-    /// angle is the incidence; with the default azimuth of 180 that is monostatic. Sweep: the angle named by --vary;
-    /// incidence or scattering 0 to 80 degrees by 5, azimuth or aspect 0 to 360 by 10 unless given.
+    /// Channels are named receiver first. sigma0 is the sum of the Bragg part (spm) and the specular part
+    /// (go), per area of the facet. Without --facet-m no wave is resolved: it is that of the whole sea.
+    /// Without --scattering-deg the scattering angle is the incidence; with the default azimuth of 180 that
+    /// is monostatic. Sweep: the angle named by --vary; incidence or scattering 0 to 80 degrees by 5, azimuth
+    /// or aspect 0 to 360 by 10 unless given.
     Sigma0(TableSigma0Args),
     /// Measured cross section of the sea, by the empirical NRL clutter model
     ///
-    /// Mean over the wind's directions, by sea state; with --wind-mps that of the fully risen sea. Nothing of a scene is
-    /// computed with it. Sweep: grazing angle, 0.1 to 60 degrees, 28 points in log spacing unless given.
+    /// Mean over the wind's directions, by sea state; with --wind-mps that of the fully risen sea. Nothing of
+    /// a scene is computed with it. Sweep: grazing angle, 0.1 to 60 degrees, 28 points in log spacing unless
+    /// given.
     #[command(name = "sigma0-nrl")]
     Sigma0Nrl(TableClutterArgs),
     /// Density of sea slopes (Cox and Munk)
@@ -112,7 +116,8 @@ pub enum Quantity {
     Hull(TableHullArgs),
     /// Wave resistance of a thin ship against speed
     ///
-    /// cw is the resistance over the dynamic pressure and the wetted surface. Sweep: speed, 1 to 15 m/s by 0.5 unless given.
+    /// cw is the resistance over the dynamic pressure and the wetted surface. Sweep: speed, 1 to 15 m/s by
+    /// 0.5 unless given.
     WakeResistance(TableWakeResistanceArgs),
 }
 
@@ -136,8 +141,8 @@ pub(super) fn table(args: &TableArgs, out: &mut dyn Write) -> Result<(), CliErro
     }
 }
 
-/// Cosine and sine of an angle in degrees, exact at right angles: straight back is straight back, and crosswind
-/// is neither up- nor downwind.
+/// Cosine and sine of an angle in degrees, exact at right angles: straight back is straight back, and
+/// crosswind is neither up- nor downwind.
 fn cos_sin(angle_deg: f64) -> (f64, f64) {
     match angle_deg.rem_euclid(360.0) {
         0.0 => (1.0, 0.0),

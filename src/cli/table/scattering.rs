@@ -54,8 +54,8 @@ pub struct TableSigma0Args {
     /// Azimuths of the receiver from the direction of incidence, degrees: 0 forward [default: 180, back]
     #[arg(long, value_name = "A,...", value_delimiter = ',', allow_hyphen_values = true)]
     azimuth_deg: Vec<f64>,
-    /// Directions the wind blows towards, from the direction of incidence, degrees [default: 180, the transmitter
-    /// looks upwind]
+    /// Directions the wind blows towards, from the direction of incidence, degrees
+    /// [default: 180, the transmitter looks upwind]
     #[arg(long, value_name = "A,...", value_delimiter = ',', allow_hyphen_values = true)]
     aspect_deg: Vec<f64>,
     /// Carrier frequencies, Hz
@@ -73,7 +73,8 @@ pub struct TableSigma0Args {
     /// Slope of the facet to the left of the direction of incidence
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     slope_y: f64,
-    /// Wave number above which waves scatter by Bragg, rad/m [default: a third of the radar's, or the highest resolved]
+    /// Wave number above which waves scatter by Bragg, rad/m
+    /// [default: a third of the radar's, or the highest resolved]
     #[arg(long, value_name = "K")]
     cut_rad_m: Option<f64>,
     /// Do not average the Bragg part over unresolved tilts

@@ -178,7 +178,8 @@ pub struct SpectrumKeys {
     /// Fetch of an Elfouhaily or JONSWAP sea, m [JONSWAP's default: 100000]
     #[arg(long, value_name = "X")]
     fetch_m: Option<f64>,
-    /// Spreading of a Pierson-Moskowitz or JONSWAP sea: mitsuyasu (default), elfouhaily, or the exponent s of cos^2s(phi/2)
+    /// Spreading of a Pierson-Moskowitz or JONSWAP sea: mitsuyasu (default), elfouhaily, or the exponent s of
+    /// cos^2s(phi/2)
     #[arg(long, value_name = "WHICH")]
     spreading: Option<SpreadingKey>,
     /// File of a measured spectrum; downwind is its +x
@@ -238,7 +239,8 @@ impl FromStr for SpreadingKey {
 }
 
 impl SpectrumKeys {
-    /// What scatters in each wind: the tail of a measured spectrum with it, and Bragg waves in light wind as runs have them, if so asked.
+    /// What scatters in each wind: the tail of a measured spectrum with it, and Bragg waves in light wind as
+    /// runs have them, if so asked.
     pub(super) fn that_scatter(
         &self,
         winds: &[Wind],

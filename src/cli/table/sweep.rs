@@ -1,8 +1,8 @@
 //! Sweeps: the values of one key of a table, evenly spaced.
 //!
-//! `--from-UNIT --to-UNIT --step-UNIT` gives `from + i step` (never accumulated, the last value never beyond `to`);
-//! `--points N` instead of a step gives N values from `from` to `to`, both included, in linear or log spacing.
-//! What is not given is the table's own.
+//! `--from-UNIT --to-UNIT --step-UNIT` gives `from + i step` (never accumulated, the last value never beyond
+//! `to`); `--points N` instead of a step gives N values from `from` to `to`, both included, in linear or log
+//! spacing. What is not given is the table's own.
 
 use clap::{Args, ValueEnum};
 

@@ -1,7 +1,8 @@
 //! Wave cuts: the height of one ship's wake along a line that sails with it.
 //!
-//! A longitudinal cut runs along the track, `y` m to starboard; a transverse one across it, `x` m astern of midship. Points
-//! are whole steps from midship, as far as the line crosses the patch; heights are summed wave by wave.
+//! A longitudinal cut runs along the track, `y` m to starboard; a transverse one across it, `x` m astern of
+//! midship. Points are whole steps from midship, as far as the line crosses the patch; heights are summed
+//! wave by wave.
 
 use std::io::{self, Write};
 
@@ -97,7 +98,8 @@ impl Cut {
         };
         let mut points = Vec::new();
         if let Some([from_m, to_m]) = crossing(patch, origin, direction) {
-            // A patch holds at most 2^26 facets, a step at least 0.1 mm of it: a cut is thinned rather than endless.
+            // A patch holds at most 2^26 facets, a step at least 0.1 mm of it: a cut is thinned rather than
+            // endless.
             let step_m = line.step_m.max((to_m - from_m) / MOST_POINTS);
             let (first, last) = ((from_m / step_m).ceil() as i64, (to_m / step_m).floor() as i64);
             for n in first..=last {
@@ -112,7 +114,8 @@ impl Cut {
     }
 }
 
-/// Where a line enters and leaves the rectangle of the centres of a patch's facets; `None` where it misses it.
+/// Where a line enters and leaves the rectangle of the centres of a patch's facets; `None` where it misses
+/// it.
 fn crossing(patch: &Patch, origin: [f64; 2], direction: [f64; 2]) -> Option<[f64; 2]> {
     let mut span = [f64::NEG_INFINITY, f64::INFINITY];
     for axis in 0..2 {

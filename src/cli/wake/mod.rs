@@ -1,8 +1,9 @@
-//! `nereus wake`: the waves of the ships of a scenario alone, as a map and a picture, as cuts, and what they cost.
+//! `nereus wake`: the waves of the ships of a scenario alone, as a map and a picture, as cuts, and what they
+//! cost.
 //!
-//! The map is that of the patch where it lies at the time asked. Files: [`map_file`](crate::recording::map_file) with
-//! format `nereus-wake` and the fields of `nereus sea`, [`picture`](crate::plot::picture). Cuts ([`cut`]) are those of
-//! one ship each, printed as CSV.
+//! The map is that of the patch where it lies at the time asked. Files:
+//! [`map_file`](crate::recording::map_file) with format `nereus-wake` and the fields of `nereus sea`,
+//! [`picture`](crate::plot::picture). Cuts ([`cut`]) are those of one ship each, printed as CSV.
 
 mod cut;
 

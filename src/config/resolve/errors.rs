@@ -25,7 +25,8 @@ struct AxisKeys {
     quantisation: &'static Key,
 }
 
-/// `[platform.errors]`; `has_report`: the platform has a track of its own for what it reports; `live`: its track is live.
+/// `[platform.errors]`; `has_report`: the platform has a track of its own for what it reports; `live`: its
+/// track is live.
 pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Option<ErrorModel> {
     use keys::errors as k;
     let preset = section.choice(&k::PRESET).and_then(Class::from_name);

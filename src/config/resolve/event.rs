@@ -7,7 +7,8 @@ use crate::config::section::Section;
 use crate::motion::changes::{Change, ChangeFault, Event, MOST_CHANGES};
 use crate::scene::Radar;
 
-/// Part of an interval by which a pulse may come before a time as written and still count: rounding of decimals.
+/// Part of an interval by which a pulse may come before a time as written and still count: rounding of
+/// decimals.
 const SLACK: f64 = 1e-6;
 
 /// `[[event]]`, in the order as written.

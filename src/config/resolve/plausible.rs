@@ -1,8 +1,8 @@
 //! What a scenario cannot mean, and what it hardly means.
 //!
-//! Impossible is a fault: pulses that overlap, a target in the water. Legal but suspicious is a warning: windows that overlap, an
-//! aperture below half a wavelength, a target that its straight course leads below the sea. What needs trajectories is looked
-//! at where these are made (`pipeline::plausible`).
+//! Impossible is a fault: pulses that overlap, a target in the water. Legal but suspicious is a warning:
+//! windows that overlap, an aperture below half a wavelength, a target that its straight course leads below
+//! the sea. What needs trajectories is looked at where these are made (`pipeline::plausible`).
 
 use super::Ground;
 use crate::config::error::{Problem, Warning};

@@ -99,7 +99,8 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
     let growth = [&INVERSE_WAVE_AGE, &FETCH_M];
     let spread = [&SPREADING, &SPREADING_EXPONENT];
     let Some(kind) = section.choice(&SPECTRUM) else {
-        // It is not known which of these belong here: they are read, for faults of their own, where they are written.
+        // It is not known which of these belong here: they are read, for faults of their own, where they are
+        // written.
         for key in growth.into_iter().filter(|key| section.has(key)) {
             section.number(key);
         }

@@ -114,7 +114,8 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     };
     // A wrong word has been reported; as the default it makes no further fault.
     let fast = echo.is_none_or(|word| word == "fast");
-    // Knobs of the fast echo may stand beside "reference", so that one key switches a scenario; they do nothing there.
+    // Knobs of the fast echo may stand beside "reference", so that one key switches a scenario; they do
+    // nothing there.
     let knobs = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
     let knobs: Vec<String> = knobs.map(|key| format!("fidelity.{}", key.name)).collect();
     section.finish();

@@ -7,7 +7,8 @@ use crate::scene::ship::HullGiven;
 
 const SEA: &str = include_str!("../../../configs/sea.toml");
 
-/// Twice vessel 1, 20 s before and 10 s after 12:00; others for one reason each not under way; 8 with its size.
+/// Twice vessel 1, 20 s before and 10 s after 12:00; others for one reason each not under way; 8 with its
+/// size.
 const LOG: &str = "Time,MMSI,Latitude_degrees,Longitude_degrees,COG_degrees,SOG_knots,Length_metres,Beam_metres,Draught_metres
 2016-01-12 11:59:40.000,1,50.0,-1.0,90.0,10.0,,,
 2016-01-12 12:00:10.000,1,50.0,-0.99964,90.0,10.0,,,

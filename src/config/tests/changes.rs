@@ -22,7 +22,8 @@ fn told(list: &[(&str, &str)]) -> String {
 
 #[test]
 fn events_become_pulses() {
-    // 222 intervals are a second; a time written in decimals is the pulse that is meant, and one a little later is the next.
+    // 222 intervals are a second; a time written in decimals is the pulse that is meant, and one a little
+    // later is the next.
     for (at_s, pulse) in
         [("0", 0), ("1.0", 222), ("0.004504504504504504", 1), ("1.00001", 223), ("4.99", 1108)]
     {

@@ -1,8 +1,9 @@
 //! One pulse whose scatterer paths are taken in bands of Doppler, each with a replica of its own.
 //!
-//! Where Doppler or stretch off the mean of a pulse cost more than is allowed ([`super::doppler`]), scatterer paths are sorted by `f0 r` into bands of a given
-//! width, pair by pair, and each band is spread and transformed about its own mean: no scatterer path is farther off it than the width of the band.
-//! Slow (a fill and a transform for each band that holds anything), but as exact as the bands are narrow.
+//! Where Doppler or stretch off the mean of a pulse cost more than is allowed ([`super::doppler`]), scatterer
+//! paths are sorted by `f0 r` into bands of a given width, pair by pair, and each band is spread and
+//! transformed about its own mean: no scatterer path is farther off it than the width of the band. Slow (a
+//! fill and a transform for each band that holds anything), but as exact as the bands are narrow.
 
 use num_complex::Complex64;
 
@@ -35,7 +36,8 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands `band_hz` wide.
+    /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands
+    /// `band_hz` wide.
     pub fn pulse_in_bands(
         &self,
         paths: &ScattererPaths,

@@ -1,6 +1,7 @@
 //! What a block of pulses holds of its scatterer paths.
 //!
-//! Over the `M <= 64` pulses of a block, with `m` counted from the middle pulse `M/2` (pulses equally spaced), a scatterer path has
+//! Over the `M <= 64` pulses of a block, with `m` counted from the middle pulse `M/2` (pulses equally
+//! spaced), a scatterer path has
 //!
 //! | quantity | form | held as |
 //! | --- | --- | --- |
@@ -8,13 +9,14 @@
 //! | place on the grid, cells | cubic in `m` | whole cells (i32) and float for `1, m, m^2, m^3` |
 //! | amplitude of each channel, sqrt(W) | linear or cubic in `m` | floats |
 //!
-//! all of them through its values at the **nodes**: one to four pulses of the block at which it was evaluated in full. The part of its
-//! Doppler that is not the mean's is put into phase and place at the nodes ([`doppler`]), so it follows the rate as it changes.
-//! Everything is computed in f64 and rounded last.
+//! all of them through its values at the **nodes**: one to four pulses of the block at which it was evaluated
+//! in full. The part of its Doppler that is not the mean's is put into phase and place at the nodes
+//! ([`doppler`]), so it follows the rate as it changes. Everything is computed in f64 and rounded last.
 //!
-//! **Errors.** With 4 nodes over a block of half length `Th` the range remainder is at most `max |R''''| Th^4 / 24`; with 3 nodes
-//! `0.064 max|R'''| Th^3` (ends and middle); see `docs/physics.md` section 15.7 for sizes. The place in f32 is rounded to `2^-24` of the cells
-//! that it moves within half a block ([`Fill::drift_cells`]).
+//! **Errors.** With 4 nodes over a block of half length `Th` the range remainder is at most
+//! `max |R''''| Th^4 / 24`; with 3 nodes `0.064 max|R'''| Th^3` (ends and middle); see `docs/physics.md`
+//! section 15.7 for sizes. The place in f32 is rounded to `2^-24` of the cells that it moves within half a
+//! block ([`Fill::drift_cells`]).
 
 use num_complex::Complex64;
 
@@ -48,12 +50,13 @@ pub struct Node<'a> {
 pub struct Fill {
     /// Scatterer paths that are spread, counted once for each pair.
     pub sounding: usize,
-    /// Scatterer paths and pairs left out though they sound: with a delay at one node and none at another, a rate of 1 or more (faster
-    /// than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
+    /// Scatterer paths and pairs left out though they sound: with a delay at one node and none at another, a
+    /// rate of 1 or more (faster than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
     pub unplaced: usize,
     /// Largest Doppler off its pair's mean at a node, Hz.
     pub residual_hz: f64,
-    /// Largest change of place from the middle of the block to a node, cells; the window's own steps are whole cells and cost nothing.
+    /// Largest change of place from the middle of the block to a node, cells; the window's own steps are
+    /// whole cells and cost nothing.
     pub drift_cells: f64,
 }
 
@@ -208,8 +211,8 @@ impl<T: Scalar> Synth<T> {
         BlockPaths::new(self.pairs, self.layers.len())
     }
 
-    /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after its emission, s)
-    /// from its scatterer paths at one to four nodes.
+    /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after
+    /// its emission, s) from its scatterer paths at one to four nodes.
     pub fn fill(
         &self,
         nodes: &[Node<'_>],
@@ -228,8 +231,8 @@ impl<T: Scalar> Synth<T> {
         Ok(())
     }
 
-    /// The same for some pulses of a longer block, of which `frame` tells windows and mean Doppler; nodes count
-    /// from the first of these pulses.
+    /// The same for some pulses of a longer block, of which `frame` tells windows and mean Doppler; nodes
+    /// count from the first of these pulses.
     pub fn fill_part(
         &self,
         nodes: &[Node<'_>],
@@ -245,7 +248,8 @@ impl<T: Scalar> Synth<T> {
         Ok(())
     }
 
-    /// Windows and mean Doppler of a block (of each pair, Hz; 0 where it is not given), and what follows from them.
+    /// Windows and mean Doppler of a block (of each pair, Hz; 0 where it is not given), and what follows from
+    /// them.
     pub fn frame(&self, windows_s: &[f64], mean_hz: &[f64], frame: &mut Frame) {
         frame.windows_s.clear();
         frame.windows_s.extend_from_slice(windows_s);

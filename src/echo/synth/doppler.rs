@@ -1,19 +1,22 @@
 //! Doppler within a pulse.
 //!
-//! The echo of a scatterer path carries `e^{-j 2 pi nu t'}`, `nu = f0 r`, while the pulse `p(t')` passes; in frequency, `P(f + nu)`. A block
-//! and pair have a mean rate: with `nu = nu0 + nu'`, `P(f + nu0)` is in the replica, exact and free. What is left, `nu'`, is done in one
-//! of three ways (`c = Tc/2`, `p0 = p e^{-j 2 pi nu0 t'}`):
+//! The echo of a scatterer path carries `e^{-j 2 pi nu t'}`, `nu = f0 r`, while the pulse `p(t')` passes; in
+//! frequency, `P(f + nu)`. A block and pair have a mean rate: with `nu = nu0 + nu'`, `P(f + nu0)` is in the
+//! replica, exact and free. What is left, `nu'`, is done in one of three ways (`c = Tc/2`,
+//! `p0 = p e^{-j 2 pi nu0 t'}`):
 //!
-//! - **[`Doppler::Mean`]** `p0 e^{-j 2 pi nu' c}`: the right phase in mid-pulse. Any waveform; relative rms error
-//!   `2 pi nu' Tc / sqrt 12`.
+//! - **[`Doppler::Mean`]** `p0 e^{-j 2 pi nu' c}`: the right phase in mid-pulse. Any waveform; relative rms
+//!   error `2 pi nu' Tc / sqrt 12`.
 //! - **[`Doppler::Shift`]** for a linear sweep of rate `mu`. Completing the square, with `D = nu'/mu`,
-//!   `p0(t' - D) e^{-j 2 pi (nu' c + nu'^2/(2 mu) + nu0 nu'/mu)}` is `p0(t') e^{-j 2 pi nu' t'}` wherever both pulses are on: a delay and a
-//!   phase, which cost nothing. They differ by a strip of length `D` at either end. Without a filter the strips have the share
-//!   `2 |D| / Tc = 2 |nu'| / B` of the energy; while `|D| fs << 1` they are two impulses that the receive filter cuts to
-//!   `2 D^2 B_n / Tc`, that is rms `(nu'/B) sqrt(2 B_n Tc)`, `B_n = 0.875 fs`.
-//! - **[`Doppler::Taylor`]** `e^{-j 2 pi nu' c} [p0 - j 2 pi nu' (t' - c) p0]`: a second layer of grids with weights `nu'` and the spectrum of
-//!   `(t' - c) p0`, which is `(j/2 pi) d/df` of the centred spectrum (8-point central differences, step `1/(16 Tc)`, relative error 4e-9).
-//!   Any waveform, twice the cost; error `(2 pi nu' Tc)^2 / (2 sqrt 80)`.
+//!   `p0(t' - D) e^{-j 2 pi (nu' c + nu'^2/(2 mu) + nu0 nu'/mu)}` is `p0(t') e^{-j 2 pi nu' t'}` wherever
+//!   both pulses are on: a delay and a phase, which cost nothing. They differ by a strip of length `D` at
+//!   either end. Without a filter the strips have the share `2 |D| / Tc = 2 |nu'| / B` of the energy; while
+//!   `|D| fs << 1` they are two impulses that the receive filter cuts to `2 D^2 B_n / Tc`, that is rms
+//!   `(nu'/B) sqrt(2 B_n Tc)`, `B_n = 0.875 fs`.
+//! - **[`Doppler::Taylor`]** `e^{-j 2 pi nu' c} [p0 - j 2 pi nu' (t' - c) p0]`: a second layer of grids with
+//!   weights `nu'` and the spectrum of `(t' - c) p0`, which is `(j/2 pi) d/df` of the centred spectrum
+//!   (8-point central differences, step `1/(16 Tc)`, relative error 4e-9). Any waveform, twice the cost;
+//!   error `(2 pi nu' Tc)^2 / (2 sqrt 80)`.
 //!
 //! [`error_power`] for `B = 60` MHz, `fs = 100` MHz, mean 3 kHz (which is gone), dB:
 //!
@@ -26,20 +29,24 @@
 //! | 1e4 | 7.4 kHz | useless | -37.5 | useless |
 //! | 1e4 | 14.8 kHz | useless | -33.6 | useless |
 //!
-//! It evaluates `sum |H (P(f + nu) - approximation)|^2 / sum |H P|^2` itself, for any waveform. The strips of `|D| fs` above 1 (the last two rows)
-//! tend to `2 |nu'| / B`. A scene whose spread of
-//! Doppler is too wide for its pulse is split: scatterer paths sorted into bands of Doppler, a block each, spectra added.
-//! A scatterer path whose `nu'` changes within the block is followed: its delay and phase are set at every node.
+//! It evaluates `sum |H (P(f + nu) - approximation)|^2 / sum |H P|^2` itself, for any waveform. The strips of
+//! `|D| fs` above 1 (the last two rows) tend to `2 |nu'| / B`. A scene whose spread of Doppler is too wide
+//! for its pulse is split: scatterer paths sorted into bands of Doppler, a block each, spectra added. A
+//! scatterer path whose `nu'` changes within the block is followed: its delay and phase are set at every
+//! node.
 //!
 //! # Stretch of the envelope
 //!
-//! A delay that grows at the rate `r` stretches the pulse with its carrier: the reference has `(1 + r) P((1 + r) f + f0 r)`
-//! ([`reference`](mod@crate::echo::reference)). With [`Envelope::Stretched`] the replica has the stretch of the mean rate, exact and free. The rest
-//! `r' = nu'/f0` moves the middle of the pulse by `r' c`, which is a delay, and turns the middle phase of a linear sweep by the mean of the quadratic
-//! term, `-mu r' Tc^2/12` turns: both are free. What is left of a linear sweep is `2 pi B Tc |r'| / sqrt 180`, rms.
+//! A delay that grows at the rate `r` stretches the pulse with its carrier: the reference has
+//! `(1 + r) P((1 + r) f + f0 r)` ([`reference`](mod@crate::echo::reference)). With [`Envelope::Stretched`]
+//! the replica has the stretch of the mean rate, exact and free. The rest `r' = nu'/f0` moves the middle of
+//! the pulse by `r' c`, which is a delay, and turns the middle phase of a linear sweep by the mean of the
+//! quadratic term, `-mu r' Tc^2/12` turns: both are free. What is left of a linear sweep is
+//! `2 pi B Tc |r'| / sqrt 180`, rms.
 //!
-//! [`Envelope::Rigid`] has no stretch at all, and costs `2 pi B Tc |r| / sqrt 30` ([`rigid_error_power`]) of a linear sweep: -92 dB for `B Tc = 20` from an aircraft. It is taken
-//! where the plan finds that this does not count.
+//! [`Envelope::Rigid`] has no stretch at all, and costs `2 pi B Tc |r| / sqrt 30` ([`rigid_error_power`]) of
+//! a linear sweep: -92 dB for `B Tc = 20` from an aircraft. It is taken where the plan finds that this does
+//! not count.
 
 use std::f64::consts::PI;
 
@@ -69,7 +76,8 @@ pub enum Envelope {
     Stretched,
 }
 
-/// A scatterer path's Doppler off the mean as a delay and a phase; all of them linear in it but for the square of [`Doppler::Shift`].
+/// A scatterer path's Doppler off the mean as a delay and a phase; all of them linear in it but for the
+/// square of [`Doppler::Shift`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Correction {
     /// Turns per Hz, the sign reversed: the time from the beginning of the pulse at which its phase is right.
@@ -101,7 +109,8 @@ impl Correction {
         [shifted, shifted + self.centred]
     }
 
-    /// `(turns, delay in s)` to be added to a scatterer path for the part of its Doppler that is not the mean's.
+    /// `(turns, delay in s)` to be added to a scatterer path for the part of its Doppler that is not the
+    /// mean's.
     pub fn of(&self, mean_hz: f64, residual_hz: f64) -> (f64, f64) {
         let turns = -self.middle_s * residual_hz;
         let shift_s = self.sweep.map_or(0.0, |mu| residual_hz / mu);
@@ -120,7 +129,8 @@ pub(super) fn stretched(envelope: Envelope, carrier_hz: f64, f_hz: f64, doppler_
     }
 }
 
-/// `|error|^2 / |echo|^2` of an echo of delay rate `rate` whose envelope is left as it was, after the receive filter.
+/// `|error|^2 / |echo|^2` of an echo of delay rate `rate` whose envelope is left as it was, after the receive
+/// filter.
 pub fn rigid_error_power(
     waveform: &dyn Waveform,
     carrier_hz: f64,
@@ -168,8 +178,9 @@ pub(super) fn moment_spectrum(waveform: &dyn Waveform, f_hz: f64) -> Complex64 {
     Complex64::I / (2.0 * PI) * slope / step_hz * phasor(-f_hz * half_s)
 }
 
-/// Expected `|error|^2 / |echo|^2` of a scatterer path `residual_hz` off the mean `mean_hz`, after the receive filter: against an exact echo of the
-/// same [`Envelope`], so that of a rigid one [`rigid_error_power`] is still to be added.
+/// Expected `|error|^2 / |echo|^2` of a scatterer path `residual_hz` off the mean `mean_hz`, after the
+/// receive filter: against an exact echo of the same [`Envelope`], so that of a rigid one
+/// [`rigid_error_power`] is still to be added.
 pub fn error_power(
     (doppler, envelope): (Doppler, Envelope),
     waveform: &dyn Waveform,

@@ -10,19 +10,20 @@
 //! | `w` | width, cells: that many cells get a share of each scatterer path |
 //! | `sigma` | cells of the grid per sample |
 //!
-//! An echo at `y + w/2` cells lands on the cells `j0 .. j0 + w`, `j0` the least integer above `y`. With `z = j0 - y - 1/2` in `[-1/2, 1/2]` tap `t`
-//! weighs `phi(z + t - (w-1)/2)`. Each tap is a polynomial in `z` (interpolation in Chebyshev points), and
-//! taps `t` and `w-1-t` are one polynomial of `z` and of `-z`: its even and odd parts are evaluated once for both.
-//! What is spread and what is divided out are the *same* polynomials, so their misfit to `phi` costs only the little that it
-//! adds beyond the band.
+//! An echo at `y + w/2` cells lands on the cells `j0 .. j0 + w`, `j0` the least integer above `y`. With
+//! `z = j0 - y - 1/2` in `[-1/2, 1/2]` tap `t` weighs `phi(z + t - (w-1)/2)`. Each tap is a polynomial in `z`
+//! (interpolation in Chebyshev points), and taps `t` and `w-1-t` are one polynomial of `z` and of `-z`: its
+//! even and odd parts are evaluated once for both. What is spread and what is divided out are the *same*
+//! polynomials, so their misfit to `phi` costs only the little that it adds beyond the band.
 //!
 //! **Error.** A scatterer path of random place spread on a grid of `M` cells, seen in bin `k` and divided by
-//! `phihat(k) = int phi(u) e^{-j 2 pi k u/M} du`, has the images `phihat(k + q M)/phihat(k)`, `q != 0`, with random phases.
-//! Over the band of a pulse `Q(f)` the relative rms error is
+//! `phihat(k) = int phi(u) e^{-j 2 pi k u/M} du`, has the images `phihat(k + q M)/phihat(k)`, `q != 0`, with
+//! random phases. Over the band of a pulse `Q(f)` the relative rms error is
 //!
 //! `e^2 = sum_k |Q_k|^2 sum_q (phihat(k + q M)/phihat(k))^2 / sum_k |Q_k|^2`.
 //!
-//! Source: Barnett, Magland, af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479 (kernel and `beta`); the error is derived here.
+//! Source: Barnett, Magland, af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479 (kernel and `beta`); the
+//! error is derived here.
 //!
 //! ```
 //! use nereus::echo::synth::kernel::Kernel;
@@ -60,8 +61,8 @@ pub const fn terms(width: usize) -> usize {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
     width: usize,
-    /// `[tap][part][term]` for taps `0 .. ceil(w/2)`: coefficients of `z^(2 term)` (part 0) and `z^(2 term + 1)` (part 1).
-    /// The odd part of the middle tap is zero.
+    /// `[tap][part][term]` for taps `0 .. ceil(w/2)`: coefficients of `z^(2 term)` (part 0) and
+    /// `z^(2 term + 1)` (part 1). The odd part of the middle tap is zero.
     coefficients: Vec<[[f64; MAX_TERMS]; 2]>,
 }
 
@@ -117,8 +118,8 @@ impl Kernel {
 
     /// `phihat`, cells, at a frequency in cycles per cell.
     pub fn transform(&self, cycles: f64) -> f64 {
-        // Gauss-Legendre, 16 points on each tap: exact to degree 31, which leaves below 1e-15 of polynomial times cosine
-        // up to a cycle and a half per cell, 1e-8 of the images at four.
+        // Gauss-Legendre, 16 points on each tap: exact to degree 31, which leaves below 1e-15 of polynomial
+        // times cosine up to a cycle and a half per cell, 1e-8 of the images at four.
         let mut sum = 0.0;
         for tap in 0..self.width {
             let middle = tap as f64 - 0.5 * (self.width as f64 - 1.0);
@@ -131,7 +132,8 @@ impl Kernel {
         sum
     }
 
-    /// Expected `|error|^2 / |echo|^2` of gridding; `band` holds a pulse's `(frequency in cycles per cell, |Q|^2)`.
+    /// Expected `|error|^2 / |echo|^2` of gridding; `band` holds a pulse's
+    /// `(frequency in cycles per cell, |Q|^2)`.
     pub fn gridding_error_power(&self, band: &[(f64, f64)]) -> f64 {
         let (mut wrong, mut all) = (0.0, 0.0);
         for &(cycles, power) in band {
@@ -148,7 +150,8 @@ impl Kernel {
     }
 }
 
-/// `(node, weight)` of the positive half of Gauss-Legendre's rule with 16 points (Abramowitz and Stegun, table 25.4).
+/// `(node, weight)` of the positive half of Gauss-Legendre's rule with 16 points (Abramowitz and Stegun,
+/// table 25.4).
 const GAUSS: [(f64, f64); 8] = [
     (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
     (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
@@ -160,7 +163,8 @@ const GAUSS: [(f64, f64); 8] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
 ];
 
-/// Coefficients `c_i` of `f(z) = z^parity sum_{i < n} c_i z^(2i)` through the positive half of `2n` Chebyshev points of `[-1/2, 1/2]`.
+/// Coefficients `c_i` of `f(z) = z^parity sum_{i < n} c_i z^(2i)` through the positive half of `2n` Chebyshev
+/// points of `[-1/2, 1/2]`.
 fn in_squares(f: impl Fn(f64) -> f64, parity: i32, n: usize) -> Vec<f64> {
     let nodes: Vec<f64> = (0..n).map(|i| 0.5 * (PI * (i as f64 + 0.5) / (2 * n) as f64).cos()).collect();
     // Newton's divided differences in s = z^2, then expanded.
@@ -208,8 +212,8 @@ mod tests {
 
     #[test]
     fn gridding_errors_are_those_measured_elsewhere() {
-        // docs/physics.md section 15.4: relative rms of 5000 scatterers at 100 MHz, sigma = 2. Within 1 dB for what the flat
-        // band and the sample of scatterers leave open.
+        // docs/physics.md section 15.4: relative rms of 5000 scatterers at 100 MHz, sigma = 2. Within 1 dB
+        // for what the flat band and the sample of scatterers leave open.
         for (width, measured_db) in [(4, -70.4), (5, -89.9), (6, -110.0), (7, -130.0), (8, -149.0)] {
             let kernel = Kernel::new(width, 2.0).unwrap();
             let band: Vec<(f64, f64)> = (-30..=30).map(|k| (f64::from(k) / 200.0, 1.0)).collect();

@@ -1,12 +1,15 @@
 //! Scatterer paths side by side, spread without being listed.
 //!
-//! A [`Batch`] has the scatterer paths of one pair as rows of [`LANES`]: delay and rate at the nodes of a block, amplitudes at its scattering epochs, and a
-//! factor for every pulse. Between two nodes phase and place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
+//! A [`Batch`] has the scatterer paths of one pair as rows of [`LANES`]: delay and rate at the nodes of a
+//! block, amplitudes at its scattering epochs, and a factor for every pulse. Between two nodes phase and
+//! place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
 //!
-//! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`, `d = f' (t_1 - t_0)`,
+//! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`,
+//! `d = f' (t_1 - t_0)`,
 //!
-//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through four scattering epochs. What Doppler off the mean
-//! adds to phase and place is linear between nodes. It is the same echo as that of [`Synth::fill`], but for these polynomials.
+//! in f64, held as in [`block`](super::block); amplitudes are one polynomial through four scattering epochs.
+//! What Doppler off the mean adds to phase and place is linear between nodes. It is the same echo as that of
+//! [`Synth::fill`], but for these polynomials.
 //!
 //! **Error** of a delay between nodes `T` apart: `max |tau''''| T^4 / 384`; of amplitudes, as there.
 
@@ -48,7 +51,8 @@ pub struct Batch<'a> {
     pub nodes: [Option<BatchNode<'a>>; MAX_NODES],
     /// Pulses of the nodes within the block, rising.
     pub places: [usize; MAX_NODES],
-    /// Between two nodes amplitudes go through the scattering epochs from the given one on, up to four: `[interval]`.
+    /// Between two nodes amplitudes go through the scattering epochs from the given one on, up to four:
+    /// `[interval]`.
     pub from_epoch: [usize; MAX_NODES],
     /// At least one, rising.
     pub epochs: &'a [BatchEpoch<'a>],
@@ -81,7 +85,8 @@ struct Ends<'a> {
 }
 
 impl Synth<f32> {
-    /// Makes room for any batch of a block of so many pulses with so many scattering epochs: later ones may have more of everything than the first.
+    /// Makes room for any batch of a block of so many pulses with so many scattering epochs: later ones may
+    /// have more of everything than the first.
     pub fn make_room(&self, epochs: usize, pulses: usize, work: &mut LaneWork) {
         fn reserve<T>(column: &mut Vec<T>, room: usize) {
             column.reserve(room.saturating_sub(column.len()));
@@ -272,7 +277,8 @@ impl Synth<f32> {
     }
 }
 
-/// Amplitudes of a scattering epoch from channel by channel to scatterer path by scatterer path, `C` lanes each; lanes without a channel are silent.
+/// Amplitudes of a scattering epoch from channel by channel to scatterer path by scatterer path, `C` lanes
+/// each; lanes without a channel are silent.
 struct Turned<'a, const C: usize> {
     amplitude: &'a [[Row; 2]],
     scale: Option<&'a Row>,

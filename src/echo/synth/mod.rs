@@ -1,4 +1,5 @@
-//! The fast echo: scatterer paths of a block of pulses spread on oversampled delay grids, one transform per channel and pulse.
+//! The fast echo: scatterer paths of a block of pulses spread on oversampled delay grids, one transform per
+//! channel and pulse.
 //!
 //! # Equation
 //!
@@ -25,18 +26,20 @@
 //! | `phi_n` | carrier phase `-f0 tau_n`, and what Doppler off the mean adds | turns |
 //! | `r0` | mean rate of delays of the pair in the block ([`doppler`]) | - |
 //!
-//! Phase and place are polynomials over the block, held so that stepping loses nothing ([`block`]). Scatterer paths farther from the window than the
-//! reference's guard go to cells that nobody reads; within a cell of that limit either may happen.
+//! Phase and place are polynomials over the block, held so that stepping loses nothing ([`block`]). Scatterer
+//! paths farther from the window than the reference's guard go to cells that nobody reads; within a cell of
+//! that limit either may happen.
 //!
 //! # Threads
 //!
-//! This room knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one order, so that the result has
-//! bit-identical results however many shares there are. [`Variant`]s round differently: they agree to 1e-6 or better.
+//! This room knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one
+//! order, so that the result has bit-identical results however many shares there are. [`Variant`]s round
+//! differently: they agree to 1e-6 or better.
 //!
 //! # Limits
 //!
-//! Pulses of a block are equally spaced (a PRI sequence takes blocks of one pulse). `S` in `f32` has a floor of
-//! rounding, about -120 dB ([`Synth::predicted_error`]).
+//! Pulses of a block are equally spaced (a PRI sequence takes blocks of one pulse). `S` in `f32` has a floor
+//! of rounding, about -120 dB ([`Synth::predicted_error`]).
 //!
 //! ```
 //! use std::sync::Arc;
@@ -118,7 +121,8 @@ pub struct Settings {
     pub doppler: Doppler,
     /// Stretch of the pulse by the motion.
     pub envelope: Envelope,
-    /// Width of the bands of Doppler that a pulse by itself is split into, Hz ([`bands`]); `None`: one for all.
+    /// Width of the bands of Doppler that a pulse by itself is split into, Hz ([`bands`]); `None`: one for
+    /// all.
     pub band_hz: Option<f64>,
     /// Which instructions; `None` takes the fastest that this CPU has.
     pub variant: Option<Variant>,
@@ -395,7 +399,8 @@ impl<T: Scalar> Synth<T> {
         grids.reset(pulses);
     }
 
-    /// Adds the scatterer paths of a block that was filled as a part ([`Synth::fill_part`]) to the grids of its pulses.
+    /// Adds the scatterer paths of a block that was filled as a part ([`Synth::fill_part`]) to the grids of
+    /// its pulses.
     pub fn spread_part(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
         let mut share = grids.share(block.start, block.pulses());
         share.first = 0;
@@ -466,9 +471,9 @@ impl<T: Scalar> Synth<T> {
 
     /// Parts of the predicted error of a pulse against the reference, for the scatterer paths of a block.
     ///
-    /// What the polynomials between the nodes miss is *not* among them, for the nodes do not tell: it belongs to whoever chooses the
-    /// block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4 nodes: -82.5 dB, measured on the scene of the bench with
-    /// [`Doppler::Taylor`].)
+    /// What the polynomials between the nodes miss is *not* among them, for the nodes do not tell: it belongs
+    /// to whoever chooses the block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4 nodes: -82.5 dB,
+    /// measured on the scene of the bench with [`Doppler::Taylor`].)
     pub fn predicted_error(&self, block: &BlockPaths<T>) -> PredictedError {
         let found = block.found();
         let worst = block
@@ -479,7 +484,8 @@ impl<T: Scalar> Synth<T> {
         worst.max_by(|a, b| a.total_db().total_cmp(&b.total_db())).unwrap_or_default()
     }
 
-    /// The same for a mean Doppler, the largest Doppler off it (Hz), and the largest change of place over half a block (cells).
+    /// The same for a mean Doppler, the largest Doppler off it (Hz), and the largest change of place over
+    /// half a block (cells).
     pub fn predicted_error_of(&self, mean_hz: f64, residual_hz: f64, drift_cells: f64) -> PredictedError {
         let filter = ReceiveFilter::new(self.sample_rate_hz);
         // Bins beyond some thousand tell nothing new.
@@ -519,10 +525,11 @@ impl<T: Scalar> Synth<T> {
 
 /// Relative power of rounding.
 ///
-/// A place that moves over `d` cells is rounded to `2^-p d` four times (three products and a sum, each uniform within half of that, not
-/// all at their largest: counted as such), that is a phase of `2 pi x cycles` per cell. Phase, phasor, weights and amplitude add
-/// some twelve roundings of `2^-p`. Sums of many scatterer paths are carried by what is already in a cell, `2^-p sqrt(adds)` of its rms at most
-/// in a random walk; 256 is taken.
+/// A place that moves over `d` cells is rounded to `2^-p d` four times (three products and a sum, each
+/// uniform within half of that, not all at their largest: counted as such), that is a phase of
+/// `2 pi x cycles` per cell. Phase, phasor, weights and amplitude add some twelve roundings of `2^-p`. Sums
+/// of many scatterer paths are carried by what is already in a cell, `2^-p sqrt(adds)` of its rms at most in
+/// a random walk; 256 is taken.
 fn rounding_power<T: Scalar>(drift_cells: f64, mean_square_cycles: f64) -> f64 {
     let unit: f64 = match T::PRECISION {
         Precision::Single => 2f64.powi(-24),

@@ -1,6 +1,7 @@
 //! The two precisions of the fast echo: how each holds a phase, turns it into a phasor and finds a cell.
 //!
-//! Phase of a scatterer path over a block, in turns, `m` the whole number of pulses from the middle of the block:
+//! Phase of a scatterer path over a block, in turns, `m` the whole number of pulses from the middle of the
+//! block:
 //!
 //! `phi(m) = phi0 + phi1 m + phi2 m^2 + phi3 m^3`, modulo 1.
 //!
@@ -9,8 +10,9 @@
 //! | `f32` | u32 fractions of a turn (`2^-32`), so whole turns vanish and products with `m`, `m^2` are exact modulo 1 | float | `2^-33 (1 + 32 + 1024)` turn `= 7.7e-7` rad, and `2^-24 abs(phi3 m^3)` turn |
 //! | `f64` | fractions within half a turn | float | `2^-53 x 530` turn |
 //!
-//! Phasor of `t` in `[-1/2, 1/2]` turn in f32: `s = sin(pi t)`, `c = cos(pi t)` by minimax polynomials in `t^2` (errors
-//! 6.6e-9 and 4.7e-8), then `cos(2 pi t) = 1 - 2 s^2`, `sin(2 pi t) = 2 s c`. In f64: [`phasor`].
+//! Phasor of `t` in `[-1/2, 1/2]` turn in f32: `s = sin(pi t)`, `c = cos(pi t)` by minimax polynomials in
+//! `t^2` (errors 6.6e-9 and 4.7e-8), then `cos(2 pi t) = 1 - 2 s^2`, `sin(2 pi t) = 2 s c`. In f64:
+//! [`phasor`].
 
 use rustfft::FftNum;
 
@@ -164,8 +166,9 @@ mod tests {
             worst = worst.max((f64::from(c) - exact.re).hypot(f64::from(s) - exact.im));
         }
         println!("worst f32 phasor error {worst:.2e}");
-        // Half units in the last place, all added up, of coefficients (times z^i <= 4^-i), of the sums and products of Horner's rule
-        // and of the polynomials themselves: 2.6e-7 for s, 3.4e-7 for c. Then d(1 - 2 s^2) <= 4 ds, d(2 s c) <= 2 dc at s = 1.
+        // Half units in the last place, all added up, of coefficients (times z^i <= 4^-i), of the sums and
+        // products of Horner's rule and of the polynomials themselves: 2.6e-7 for s, 3.4e-7 for c. Then d(1 -
+        // 2 s^2) <= 4 ds, d(2 s c) <= 2 dc at s = 1.
         assert!(worst < (4.0 * 2.6e-7f64).hypot(2.0 * 3.4e-7), "{worst}");
     }
 
@@ -189,7 +192,8 @@ mod tests {
             }
         }
         println!("worst phase error: f32 {:.2e}, f64 {:.2e} turn", worst[0], worst[1]);
-        // Coefficients 2^-33 (1 + 32 + 1024), cubic (3.3 turns) and its power and product 3 x 2^-24 x 3.3, sum and fraction 2^-24 x 4.
+        // Coefficients 2^-33 (1 + 32 + 1024), cubic (3.3 turns) and its power and product 3 x 2^-24 x 3.3,
+        // sum and fraction 2^-24 x 4.
         assert!(worst[0] < 1057.0 * 2f64.powi(-33) + 14.0 * 2f64.powi(-24), "{}", worst[0]);
         // The exact sum itself is rounded at 2.5e5 turns: 3 x 2^-35.
         assert!(worst[1] < 3.0 * 2f64.powi(-35), "{}", worst[1]);

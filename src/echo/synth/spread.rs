@@ -1,9 +1,10 @@
 //! The inner loop: scatterer paths of a block onto the grids of its pulses.
 //!
-//! For `CHUNK` scatterer paths at a time and every pulse of the share: (1) phase, phasor, first cell and kernel weights of all
-//! of them, lane by lane; (2) some pulses by turns, each scatterer path's `C` lanes: their amplitude at the pulse, turned by its phasor, onto its `W` cells. The
-//! chunk stays in the nearest cache for all pulses, and a scatterer path's polynomials in registers for the pulses at hand. Everything is safe code over slices; what CPU it is compiled for is
-//! decided by its callers.
+//! For `CHUNK` scatterer paths at a time and every pulse of the share: (1) phase, phasor, first cell and
+//! kernel weights of all of them, lane by lane; (2) some pulses by turns, each scatterer path's `C` lanes:
+//! their amplitude at the pulse, turned by its phasor, onto its `W` cells. The chunk stays in the nearest
+//! cache for all pulses, and a scatterer path's polynomials in registers for the pulses at hand. Everything
+//! is safe code over slices; what CPU it is compiled for is decided by its callers.
 
 use std::ops::Range;
 
@@ -78,8 +79,9 @@ impl<T: Scalar, const W: usize> Passes<T, W> {
 
 /// Adds the job's scatterer paths to `grids`.
 ///
-/// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers, and the sums
-/// wait for constants of the other step that are loaded anew for every scatterer path (a tenth of the time).
+/// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers,
+/// and the sums wait for constants of the other step that are loaded anew for every scatterer path (a tenth
+/// of the time).
 pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     variant: Variant,
     job: &Job<'_, T>,
@@ -220,7 +222,8 @@ fn place<T: Scalar, const FUSED: bool, const W: usize>(
     weights::<T, FUSED, W>(job.coefficients, &passes.beyond[..count], &mut passes.weight);
 }
 
-// The passes below take every slice as an argument of its own: only so does the compiler know that they do not overlap.
+// The passes below take every slice as an argument of its own: only so does the compiler know that they do
+// not overlap.
 
 /// Cosine and sine of the phase.
 #[inline(always)]
@@ -329,8 +332,8 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     }
 }
 
-/// Scatterer paths onto the cells of some pulses by turns: neighbours often share cells, and would wait for each other's sums. `first` is the
-/// first of these pulses as the amplitudes count them.
+/// Scatterer paths onto the cells of some pulses by turns: neighbours often share cells, and would wait for
+/// each other's sums. `first` is the first of these pulses as the amplitudes count them.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)]
 fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize, const N: usize>(

@@ -16,8 +16,9 @@ use crate::paths::block::{
 };
 use crate::radar::fault::RadarError;
 
-/// What is added to scattering of sidelobe tiles where facets turn away: scattering epochs are so far apart there that single facets, told late where they do,
-/// leave more in the worst pulse than any sample says (12 dB above it, with scattering epochs at both ends alone, in the grazing scene of
+/// What is added to scattering of sidelobe tiles where facets turn away: scattering epochs are so far apart
+/// there that single facets, told late where they do, leave more in the worst pulse than any sample says (12
+/// dB above it, with scattering epochs at both ends alone, in the grazing scene of
 /// `tests/agreement/planned.rs`).
 const OF_TURNING: f64 = 10.0;
 
@@ -52,7 +53,8 @@ pub struct Probed {
 }
 
 impl Probed {
-    /// Of so many scattering epochs from node to node, where tiles are in the sidelobes at a sidelobe threshold: at every probe.
+    /// Of so many scattering epochs from node to node, where tiles are in the sidelobes at a sidelobe
+    /// threshold: at every probe.
     pub fn left(&self, epochs: usize, candidates: &Candidates, candidate: usize) -> Vec<InterpolationError> {
         if self.edges.is_empty() {
             return vec![nothing(self.channels)];
@@ -170,7 +172,8 @@ impl ErrorSampler<'_> {
 
     /// Pulses at which a block is probed, and the intervals of its nodes that hold them.
     fn probes(&self, nodes: &[usize]) -> Vec<(usize, usize)> {
-        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or three scattering epochs in it.
+        // A cubic through four points is at its worst 0.38 of the first interval on, and there may be two or
+        // three scattering epochs in it.
         let within =
             |n: usize, share: f64| nodes[n] + ((nodes[n + 1] - nodes[n]) as f64 * share).round() as usize;
         let last = nodes.len() - 2;
@@ -226,7 +229,8 @@ impl Interval<'_> {
             if !truth.heard[i] {
                 continue;
             }
-            // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has turned away.
+            // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has
+            // turned away.
             let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
             let turned = rough != 0.0 && heard.of.factor[probe][i] == 0.0;
             let exact = f64::from(truth.factor[i]);

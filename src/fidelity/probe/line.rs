@@ -1,15 +1,18 @@
 //! Points along delay, and what they add up to.
 //!
-//! Points keep their phases: two in one resolution cell may add up, or cancel, for a whole run. The **power** of a pulse is that of amplitudes
-//! with their phases, points within a cell of each other weighing `(1 - d^2)^2`, `d` in cells: nearly the `sinc` of a linear sweep. Of
-//! moduli `m_i`, of amplitudes or of errors, a pulse has at **most**
+//! Points keep their phases: two in one resolution cell may add up, or cancel, for a whole run. The **power**
+//! of a pulse is that of amplitudes with their phases, points within a cell of each other weighing
+//! `(1 - d^2)^2`, `d` in cells: nearly the `sinc` of a linear sweep. Of moduli `m_i`, of amplitudes or of
+//! errors, a pulse has at **most**
 //!
 //! `W = sum over i of m_i * sum over j of m_j` , `|tau_j - tau_i|` within [`REACH_CELLS`],
 //!
-//! for what is left of a pulse lies at its ends and those of its band, and is alike over some cells (1.26 cells apart two targets of equal
-//! Doppler off the mean had 2.6 dB more than their powers add up to), and where there is more than one point [`SIDE_LOBES`] times as
-//! much, for the range side lobes of others; but not more than points of random phases add up to at their worst, each cell with
-//! an exponential law ([`worst`](crate::fidelity::worst)), times the most that an echo of the run has over the sum of its powers: a plate flashes.
+//! for what is left of a pulse lies at its ends and those of its band, and is alike over some cells (1.26
+//! cells apart two targets of equal Doppler off the mean had 2.6 dB more than their powers add up to), and
+//! where there is more than one point [`SIDE_LOBES`] times as much, for the range side lobes of others; but
+//! not more than points of random phases add up to at their worst, each cell with an exponential law
+//! ([`worst`](crate::fidelity::worst)), times the most that an echo of the run has over the sum of its
+//! powers: a plate flashes.
 
 use num_complex::Complex64;
 
@@ -34,7 +37,8 @@ impl Line {
         Self(line)
     }
 
-    /// The most that moduli add up to in a pulse: random phases are taken so many deviations up, and at so much more as echoes of the run are coherent.
+    /// The most that moduli add up to in a pulse: random phases are taken so many deviations up, and at so
+    /// much more as echoes of the run are coherent.
     pub(super) fn most(&self, [deviations, coherence]: [f64; 2], modulus: impl Fn(usize) -> f64) -> f64 {
         let terms: Vec<(f64, f64)> = self
             .0

@@ -1,11 +1,13 @@
 //! What the fast echo will leave out, found on a sample of what a run returns.
 //!
-//! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the echo is that of a
-//! sample of its facets, weighted by what they return. At a few **places** of the run some
-//! [`TILES`] tiles, runs of neighbours from all over the patch, are illuminated at the instants of a block, with all between interpolated as the echo
-//! does it, once as tiles that are evaluated closely and once as in the sidelobes ones; and at **probes**, pulses between two nodes, as if these were nodes
-//! themselves. Sums are kept by the gain of a run, so that they tell what is left wherever sidelobe tiles begin ([`sidelobe`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the gains and
-//! shadows, `tau` the delay, and a hat for what is interpolated,
+//! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the
+//! echo is that of a sample of its facets, weighted by what they return. At a few **places** of the run some
+//! [`TILES`] tiles, runs of neighbours from all over the patch, are illuminated at the instants of a block,
+//! with all between interpolated as the echo does it, once as tiles that are evaluated closely and once as in
+//! the sidelobes ones; and at **probes**, pulses between two nodes, as if these were nodes themselves. Sums
+//! are kept by the gain of a run, so that they tell what is left wherever sidelobe tiles begin
+//! ([`sidelobe`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the
+//! gains and shadows, `tau` the delay, and a hat for what is interpolated,
 //!
 //! ```text
 //! path = sum |a G|^2 (2 pi f0 (tau^ - tau))^2 ,   tilt = sum |a^ - a|^2 G^2 ,   gain = sum |a|^2 (G^ - G)^2   over  sum |a G|^2
@@ -15,19 +17,20 @@
 //! than the sum says, and what the sample may have missed, is in [`worst`](super::worst).
 //!
 //! The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
-//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights rounded to f32 (those of
-//! the nodes and those at a probe, so that once is counted twice).
+//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights
+//! rounded to f32 (those of the nodes and those at a probe, so that once is counted twice).
 //!
-//! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt are at their best: each probe
-//! takes the gain of its own interval.
+//! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt
+//! are at their best: each probe takes the gain of its own interval.
 //!
-//! The mean power of facets is that of [`PROFILE`] pulses spread over the run, and the places are its strongest one and both ends: what is in
-//! proportion to a pulse (images of the grid, say) weighs as its power over the mean ([`ErrorSampler::peak`]).
+//! The mean power of facets is that of [`PROFILE`] pulses spread over the run, and the places are its
+//! strongest one and both ends: what is in proportion to a pulse (images of the grid, say) weighs as its
+//! power over the mean ([`ErrorSampler::peak`]).
 //!
 //! Targets and direct paths are few: they are followed themselves, in [`points`].
 //!
-//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 % of 100). What moves the
-//! platforms between the places is not seen.
+//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 %
+//! of 100). What moves the platforms between the places is not seen.
 
 mod interpolation_error;
 mod line;
@@ -142,7 +145,8 @@ pub struct ErrorSampler<'a> {
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses, with tiles that are in the sidelobes below a gain that is asked, if one is; lights the sample once at every place.
+    /// For a run of so many pulses, with tiles that are in the sidelobes below a gain that is asked, if one
+    /// is; lights the sample once at every place.
     pub fn new(
         generator: &'a PathGenerator,
         radar: &'a Radar,
@@ -307,8 +311,8 @@ impl<'a> ErrorSampler<'a> {
         &self.power
     }
 
-    /// What is in proportion to the power of a pulse, in the strongest that there may be, over the mean of all: of the worst channel, with
-    /// weights of facets and of points.
+    /// What is in proportion to the power of a pulse, in the strongest that there may be, over the mean of
+    /// all: of the worst channel, with weights of facets and of points.
     pub fn peak(&self, [of_facets, of_points]: [f64; 2]) -> f64 {
         let both = self.highest.iter().zip(&self.points.highest);
         let highest = both.map(|(facets, points)| of_facets * facets + of_points * self.sampled() * points);
@@ -382,8 +386,9 @@ impl<'a> ErrorSampler<'a> {
         self.add_points_at(first)
     }
 
-    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every pair, of runs that lose
-    /// enough of them, as tiles would have to. Facets that are dark count among the lost.
+    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every
+    /// pair, of runs that lose enough of them, as tiles would have to. Facets that are dark count among the
+    /// lost.
     fn leave_out(&mut self, truths: &[Truth], means_w: &[f64]) {
         let mut sums = vec![vec![0.0; self.power.len()]; LEASTS.len()];
         for tile in truths.chunks(means_w.len().max(1)) {

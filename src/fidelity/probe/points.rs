@@ -1,11 +1,12 @@
 //! Targets and direct paths of a run.
 //!
-//! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power, and in
-//! **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is short, else those about the loudest
-//! pulses, and some spread over it. Of more than 1024 the loudest are followed, for all.
+//! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power,
+//! and in **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is
+//! short, else those about the loudest pulses, and some spread over it. Of more than 1024 the loudest are
+//! followed, for all.
 //!
-//! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and what is left is taken at its worst:
-//! `line.rs`.
+//! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
+//! what is left is taken at its worst: `line.rs`.
 //!
 //! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
 
@@ -73,13 +74,14 @@ struct Stretch {
 /// Powers, and sums of powers and delay rates, of points that are received and of all.
 type Rates = [(f64, f64); 2];
 
-/// Pulses of a block of so many at which its points are weighed for their mean Doppler: first, middle and last.
+/// Pulses of a block of so many at which its points are weighed for their mean Doppler: first, middle and
+/// last.
 pub fn of_points(pulses: usize) -> [usize; 3] {
     [0, pulses / 2, pulses.saturating_sub(1)]
 }
 
-/// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of [`of_points`]: of those that are received,
-/// or, where there is nothing else, of all.
+/// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of
+/// [`of_points`]: of those that are received, or, where there is nothing else, of all.
 pub fn mean_rate((of_facets, rate): (f64, f64), heard: (f64, f64), all: (f64, f64)) -> f64 {
     let points = if of_facets + heard.0 > 0.0 { heard } else { all };
     let power = of_facets + points.0 / 3.0;
@@ -94,8 +96,9 @@ pub struct Law {
 }
 
 impl Law {
-    /// Up to a Doppler, of `left`, the error power of one in Hz. What is left of either sign counts, and never falls: a waveform that is cut off at the ends
-    /// of its band may lose a bin by the smallest Doppler.
+    /// Up to a Doppler, of `left`, the error power of one in Hz. What is left of either sign counts, and
+    /// never falls: a waveform that is cut off at the ends of its band may lose a bin by the smallest
+    /// Doppler.
     pub fn new(most_hz: f64, left: impl Fn(f64) -> f64) -> Self {
         let mut most = f64::MIN_POSITIVE;
         let knots = KNOTS.map(|share| {
@@ -200,7 +203,8 @@ impl ErrorSampler<'_> {
         Ok(())
     }
 
-    /// The most that Doppler within a pulse leaves of points in the worst pulse of blocks of so many pulses each, over the mean power of all.
+    /// The most that Doppler within a pulse leaves of points in the worst pulse of blocks of so many pulses
+    /// each, over the mean power of all.
     pub fn doppler_of_points(&mut self, law: &Law, blocks: &[u64]) -> Result<Vec<(u64, f64)>, RadarError> {
         // Of all facets, the mean of the places: power, and its sum with delay rates.
         let share = self.sampled() * self.places.len().max(1) as f64;
@@ -299,7 +303,8 @@ impl ErrorSampler<'_> {
         Ok(stretch)
     }
 
-    /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does not hear at all, and those without a course.
+    /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does
+    /// not hear at all, and those without a course.
     fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
         self.generator.points(index, &mut self.light, paths)?;
         let opens_s = self.generator.window_start_of(index)?;

@@ -21,7 +21,8 @@ pub struct Swept {
     pub inner: Powers,
 }
 
-/// Sums over the sample at the probes of one step, the first of them in the first interval: `[probe][channel]`, by gain.
+/// Sums over the sample at the probes of one step, the first of them in the first interval:
+/// `[probe][channel]`, by gain.
 type Probed = Vec<Vec<Binned>>;
 
 /// What steps of gain leave at all places, tile by tile evaluated closely or as a in the sidelobes one.
@@ -39,7 +40,8 @@ pub struct Sweeps {
 }
 
 impl Sweeps {
-    /// Of close tiles with one of the steps, where tiles are in the sidelobes at a sidelobe threshold: worst of all places.
+    /// Of close tiles with one of the steps, where tiles are in the sidelobes at a sidelobe threshold: worst
+    /// of all places.
     pub fn swept(&self, gain_pulses: u64, candidates: &Candidates, candidate: usize) -> Swept {
         let none = vec![0.0f64; self.channels];
         let mut worst = Swept { end: none.clone(), inner: none };
@@ -98,8 +100,8 @@ impl Exact {
 }
 
 impl ErrorSampler<'_> {
-    /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between them leave of points. Blocks with less
-    /// than six instants of gain leave more than long ones.
+    /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between
+    /// them leave of points. Blocks with less than six instants of gain leave more than long ones.
     pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Sweeps, RadarError> {
         let mut all = steps.to_vec();
         all.extend(steps.iter().map(|step| sidelobe_gain_pulses(*step as usize) as u64));
@@ -158,7 +160,8 @@ impl ErrorSampler<'_> {
         let (pairs, mut exact) = (self.channels.len(), Vec::new());
         let block = Instants::of_block(first, pulses, 1, 1);
         for (tier, sums) in sums.iter_mut().enumerate() {
-            // Gains of sidelobe tiles at every pulse, too, but with directions that are straight from end to end of the block.
+            // Gains of sidelobe tiles at every pulse, too, but with directions that are straight from end to
+            // end of the block.
             let tiers =
                 Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, epochs: 2 }));
             let keep =

@@ -1,7 +1,8 @@
 //! Changes of what a platform reports, while a run goes on.
 //!
-//! A change has a platform and a first pulse: every pulse from that one on has it, and none before. It comes from the scenario (`[[event]]`) or from
-//! somebody who sends it ([`crate::pipeline::control`]); either way it is one line of text:
+//! A change has a platform and a first pulse: every pulse from that one on has it, and none before. It comes
+//! from the scenario (`[[event]]`) or from somebody who sends it ([`crate::pipeline::control`]); either way
+//! it is one line of text:
 //!
 //! ```text
 //! step AXIS VALUE UNIT      adds to the error of an axis                     step position.up 5 m
@@ -12,20 +13,22 @@
 //! clear                     removes what changes have brought                clear
 //! ```
 //!
-//! `AXIS` is `position` or `velocity` with `.east`, `.north`, `.up`, or `attitude` with `.roll`, `.pitch`, `.heading`. With `b` the constant of the error model
-//! ([`crate::motion::errors`]), `S` the steps since the last `bias` or `clear`, and `r` the ramp, the error of an axis is, beside the other
-//! parts of the model,
+//! `AXIS` is `position` or `velocity` with `.east`, `.north`, `.up`, or `attitude` with `.roll`, `.pitch`,
+//! `.heading`. With `b` the constant of the error model ([`crate::motion::errors`]), `S` the steps since the
+//! last `bias` or `clear`, and `r` the ramp, the error of an axis is, beside the other parts of the model,
 //!
 //! ```text
 //! e = (b, or the last bias) + S + r (t_k - t_r)     t_k: epoch of the report, t_r: when the ramp began; m, m/s, rad
 //! ```
 //!
-//! A ramp of the position is in the velocity as well, as a ramp of the model is; another ramp goes on from what has grown. A dropout holds the
-//! last report from before it, or moves it on, as `dropouts.during` of the model says; what changes meanwhile shows when it ends, and one more dropout
-//! makes it longer. When the latency grows, what had arrived before stays at hand until a later report arrives. `clear` ends dropouts too.
+//! A ramp of the position is in the velocity as well, as a ramp of the model is; another ramp goes on from
+//! what has grown. A dropout holds the last report from before it, or moves it on, as `dropouts.during` of
+//! the model says; what changes meanwhile shows when it ends, and one more dropout makes it longer. When the
+//! latency grows, what had arrived before stays at hand until a later report arrives. `clear` ends dropouts
+//! too.
 //!
-//! What is reported is a function of the instant and of the list of changes alone. Readers take a lock for reading where there are changes, and look
-//! at one number where there are none; nothing is allocated.
+//! What is reported is a function of the instant and of the list of changes alone. Readers take a lock for
+//! reading where there are changes, and look at one number where there are none; nothing is allocated.
 //!
 //! ```
 //! use nereus::motion::changes::Change;

@@ -24,8 +24,9 @@ fn si(axis: usize, value: f64) -> f64 {
     if axis >= ATTITUDE { value.to_radians() } else { value }
 }
 
-/// How many of the changes are in effect at an instant, and the report that is then at hand: `given` are all that have begun by `t_s`
-/// after pulse 0, in their order. During a dropout only those from before it are in effect.
+/// How many of the changes are in effect at an instant, and the report that is then at hand: `given` are all
+/// that have begun by `t_s` after pulse 0, in their order. During a dropout only those from before it are in
+/// effect.
 pub fn heard(errors: &Errors, given: &[Given], t_s: f64) -> (usize, Heard) {
     let mut lost: Option<(usize, f64)> = None;
     for (place, one) in given.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! Known errors of what a platform reports.
 //!
-//! A report is made at an **epoch**, arrives `latency` later, and is used until the next one has arrived. For each axis of position
-//! (East, North, up, m), velocity (m/s) and attitude (roll, pitch, heading, rad; heading clockwise) the error at epoch `k`, time `t`
-//! after pulse 0, is
+//! A report is made at an **epoch**, arrives `latency` later, and is used until the next one has arrived. For
+//! each axis of position (East, North, up, m), velocity (m/s) and attitude (roll, pitch, heading, rad;
+//! heading clockwise) the error at epoch `k`, time `t` after pulse 0, is
 //!
 //! ```text
 //! e = b + a sin(2 pi f t + p) + s [t >= t_s] + r t     bias, sinusoid, step, ramp: known exactly
@@ -11,21 +11,24 @@
 //! w_k = w_(k-1) + W sqrt(dt) x ,   n_k = sw x ,   x ~ N(0, 1)
 //! ```
 //!
-//! and what is reported is `truth + e`, rounded to the quantisation. A bias may also be drawn once, N(0, sb^2). The velocity error holds
-//! the derivative of the known part of the position error (sinusoid and ramp; a step has none), as if the platform had really moved so.
-//! Noise of position and velocity is independent: receivers find the two from different observables. A wrong lever arm
-//! `l` (body) adds `C l` to the position and `w x C l` to the velocity.
+//! and what is reported is `truth + e`, rounded to the quantisation. A bias may also be drawn once, N(0,
+//! sb^2). The velocity error holds the derivative of the known part of the position error (sinusoid and ramp;
+//! a step has none), as if the platform had really moved so. Noise of position and velocity is independent:
+//! receivers find the two from different observables. A wrong lever arm `l` (body) adds `C l` to the position
+//! and `w x C l` to the velocity.
 //!
-//! Reports arrive `max(0, latency + jitter x)` after their epoch; their time stamps are right, so a jitter of arrival changes the age of what is at hand and nothing
-//! else. Dropouts are a Markov chain of two states in steps `dt` between epochs: lost with `1 - e^(-dt r)` (`r` dropouts per
-//! second of good reception), back with `1 - e^(-dt/m)` (`m` the mean length). Pulse 0 finds reception good.
+//! Reports arrive `max(0, latency + jitter x)` after their epoch; their time stamps are right, so a jitter of
+//! arrival changes the age of what is at hand and nothing else. Dropouts are a Markov chain of two states in
+//! steps `dt` between epochs: lost with `1 - e^(-dt r)` (`r` dropouts per second of good reception), back
+//! with `1 - e^(-dt/m)` (`m` the mean length). Pulse 0 finds reception good.
 //!
-//! Every number comes from the stream (seed, report errors, platform and axis, epoch), and the processes start at epoch 0, in both
-//! directions (a stationary Gauss-Markov process runs backwards as it does forwards). So an error is a function of its epoch alone, whatever part of a run is asked. The
-//! series are made when a run is built; what they may take is bounded by [`MOST_VALUES`].
+//! Every number comes from the stream (seed, report errors, platform and axis, epoch), and the processes
+//! start at epoch 0, in both directions (a stationary Gauss-Markov process runs backwards as it does
+//! forwards). So an error is a function of its epoch alone, whatever part of a run is asked. The series are
+//! made when a run is built; what they may take is bounded by [`MOST_VALUES`].
 //!
-//! Limits: axes are independent; noise between epochs does not exist; nothing is filtered, so a report of an inertial
-//! system must be given as what its filter leaves ([`preset`]).
+//! Limits: axes are independent; noise between epochs does not exist; nothing is filtered, so a report of an
+//! inertial system must be given as what its filter leaves ([`preset`]).
 //!
 //! ```
 //! use nereus::motion::errors::{ErrorModel, Errors, Circumstances};
@@ -157,8 +160,8 @@ pub struct AxisErrors {
 }
 
 impl AxisErrors {
-    /// Constant, sinusoid, step and ramp at `t_s` after pulse 0, with first and second derivative (those of a step are
-    /// left out).
+    /// Constant, sinusoid, step and ramp at `t_s` after pulse 0, with first and second derivative (those of a
+    /// step are left out).
     pub fn known(&self, t_s: f64) -> [f64; 3] {
         let step = if t_s >= self.step_at_s { self.step } else { 0.0 };
         let mut jet = [self.bias + step + self.ramp * t_s, self.ramp, 0.0];

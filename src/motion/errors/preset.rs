@@ -7,10 +7,11 @@
 //! | `tactical`: aided by a tactical inertial unit | 1.5 m | 0.03 m/s | 0.02 deg | 0.08 deg | 100 Hz | 20 ms |
 //! | `navigation`: navigation grade, carrier phase | 0.05 m | 0.005 m/s | 0.005 deg | 0.02 deg | 200 Hz | 20 ms |
 //!
-//! Position, attitude, and the velocity of inertial systems are Gauss-Markov processes of 100 s; the velocity of satellites
-//! alone is white. Typical catalogue figures, from no single source; rates and latencies lie within what such receivers have (1 to 10
-//! Hz and 20 to 100 ms, inertial systems 100 to 400 Hz). Biases of gyroscopes and accelerometers are not drawn apart: an
-//! aided filter has taken them out but for what the table says, and what they do in a long dropout is not modelled.
+//! Position, attitude, and the velocity of inertial systems are Gauss-Markov processes of 100 s; the velocity
+//! of satellites alone is white. Typical catalogue figures, from no single source; rates and latencies lie
+//! within what such receivers have (1 to 10 Hz and 20 to 100 ms, inertial systems 100 to 400 Hz). Biases of
+//! gyroscopes and accelerometers are not drawn apart: an aided filter has taken them out but for what the
+//! table says, and what they do in a long dropout is not modelled.
 //!
 //! ```
 //! use nereus::motion::errors::preset::Class;

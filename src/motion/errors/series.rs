@@ -282,7 +282,8 @@ impl Errors {
         self.heard_after(t_s, None)
     }
 
-    /// The report that was at hand just before: a report that is made or arrives at the instant itself is not.
+    /// The report that was at hand just before: a report that is made or arrives at the instant itself is
+    /// not.
     pub fn heard_before(&self, t_s: f64, latency_s: Option<f64>) -> Heard {
         self.heard_after(t_s - 2.0 * self.epochs.slack_s(), latency_s)
     }
@@ -294,7 +295,8 @@ impl Errors {
         (!now).then_some(time_s)
     }
 
-    /// The report that is at hand `t_s` after pulse 0 where reports take another time to arrive than the model says.
+    /// The report that is at hand `t_s` after pulse 0 where reports take another time to arrive than the
+    /// model says.
     pub fn heard_after(&self, t_s: f64, latency_s: Option<f64>) -> Heard {
         let Self { model, epochs, .. } = self;
         let (between, dropout) = (model.between, false);

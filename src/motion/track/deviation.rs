@@ -1,12 +1,14 @@
 //! Smooth motion beside a track: gusts, and the truth beside what an instrument said.
 //!
-//! Six axes, East, North, up (m) and roll, pitch, heading (rad), each a chain of quintic segments ([`crate::motion::hermite`]) on nodes at
-//! equal steps that carry value, first and second derivative: C2, as the echo needs it. The position, velocity and acceleration of the
-//! track are added to; angles are added to yaw, pitch and roll, and the angular rate is that of the sums:
+//! Six axes, East, North, up (m) and roll, pitch, heading (rad), each a chain of quintic segments
+//! ([`crate::motion::hermite`]) on nodes at equal steps that carry value, first and second derivative: C2, as
+//! the echo needs it. The position, velocity and acceleration of the track are added to; angles are added to
+//! yaw, pitch and roll, and the angular rate is that of the sums:
 //!
 //! `p = roll' - yaw' sin(pitch)`, `q = pitch' cos(roll) + yaw' cos(pitch) sin(roll)`,
-//! `r = -pitch' sin(roll) + yaw' cos(pitch) cos(roll)` along forward, starboard, down. Within 1e-6 of the vertical, where rates
-//! of yaw and roll cannot be reported apart, the rate of the track is turned with the body.
+//! `r = -pitch' sin(roll) + yaw' cos(pitch) cos(roll)` along forward, starboard, down. Within 1e-6 of the
+//! vertical, where rates of yaw and roll cannot be reported apart, the rate of the track is turned with the
+//! body.
 
 use glam::DVec3;
 
@@ -46,8 +48,8 @@ impl Deviation {
         Self { start, first_s, step_s, nodes, short_of: None }
     }
 
-    /// The truth beside a report that is wrong by a model: less its errors. Random parts are taken at nodes, twenty to the
-    /// shortest correlation time, and made smooth in between.
+    /// The truth beside a report that is wrong by a model: less its errors. Random parts are taken at nodes,
+    /// twenty to the shortest correlation time, and made smooth in between.
     pub fn short_of(model: &ErrorModel, of: &Circumstances, start: TimeTag) -> Result<Self, ErrorsFault> {
         let random = || model.axes.iter().filter(|axis| axis.is_random());
         let shortest_s = random().fold(WALK_STEP_S * NODES_PER_TAU, |shortest: f64, axis| {

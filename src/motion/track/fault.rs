@@ -231,8 +231,8 @@ pub enum SourceError {
     Turbulence(#[from] TurbulenceFault),
 }
 
-/// Residual of a smooth track, in stated standard deviations (rms), beyond which it is refused: it would not be the
-/// recorded motion any more.
+/// Residual of a smooth track, in stated standard deviations (rms), beyond which it is refused: it would not
+/// be the recorded motion any more.
 pub const MAX_MISFIT_SIGMAS: f64 = 5.0;
 
 /// Why there is no turbulence.

@@ -3,14 +3,16 @@
 //! [`Smoothing::Off`] takes the fixes as exact; velocity and acceleration at a node are those of the
 //! polynomial through its seven nearest fixes ([`crate::motion::hermite`]).
 //!
-//! [`Smoothing::Rts`] runs the smoother of [`crate::motion::smoother`] on East, North and up of the middle fix, without the
-//! outliers ([`crate::motion::outliers`]; a wrong height does not cost the position, nor the other way round). The jerk
-//! densities, one horizontal and one vertical, are the most likely ones for the stated standard deviations. Where
-//! the path would then exceed the acceleration bound, they are lowered to the largest values (to 2 %) that keep it below:
-//! the vertical one until the vertical alone keeps half the bound, then the horizontal one until the whole does. The bound holds between the nodes as well: the acceleration of a segment stays
-//! inside the hull of its Bernstein control values, and those are what is compared. The [`FitReport`] says which of
-//! the two decided, and the residuals, which show the price; a track that misses its fixes by more than
-//! [`MAX_MISFIT_SIGMAS`] standard deviations (rms) is refused, since a bound below what was really flown cuts corners.
+//! [`Smoothing::Rts`] runs the smoother of [`crate::motion::smoother`] on East, North and up of the middle
+//! fix, without the outliers ([`crate::motion::outliers`]; a wrong height does not cost the position, nor the
+//! other way round). The jerk densities, one horizontal and one vertical, are the most likely ones for the
+//! stated standard deviations. Where the path would then exceed the acceleration bound, they are lowered to
+//! the largest values (to 2 %) that keep it below: the vertical one until the vertical alone keeps half the
+//! bound, then the horizontal one until the whole does. The bound holds between the nodes as well: the
+//! acceleration of a segment stays inside the hull of its Bernstein control values, and those are what is
+//! compared. The [`FitReport`] says which of the two decided, and the residuals, which show the price; a
+//! track that misses its fixes by more than [`MAX_MISFIT_SIGMAS`] standard deviations (rms) is refused, since
+//! a bound below what was really flown cuts corners.
 
 use super::fault::MAX_MISFIT_SIGMAS;
 use std::fmt;
@@ -374,7 +376,8 @@ fn bounded(
     Ok(Fit { nodes: attempt(density), density, bound_active: density != likeliest })
 }
 
-/// The largest density up to `likeliest` (to 2 %) whose track stays below a bound, or what the stiffest reaches.
+/// The largest density up to `likeliest` (to 2 %) whose track stays below a bound, or what the stiffest
+/// reaches.
 fn loosest(likeliest: f64, bound: f64, reached: impl Fn(f64) -> f64) -> Result<f64, f64> {
     if reached(likeliest) <= bound {
         return Ok(likeliest);

@@ -1,26 +1,29 @@
 //! A trajectory that grows: fixes come while the run goes on.
 //!
-//! What has been told once never changes: the path is a chain of nodes to which more are added and of which none is altered, joined by
-//! quintic segments as in a recorded track ([`crate::motion::track`]).
+//! What has been told once never changes: the path is a chain of nodes to which more are added and of which
+//! none is altered, joined by quintic segments as in a recorded track ([`crate::motion::track`]).
 //!
-//! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven nearest fixes
-//!   ([`crate::motion::hermite`]); it is reported once the three fixes after it have come (six where the attitude follows the motion), and is
-//!   then, bit for bit, the node of a file with the same fixes. The **support** of the interpolant is thus four fixes
-//!   (seven) after the instant.
-//! * **Extrapolated** ([`LiveTrack::extend`]). Where an instant cannot wait: fixes at hand become nodes with derivatives from the three
-//!   last fixes alone, and beyond the last one the motion goes on,
+//! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven
+//!   nearest fixes ([`crate::motion::hermite`]); it is reported once the three fixes after it have come (six
+//!   where the attitude follows the motion), and is then, bit for bit, the node of a file with the same
+//!   fixes. The **support** of the interpolant is thus four fixes (seven) after the instant.
+//! * **Extrapolated** ([`LiveTrack::extend`]). Where an instant cannot wait: fixes at hand become nodes with
+//!   derivatives from the three last fixes alone, and beyond the last one the motion goes on,
 //!
 //! ```text
 //! p(t) = R(t) + o(t),   R(t) = p_n + v_n (t - t_n),   o(t_e) = p_e - R(t_e), o'(t_e) = v_e - v_n, ..., o(t_e + T) = 0
 //! ```
 //!
-//!   with `p_n`, `v_n` the last fix and its velocity (as sent; else from the last three fixes), `t_e` the end of the path so far, and `o` the quintic
-//!   that brings what was reported before back to what is known now, without a jump in position, velocity or acceleration, within
-//!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2, and no faster than some 30 deg/s where the attitude is off. The attitude is held.
-//!   When fixes come again the path goes back to them in the same way, and what is reported is flagged until it has.
-//! * **Stale**: more than `max_extrapolation_s` after the last fix. The motion still goes on as it was, flagged.
-//! * A time between fixes of more than `max_gap_s` is not interpolated: the fixes before it are as at the end of a file, those after it
-//!   as at the begin of another, and what lies between is flagged as extrapolated.
+//!   with `p_n`, `v_n` the last fix and its velocity (as sent; else from the last three fixes), `t_e` the end
+//!   of the path so far, and `o` the quintic that brings what was reported before back to what is known now,
+//!   without a jump in position, velocity or acceleration, within
+//!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2, and no faster than some 30 deg/s where
+//!   the attitude is off. The attitude is held. When fixes come again the path goes back to them in the same
+//!   way, and what is reported is flagged until it has.
+//! * **Stale**: more than `max_extrapolation_s` after the last fix. The motion still goes on as it was,
+//!   flagged.
+//! * A time between fixes of more than `max_gap_s` is not interpolated: the fixes before it are as at the end
+//!   of a file, those after it as at the begin of another, and what lies between is flagged as extrapolated.
 //!
 //! Instants before the first fix are extrapolated back. The path is kept for [`KEPT_S`] behind its end.
 //!
@@ -290,8 +293,8 @@ impl LiveTrack {
         self.write().push(&self.0, Entry { fix: *fix, p, arrived, node: None, q: None })
     }
 
-    /// The fixes that come now are elsewhere than the ones before, and believed: the path goes on without them to their first
-    /// instant, and from there back to them, as after a time without fixes.
+    /// The fixes that come now are elsewhere than the ones before, and believed: the path goes on without
+    /// them to their first instant, and from there back to them, as after a time without fixes.
     pub fn jump(&self, at: TimeTag) {
         self.write().jump(&self.0, at);
     }
@@ -349,7 +352,8 @@ impl LiveTrack {
         self.write().extend(&self.0, to);
     }
 
-    /// What is reported of an instant. Nothing is allocated. Beyond the path, which nobody should ask, its end goes straight on.
+    /// What is reported of an instant. Nothing is allocated. Beyond the path, which nobody should ask, its
+    /// end goes straight on.
     pub fn told(&self, t: TimeTag) -> Reported {
         self.read().told(&self.0, t)
     }
@@ -434,7 +438,8 @@ impl Grown {
         Some(Step { node, turn, rests: Rests::Fixes, fix, arrived, adrift: false })
     }
 
-    /// The attitude of a node, its sign that of the one before. One that cannot be reported is that of the one before, or level to the North.
+    /// The attitude of a node, its sign that of the one before. One that cannot be reported is that of the
+    /// one before, or level to the North.
     fn attitude(&mut self, of: &Shared, node: &Node, fix: &Fix) -> DVec4 {
         let found = attitude_of(node, fix, &of.frame, of.attitude()).map(DVec4::from);
         let before = self.last_attitude;
@@ -525,7 +530,8 @@ impl Grown {
     }
 
     fn jump(&mut self, of: &Shared, at: TimeTag) {
-        // Straight on first: a path that led from one place to the other between two fixes would fly at any speed.
+        // Straight on first: a path that led from one place to the other between two fixes would fly at any
+        // speed.
         self.extend(of, at);
         if self.path.is_empty() {
             self.run.clear();

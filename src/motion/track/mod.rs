@@ -1,15 +1,16 @@
 //! The trajectory of a platform: position, velocity, acceleration, attitude at any instant.
 //!
 //! A recorded track is a chain of quintic Hermite segments on (position, velocity, acceleration) at its
-//! nodes, see [`super::hermite`]: position is C2 (velocity and acceleration are continuous), evaluation depends on
-//! the two nodes beside the instant alone, and it is exact at the nodes. Node states come from the fixes
-//! ([`crate::motion::track::fit`]), the attitude from [`super::attitude`].
+//! nodes, see [`super::hermite`]: position is C2 (velocity and acceleration are continuous), evaluation
+//! depends on the two nodes beside the instant alone, and it is exact at the nodes. Node states come from the
+//! fixes ([`crate::motion::track::fit`]), the attitude from [`super::attitude`].
 //!
 //! A track never extrapolates: outside its span it answers with [`TrackError::OutOfSpan`]. Times are exact
-//! ([`TimeTag`]); within a segment they are counted from its first node, so a fix of the year 2018 costs no digits.
+//! ([`TimeTag`]); within a segment they are counted from its first node, so a fix of the year 2018 costs no
+//! digits.
 //!
-//! Positions m, velocities m/s, accelerations m/s^2, all along the scene's East, North, up; the attitude takes
-//! body (forward, starboard, down) to ENU; the angular rate is in rad/s along ENU.
+//! Positions m, velocities m/s, accelerations m/s^2, all along the scene's East, North, up; the attitude
+//! takes body (forward, starboard, down) to ENU; the angular rate is in rad/s along ENU.
 //!
 //! ```
 //! use nereus::frames::{Point, Vector};
@@ -248,7 +249,8 @@ impl Track {
         }
     }
 
-    /// The same track through turbulent air, for a run of the given circumstances whose pulse 0 leaves at `start`.
+    /// The same track through turbulent air, for a run of the given circumstances whose pulse 0 leaves at
+    /// `start`.
     ///
     /// # Errors
     /// A platform that stands, a run that is too long, a track that does not cover pulse 0.
@@ -323,7 +325,8 @@ impl Track {
         }
     }
 
-    /// Whether it may jump from one instant to the next: a report that is renewed now and then, or wrong by chance.
+    /// Whether it may jump from one instant to the next: a report that is renewed now and then, or wrong by
+    /// chance.
     pub fn jumps(&self) -> bool {
         let Kind::Reported(reports) = &self.0 else { return false };
         let model = reports.errors.model();

@@ -12,7 +12,8 @@ use crate::motion::hermite::Basis;
 use crate::nav::{AttitudeSource, FileSource, Fix};
 use crate::time::TimeTag;
 
-/// Moves a recorded nominal trajectory in time so that the run begins within it, [`LEAD_S`] after its first fix, unless it does already.
+/// Moves a recorded nominal trajectory in time so that the run begins within it, [`LEAD_S`] after its first
+/// fix, unless it does already.
 pub(super) fn shift_to(start: TimeTag, fixes: &mut [Fix]) {
     let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else { return };
     if start.since(first.time) >= 0.0 && last.time.since(start) > 0.0 {

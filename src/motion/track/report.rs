@@ -1,10 +1,13 @@
-//! What a platform says: its track at the epoch of the report at hand, wrong by its errors, moved on to the instant.
+//! What a platform says: its track at the epoch of the report at hand, wrong by its errors, moved on to the
+//! instant.
 //!
-//! `p = p_k + e_k + (v_k + e'_k) (t - t_k)` (or held), `k` the report that has arrived ([`crate::motion::errors`]); velocity and
-//! attitude are those of the epoch. A report of the instant itself keeps acceleration and angular rate of the track; one that is older has
-//! neither. Before the begin of a recorded track its first instant is reported.
+//! `p = p_k + e_k + (v_k + e'_k) (t - t_k)` (or held), `k` the report that has arrived
+//! ([`crate::motion::errors`]); velocity and attitude are those of the epoch. A report of the instant itself
+//! keeps acceleration and angular rate of the track; one that is older has neither. Before the begin of a
+//! recorded track its first instant is reported.
 //!
-//! Changes while a run goes on ([`crate::motion::changes`]) add to `e_k` and choose `k`: those are in effect whose pulse has been emitted at the instant.
+//! Changes while a run goes on ([`crate::motion::changes`]) add to `e_k` and choose `k`: those are in effect
+//! whose pulse has been emitted at the instant.
 
 use std::sync::Arc;
 

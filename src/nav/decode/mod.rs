@@ -6,14 +6,15 @@
 //! | NovAtel ASCII ([`novatel`]) | a line with `#NAME,...;...*hhhhhhhh` | CRC-32 of the bytes between `#` and `*` |
 //! | NovAtel binary | `AA 44 12`, length of header and body, body; `AA 44 13` for the short header | CRC-32 of all before it |
 //!
-//! A [`Decoder`] knows no files and no ports: whoever has bytes pushes them, and is called with every message. What is decided
-//! about a byte depends on it and on those after it, never on how they were cut, so a stream gives the same messages in
-//! any pieces. Memory is bounded: lines of more than 4096 bytes and binary messages of more than 16 KiB are
-//! counted as malformed and left. After a wrong checksum the search goes on right behind the sync bytes, so a message
-//! that is hidden in what seemed another one is found. Nothing is allocated after [`Decoder::new`].
+//! A [`Decoder`] knows no files and no ports: whoever has bytes pushes them, and is called with every
+//! message. What is decided about a byte depends on it and on those after it, never on how they were cut, so
+//! a stream gives the same messages in any pieces. Memory is bounded: lines of more than 4096 bytes and
+//! binary messages of more than 16 KiB are counted as malformed and left. After a wrong checksum the search
+//! goes on right behind the sync bytes, so a message that is hidden in what seemed another one is found.
+//! Nothing is allocated after [`Decoder::new`].
 //!
-//! Every message and everything that is none is counted in [`Counts`]. A message that says of itself that it holds no
-//! solution (void) is handed on like others, without a position.
+//! Every message and everything that is none is counted in [`Counts`]. A message that says of itself that it
+//! holds no solution (void) is handed on like others, without a position.
 //!
 //! ```
 //! use nereus::nav::decode::{Content, Decoder};
@@ -128,7 +129,8 @@ impl Decoder {
         }
     }
 
-    /// Takes the next bytes of the stream, any number of them, and calls with every message that they complete.
+    /// Takes the next bytes of the stream, any number of them, and calls with every message that they
+    /// complete.
     pub fn push(&mut self, mut bytes: &[u8], see: &mut impl FnMut(Message)) {
         while !bytes.is_empty() {
             let taken = bytes.len().min(HELD_BYTES - self.held.len());
@@ -272,8 +274,9 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
             counts.malformed += 1;
             return;
         };
-        // The end of one sentence and the beginning of another may be lost; but `$` within a sound one occurs.
-        // The checksum of what is left is that of all without that of what was passed over: every byte is read once.
+        // The end of one sentence and the beginning of another may be lost; but `$` within a sound one
+        // occurs. The checksum of what is left is that of all without that of what was passed over: every
+        // byte is read once.
         let mut left = nmea::checksum(body);
         let mut found = (left == given).then_some(0);
         for (at, byte) in (1..).zip(body) {

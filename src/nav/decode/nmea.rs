@@ -11,9 +11,10 @@
 //! | GST | time, rms, error ellipse, standard deviations of latitude, longitude, altitude, m |
 //! | PASHR | time, heading true, `T`, roll, pitch, heave, standard deviations of roll, pitch, heading, two quality flags |
 //!
-//! Times are `hhmmss` with any number of decimals, read to a nanosecond from the text. A label of 60 s (a leap second) is
-//! refused as malformed: a UTC without leap seconds has no name for it. Years of RMC from 83 on are 19xx. Empty fields are
-//! no value; a number must be digits with at most one sign and point. Roll is right wing down, pitch nose up.
+//! Times are `hhmmss` with any number of decimals, read to a nanosecond from the text. A label of 60 s (a
+//! leap second) is refused as malformed: a UTC without leap seconds has no name for it. Years of RMC from 83
+//! on are 19xx. Empty fields are no value; a number must be digits with at most one sign and point. Roll is
+//! right wing down, pitch nose up.
 //!
 //! Source: <https://gpsd.gitlab.io/gpsd/NMEA.html>.
 

@@ -1,8 +1,10 @@
-//! NovAtel logs: frames, checksum, and INSPVAX, position, velocity and attitude of an inertial system with their deviations.
+//! NovAtel logs: frames, checksum, and INSPVAX, position, velocity and attitude of an inertial system with
+//! their deviations.
 //!
-//! **Binary**, little-endian: `AA 44 12`, header of 28 bytes (its length at 3, id at 4, length of the body at 8, status of
-//! the time at 13, GPS week at 14, ms of the week at 16), body, CRC. The short header `AA 44 13` has 12 bytes; no message
-//! with it is read. **ASCII**: `#INSPVAXA,port,sequence,idle,status,week,seconds,...;fields*crc`.
+//! **Binary**, little-endian: `AA 44 12`, header of 28 bytes (its length at 3, id at 4, length of the body at
+//! 8, status of the time at 13, GPS week at 14, ms of the week at 16), body, CRC. The short header `AA 44 13`
+//! has 12 bytes; no message with it is read. **ASCII**:
+//! `#INSPVAXA,port,sequence,idle,status,week,seconds,...;fields*crc`.
 //!
 //! | INSPVAX (id 1465) | binary, at | unit |
 //! | --- | --- | --- |
@@ -16,12 +18,15 @@
 //! | of roll, pitch, azimuth | f32 108, 112, 116 | deg |
 //! | extended status, time since the last update | u32 120, u16 124 | s |
 //!
-//! **Angles.** The body axes of the receiver are x to the right, y ahead, z up. Roll turns about y and pitch about x, both
-//! right-handed, azimuth about z left-handed (clockwise from North): body to ENU is `Rz(-azimuth) Rx(pitch) Ry(roll)`.
-//! Right wing down and nose up are positive, and azimuth comes first: the same three angles as those of
-//! [`Rotation::from_yaw_pitch_roll`](crate::frames::Rotation::from_yaw_pitch_roll) for forward, starboard, down.
+//! **Angles.** The body axes of the receiver are x to the right, y ahead, z up. Roll turns about y and pitch
+//! about x, both right-handed, azimuth about z left-handed (clockwise from North): body to ENU is
+//! `Rz(-azimuth) Rx(pitch) Ry(roll)`. Right wing down and nose up are positive, and azimuth comes first: the
+//! same three angles as those of
+//! [`Rotation::from_yaw_pitch_roll`](crate::frames::Rotation::from_yaw_pitch_roll) for forward, starboard,
+//! down.
 //!
-//! **CRC-32**: polynomial 0xEDB88320 (reflected), begun with 0, not inverted; a message with its CRC behind it gives 0.
+//! **CRC-32**: polynomial 0xEDB88320 (reflected), begun with 0, not inverted; a message with its CRC behind
+//! it gives 0.
 //!
 //! Source: NovAtel OEM7 Commands and Logs Reference Manual, "Message formats", "32-Bit CRC", log 1465.
 //!
@@ -181,12 +186,13 @@ impl Frame {
 
 /// CRCs of all beginnings of some held bytes, as far as one was asked for.
 ///
-/// CRC-32 without inversion is linear: with `c(n)` the CRC of the first `n` bytes, that of the bytes `a..b` is `c(b)` less
-/// what becomes of `c(a)` when `b - a` zeros follow. So every byte is looked at once, however many messages seem to begin
-/// before it: frames of 16 KiB announced every 16 bytes cost no more than others.
+/// CRC-32 without inversion is linear: with `c(n)` the CRC of the first `n` bytes, that of the bytes `a..b`
+/// is `c(b)` less what becomes of `c(a)` when `b - a` zeros follow. So every byte is looked at once, however
+/// many messages seem to begin before it: frames of 16 KiB announced every 16 bytes cost no more than others.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
-    /// CRC of the bytes before each one; of those that were taken from the front, something that fits the others.
+    /// CRC of the bytes before each one; of those that were taken from the front, something that fits the
+    /// others.
     before: Vec<u32>,
 }
 

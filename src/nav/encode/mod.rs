@@ -12,11 +12,13 @@
 //! | INSPVAX, ASCII | 1e-11 deg (1e-6 m), 1e-5 m, 1e-6 m/s, 1e-9 deg |
 //! | INSPVAX, binary | f64; undulation and deviations f32, the undulation's rounding is taken up by the height |
 //!
-//! INSPVAX tells milliseconds. A state between two is moved along its velocity to the nearer one, at most 0.5 ms: with
-//! an acceleration of 10 m/s^2 that leaves 1e-6 m. Its attitude is left as it is (0.03 deg at 1 rad/s).
+//! INSPVAX tells milliseconds. A state between two is moved along its velocity to the nearer one, at most 0.5
+//! ms: with an acceleration of 10 m/s^2 that leaves 1e-6 m. Its attitude is left as it is (0.03 deg at 1
+//! rad/s).
 //!
-//! Sentences are longer than the 82 characters of the standard (up to about 100), as those of precise receivers are.
-//! Figures that are not known are empty fields; PASHR is left out without an attitude, and INSPVAX needs velocity and attitude.
+//! Sentences are longer than the 82 characters of the standard (up to about 100), as those of precise
+//! receivers are. Figures that are not known are empty fields; PASHR is left out without an attitude, and
+//! INSPVAX needs velocity and attitude.
 //!
 //! ```
 //! use nereus::frames::Geodetic;

@@ -1,10 +1,12 @@
 //! Bytes of a receiver become fixes.
 //!
-//! The decoder, the assembler and the completer that read files, one behind the other. What is reported depends on the bytes alone,
-//! not on how they were cut nor on when they came: an epoch of sentences is complete when the next one begins, and a pause does
-//! not close it, because a sentence behind the pause could still belong to it. INSPVAX is complete by itself.
+//! The decoder, the assembler and the completer that read files, one behind the other. What is reported
+//! depends on the bytes alone, not on how they were cut nor on when they came: an epoch of sentences is
+//! complete when the next one begins, and a pause does not close it, because a sentence behind the pause
+//! could still belong to it. INSPVAX is complete by itself.
 //!
-//! Where the attitude of a source is not that of its messages, headings are reported as they were said, and none is waited for.
+//! Where the attitude of a source is not that of its messages, headings are reported as they were said, and
+//! none is waited for.
 //!
 //! ```
 //! use nereus::nav::live::Ear;
@@ -51,7 +53,8 @@ impl Ear {
         });
     }
 
-    /// The line is broken: half a message is dropped, a last line needs no line end. What is not yet complete waits on.
+    /// The line is broken: half a message is dropped, a last line needs no line end. What is not yet complete
+    /// waits on.
     pub fn interrupt(&mut self, see: &mut impl FnMut(Fix)) {
         let Self { decoder, assembler, completer } = self;
         decoder.finish(&mut |message| {

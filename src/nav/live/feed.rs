@@ -1,18 +1,19 @@
 //! A thread that hears a receiver and tells its fixes.
 //!
 //! [`Feed::open`] opens the [`Origin`] of a [`LiveSource`] and starts the thread; every fix is handed to the
-//! caller with the instant of the read that completed it. Serial ports, listening addresses and files must be there, somebody to
-//! connect to may come later. Dropping the feed ends the thread within 200 ms.
+//! caller with the instant of the read that completed it. Serial ports, listening addresses and files must be
+//! there, somebody to connect to may come later. Dropping the feed ends the thread within 200 ms.
 //!
-//! * **Faults.** Garbage and half sentences are counted and passed over. A line that vanishes is counted and opened again,
-//!   at most twice a second; half a message before the break is dropped. Silence is silence: nothing is reported.
-//! * **Time.** Fixes come with strictly increasing times. One that is not later than the one before is counted and left (more
-//!   than 5 s: as a step of the clock); a fix more than `max_gap_s` ahead is reported when the next one confirms it. See
-//!   [`completion`](crate::nav::completion).
+//! * **Faults.** Garbage and half sentences are counted and passed over. A line that vanishes is counted and
+//!   opened again, at most twice a second; half a message before the break is dropped. Silence is silence:
+//!   nothing is reported.
+//! * **Time.** Fixes come with strictly increasing times. One that is not later than the one before is
+//!   counted and left (more than 5 s: as a step of the clock); a fix more than `max_gap_s` ahead is reported
+//!   when the next one confirms it. See [`completion`](crate::nav::completion).
 //! * **Latency.** That of the receiver and its line; sentences wait for the next epoch, INSPVAX for nothing.
-//! * **A file** is replayed in time: fixes earlier than `from` less 10 s are left out, those before `from` are reported at once, later
-//!   ones when as much time has passed since the feed was opened as lies between `from` and them. Without `from` its first fix is
-//!   told at once. Behind its end it is silent.
+//! * **A file** is replayed in time: fixes earlier than `from` less 10 s are left out, those before `from`
+//!   are reported at once, later ones when as much time has passed since the feed was opened as lies between
+//!   `from` and them. Without `from` its first fix is told at once. Behind its end it is silent.
 //! * **Memory** is bounded whatever comes in: the decoder holds 32 KiB, at most 16,384 fixes wait.
 //!
 //! ```
@@ -170,7 +171,8 @@ impl std::fmt::Debug for Feed {
 }
 
 impl Feed {
-    /// Hears a source from now on; `name` is that of the platform, for messages. A file is replayed as if it were `from` now.
+    /// Hears a source from now on; `name` is that of the platform, for messages. A file is replayed as if it
+    /// were `from` now.
     ///
     /// `deliver` is called on the thread of the feed and must not wait long.
     ///

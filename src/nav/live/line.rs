@@ -1,8 +1,9 @@
 //! Lines on which navigation comes: serial ports and sockets, opened again when they vanish.
 //!
-//! A [`Line`] never waits longer than [`PATIENCE`] for bytes, so that whoever reads it can be stopped. A device that vanishes, a
-//! connection that ends, are opened again, at most twice a second. Of those who connect one is received, others are
-//! turned away; one that is silent because its machine is gone is noticed after some 10 s (TCP keep-alive).
+//! A [`Line`] never waits longer than [`PATIENCE`] for bytes, so that whoever reads it can be stopped. A
+//! device that vanishes, a connection that ends, are opened again, at most twice a second. Of those who
+//! connect one is received, others are turned away; one that is silent because its machine is gone is noticed
+//! after some 10 s (TCP keep-alive).
 
 use std::io::{self, ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};

@@ -1,10 +1,11 @@
 //! Live navigation: what a receiver says while the run goes on.
 //!
-//! A [`LiveSource`] says where the bytes come from and what is made of them; its fixes are those that a file of the same
-//! sentences gives. A [`Feed`] hears it, an [`Ear`] makes fixes of the bytes. A run takes them as they come, see `motion::live`.
+//! A [`LiveSource`] says where the bytes come from and what is made of them; its fixes are those that a file
+//! of the same sentences gives. A [`Feed`] hears it, an [`Ear`] makes fixes of the bytes. A run takes them as
+//! they come, see `motion::live`.
 //!
-//! Symbols: `max_gap_s` the longest time between two fixes that is interpolated, `max_extrapolation_s` the longest time after the
-//! last fix for which the motion is still told from it; beyond that it is stale.
+//! Symbols: `max_gap_s` the longest time between two fixes that is interpolated, `max_extrapolation_s` the
+//! longest time after the last fix for which the motion is still told from it; beyond that it is stale.
 
 mod ear;
 pub mod feed;

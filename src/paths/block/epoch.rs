@@ -254,7 +254,8 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// A matrix on the vertical and horizontal vectors of both rays becomes one on the polarisation bases of the antennas.
+/// A matrix on the vertical and horizontal vectors of both rays becomes one on the polarisation bases of the
+/// antennas.
 pub(super) struct OntoPorts<'a> {
     /// Transmit, receive.
     pub bases: &'a [LaneBasis; 2],
@@ -412,7 +413,8 @@ mod tests {
                         }
                     }
                 }
-                // A dozen roundings of 2^-24, more beside a singular direction by the sine of the angle to it.
+                // A dozen roundings of 2^-24, more beside a singular direction by the sine of the angle to
+                // it.
                 assert!(worst < 12.0 * 2f64.powi(-24), "{n} {sign}: {worst:e}");
             }
         }

@@ -9,7 +9,8 @@ use crate::geometry::lanes::{LANES, Row, lanes_for};
 
 /// Cosine of a local angle below which a facet may turn away within a block.
 const NEAR_GRAZING: f32 = 0.1;
-/// Cosine (but for the length of the normal) at all nodes below which a facet does not turn towards an antenna between them.
+/// Cosine (but for the length of the normal) at all nodes below which a facet does not turn towards an
+/// antenna between them.
 const TURNED_AWAY: f32 = -0.02;
 
 /// Marks the facets of a pair that may return something.

@@ -49,12 +49,14 @@ impl Shape {
     }
 }
 
-/// Whether the field gain of an antenna is a real number everywhere, so that it can be kept apart from the amplitude.
+/// Whether the field gain of an antenna is a real number everywhere, so that it can be kept apart from the
+/// amplitude.
 pub(super) fn is_real(antenna: &Antenna) -> bool {
     !matches!(antenna, Antenna::Grid(_))
 }
 
-/// Product of the real field gains of both antennas towards facets, whose directions are interpolated between nodes.
+/// Product of the real field gains of both antennas towards facets, whose directions are interpolated between
+/// nodes.
 pub(super) struct Gains<'a> {
     /// Facets.
     pub count: usize,

@@ -37,7 +37,8 @@ impl TileWork {
 }
 
 impl PathGenerator {
-    /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are left out.
+    /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are
+    /// left out.
     pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
         self.place(patch, work);
         self.sight(work);
@@ -54,7 +55,8 @@ impl PathGenerator {
         }
     }
 
-    /// Paths and gains: at the few instants of a sidelobe tile first, where tiles may be in the sidelobes, and at all where this one is not.
+    /// Paths and gains: at the few instants of a sidelobe tile first, where tiles may be in the sidelobes,
+    /// and at all where this one is not.
     fn sight(&self, work: &mut TileWork) {
         let mut ends_known = false;
         if !work.sidelobe_below.is_empty() {
@@ -395,7 +397,8 @@ impl PathGenerator {
         }
     }
 
-    /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given; says whether all were.
+    /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given;
+    /// says whether all were.
     fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
         let TileWork { variant, timings, gain_rows, tile, .. } = work;
         let timing = timings.of(tile.tier);

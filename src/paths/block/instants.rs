@@ -35,8 +35,8 @@ pub struct Instants {
 }
 
 impl Instants {
-    /// Those of a block: up to [`NODES`] nodes from its first to its last pulse, `epochs` from one node to the next where there
-    /// are as many pulses.
+    /// Those of a block: up to [`NODES`] nodes from its first to its last pulse, `epochs` from one node to
+    /// the next where there are as many pulses.
     pub fn of_block(first: u64, pulses: usize, epochs: usize, gain_pulses: usize) -> Self {
         let last = pulses.saturating_sub(1);
         let (nodes, node_count) = nodes_within(pulses);
@@ -53,8 +53,8 @@ impl Instants {
         instants
     }
 
-    /// Those of the sidelobe tiles of such a block: nodes at both ends, some scattering epochs (2 at least) from end to end, gains [`sidelobe_gain_pulses`]
-    /// apart. `None` of blocks of few pulses.
+    /// Those of the sidelobe tiles of such a block: nodes at both ends, some scattering epochs (2 at least)
+    /// from end to end, gains [`sidelobe_gain_pulses`] apart. `None` of blocks of few pulses.
     pub fn sidelobe(&self, epoch_count: usize) -> Option<Self> {
         if self.node_count < NODES {
             return None;
@@ -133,7 +133,8 @@ pub fn nodes_within(pulses: usize) -> ([usize; NODES], usize) {
     }
 }
 
-/// Pulses from gain to gain that a block of so many pulses takes: not more than leave it all the instants of a polynomial.
+/// Pulses from gain to gain that a block of so many pulses takes: not more than leave it all the instants of
+/// a polynomial.
 pub fn gain_step(pulses: usize, gain_pulses: usize) -> usize {
     gain_pulses.min(pulses.saturating_sub(1) / (GAIN_POINTS - 1)).max(1)
 }
@@ -149,8 +150,8 @@ pub fn gain_instants(pulses: usize, gain_pulses: usize) -> impl Iterator<Item = 
     (0..last).step_by(gain_pulses.max(1)).chain([last])
 }
 
-/// Weights of the gain instants at a pulse: the first of them that counts, as many before as after but within the block, and the
-/// weights from there on.
+/// Weights of the gain instants at a pulse: the first of them that counts, as many before as after but within
+/// the block, and the weights from there on.
 pub fn gain_weights(places: &[usize], pulse: usize) -> (usize, [f32; GAIN_POINTS]) {
     let points = GAIN_POINTS.min(places.len());
     let after = places.partition_point(|place| *place <= pulse);
@@ -158,7 +159,8 @@ pub fn gain_weights(places: &[usize], pulse: usize) -> (usize, [f32; GAIN_POINTS
     (first, through(&places[first..first + points], pulse))
 }
 
-/// The first of the [`EPOCH_POINTS`] scattering epochs about some pulses: as many before as after, but within the block.
+/// The first of the [`EPOCH_POINTS`] scattering epochs about some pulses: as many before as after, but within
+/// the block.
 pub fn epochs_about(epochs: &[usize], pulses: RangeInclusive<usize>) -> usize {
     let from = epochs.partition_point(|epoch| epoch <= pulses.start()).saturating_sub(1);
     let to = epochs.partition_point(|epoch| epoch < pulses.end()).min(epochs.len().saturating_sub(1));

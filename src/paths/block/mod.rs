@@ -1,7 +1,7 @@
 //! The facets of a block of pulses, tile by tile, in f32.
 //!
-//! What changes slowly is found at few instants, the **nodes** of the block (first to last pulse, up to [`NODES`]). What changes
-//! faster has instants of its own:
+//! What changes slowly is found at few instants, the **nodes** of the block (first to last pulse, up to
+//! [`NODES`]). What changes faster has instants of its own:
 //!
 //! | quantity | at | in between |
 //! | --- | --- | --- |
@@ -12,17 +12,20 @@
 //! | visibility | updates of the shadows | linear, here, as everywhere |
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
-//! That is for tiles that are evaluated closely. A **in the sidelobes** one, whose two-way gain stays below what is given for every pair ([`Tiers`]), has nodes at both
-//! ends of the block alone, two to four scattering epochs from end to end through which amplitudes and cosines are polynomials, and instants of gain
-//! [`sidelobe_gain_pulses`] apart; directions and slopes are straight lines between the ends.
+//! That is for tiles that are evaluated closely. A **in the sidelobes** one, whose two-way gain stays below
+//! what is given for every pair ([`Tiers`]), has nodes at both ends of the block alone, two to four
+//! scattering epochs from end to end through which amplitudes and cosines are polynomials, and instants of
+//! gain [`sidelobe_gain_pulses`] apart; directions and slopes are straight lines between the ends.
 //!
-//! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the scattering epochs, and one **factor** per pulse. The equations are those of
-//! the exact scatterer paths of [`super`]; a facet is a lane of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of
-//! surface are those at each node.
+//! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the scattering epochs, and one
+//! **factor** per pulse. The equations are those of the exact scatterer paths of [`super`]; a facet is a lane
+//! of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of surface are
+//! those at each node.
 //!
-//! **Errors** in f32, beside those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88 dB at `a/lambda` = 133);
-//! heights of the surface, of which FFT in f32 leaves some 3e-7 of the rms: a phase of `3e-7 x 2 k cos(theta) x rms`. Antennas of measured
-//! pattern have complex gains, which stay with the amplitude.
+//! **Errors** in f32, beside those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88 dB
+//! at `a/lambda` = 133); heights of the surface, of which FFT in f32 leaves some 3e-7 of the rms: a phase of
+//! `3e-7 x 2 k cos(theta) x rms`. Antennas of measured pattern have complex gains, which stay with the
+//! amplitude.
 
 mod factor;
 mod gain;
@@ -69,7 +72,8 @@ pub use tile::{Epoch, FEW, Node, Pair};
 /// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
 
-/// Facets of a patch up to which its shadows are those of the reference: on larger ones the heights between nodes do, in f32.
+/// Facets of a patch up to which its shadows are those of the reference: on larger ones the heights between
+/// nodes do, in f32.
 const FEW_FACETS: usize = 1 << 14;
 
 /// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
@@ -203,7 +207,8 @@ struct Shade {
 enum Maker {
     /// Of few facets: those of the reference, since single ones count.
     Few(Box<Updates<f64>>),
-    /// Of a patch that stays, whose heights are known from the nodes, or found anew where these lie too far away.
+    /// Of a patch that stays, whose heights are known from the nodes, or found anew where these lie too far
+    /// away.
     Here { shadow: Box<Shadow<f64>>, update: Box<Update>, heights_m: Vec<f64> },
     /// Of one that moves; heights in f32, as those of the nodes.
     Along(Box<Updates<f32>>, Option<Arc<dyn ShareBorders>>),
@@ -222,7 +227,8 @@ struct Phasors {
 }
 
 impl PathGenerator {
-    /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their blocks.
+    /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their
+    /// blocks.
     pub fn tile_work(
         &self,
         variant: Variant,
@@ -233,7 +239,8 @@ impl PathGenerator {
         sea.tile_work(variant, &channels, borders).map(Box::new)
     }
 
-    /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of its facets says, per pair.
+    /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of
+    /// its facets says, per pair.
     pub fn open_block(
         &self,
         tiers: &Tiers,
@@ -276,8 +283,8 @@ impl PathGenerator {
         Ok(())
     }
 
-    /// Hands over the tiles of the block that was opened, facets that return nothing left out, and those whose power is
-    /// at every pulse less than `least` of the sample's mean.
+    /// Hands over the tiles of the block that was opened, facets that return nothing left out, and those
+    /// whose power is at every pulse less than `least` of the sample's mean.
     pub fn visit_tiles(
         &self,
         patch: &Patch,
@@ -670,8 +677,8 @@ fn is_near(nodes: &[NodeWork], time_s: f64) -> bool {
     (first_s - before_s..=last_s + after_s).contains(&time_s)
 }
 
-/// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. One interval beyond the last node the waves of
-/// the shortest periods lose some 1e-6 m.
+/// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. One interval beyond
+/// the last node the waves of the shortest periods lose some 1e-6 m.
 fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
     let after = nodes.iter().position(|node| node.elapsed_s >= time_s).unwrap_or(nodes.len() - 1);
     let (first, second) = (&nodes[after.max(1) - 1], &nodes[after.max(1).min(nodes.len() - 1)]);

@@ -1,7 +1,9 @@
-//! A sample of the facets of a block, at instants of one's own choice: for whoever wants to know what interpolation leaves.
+//! A sample of the facets of a block, at instants of one's own choice: for whoever wants to know what
+//! interpolation leaves.
 //!
-//! Tiles spread over the patch are illuminated as [`PathGenerator::visit_tiles`] lights all of them, but for two things: shadows are those of one
-//! pulse throughout, or none (both sides of any comparison share them), and the product of gains is reported apart from the factor.
+//! Tiles spread over the patch are illuminated as [`PathGenerator::visit_tiles`] lights all of them, but for
+//! two things: shadows are those of one pulse throughout, or none (both sides of any comparison share them),
+//! and the product of gains is reported apart from the factor.
 
 use super::instants::Tiers;
 use super::runs::{Cut, Run};
@@ -21,7 +23,8 @@ pub struct Heard<'a> {
     pub count: usize,
     /// They are these.
     pub runs: &'a [Run],
-    /// For every run, what of its peak the two-way gain of field of any pair has at most, at the gain instants.
+    /// For every run, what of its peak the two-way gain of field of any pair has at most, at the gain
+    /// instants.
     pub shares: &'a [f32],
     /// Nodes, scattering epochs, factors.
     pub of: &'a Pair,

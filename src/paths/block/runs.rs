@@ -1,8 +1,9 @@
 //! Which facets of a patch are handled together.
 //!
-//! A patch is cut into strips of [`RUN`] columns, and a strip into tiles of as many rows as fit into [`LANES`]: 16 x 16 facets. So a beam lights few tiles
-//! or all of one, and what lies beside it can be reported from it. A row of a strip is a **run**, facets one after the other in memory. Samples take
-//! runs from all over the patch, since whole tiles would be too few to meet a narrow beam.
+//! A patch is cut into strips of [`RUN`] columns, and a strip into tiles of as many rows as fit into
+//! [`LANES`]: 16 x 16 facets. So a beam lights few tiles or all of one, and what lies beside it can be
+//! reported from it. A row of a strip is a **run**, facets one after the other in memory. Samples take runs
+//! from all over the patch, since whole tiles would be too few to meet a narrow beam.
 
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row};
@@ -60,7 +61,8 @@ impl Cut {
         LANES / RUN.min(self.columns).max(1)
     }
 
-    /// Distance of the runs of a sample of about so many tiles. It shares no factor with the rows, so that strips are met at rows of their own.
+    /// Distance of the runs of a sample of about so many tiles. It shares no factor with the rows, so that
+    /// strips are met at rows of their own.
     fn step(&self, tiles: usize) -> usize {
         let least = (self.runs() / (tiles.max(1) * self.together())).max(1);
         let divisor = |mut a: usize, mut b: usize| {

@@ -18,7 +18,8 @@ pub struct Node {
 /// A tile at a scattering epoch, over one pair.
 #[derive(Clone)]
 pub struct Epoch {
-    /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers, and without shadows.
+    /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers,
+    /// and without shadows.
     pub amplitude: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
@@ -64,8 +65,8 @@ impl Pair {
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
-    /// Adds power, and power times delay rate, of facets at the middle node to a sample: of those that the window receives
-    /// apart.
+    /// Adds power, and power times delay rate, of facets at the middle node to a sample: of those that the
+    /// window receives apart.
     pub(super) fn add_to(&self, sample: &mut Sample, count: usize, window: &Window) {
         let middle = (
             self.nodes().get(self.node_count / 2),

@@ -1,12 +1,14 @@
 //! A 2-D array in false colours.
 //!
-//! Values stand row by row, `[iy][ix]`, row 0 at the bottom: y is upward. The picture has a title, axes with round
-//! numbers, a colour bar with its quantity and, if a unit is named, a scale bar. Pixels that are no number are grey and
-//! named below the map. Where values go beyond the limits, the ends of the colour bar are pointed.
+//! Values stand row by row, `[iy][ix]`, row 0 at the bottom: y is upward. The picture has a title, axes with
+//! round numbers, a colour bar with its quantity and, if a unit is named, a scale bar. Pixels that are no
+//! number are grey and named below the map. Where values go beyond the limits, the ends of the colour bar are
+//! pointed.
 //!
-//! * Square cells on axes of one unit keep their shape ([`Picture::equal_aspect`]), and are drawn in whole pixels while
-//!   there are no more of them than pixels; a side is never below [`LEAST_SIDE_PX`].
-//! * Cells smaller than a pixel are averaged over it, weighted by the area that they share with it ([`Reduction`]).
+//! * Square cells on axes of one unit keep their shape ([`Picture::equal_aspect`]), and are drawn in whole
+//!   pixels while there are no more of them than pixels; a side is never below [`LEAST_SIDE_PX`].
+//! * Cells smaller than a pixel are averaged over it, weighted by the area that they share with it
+//!   ([`Reduction`]).
 //! * Limits are found from the pixels ([`Limits`]); a diverging colour map gets limits evenly about zero.
 //! * Infinite values, and those beyond 1e150, take the colours of the ends; they do not count for the limits.
 //!

@@ -1,22 +1,27 @@
 //! The fast way: runs of pixels, delay and phase as cubics, samples in f32.
 //!
-//! For a pulse and a run of up to 32 pixels along x, the delay of the run's middle and its first three derivatives along the run come from
-//! f64; phase then goes in whole steps of `2^-32` turn (no rounding grows), the cell in f32. Left out:
+//! For a pulse and a run of up to 32 pixels along x, the delay of the run's middle and its first three
+//! derivatives along the run come from f64; phase then goes in whole steps of `2^-32` turn (no rounding
+//! grows), the cell in f32. Left out:
 //!
-//! * the fourth derivative of the range, at most `3/R^3` a leg: `h^4/(8 R^3)` for half a run `h`. Runs are 32, 16, 8 or 1 pixels,
-//!   the longest for which that stays below 5e-5 turns, 3e-4 rad (`MOST_TURNS`);
-//! * the receiver's path while echoes of the image arrive (microseconds) is straight: `v^2 dt^2/2R`, 4e-9 m for 10 us in orbit;
-//! * linear interpolation between cells: [`interpolation_error_db`](crate::processor::range_compress::interpolation_error_db), which
-//!   dominates the rest;
-//! * f32: cells are counted from a whole one near the middle of the run, so its place in the window costs nothing: `2^-24` of the
-//!   cells that a run spans, a few hundred. Sums of hundreds of pulses: -120 dB of the largest term.
+//! * the fourth derivative of the range, at most `3/R^3` a leg: `h^4/(8 R^3)` for half a run `h`. Runs are
+//!   32, 16, 8 or 1 pixels, the longest for which that stays below 5e-5 turns, 3e-4 rad (`MOST_TURNS`);
+//! * the receiver's path while echoes of the image arrive (microseconds) is straight: `v^2 dt^2/2R`, 4e-9 m
+//!   for 10 us in orbit;
+//! * linear interpolation between cells:
+//!   [`interpolation_error_db`](crate::processor::range_compress::interpolation_error_db), which dominates
+//!   the rest;
+//! * f32: cells are counted from a whole one near the middle of the run, so its place in the window costs
+//!   nothing: `2^-24` of the cells that a run spans, a few hundred. Sums of hundreds of pulses: -120 dB of
+//!   the largest term.
 //!
 //! Pulses are compressed up to 64 at a time, and fewer where their cells would take more than 256 MiB.
 //!
-//! Through a [gate](super::Gate) the place in the band is a quadratic along the run; runs outside the band are passed over.
+//! Through a [gate](super::Gate) the place in the band is a quadratic along the run; runs outside the band
+//! are passed over.
 //!
-//! Tiles are shared out to the threads of the pool in use; every pixel adds its pulses in their order, so the image is the same for any number
-//! of threads.
+//! Tiles are shared out to the threads of the pool in use; every pixel adds its pulses in their order, so the
+//! image is the same for any number of threads.
 
 use glam::DVec3;
 use num_complex::Complex32;
@@ -33,7 +38,8 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 const MOST_AT_A_TIME: usize = 64;
 /// Memory of the cells of compressed pulses, bytes; one pulse may take more.
 const MOST_CELL_BYTES: usize = 256 << 20;
-/// Beyond so many cells from a run's middle, or from the window's start, nothing is received: whole numbers then fit i32 in any sum of two.
+/// Beyond so many cells from a run's middle, or from the window's start, nothing is received: whole numbers
+/// then fit i32 in any sum of two.
 const FAR_CELLS: i32 = 1 << 29;
 /// Pixels of a tile along x and y.
 const TILE: [usize; 2] = [64, 16];
@@ -278,7 +284,8 @@ impl<const RUN: usize> Task for Runs<'_, RUN> {
 }
 
 impl Sight {
-    /// Delay at a pixel (s) and its first, half its second, a sixth of its third derivative over the number of the pixel along x.
+    /// Delay at a pixel (s) and its first, half its second, a sixth of its third derivative over the number
+    /// of the pixel along x.
     #[inline(always)]
     fn cubic(&self, ground: &Ground, x: f64, y: f64) -> [f64; 4] {
         let point =
@@ -295,7 +302,8 @@ impl Sight {
         };
         let (_, out) = leg(self.from);
         let (unit, back) = leg(self.to);
-        // The receiver goes on by v (tau - middle): its range changes by -rho (tau - middle), rho along the way to the point.
+        // The receiver goes on by v (tau - middle): its range changes by -rho (tau - middle), rho along the
+        // way to the point.
         let rho = self.to_mps.dot(unit);
         let share = 1.0 / (C + rho);
         let tau = (out[0] + back[0] + rho * self.middle_s) * share;
@@ -306,7 +314,8 @@ impl Sight {
 }
 
 impl Sight {
-    /// Place in the Doppler band of a pixel, and its first and half its second derivative over the number of the pixel along x.
+    /// Place in the Doppler band of a pixel, and its first and half its second derivative over the number of
+    /// the pixel along x.
     #[inline(always)]
     fn place(&self, ground: &Ground, x: f64, y: f64, carrier_hz: f64, bandwidth_hz: f64) -> [f64; 3] {
         let point =
@@ -397,7 +406,8 @@ fn add<const RUN: usize>(
     }
 }
 
-/// Cosine and sine of a phase in steps of `2^-32` turn, to 1.2e-7 and rounding: Taylor series to the eleventh order within a quarter turn.
+/// Cosine and sine of a phase in steps of `2^-32` turn, to 1.2e-7 and rounding: Taylor series to the eleventh
+/// order within a quarter turn.
 #[inline(always)]
 fn cos_sin(phase: i32) -> (f32, f32) {
     let turns = phase as f32 * (1.0 / 4_294_967_296.0);

@@ -4,10 +4,11 @@
 //! u_m(x) = (f_m(x) - f_m(aim)) / B_D,   w_m(x) = w_m t(u_m(x)),   t = 0 beyond |u| = 1/2
 //! ```
 //!
-//! `f_m` Doppler of a point at rest, `B_D` the processed Doppler bandwidth, `t` a taper over it. Where `B_D` is at most the pulse rate, points
-//! that the pulse rate cannot tell apart (`lambda R PRF / v` along the track, `v` the sum of both speeds) do not take each other's
-//! pulses: ghosts are those that the beam's side lobes leave. An image is divided by the weights that each pixel has taken, so that a
-//! point keeps its amplitude wherever it lies; a pixel without pulses is zero.
+//! `f_m` Doppler of a point at rest, `B_D` the processed Doppler bandwidth, `t` a taper over it. Where `B_D`
+//! is at most the pulse rate, points that the pulse rate cannot tell apart (`lambda R PRF / v` along the
+//! track, `v` the sum of both speeds) do not take each other's pulses: ghosts are those that the beam's side
+//! lobes leave. An image is divided by the weights that each pixel has taken, so that a point keeps its
+//! amplitude wherever it lies; a pixel without pulses is zero.
 
 use glam::DVec3;
 
@@ -28,7 +29,8 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// Place of a Doppler frequency in the band of a pulse: -1/2 to 1/2 inside. Outside where the pulse has no aim.
+    /// Place of a Doppler frequency in the band of a pulse: -1/2 to 1/2 inside. Outside where the pulse has
+    /// no aim.
     pub fn place(&self, pulse: usize, doppler_hz: f64) -> f64 {
         let aim_hz = self.aim_hz.get(pulse).copied().unwrap_or(f64::NAN);
         (doppler_hz - aim_hz) / self.bandwidth_hz
@@ -46,7 +48,8 @@ impl Gate {
     }
 }
 
-/// A taper at [`TABLE`] + 1 places and a zero beyond, linear between them: cosines of a few periods are met to 1e-5.
+/// A taper at [`TABLE`] + 1 places and a zero beyond, linear between them: cosines of a few periods are met
+/// to 1e-5.
 pub(super) struct Table(Vec<f32>);
 
 impl Table {
@@ -64,8 +67,9 @@ impl Table {
     }
 }
 
-/// Speed along the line of sight of a point that goes by `step` (m): its value (m/s), first and half its second derivative over steps.
-/// `away` from the end that moves at `velocity` to the point; the third derivative, `v/R` times `(step/R)^3` at most, is left out.
+/// Speed along the line of sight of a point that goes by `step` (m): its value (m/s), first and half its
+/// second derivative over steps. `away` from the end that moves at `velocity` to the point; the third
+/// derivative, `v/R` times `(step/R)^3` at most, is left out.
 #[inline(always)]
 pub(super) fn closing(velocity: DVec3, away: DVec3, step: DVec3) -> [f64; 3] {
     let range = away.length().max(1e-3);

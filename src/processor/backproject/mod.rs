@@ -4,20 +4,23 @@
 //! I(x) = sum_m w_m C_m(tau_m(x)) e^{+j 2 pi f0 tau_m(x)} / sum_m w_m
 //! ```
 //!
-//! `C_m` the [compressed](super::range_compress) echo of pulse `m`; `tau_m(x)` delay of a point at rest for the **middle** of the pulse, which
-//! leaves the transmitter at `t_m + Tc/2`: exact light time, transmitter at emission, receiver at reception
-//! ([`delay_s`]); `w_m` taper over the pulses. A point target of echo `a` gives `I = a` at its place: amplitude in sqrt(W), phase
-//! without the carrier's.
+//! `C_m` the [compressed](super::range_compress) echo of pulse `m`; `tau_m(x)` delay of a point at rest for
+//! the **middle** of the pulse, which leaves the transmitter at `t_m + Tc/2`: exact light time, transmitter
+//! at emission, receiver at reception ([`delay_s`]); `w_m` taper over the pulses. A point target of echo `a`
+//! gives `I = a` at its place: amplitude in sqrt(W), phase without the carrier's.
 //!
 //! Two ways:
 //!
-//! * [`reference`](reference()): f64, written from the equation; every delay iterated, every echo evaluated exactly from its spectrum. Slow.
+//! * [`reference`](reference()): f64, written from the equation; every delay iterated, every echo evaluated
+//!   exactly from its spectrum. Slow.
 //! * [`fast`](fast()): f32 samples, both cores. What it leaves out, and how it is bounded, stands there.
 //!
-//! With a [`Gate`] each pixel takes the pulses in whose Doppler band it lies, and is divided by the weights of these.
+//! With a [`Gate`] each pixel takes the pulses in whose Doppler band it lies, and is divided by the weights
+//! of these.
 //!
-//! No amplitude is corrected for gain or range; the height is one plane (or the points given). Points that a window does not cover get nothing
-//! from its pulse. Only one polarisation may leave with a pulse that is used: the caller chooses the pulses.
+//! No amplitude is corrected for gain or range; the height is one plane (or the points given). Points that a
+//! window does not cover get nothing from its pulse. Only one polarisation may leave with a pulse that is
+//! used: the caller chooses the pulses.
 
 mod fast;
 mod gate;
@@ -82,7 +85,8 @@ impl Aperture<'_> {
         -self.carrier_hz * delay_rate(self.transmitter, self.receiver, self.middle_s(pulse), point_m)
     }
 
-    /// Doppler of what both antennas look at in a pulse, Hz: `f0 (v_T . b_T + v_R . b_R)/c`, `b` their boresights (unit vectors, ENU).
+    /// Doppler of what both antennas look at in a pulse, Hz: `f0 (v_T . b_T + v_R . b_R)/c`, `b` their
+    /// boresights (unit vectors, ENU).
     pub fn aim_hz(&self, pulse: &PulseEcho, boresights: [[f64; 3]; 2]) -> f64 {
         let [out, back] = boresights.map(DVec3::from);
         let leaves_s = self.middle_s(pulse);

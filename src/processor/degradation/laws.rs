@@ -1,7 +1,8 @@
 //! Closed forms of what known errors of the path do to a point.
 //!
-//! `e(t)` is the error of the whole bistatic path, reported less true, m: `u_T . e_T + u_R . e_R`, `u` the unit vectors from the point to the ends (one
-//! platform with both antennas: twice its own). Phase `2 pi e/lambda`, aperture of `T` s, a cell of cross-range is `1/T` of Doppler.
+//! `e(t)` is the error of the whole bistatic path, reported less true, m: `u_T . e_T + u_R . e_R`, `u` the
+//! unit vectors from the point to the ends (one platform with both antennas: twice its own). Phase
+//! `2 pi e/lambda`, aperture of `T` s, a cell of cross-range is `1/T` of Doppler.
 //!
 //! | error | what it does |
 //! | --- | --- |
@@ -12,9 +13,10 @@
 //! | white, `sigma` rad | power `e^{-sigma^2}` |
 //! | Gauss-Markov, `sigma` rad, `tau` | power at the place expected: `2 int_0^1 (1 - x) e^{-sigma^2 (1 - e^{-x T/tau})} dx`, no taper |
 //!
-//! Limits: `u` the same over the aperture; paired echoes further from the main lobe than it is wide; the last two are means over an ensemble.
-//! Sources: the Jacobi-Anger expansion for the sinusoid; for the noise `<e^{j(phi_1 - phi_2)}> = e^{-D/2}` of a Gaussian phase, `D` its structure function. As in
-//! W. G. Carrara, R. S. Goodman, R. M. Majewski, *Spotlight Synthetic Aperture Radar* (1995), chapter 5.
+//! Limits: `u` the same over the aperture; paired echoes further from the main lobe than it is wide; the last
+//! two are means over an ensemble. Sources: the Jacobi-Anger expansion for the sinusoid; for the noise
+//! `<e^{j(phi_1 - phi_2)}> = e^{-D/2}` of a Gaussian phase, `D` its structure function. As in W. G. Carrara,
+//! R. S. Goodman, R. M. Majewski, *Spotlight Synthetic Aperture Radar* (1995), chapter 5.
 //!
 //! ```
 //! use nereus::processor::degradation::laws::paired_echoes;
@@ -52,14 +54,16 @@ pub fn ramp_cells(rate_mps: f64, aperture_s: f64, wavelength_m: f64) -> f64 {
     -rate_mps * aperture_s / wavelength_m
 }
 
-/// Amplitude `u` cells off the place expected, behind a step of `phase_rad` in the middle of an aperture without taper; 1 without a step at 0.
+/// Amplitude `u` cells off the place expected, behind a step of `phase_rad` in the middle of an aperture
+/// without taper; 1 without a step at 0.
 pub fn step_amplitude(phase_rad: f64, cells: f64) -> f64 {
     let x = 0.5 * PI * cells;
     let half = if x == 0.0 { 1.0 } else { x.sin() / x };
     (half * (x + 0.5 * phase_rad).cos()).abs()
 }
 
-/// The highest of that: cells off the place expected (nearest to it, of two that are equal the negative one) and its level, dB.
+/// The highest of that: cells off the place expected (nearest to it, of two that are equal the negative one)
+/// and its level, dB.
 pub fn step_peak(phase_rad: f64) -> (f64, f64) {
     // Steps are reported but for whole turns; the lobe's top lies within half a cell.
     let phase = phase_rad - 2.0 * PI * (phase_rad / (2.0 * PI)).round();
@@ -77,10 +81,12 @@ pub fn white_db(sigma_rad: f64) -> f64 {
     -10.0 * std::f64::consts::LOG10_E * sigma_rad * sigma_rad
 }
 
-/// Mean power at the place expected behind Gauss-Markov phase of `sigma_rad`, whose correlation time is `tau_s`, over an aperture of `aperture_s`, dB.
+/// Mean power at the place expected behind Gauss-Markov phase of `sigma_rad`, whose correlation time is
+/// `tau_s`, over an aperture of `aperture_s`, dB.
 pub fn gauss_markov_db(sigma_rad: f64, tau_s: f64, aperture_s: f64) -> f64 {
     let ratio = aperture_s / tau_s.max(1e-12 * aperture_s);
-    // In x = y^2 the integrand is smooth on the scale of the process for short correlation times too; Simpson's rule.
+    // In x = y^2 the integrand is smooth on the scale of the process for short correlation times too;
+    // Simpson's rule.
     let law = |y: f64| {
         let x = y * y;
         4.0 * y * (1.0 - x) * (sigma_rad * sigma_rad * (-x * ratio).exp_m1()).exp()

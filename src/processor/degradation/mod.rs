@@ -1,22 +1,27 @@
 //! What wrong navigation makes of a point: predicted from the paths alone, without a sample, and measured.
 //!
-//! A point whose echo comes by the true paths after `tau_m`, focused by the reported ones, is on the plane of the image
+//! A point whose echo comes by the true paths after `tau_m`, focused by the reported ones, is on the plane of
+//! the image
 //!
 //! ```text
 //! I(x) = sum_m w_m chi(B delta_m(x)) e^{j 2 pi f0 delta_m(x)} / sum_m w_m,   delta_m(x) = tau'_m(x) - tau_m
 //! ```
 //!
-//! `tau'` the delay by the reported paths, `chi` the response of the range compression to a point (the transform of the taper over the band). About the
-//! place where the point appears `delta_m` is taken as linear in `x`, with the gradient of each pulse.
+//! `tau'` the delay by the reported paths, `chi` the response of the range compression to a point (the
+//! transform of the taper over the band). About the place where the point appears `delta_m` is taken as
+//! linear in `x`, with the gradient of each pulse.
 //!
-//! * The place to look at is where the reported delays fit the true ones best ([`locate`]): errors of many cells are no different from small ones.
-//! * Prediction and measurement go through one way ([`respond`]): the peak is sought within 6 cells of that place, cuts run along the lines of equal Doppler and of
-//!   equal delay, 32 points a cell, 10 cells to either side. Where the image is so broken that another lobe is as high, the two may choose differently.
-//! * [`PhaseTerms`] say what the error looks like over the aperture: its mean moves the point in range, the slope in cross-range, the bend widens it.
+//! * The place to look at is where the reported delays fit the true ones best ([`locate`]): errors of many
+//!   cells are no different from small ones.
+//! * Prediction and measurement go through one way ([`respond`]): the peak is sought within 6 cells of that
+//!   place, cuts run along the lines of equal Doppler and of equal delay, 32 points a cell, 10 cells to
+//!   either side. Where the image is so broken that another lobe is as high, the two may choose differently.
+//! * [`PhaseTerms`] say what the error looks like over the aperture: its mean moves the point in range, the
+//!   slope in cross-range, the bend widens it.
 //! * [`laws`] has closed forms of errors that are known.
 //!
-//! Limits: gain equal over the aperture; what the point itself does to its Doppler is not in it; compression is done with the Doppler of the reported
-//! paths, which leaves `delta f_D Tc/B` of range.
+//! Limits: gain equal over the aperture; what the point itself does to its Doppler is not in it; compression
+//! is done with the Doppler of the reported paths, which leaves `delta f_D Tc/B` of range.
 //!
 //! ```
 //! use nereus::processor::degradation::{Look, Prediction};
@@ -104,7 +109,8 @@ pub struct Response {
     pub cuts: [CutShape; 2],
 }
 
-/// How a point near `start_m` looks in an image that `evaluate` gives at any points; none where there is no main lobe within 6 cells.
+/// How a point near `start_m` looks in an image that `evaluate` gives at any points; none where there is no
+/// main lobe within 6 cells.
 pub fn respond(
     evaluate: &dyn Fn(&[Ground]) -> Vec<Vec<Complex64>>,
     support: &Support,
@@ -159,8 +165,9 @@ pub fn respond(
     Some(Response { place_m, amplitude: highest.sqrt(), cuts })
 }
 
-/// The highest point of a cut within a cell of its middle and its height, by a parabola; none at an end of that or of nothing. What lies further
-/// off, a neighbour or an echo that is higher than the main lobe, is another's.
+/// The highest point of a cut within a cell of its middle and its height, by a parabola; none at an end of
+/// that or of nothing. What lies further off, a neighbour or an echo that is higher than the main lobe, is
+/// another's.
 fn summit(power: &[f64]) -> Option<(f64, f64)> {
     let (middle, cell) = (power.len() / 2, CUT[1]);
     let near = middle.saturating_sub(cell)..(middle + cell + 1).min(power.len());
@@ -208,7 +215,8 @@ pub struct PhaseTerms {
 }
 
 impl PhaseTerms {
-    /// Of the error of the delay in every pulse (reported less true), s: least squares over pulses that count alike.
+    /// Of the error of the delay in every pulse (reported less true), s: least squares over pulses that count
+    /// alike.
     pub fn of(delta_s: &[f64], carrier_hz: f64, bandwidth_hz: f64) -> Self {
         let count = delta_s.len() as f64;
         if delta_s.is_empty() {
@@ -294,7 +302,8 @@ impl Look<'_> {
         )
     }
 
-    /// What the image by reported paths has at `at_m`, of a point that by the true paths appears at `point_m` with an amplitude of 1: every delay iterated.
+    /// What the image by reported paths has at `at_m`, of a point that by the true paths appears at `point_m`
+    /// with an amplitude of 1: every delay iterated.
     pub fn amplitude(&self, point_m: [f64; 3], at_m: [f64; 3]) -> Complex64 {
         let [transmitter, receiver] = self.reported;
         let late = |t: &f64| {
@@ -315,8 +324,8 @@ impl Look<'_> {
         self.times_s.iter().map(|t| delay_s(self.truth[0], self.truth[1], *t, point_m)).collect()
     }
 
-    /// What becomes of a point that by the true paths appears at `point_m`; none without cross-range, where the reported delays fit no place, or where no main
-    /// lobe is left.
+    /// What becomes of a point that by the true paths appears at `point_m`; none without cross-range, where
+    /// the reported delays fit no place, or where no main lobe is left.
     pub fn predict(&self, point_m: [f64; 3]) -> Option<Prediction> {
         let true_s = self.true_delays_s(point_m);
         let [transmitter, receiver] = self.reported;

@@ -1,9 +1,10 @@
 //! Clocks: what a wrong oscillator does to delay, phase and window.
 //!
-//! A clock reads `t + x(t)` at the time `t` of the run, `x = x_0 + y_0 t + D t^2/2 + noise` (offset, drift, ageing; [`noise`]). The transmitter
-//! sends pulse `n` and its carrier, the receiver opens its window `w` later and mixes, each by its own clock. A scatterer with delay
-//! `tau` then has the phase `2 pi f_0` times reading at emission less reading at reception, and begins in the window where
-//! the readings say: both are those of a delay
+//! A clock reads `t + x(t)` at the time `t` of the run, `x = x_0 + y_0 t + D t^2/2 + noise` (offset, drift,
+//! ageing; [`noise`]). The transmitter sends pulse `n` and its carrier, the receiver opens its window `w`
+//! later and mixes, each by its own clock. A scatterer with delay `tau` then has the phase `2 pi f_0` times
+//! reading at emission less reading at reception, and begins in the window where the readings say: both are
+//! those of a delay
 //!
 //! ```text
 //! tau + d ,   d = x_R(t_n + w) - x_T(t_n) = x_R(t_n) + y_R w - x_T(t_n)
@@ -11,18 +12,21 @@
 //!
 //! and the oscillator of the receiver turns on by `2 pi f_0 y_R i / fs` to sample `i`. So:
 //!
-//! * the window of the first pair opens at `w - d` after the true emission while `w` is what is recorded: no delay, however long, wraps;
-//! * spectra of other pairs get the linear phase of `d - d_first`, which must stay within half the guard of the window;
+//! * the window of the first pair opens at `w - d` after the true emission while `w` is what is recorded: no
+//!   delay, however long, wraps;
+//! * spectra of other pairs get the linear phase of `d - d_first`, which must stay within half the guard of
+//!   the window;
 //! * every sample is multiplied by `e^(-j 2 pi f_0 (d + y_R i / fs))`.
 //!
-//! One clock for both ends leaves only what it does in between, `d = x(t_n + w) - x(t_n)`: `y w`, and of noise faster than pulses
-//! the range-correlated part, whose spectrum is `S_x 4 sin^2(pi f w)`: variance `h_0 w/2 + h_1 (f_h w)^2/2 + h_2 f_h^3 w^2/3`
-//! for `f_h w << 1`.
+//! One clock for both ends leaves only what it does in between, `d = x(t_n + w) - x(t_n)`: `y w`, and of
+//! noise faster than pulses the range-correlated part, whose spectrum is `S_x 4 sin^2(pi f w)`: variance
+//! `h_0 w/2 + h_1 (f_h w)^2/2 + h_2 f_h^3 w^2/3` for `f_h w << 1`.
 //!
-//! Limits. Platforms are taken at the scheduled emission, not `x_T` earlier: `v x_T`, 0.2 mm for 222 m/s and 1 us. Within a pulse the carrier is
-//! taken as steady, and the sample rate as nominal: relative errors of `2 pi f_0 |y| T_c / sqrt(12)` and `pi B |y| W / sqrt(3)` (pulse `T_c`, window `W`,
-//! bandwidth `B`). A clock for which their sum exceeds [`MOST_NEGLECTED`] anywhere in the run is refused ([`ClockFault::Fast`]); for `y = 1e-9` in X band it is
-//! 1e-5 (-100 dB).
+//! Limits. Platforms are taken at the scheduled emission, not `x_T` earlier: `v x_T`, 0.2 mm for 222 m/s and
+//! 1 us. Within a pulse the carrier is taken as steady, and the sample rate as nominal: relative errors of
+//! `2 pi f_0 |y| T_c / sqrt(12)` and `pi B |y| W / sqrt(3)` (pulse `T_c`, window `W`, bandwidth `B`). A clock
+//! for which their sum exceeds [`MOST_NEGLECTED`] anywhere in the run is refused ([`ClockFault::Fast`]); for
+//! `y = 1e-9` in X band it is 1e-5 (-100 dB).
 //!
 //! ```
 //! use nereus::radar::clock::{adev, preset};
@@ -148,7 +152,8 @@ pub struct RunningClocks {
 }
 
 impl RunningClocks {
-    /// Makes the clocks of a radar for a run; `None` if it has none. `bandwidth_hz` and `pulse_s` are those of the waveform.
+    /// Makes the clocks of a radar for a run; `None` if it has none. `bandwidth_hz` and `pulse_s` are those
+    /// of the waveform.
     ///
     /// # Errors
     /// Numbers without meaning, clocks too far off, runs too long.
@@ -223,14 +228,15 @@ impl RunningClocks {
         self.clocks.get(clock).map_or([0.0; 2], |clock| clock.at(&self.times, pulse))
     }
 
-    /// The delay that the clocks of a pair add to a pulse whose window opens `after_s` after its emission, and the
-    /// fractional frequency of the receiver.
+    /// The delay that the clocks of a pair add to a pulse whose window opens `after_s` after its emission,
+    /// and the fractional frequency of the receiver.
     fn of_pair(&self, pair: usize, pulse: u64, after_s: f64) -> [f64; 2] {
         self.of_ends(self.pairs.get(pair).copied().unwrap_or_default(), pulse, after_s)
     }
 
-    /// Reading of a receiver's clock less that of a transmitter's (without one: less the time) at one instant, `after_s` after the
-    /// emission of a pulse, s, and its derivative: zero for a clock that both share.
+    /// Reading of a receiver's clock less that of a transmitter's (without one: less the time) at one
+    /// instant, `after_s` after the emission of a pulse, s, and its derivative: zero for a clock that both
+    /// share.
     pub fn apart(&self, transmitter: Option<usize>, receiver: usize, pulse: u64, after_s: f64) -> [f64; 2] {
         let of = |list: &[Option<usize>], place: usize| list.get(place).copied().flatten();
         let [transmitters, receivers] = &self.antennas;
@@ -257,7 +263,8 @@ impl RunningClocks {
         }
     }
 
-    /// How much earlier than nominal the window opens after the true emission, s: the delay of the first pair.
+    /// How much earlier than nominal the window opens after the true emission, s: the delay of the first
+    /// pair.
     pub fn window_shift_s(&self, pulse: u64, after_s: f64) -> f64 {
         self.of_pair(0, pulse, after_s)[0]
     }
@@ -281,7 +288,8 @@ impl RunningClocks {
             return Ok(());
         }
         let noisy = self.clocks.iter().any(|clock| !clock.noise.is_empty());
-        // Without noise differences are parabolas: greatest at an end or where they turn, near which one of many looks is.
+        // Without noise differences are parabolas: greatest at an end or where they turn, near which one of
+        // many looks is.
         let step = if noisy { 1 } else { (pulses / 65_536).max(1) };
         let mut pulse = 0;
         while pulse < pulses {

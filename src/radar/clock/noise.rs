@@ -1,7 +1,7 @@
 //! Noise of an oscillator with a power-law spectrum of its fractional frequency.
 //!
-//! `S_y(f) = h_-2 f^-2 + h_-1 f^-1 + h_0 + h_1 f + h_2 f^2`, one-sided; of the time error `S_x = S_y/(2 pi f)^2`. Stepped from pulse to pulse,
-//! exactly for every interval `dt`:
+//! `S_y(f) = h_-2 f^-2 + h_-1 f^-1 + h_0 + h_1 f + h_2 f^2`, one-sided; of the time error
+//! `S_x = S_y/(2 pi f)^2`. Stepped from pulse to pulse, exactly for every interval `dt`:
 //!
 //! | term | what is stepped | variance |
 //! | --- | --- | --- |
@@ -41,8 +41,9 @@ const LONGEST_S: f64 = 1e6;
 /// Shortest of these times, of a mean interval.
 const SHORTEST: f64 = 1.0 / 64.0;
 
-/// Noise of a kind of oscillator: `ocxo` 2e-12 and `tcxo` 1e-9 at 1 s, flickering in frequency; `gpsdo` 1e-11 and `rubidium`
-/// 2e-11 at 1 s, white in frequency. Typical figures, at 1 s; others are beside them within a factor of three.
+/// Noise of a kind of oscillator: `ocxo` 2e-12 and `tcxo` 1e-9 at 1 s, flickering in frequency; `gpsdo` 1e-11
+/// and `rubidium` 2e-11 at 1 s, white in frequency. Typical figures, at 1 s; others are beside them within a
+/// factor of three.
 pub fn preset(name: &str) -> Option<[f64; 5]> {
     let flicker = |sigma: f64| [0.0, sigma * sigma / (2.0 * LN_2), 0.0, 0.0, 0.0];
     let white = |sigma: f64| [0.0, 0.0, 2.0 * sigma * sigma, 0.0, 0.0];
@@ -55,8 +56,8 @@ pub fn preset(name: &str) -> Option<[f64; 5]> {
     }
 }
 
-/// Allan deviation at an averaging time, for phase noise up to `bandwidth_hz`; where the logarithm has lost its meaning
-/// (`2 pi f_h tau < 1`) flicker of phase counts by its constant.
+/// Allan deviation at an averaging time, for phase noise up to `bandwidth_hz`; where the logarithm has lost
+/// its meaning (`2 pi f_h tau < 1`) flicker of phase counts by its constant.
 pub fn adev(noise: &[f64; 5], tau_s: f64, bandwidth_hz: f64) -> f64 {
     let [walk, flicker, white, flicker_phase, white_phase] = *noise;
     let log = 3.0 * (TAU * bandwidth_hz * tau_s).max(1.0).ln();
@@ -154,7 +155,8 @@ pub(super) fn series(clock: &Clock, times: &PulseTimes, pulses: u64, seed: u64, 
                 }
             } else {
                 x += (0.5 * white * dt).sqrt() * c;
-                // Value and integral of a walk: the integral is y dt, half of what is new, and a part of its own.
+                // Value and integral of a walk: the integral is y dt, half of what is new, and a part of its
+                // own.
                 let step = (diffusion * dt).sqrt() * a;
                 x += dt * (y_walk + 0.5 * step) + (diffusion * dt * dt * dt / 12.0).sqrt() * b;
                 y_walk += step;

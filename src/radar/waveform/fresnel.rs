@@ -5,8 +5,8 @@
 //! C(u) + j S(u) = (1 + j)/2 - exp(j pi u^2/2) w(u)
 //! ```
 //!
-//! (`f`, `g` as in NIST DLMF 7.2(iv).) It falls monotonically from `(1+j)/2` to `j/(pi u)`: all
-//! oscillation is in the factor. Turning the path of integration by 45 degrees and putting `s = 1/(1+u)` gives
+//! (`f`, `g` as in NIST DLMF 7.2(iv).) It falls monotonically from `(1+j)/2` to `j/(pi u)`: all oscillation
+//! is in the factor. Turning the path of integration by 45 degrees and putting `s = 1/(1+u)` gives
 //!
 //! ```text
 //! w(u) = s W(s) ,  W(s) = e^{j pi/4} int_0^inf exp(-(pi/2) s^2 x^2 - (1-j)(pi/sqrt 2)(1-s) x) dx ,  0 <= s <= 1
@@ -127,8 +127,8 @@ mod tests {
             }
         }
         println!("worst relative error of w(u): {:.2e} at u = {:.3e}", worst.0, worst.1);
-        // Interpolation: next Chebyshev term on 1/128 of the range is below 1e-16; the rest is rounding of the
-        // 290-term quadrature and of the other library (its stated accuracy is 1e-13).
+        // Interpolation: next Chebyshev term on 1/128 of the range is below 1e-16; the rest is rounding of
+        // the 290-term quadrature and of the other library (its stated accuracy is 1e-13).
         assert!(worst.0 < 1e-13, "{worst:?}");
     }
 

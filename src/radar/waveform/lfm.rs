@@ -10,11 +10,11 @@
 //! J sqrt(2b) = [v < b/2] (1+j) e^{-j pi v^2/b}  -+ e^{j pi (b/4 - v)} w(u2)  -  e^{j pi (b/4 + v)} w(u1)
 //! ```
 //!
-//! upper sign inside the band (`v < b/2`); a falling sweep has `conj J`. This is the textbook difference of two
-//! Fresnel integrals with the point of stationary phase and the two edges of the pulse written apart, so that
-//! far outside the band, or with a tiny `b`, no large phase `v^2/b` appears and nothing cancels.
-//! Three leading terms differ by `O(1/sqrt(2b))` from their sum, so for `b < 1e-6` the series in `b` is used instead:
-//! `J = sinc(v) + j (pi b/8) int_{-1}^{1} y^2 cos(pi v y) dy`, error below `(pi b/4)^2/10 = 6e-14`.
+//! upper sign inside the band (`v < b/2`); a falling sweep has `conj J`. This is the textbook difference of
+//! two Fresnel integrals with the point of stationary phase and the two edges of the pulse written apart, so
+//! that far outside the band, or with a tiny `b`, no large phase `v^2/b` appears and nothing cancels. Three
+//! leading terms differ by `O(1/sqrt(2b))` from their sum, so for `b < 1e-6` the series in `b` is used
+//! instead: `J = sinc(v) + j (pi b/8) int_{-1}^{1} y^2 cos(pi v y) dy`, error below `(pi b/4)^2/10 = 6e-14`.
 //!
 //! Accuracy relative to the peak: 1e-11 or better for `B Tc` up to 1e4 (rounding of `b/8` turns of phase
 //! grows as `1e-16 B Tc`).

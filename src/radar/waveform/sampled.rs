@@ -11,9 +11,10 @@
 //! rate below the bandwidth) rings before and after itself as `1/t`.
 //!
 //! `P` is read from a table 16 times finer than the resolution `rate/L` of `L` samples, by Lagrange
-//! interpolation over 12 points, after the delay of the middle of the pulse was taken out. A sample at the pulse's end
-//! then turns by `h = pi/16` per cell, and the error is at most `(h^12 / 12!) prod (m - 1/2)^2, m = 1..6`
-//! `= 1.8e-13` of `sum |p_j| / rate`, plus rounding of the transform.
+//! interpolation over 12 points, after the delay of the middle of the pulse was taken out. A sample at the
+//! pulse's end then turns by `h = pi/16` per cell, and the error is at most
+//! `(h^12 / 12!) prod (m - 1/2)^2, m = 1..6` `= 1.8e-13` of `sum |p_j| / rate`, plus rounding of the
+//! transform.
 
 use std::f64::consts::PI;
 use std::path::Path;

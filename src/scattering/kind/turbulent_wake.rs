@@ -1,11 +1,12 @@
 //! Water stirred by a ship's screws, with fewer small waves than the sea around it.
 //!
-//! `A(K) = Psi(U_dv)/Psi(U)`: the spectrum is that of a weaker wind `U_dv` (0.4 U where nothing is known), tabulated at
-//! construction from any ratio of spectra: 256 values uniform in `ln K`, linear between, constant beyond the
-//! ends, 0 to 1. Slopes go to those of Cox and Munk's slick, as the paper has it. The share `q` of a facet
-//! that is stirred comes from [`sea::wake::turbulent`](crate::sea::wake::turbulent).
+//! `A(K) = Psi(U_dv)/Psi(U)`: the spectrum is that of a weaker wind `U_dv` (0.4 U where nothing is known),
+//! tabulated at construction from any ratio of spectra: 256 values uniform in `ln K`, linear between,
+//! constant beyond the ends, 0 to 1. Slopes go to those of Cox and Munk's slick, as the paper has it. The
+//! share `q` of a facet that is stirred comes from [`sea::wake::turbulent`](crate::sea::wake::turbulent).
 //!
-//! Limits: a model of an appearance; the stirring itself is not computed. The ratio does not depend on direction.
+//! Limits: a model of an appearance; the stirring itself is not computed. The ratio does not depend on
+//! direction.
 //!
 //! ```
 //! use nereus::scattering::kind::{Kind, turbulent_wake::TurbulentWake};
@@ -55,8 +56,8 @@ pub struct TurbulentWake {
 }
 
 impl TurbulentWake {
-    /// From the ratio of the spectrum in the strip to the clean one, for wave numbers in a range, rad/m. What is
-    /// above 1 counts as 1: the strip has no more waves than the sea.
+    /// From the ratio of the spectrum in the strip to the clean one, for wave numbers in a range, rad/m. What
+    /// is above 1 counts as 1: the strip has no more waves than the sea.
     ///
     /// # Errors
     /// A range without extent, or a ratio that is negative or not a number.

@@ -10,8 +10,8 @@ use crate::scattering::slope_pdf::GramCharlier;
 
 /// Root of `sigma0` below which specular points are left out: -120 dB, far below any sea's Bragg scattering.
 const LEAST: f32 = 1e-6;
-/// Exponent beyond which a weight stays below [`LEAST`] whatever multiplies it: `e^-40` is 4e-18, the root of the density at most some
-/// 2e4 with its series, and the square of the secant goes with the exponent itself.
+/// Exponent beyond which a weight stays below [`LEAST`] whatever multiplies it: `e^-40` is 4e-18, the root of
+/// the density at most some 2e4 with its series, and the square of the secant goes with the exponent itself.
 const SILENT: f32 = 40.0;
 const PI: f32 = std::f32::consts::PI;
 const TAU: f32 = std::f32::consts::TAU;

@@ -1,16 +1,20 @@
 //! The two-scale sea, many facets side by side, in f32.
 //!
-//! The equations are those of [`two_scale`](super::two_scale), [`spm`](super::spm) and [`kirchhoff`](super::kirchhoff), written without
-//! branches over rows of [`LANES`] facets, so that one instruction does many. What differs:
+//! The equations are those of [`two_scale`](super::two_scale), [`spm`](super::spm) and
+//! [`kirchhoff`](super::kirchhoff), written without branches over rows of [`LANES`] facets, so that one
+//! instruction does many. What differs:
 //!
 //! - The spectrum is a table over wave number and azimuth ([`table`]).
-//! - Fields of the ports enter as vectors: the response is bilinear in them, so that no polarisation basis is asked and none
-//!   is singular. [`Batch::matrix`]`[r][t]` is `p_r . S . q_t` with the vectors of [`Batch::receive`] and [`Batch::transmit`].
-//! - A facet that turns away from an antenna is not cut: its response goes on smoothly to cosines of [`BEYOND`], and the caller
-//!   cuts it at the instant at which the cosine ([`Batch::cosine`]) is zero. So responses at some instants can be interpolated.
+//! - Fields of the ports enter as vectors: the response is bilinear in them, so that no polarisation basis is
+//!   asked and none is singular. [`Batch::matrix`]`[r][t]` is `p_r . S . q_t` with the vectors of
+//!   [`Batch::receive`] and [`Batch::transmit`].
+//! - A facet that turns away from an antenna is not cut: its response goes on smoothly to cosines of
+//!   [`BEYOND`], and the caller cuts it at the instant at which the cosine ([`Batch::cosine`]) is zero. So
+//!   responses at some instants can be interpolated.
 //!
-//! **Errors** against the f64 routines, relative to the rms response: rounding about -120 dB, the table's -100 dB (a test holds both).
-//! A facet within 1e-4 rad of grazing loses digits of its cosine, which is then small itself.
+//! **Errors** against the f64 routines, relative to the rms response: rounding about -120 dB, the table's
+//! -100 dB (a test holds both). A facet within 1e-4 rad of grazing loses digits of its cosine, which is then
+//! small itself.
 //!
 //! Limits: specular points are left out below -120 dB (there: -240 dB).
 
@@ -100,7 +104,8 @@ impl Batch {
         })
     }
 
-    /// Responses of all facets, which are of one kind; `beside` has a spectrum of a facet's own, m^4, at a wave vector on the local axes.
+    /// Responses of all facets, which are of one kind; `beside` has a spectrum of a facet's own, m^4, at a
+    /// wave vector on the local axes.
     pub fn respond(&mut self, variant: Variant, water: &LaneWater, kind: usize, beside: Option<Beside<'_>>) {
         if let Some(kind) = water.kinds.get(kind) {
             variant.run(Respond { batch: self, water, kind, beside });
@@ -108,7 +113,8 @@ impl Batch {
     }
 }
 
-/// Waves beside those of the wind: the symmetrised spectrum, m^4, of a facet at a wave vector on the local axes.
+/// Waves beside those of the wind: the symmetrised spectrum, m^4, of a facet at a wave vector on the local
+/// axes.
 pub type Beside<'a> = &'a dyn Fn(usize, [f64; 2]) -> f64;
 
 /// Sub-facet tilts: standard deviations along and across the wind, and weight.
@@ -285,7 +291,8 @@ impl Batch {
         }
     }
 
-    /// Adds a group's entries `[receive][transmit][real, imaginary]`, or their powers, which stand where real parts do.
+    /// Adds a group's entries `[receive][transmit][real, imaginary]`, or their powers, which stand where real
+    /// parts do.
     #[inline(always)]
     fn gather(&mut self, g: usize, sums: &[[[Held; 2]; 2]; 2], powers: bool) {
         for r in 0..2 {

@@ -1,14 +1,17 @@
 //! The spectrum that scatters, as a table for facets side by side.
 //!
-//! On the circle of radius `K` the symmetrised spectrum is `K^-4 [c_0 + sum_n (c_n cos 2 n psi + s_n sin 2 n psi)]`. The
-//! coefficients, with the high pass of the two-scale cut in them, stand in [`ROWS`] rows at `K = K_end (i/ROWS)^2`, `K_end = 2.02 k`: steps
-//! `2 K/i`, relative to `K` the finer the shorter the wave. Between rows they are linear: the error is `(1/8) (2/i)^2 K^2 c''/c`,
-//! 1e-6 to 1e-5 about the cut (`i` near 1600), where the high pass bends, and less beyond; [`BraggTable::worst_relative_error`] is measured,
-//! between rows and at azimuths that no row was made from.
+//! On the circle of radius `K` the symmetrised spectrum is
+//! `K^-4 [c_0 + sum_n (c_n cos 2 n psi + s_n sin 2 n psi)]`. The coefficients, with the high pass of the
+//! two-scale cut in them, stand in [`ROWS`] rows at `K = K_end (i/ROWS)^2`, `K_end = 2.02 k`: steps `2 K/i`,
+//! relative to `K` the finer the shorter the wave. Between rows they are linear: the error is
+//! `(1/8) (2/i)^2 K^2 c''/c`, 1e-6 to 1e-5 about the cut (`i` near 1600), where the high pass bends, and less
+//! beyond; [`BraggTable::worst_relative_error`] is measured, between rows and at azimuths that no row was
+//! made from.
 //!
-//! **What no table holds**: a beam of waves narrower than the azimuths of a circle, a null, a cusp, a spectrum from a file. Where the
-//! measured error exceeds [`MOST_RELATIVE_ERROR`] the caller gives the table the spectrum itself ([`BraggTable::with_spectrum`]), and
-//! every facet asks that, in f64: slower by its cost, and right.
+//! **What no table holds**: a beam of waves narrower than the azimuths of a circle, a null, a cusp, a
+//! spectrum from a file. Where the measured error exceeds [`MOST_RELATIVE_ERROR`] the caller gives the table
+//! the spectrum itself ([`BraggTable::with_spectrum`]), and every facet asks that, in f64: slower by its
+//! cost, and right.
 
 use std::fmt;
 use std::sync::Arc;
@@ -114,8 +117,8 @@ impl BraggTable {
         low + (place - row as f64) * (high - low)
     }
 
-    /// Largest error between rows and azimuths, relative to the density without the high pass at the same wave vector (or to 1e-6 of
-    /// the largest on its circle, where that is more).
+    /// Largest error between rows and azimuths, relative to the density without the high pass at the same
+    /// wave vector (or to 1e-6 of the largest on its circle, where that is more).
     pub fn worst_relative_error(&self) -> f64 {
         self.worst_relative_error
     }

@@ -128,8 +128,9 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
     10.0 * (worst / (all / LANES as f64)).log10()
 }
 
-/// Rounding of some sixty operations of 2^-24, at worst in step (-108 dB), and the table's 1e-5 of a density (half of it of an amplitude,
-/// -106 dB), at the facet that has most of both; facets vary by some 10 dB. Near grazing the cosine itself, of 1e-2 and less, is rounded at 6e-8.
+/// Rounding of some sixty operations of 2^-24, at worst in step (-108 dB), and the table's 1e-5 of a density
+/// (half of it of an amplitude, -106 dB), at the facet that has most of both; facets vary by some 10 dB. Near
+/// grazing the cosine itself, of 1e-2 and less, is rounded at 6e-8.
 #[test]
 fn as_in_f64() {
     let scattering = FacetScattering::default;
@@ -170,7 +171,8 @@ fn water_of(
     WaterScattering::new(&sea, &wind, spectrum.into(), &[], sight).unwrap()
 }
 
-/// Every law of a spectrum, where a table is worst: exactly up, down and across the wind, and anywhere between.
+/// Every law of a spectrum, where a table is worst: exactly up, down and across the wind, and anywhere
+/// between.
 #[test]
 fn densities_are_those_of_the_spectrum() {
     let jonswap = |fetch_m, spreading| SpectrumKind::Jonswap { fetch_m, spreading };

@@ -6,15 +6,15 @@
 //! | y | m | half-breadth `Y(x, z) >= 0` to starboard; the hull is `\|y\| <= Y` |
 //! | z | m | up from the design waterline, 0 at it |
 //!
-//! A table is a grid of stations (bow to stern) by waterlines (keel to design waterline). Between its nodes `Y` is
-//! **piecewise quadratic**: stations 1-2-3, 3-4-5 and so on are the panels of Simpson's rule, and waterlines likewise.
-//! So both counts are odd, and the middle one of a panel lies between its quarter points. Steps between panels may
-//! differ (half-spaced ends are usual).
+//! A table is a grid of stations (bow to stern) by waterlines (keel to design waterline). Between its nodes
+//! `Y` is **piecewise quadratic**: stations 1-2-3, 3-4-5 and so on are the panels of Simpson's rule, and
+//! waterlines likewise. So both counts are odd, and the middle one of a panel lies between its quarter
+//! points. Steps between panels may differ (half-spaced ends are usual).
 //!
 //! How a file is written is described in [`table`] (offsets) and [`description`] (particulars, scatterers).
 //!
-//! Limits: 3 to 2001 stations, 3 to 1001 waterlines, 0.05 to 1000 m long, neither broader nor deeper than long; one
-//! hull, port like starboard.
+//! Limits: 3 to 2001 stations, 3 to 1001 waterlines, 0.05 to 1000 m long, neither broader nor deeper than
+//! long; one hull, port like starboard.
 //!
 //! ```
 //! use nereus::scene::hull::{Hull, Particulars};
@@ -64,7 +64,8 @@ pub struct Hull {
 pub struct Facts {
     /// Name.
     pub name: String,
-    /// Draught that the particulars refer to, m; `None`: the depth of the hull (a sonar dome reaches below the draught).
+    /// Draught that the particulars refer to, m; `None`: the depth of the hull (a sonar dome reaches below
+    /// the draught).
     pub draught_m: Option<f64>,
     /// Published particulars.
     pub stated: Stated,
@@ -84,8 +85,8 @@ pub struct Scatterer {
 }
 
 impl Hull {
-    /// A hull of `half_breadths_m[station * waterlines + waterline]`. Stations may be measured from anywhere: they are
-    /// kept from midship.
+    /// A hull of `half_breadths_m[station * waterlines + waterline]`. Stations may be measured from anywhere:
+    /// they are kept from midship.
     pub fn new(
         stations_m: &[f64],
         waterlines_m: &[f64],
@@ -146,8 +147,8 @@ impl Hull {
         Self::new(&stations_m, &waterlines_m, &half_breadths_m, facts)
     }
 
-    /// The same form at another length. Stated particulars and the places of scatterers are scaled with it; the radar
-    /// cross sections of scatterers stay, they are what the file says.
+    /// The same form at another length. Stated particulars and the places of scatterers are scaled with it;
+    /// the radar cross sections of scatterers stay, they are what the file says.
     pub fn scaled_to_length(&self, length_m: f64) -> Result<Self, HullError> {
         let [least, most] = LENGTH_RANGE_M;
         if !(least..=most).contains(&length_m) {
@@ -217,7 +218,8 @@ impl Hull {
         self.deepest_m(stern..stern + 1)
     }
 
-    /// Depth of the waterline below the lowest breadth, where the hull closes; of the lowest one for a flat bottom.
+    /// Depth of the waterline below the lowest breadth, where the hull closes; of the lowest one for a flat
+    /// bottom.
     fn deepest_m(&self, stations: std::ops::Range<usize>) -> f64 {
         let first = stations.filter_map(|i| self.half_breadths_m(i).iter().position(|y| *y > 0.0)).min();
         first.map_or(0.0, |first| -self.waterlines_m[first.saturating_sub(1)])

@@ -148,7 +148,8 @@ impl Default for Stated {
 }
 
 impl Stated {
-    /// Tolerance of a file that gives none, percent: offset tables lifted from drawings or surfaces are that good.
+    /// Tolerance of a file that gives none, percent: offset tables lifted from drawings or surfaces are that
+    /// good.
     pub const USUAL_TOLERANCE_PERCENT: f64 = 1.0;
 
     /// What disagrees with the table: index of the quantity, and the fault.

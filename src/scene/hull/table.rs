@@ -8,9 +8,10 @@
 //! 10,      0,   0,   0
 //! ```
 //!
-//! The first row has the waterlines, m up from the design waterline: from the keel to 0. Every other row is a station,
-//! from bow to stern: where it is, m from anywhere, then its half-breadths at the waterlines, m. Where there is no
-//! hull the half-breadth is 0; an empty field is a fault. Both counts are odd, for the reason given in [`hull`](super).
+//! The first row has the waterlines, m up from the design waterline: from the keel to 0. Every other row is a
+//! station, from bow to stern: where it is, m from anywhere, then its half-breadths at the waterlines, m.
+//! Where there is no hull the half-breadth is 0; an empty field is a fault. Both counts are odd, for the
+//! reason given in [`hull`](super).
 //!
 //! Limits: 16 MiB; counts and sizes of [`hull`](super).
 //!

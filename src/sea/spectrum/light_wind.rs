@@ -1,14 +1,18 @@
 //! Short waves in light wind: none below a threshold, and never fewer in more wind.
 //!
-//! Elfouhaily's long waves were fitted to `K < 10 kp`. In light wind their branch reaches the Bragg waves of a radar, which then *grow* as
-//! the wind falls: at 300 rad/m from 3 to 1 m/s by 6 dB. What scatters is therefore `F Psi`:
+//! Elfouhaily's long waves were fitted to `K < 10 kp`. In light wind their branch reaches the Bragg waves of
+//! a radar, which then *grow* as the wind falls: at 300 rad/m from 3 to 1 m/s by 6 dB. What scatters is
+//! therefore `F Psi`:
 //!
-//! * **Growth**: at every K, along and across the wind, let `U_m` be the wind, of those up to 12 m/s, beyond which `Psi` only grows. In less wind short waves are
-//!   in equilibrium with it, `Psi(U) = Psi(U_m) u*/u*_m` (Phillips 1985, 1988), or as published where that is less. From 5 to 15 rad/m the
-//!   law comes in gradually (raised cosine of `ln K`): longer waves stay as published. (Elfouhaily, and with Fung and Lee's spreading.)
-//! * **Threshold**: the wind feeds a wave at the rate `0.04 (u*/c)^2 omega` (Plant 1982), viscosity drains it at `4 nu K^2`; below
-//!   `u*_t = c sqrt(100 nu K^2/omega)` it dies (Donelan and Pierson 1987). 8 cm/s at 300 rad/m. Shorter waves than the slowest, of 370 rad/m, ride
-//!   on those and share their threshold. Gusts of 25 % smooth it (Plant 2000): a factor `N((u*/u*_t - 1)/0.25)`, `N` the normal law.
+//! * **Growth**: at every K, along and across the wind, let `U_m` be the wind, of those up to 12 m/s, beyond
+//!   which `Psi` only grows. In less wind short waves are in equilibrium with it, `Psi(U) = Psi(U_m) u*/u*_m`
+//!   (Phillips 1985, 1988), or as published where that is less. From 5 to 15 rad/m the law comes in gradually
+//!   (raised cosine of `ln K`): longer waves stay as published. (Elfouhaily, and with Fung and Lee's
+//!   spreading.)
+//! * **Threshold**: the wind feeds a wave at the rate `0.04 (u*/c)^2 omega` (Plant 1982), viscosity drains it
+//!   at `4 nu K^2`; below `u*_t = c sqrt(100 nu K^2/omega)` it dies (Donelan and Pierson 1987). 8 cm/s at 300
+//!   rad/m. Shorter waves than the slowest, of 370 rad/m, ride on those and share their threshold. Gusts of
+//!   25 % smooth it (Plant 2000): a factor `N((u*/u*_t - 1)/0.25)`, `N` the normal law.
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
@@ -16,7 +20,8 @@
 //! | `c`, `omega` | phase speed, angular frequency, with surface tension | m/s, rad/s |
 //! | `nu` | viscosity of water, 1.05e-6 | m^2/s |
 //!
-//! Above twice the threshold and above `U_m` (at most 8 m/s from 20 rad/m on) the factor is 1. Heights of the map are not changed.
+//! Above twice the threshold and above `U_m` (at most 8 m/s from 20 rad/m on) the factor is 1. Heights of the
+//! map are not changed.
 //!
 //! ```
 //! use nereus::scene::water::{Development, SpectrumKind, WindProfile};
@@ -47,8 +52,8 @@ const GROWTH: f64 = 0.04;
 const GUSTS: f64 = 0.25;
 /// Where the law of growth begins and where it holds whole, rad/m.
 const GROWN_RADPM: [f64; 2] = [5.0, 15.0];
-/// Strongest wind that is compared, m/s at 10 m. (In a gale the crosswind part of Elfouhaily's short waves falls with more wind, as his
-/// spreading narrows: that is no matter of light wind.)
+/// Strongest wind that is compared, m/s at 10 m. (In a gale the crosswind part of Elfouhaily's short waves
+/// falls with more wind, as his spreading narrows: that is no matter of light wind.)
 const FRESH_MPS: f64 = 12.0;
 /// Winds that are compared.
 const WINDS: usize = 96;
@@ -164,7 +169,8 @@ fn winds(kind: &SpectrumKind, wind: &Wind) -> Vec<(f64, Box<dyn Spectrum>)> {
     (0..WINDS).filter_map(|i| of_speed(speed(i) * (1.0 + 1e-9))).collect()
 }
 
-/// Logarithm of the law of growth over the density, at most 0, given the logarithm of the density over that of the friction velocity.
+/// Logarithm of the law of growth over the density, at most 0, given the logarithm of the density over that
+/// of the friction velocity.
 fn excess(curve: &[(f64, f64)], ln_ustar: f64, ln_density: f64) -> f64 {
     let Some(last) = (1..curve.len()).rev().find(|&i| curve[i].1 < curve[i - 1].1) else {
         return 0.0;
@@ -222,8 +228,8 @@ impl Spectrum for LightWind {
     }
 }
 
-/// The spectrum that scatters where it is not that of the heights: a law's wind sea with every swell train. A measured spectrum scatters
-/// as it is: its tail already knows the threshold.
+/// The spectrum that scatters where it is not that of the heights: a law's wind sea with every swell train. A
+/// measured spectrum scatters as it is: its tail already knows the threshold.
 ///
 /// # Errors
 /// Those of the spectrum.

@@ -1,9 +1,10 @@
 //! A measured 2-D spectrum from a CSV file.
 //!
-//! Header `kx_rad_m,ky_rad_m,psi_m4`, then one row for every node of a rectangular grid of even steps, in
-//! any order: K in the direction of travel, scene axes, rad/m; `Psi >= 0`, m^4, wave convention (for an
-//! image spectrum give half the density at K and at -K). Blank lines and lines that begin with `#` are
-//! skipped. Between nodes Psi is bilinear, outside the grid zero: [`tail`](super::tail) has what the wind adds beyond the file. All faults of a file are reported at once, with their lines.
+//! Header `kx_rad_m,ky_rad_m,psi_m4`, then one row for every node of a rectangular grid of even steps, in any
+//! order: K in the direction of travel, scene axes, rad/m; `Psi >= 0`, m^4, wave convention (for an image
+//! spectrum give half the density at K and at -K). Blank lines and lines that begin with `#` are skipped.
+//! Between nodes Psi is bilinear, outside the grid zero: [`tail`](super::tail) has what the wind adds beyond
+//! the file. All faults of a file are reported at once, with their lines.
 //!
 //! Limits: 2 x 2 to 4 194 304 nodes; 512 MiB.
 //!

@@ -151,8 +151,8 @@ pub trait Spectrum: Debug + Send + Sync {
         cells::half_power_band_rad_m(|k| self.omnidirectional_m3(k), self.peak_rad_m())
     }
 
-    /// Wave number from which on it follows a law over wave numbers and directions, rad/m: values from a file have a kink at each, and
-    /// are not worth tabulating.
+    /// Wave number from which on it follows a law over wave numbers and directions, rad/m: values from a file
+    /// have a kink at each, and are not worth tabulating.
     fn smooth_from_rad_m(&self) -> f64 {
         0.0
     }

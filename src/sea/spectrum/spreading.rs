@@ -8,9 +8,10 @@
 //!   `smax = 11.5 (2 pi fp U10/g)^-2.5`, or constant, or matched to Elfouhaily's crosswind ratio:
 //!   symmetrised, crosswind over upwind is `2^(1-s)`, hence `s = 1 + log2[(1+Delta)/(1-Delta)]`.
 //!
-//! Mitsuyasu's buoy measured no waves far from the peak. Carried there his `s` tends to 0: a sea from everywhere but for a cusp to zero
-//! exactly upwind. So it has a floor, the `s` that Elfouhaily's crosswind ratio gives short waves (his `Delta` without the term
-//! of the long ones), `s >= 3/2 + (0.26/ln 2) (u*/cm) (cm/c)^2.5`; at and about the peak Mitsuyasu's own is larger.
+//! Mitsuyasu's buoy measured no waves far from the peak. Carried there his `s` tends to 0: a sea from
+//! everywhere but for a cusp to zero exactly upwind. So it has a floor, the `s` that Elfouhaily's crosswind
+//! ratio gives short waves (his `Delta` without the term of the long ones),
+//! `s >= 3/2 + (0.26/ln 2) (u*/cm) (cm/c)^2.5`; at and about the peak Mitsuyasu's own is larger.
 //!
 //! Limits: s in 0 to 1000.
 //!

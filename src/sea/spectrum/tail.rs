@@ -1,10 +1,11 @@
 //! A measured spectrum with the wind's waves beyond its last wave number.
 //!
-//! A buoy measures waves down to some metres; radars see those of centimetres. Beyond `K_e`, the last wave number of the file with energy
-//! (at most the shorter half of its grid), where the file has nothing, the sea is Elfouhaily's for the wind of the scene, fully developed and in
-//! light wind as [`light_wind`](super::light_wind) has it, joined to the file: `Psi = Psi_E r^h`, `r` the ratio of both omnidirectional spectra
-//! over the last part of the file (0.7 to 0.95 `K_e`, held to 0.1 to 10), `h` falling from 1 at `K_e` to 0 at `4 K_e` (raised cosine of `ln K`).
-//! Within the file nothing is added.
+//! A buoy measures waves down to some metres; radars see those of centimetres. Beyond `K_e`, the last wave
+//! number of the file with energy (at most the shorter half of its grid), where the file has nothing, the sea
+//! is Elfouhaily's for the wind of the scene, fully developed and in light wind as
+//! [`light_wind`](super::light_wind) has it, joined to the file: `Psi = Psi_E r^h`, `r` the ratio of both
+//! omnidirectional spectra over the last part of the file (0.7 to 0.95 `K_e`, held to 0.1 to 10), `h` falling
+//! from 1 at `K_e` to 0 at `4 K_e` (raised cosine of `ln K`). Within the file nothing is added.
 //!
 //! Limits: a calm adds nothing.
 

@@ -26,8 +26,9 @@
 //! ([`Grid::index`]). Fields belong to the undisplaced (grid) position; a scatterer is at
 //! `x_grid + D + z up`.
 //!
-//! Any time is evaluated from t = 0 with phases reduced in f64: nothing drifts. f32 fields are within
-//! -120 dB of the f64 ones (relative to the rms of the height, or of the larger component of a vector). Limits: linear waves; at most 2^26 facets;
+//! Any time is evaluated from t = 0 with phases reduced in f64: nothing drifts. f32 fields are within -120 dB
+//! of the f64 ones (relative to the rms of the height, or of the larger component of a vector). Limits:
+//! linear waves; at most 2^26 facets;
 //! |t| up to 1e9 s.
 //!
 //! ```

@@ -130,7 +130,8 @@ impl<T: Real> Transform<T> {
         self.begin = [column_row[0] % self.nx, column_row[1] % self.ny];
     }
 
-    /// Fills a pair of fields (the second may be empty). Of slices shorter than the grid whole rows are filled.
+    /// Fills a pair of fields (the second may be empty). Of slices shorter than the grid whole rows are
+    /// filled.
     pub fn run(&mut self, phasors: &Phasors<T>, pair: Pair, first: &mut [T], second: &mut [T]) {
         match (pair, self.gravity) {
             (Pair::HorizontalAcceleration, Some(gravity)) => {

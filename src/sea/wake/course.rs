@@ -7,8 +7,9 @@
 //! **Turning.** Waves are those of a straight course with the position and heading of the moment: heading and
 //! speed are taken as frozen over the age of the wake. Then the pattern at a distance `X` astern moves
 //! sideways by `rate X`, which the orbital velocities know nothing of. A turn is allowed as long as
-//! `|rate| X / V <= ` [`MOST_TURN_RAD`](super::fault::MOST_TURN_RAD) for the whole [`Reach`]: within it the motion of the pattern departs by
-//! less than 5 % of V from that of the fields, and the true, curved wake by `X/2` times that angle.
+//! `|rate| X / V <= ` [`MOST_TURN_RAD`](super::fault::MOST_TURN_RAD) for the whole [`Reach`]: within it the
+//! motion of the pattern departs by less than 5 % of V from that of the fields, and the true, curved wake by
+//! `X/2` times that angle.
 //!
 //! ```
 //! use nereus::sea::wake::Course;

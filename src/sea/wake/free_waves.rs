@@ -1,8 +1,8 @@
 //! The wake of one ship.
 //!
 //! In the scene frame the waves of [`nodes`] run along `K = kx f + ky p` (f ahead, p to port):
-//! `z = Re sum of a_n exp(j K_n.(r - r_ship(t)))`, and since `w = K.f V` a ship on a straight course moves its wake by
-//! phases alone: nothing is interpolated. With `e_n` the n-th term:
+//! `z = Re sum of a_n exp(j K_n.(r - r_ship(t)))`, and since `w = K.f V` a ship on a straight course moves
+//! its wake by phases alone: nothing is interpolated. With `e_n` the n-th term:
 //!
 //! | field | sum |
 //! | --- | --- |
@@ -15,9 +15,9 @@
 //! | rate of the slope, 1/s | `K w Re e` |
 //!
 //! as the sea has them, then under the window of [`upstream`](super::upstream). Source: thin-ship theory,
-//! `docs/physics.md` section 9.1 (Havelock, Michell; Tuck, Lazauskas and Scullen 1999). Limits: linear waves, deep water, far field; no wake
-//! ([`Presence`]) of a ship slower than 0.1 m/s, or whose longest wave `2 pi V^2/g` is shorter than four
-//! facets, or whose waves the band limit takes away.
+//! `docs/physics.md` section 9.1 (Havelock, Michell; Tuck, Lazauskas and Scullen 1999). Limits: linear waves,
+//! deep water, far field; no wake ([`Presence`]) of a ship slower than 0.1 m/s, or whose longest wave
+//! `2 pi V^2/g` is shorter than four facets, or whose waves the band limit takes away.
 //!
 //! ```
 //! use nereus::sea::wake::{Course, Presence, Reach, Settings, Wake, Wigley};
@@ -116,7 +116,8 @@ pub struct Wake {
 }
 
 impl Wake {
-    /// For a ship of a length, m, whose free waves have the amplitude A, m, as a function of `tan theta >= 0`.
+    /// For a ship of a length, m, whose free waves have the amplitude A, m, as a function of
+    /// `tan theta >= 0`.
     pub fn new(
         course: Course,
         length_m: f64,

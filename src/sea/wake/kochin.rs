@@ -1,6 +1,7 @@
 //! Amplitudes of the waves that a thin ship makes, and its wave resistance.
 //!
-//! In the frame of the ship (x astern from midship, y to starboard, z up; speed V towards -x) the far field is
+//! In the frame of the ship (x astern from midship, y to starboard, z up; speed V towards -x) the far field
+//! is
 //!
 //! ```text
 //! zeta(x, y) = Re int_{-pi/2}^{pi/2} A(theta) exp(-j k [x cos theta + y sin theta]) dtheta,   k = k0 sec^2 theta
@@ -19,15 +20,17 @@
 //! | P, Q | m^3 | Kochin function |
 //! | R | N | wave resistance; `Cw = R/(rho V^2 S/2)` with the wetted surface S |
 //!
-//! `Y` is piecewise quadratic (see [`hull`](crate::scene::hull)); with it all integrals over the hull are exact, whatever
-//! the wave number: moments of `exp(k z)` in z, Filon's quadrature in x. The form with `Y_x` is used for A: it does not
-//! lose the ends of the hull in differences, and it says what an open stern is ([`Transom`]).
+//! `Y` is piecewise quadratic (see [`hull`](crate::scene::hull)); with it all integrals over the hull are
+//! exact, whatever the wave number: moments of `exp(k z)` in z, Filon's quadrature in x. The form with `Y_x`
+//! is used for A: it does not lose the ends of the hull in differences, and it says what an open stern is
+//! ([`Transom`]).
 //!
-//! Source: Tuck, Lazauskas, Scullen, *Sea Wave Pattern Evaluation I* (1999), sign and factor of the paper's (25)
-//! corrected; Michell (1898) for R. Linear, thin ship, deep water, steady course, fixed trim; no viscosity. Real
-//! slow ships (below a Froude number of about 0.2) make smaller waves than the theory says.
+//! Source: Tuck, Lazauskas, Scullen, *Sea Wave Pattern Evaluation I* (1999), sign and factor of the paper's
+//! (25) corrected; Michell (1898) for R. Linear, thin ship, deep water, steady course, fixed trim; no
+//! viscosity. Real slow ships (below a Froude number of about 0.2) make smaller waves than the theory says.
 //!
-//! Limits: 0 to 100 m/s. Below [`LEAST_SPEED_MPS`] a ship makes no waves, and no ship makes waves of more than
+//! Limits: 0 to 100 m/s. Below [`LEAST_SPEED_MPS`] a ship makes no waves, and no ship makes waves of more
+//! than
 //! [`LARGEST_WAVE_NUMBER_RADPM`]: there A = 0. A ship that sails backwards is refused.
 //!
 //! ```
@@ -62,14 +65,15 @@ pub const MOST_SPEED_MPS: f64 = 100.0;
 pub const LARGEST_WAVE_NUMBER_RADPM: f64 = 1e9;
 /// Most nodes of the resistance integral.
 const MOST_NODES: f64 = 4e5;
-/// Where the resistance integral ends, in units of the tangent beyond which |A| has its last form. What remains of it
-/// falls by the fourth power (4e-8 of the whole where ends close), and is added in closed form.
+/// Where the resistance integral ends, in units of the tangent beyond which |A| has its last form. What
+/// remains of it falls by the fourth power (4e-8 of the whole where ends close), and is added in closed form.
 const TAIL: f64 = 60.0;
 
 /// What the water does behind an immersed transom.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transom {
-    /// The flow leaves the edge and the transom is dry: sources up to the edge, none for the step to nothing behind it.
+    /// The flow leaves the edge and the transom is dry: sources up to the edge, none for the step to nothing
+    /// behind it.
     #[default]
     Open,
     /// A flat stern closes the hull: the step of Y is part of it. (25) of the paper as it stands.
@@ -255,10 +259,10 @@ impl Kochin {
 
     /// Wave resistance, N, in water of the given density.
     ///
-    /// Trapezoid in u, `t = sinh u` or `t = u`, whichever takes fewer nodes: the integrand is even and analytic, so the
-    /// rule is exact to rounding once the step resolves the phase `k0 L sec theta` between the ends of the hull. The
-    /// rest beyond the last node is that of |A|^2 going as `t^0` (ends that close) or `t^2` (steps). Relative error
-    /// below 1e-6 for hulls whose ends close; with a step 1e-4.
+    /// Trapezoid in u, `t = sinh u` or `t = u`, whichever takes fewer nodes: the integrand is even and
+    /// analytic, so the rule is exact to rounding once the step resolves the phase `k0 L sec theta` between
+    /// the ends of the hull. The rest beyond the last node is that of |A|^2 going as `t^0` (ends that close)
+    /// or `t^2` (steps). Relative error below 1e-6 for hulls whose ends close; with a step 1e-4.
     pub fn wave_resistance_n(&self, density_kgpm3: f64) -> Result<f64, KochinError> {
         if !(1.0..=1e4).contains(&density_kgpm3) {
             return Err(KochinError::Density { value_kgpm3: density_kgpm3 });
@@ -280,7 +284,8 @@ impl Kochin {
         let k0 = self.k0_radpm;
         // Waves shorter than the draught see a wall: from there |A| has its last form.
         let end = TAIL * (k0 * self.depth_m).powf(-0.5).max(1.0);
-        // 40: exp(-40) is what is left of the pole of sec theta at t = j; a quarter more than the phase needs.
+        // 40: exp(-40) is what is left of the pole of sec theta at t = j; a quarter more than the phase
+        // needs.
         let uniform = Rule { hyperbolic: false, end, rate: 40.0 + 1.25 * k0 * self.length_m() };
         let hyperbolic = Rule {
             hyperbolic: true,
@@ -359,7 +364,8 @@ impl Filon {
     }
 }
 
-/// `int_-1^1 cos ts ds`, `int s sin ts ds`, `int s^2 cos ts ds`: Filon's alpha, beta and gamma are sums of these.
+/// `int_-1^1 cos ts ds`, `int s sin ts ds`, `int s^2 cos ts ds`: Filon's alpha, beta and gamma are sums of
+/// these.
 fn oscillating_moments(t: f64) -> [f64; 3] {
     // Below 1 by series: the closed forms lose t^-2 and t^-3. Ten terms leave 1/20!.
     if t < 1.0 {
@@ -406,8 +412,8 @@ fn decaying_moments(tau: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Series and closed form on either side of where they meet; the closed form loses at most 1/t^3 = 1 there, so that
-    /// some roundings of terms of size 2 are left.
+    /// Series and closed form on either side of where they meet; the closed form loses at most 1/t^3 = 1
+    /// there, so that some roundings of terms of size 2 are left.
     #[test]
     fn moments_join() {
         let (below, above) = (1.0 - 1e-15, 1.0);
@@ -431,8 +437,8 @@ mod tests {
             let beta = 2.0 * (t * (1.0 + cos * cos) - 2.0 * sin * cos) / t.powi(3);
             let gamma = 4.0 * (sin - t * cos) / t.powi(3);
             let [even, odd, second] = oscillating_moments(t);
-            // gamma: the middle of a panel; beta: an end, from the panels on both sides of it. At t = 0.3 the textbook's
-            // form loses t^-3 = 40 roundings of terms of about 1.
+            // gamma: the middle of a panel; beta: an end, from the panels on both sides of it. At t = 0.3 the
+            // textbook's form loses t^-3 = 40 roundings of terms of about 1.
             assert!((gamma - (even - second)).abs() < 1e-13);
             assert!(
                 (beta - (second * cos + odd * sin)).abs() < 1e-13,

@@ -1,8 +1,8 @@
 //! All fields of several wakes on a rectangle of facets.
 //!
-//! The waves of each ship are summed by [`nonuniform`](super::nonuniform) FFT. Four pairs are summed, and in deep water all else
-//! follows from them facet by facet (u the horizontal velocity, s the slope, q its rate, D the displacement,
-//! f ahead, V the speed):
+//! The waves of each ship are summed by [`nonuniform`](super::nonuniform) FFT. Four pairs are summed, and in
+//! deep water all else follows from them facet by facet (u the horizontal velocity, s the slope, q its rate,
+//! D the displacement, f ahead, V the speed):
 //!
 //! | field | from |
 //! | --- | --- |
@@ -11,14 +11,15 @@
 //! | vertical acceleration | `-V f.q` |
 //! | horizontal acceleration | `-g s` |
 //!
-//! Only what the caller's fields ask for is summed. The window of [`upstream`](super::upstream) is applied last. Fields are
-//! **added to**, where [`Grid::index`] has the facets of the patch: those of the sea can be passed on.
-//! Memory is taken at construction only. The error is relative to the root sum square of the waves' amplitudes, which is
-//! the level of the wake over the reach: ahead of the ship and outside the cone, where waves cancel, it is as large as inside.
-//! A test holds the largest error of every field against its largest value.
+//! Only what the caller's fields ask for is summed. The window of [`upstream`](super::upstream) is applied
+//! last. Fields are **added to**, where [`Grid::index`] has the facets of the patch: those of the sea can be
+//! passed on. Memory is taken at construction only. The error is relative to the root sum square of the
+//! waves' amplitudes, which is the level of the wake over the reach: ahead of the ship and outside the cone,
+//! where waves cancel, it is as large as inside. A test holds the largest error of every field against its
+//! largest value.
 //!
-//! Why an FFT: rows of facets by phasors, turned from facet to facet, are as exact, but cost waves times facets; `benches/wake_map.rs`
-//! has both side by side.
+//! Why an FFT: rows of facets by phasors, turned from facet to facet, are as exact, but cost waves times
+//! facets; `benches/wake_map.rs` has both side by side.
 //!
 //! A ship all of whose facets lie ahead of its window adds nothing. An example is at [`super`].
 
@@ -91,8 +92,8 @@ impl<T: Real> Map<T> {
         &self.wakes
     }
 
-    /// Adds all wakes at a time, s, to every field that is not empty; `first` is the global key of the patch's facet
-    /// with the smallest x and y.
+    /// Adds all wakes at a time, s, to every field that is not empty; `first` is the global key of the
+    /// patch's facet with the smallest x and y.
     ///
     /// # Errors
     /// Fields of another size, or a patch beyond the reach of a wake; nothing is added then.
@@ -175,8 +176,8 @@ impl<T: Real> Map<T> {
         self.sum.place(&self.steps_rad);
     }
 
-    /// Amplitudes of a pair: `K r Re e` along x and y gives `(Kx + j Ky) r e/2` and the same of the conjugate of e;
-    /// `-K r Im e` is `K r Re(j e)`.
+    /// Amplitudes of a pair: `K r Re e` along x and y gives `(Kx + j Ky) r e/2` and the same of the conjugate
+    /// of e; `-K r Im e` is `K r Re(j e)`.
     fn weigh(&mut self, place: usize, pose: &Pose, pair: Pair) {
         self.amplitudes.clear();
         for (node, &wave) in self.wakes[place].nodes().iter().zip(&self.waves_m) {
@@ -194,7 +195,8 @@ impl<T: Real> Map<T> {
         }
     }
 
-    /// A row of facets from the planes to the fields: in one go where the window is open, one by one under its edge.
+    /// A row of facets from the planes to the fields: in one go where the window is open, one by one under
+    /// its edge.
     fn collect_row(
         &self,
         place: usize,

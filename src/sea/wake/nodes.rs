@@ -1,20 +1,22 @@
 //! The waves of a ship as a finite sum.
 //!
-//! The height is `Re of the integral of A exp(-j k (x cos theta + y sin theta)) d theta`, `k = k0 sec^2 theta`,
-//! `k0 = g/V^2`, x astern, y to starboard. With `t = tan theta`, `d theta = dt/(1 + t^2)` and nodes uniform in t
-//! it is a sum of plane waves
+//! The height is `Re of the integral of A exp(-j k (x cos theta + y sin theta)) d theta`,
+//! `k = k0 sec^2 theta`, `k0 = g/V^2`, x astern, y to starboard. With `t = tan theta`,
+//! `d theta = dt/(1 + t^2)` and nodes uniform in t it is a sum of plane waves
 //!
-//! `a_n = A(t_n) W(k_n) dt/(1 + t_n^2)`, `kx = k0 sqrt(1 + t^2)`, `ky = k0 t sqrt(1 + t^2)`, `w = V kx = sqrt(g k)`.
+//! `a_n = A(t_n) W(k_n) dt/(1 + t_n^2)`, `kx = k0 sqrt(1 + t^2)`, `ky = k0 t sqrt(1 + t^2)`,
+//! `w = V kx = sqrt(g k)`.
 //!
-//! **Band limit.** Slopes of a wall-sided hull do not converge without one: `W(k) = exp(-(k/kc)^4)`, kc by default
-//! `0.7 pi/dx`. The sum ends at `k = 2.6 kc`, where W is 1e-20. What a map leaves out belongs to the small waves
-//! inside its facets.
+//! **Band limit.** Slopes of a wall-sided hull do not converge without one: `W(k) = exp(-(k/kc)^4)`, kc by
+//! default `0.7 pi/dx`. The sum ends at `k = 2.6 kc`, where W is 1e-20. What a map leaves out belongs to the
+//! small waves inside its facets.
 //!
-//! **Count.** The trapezoid rule is exact but for its aliases: nodes `h` apart also add what varies by `2 pi/h` per
-//! unit t. It is exact to rounding once the phase turns by less than a turn from node to node; here it turns by
-//! less than half of one wherever the wake is asked for (the length of the ship added to the reach, since bow and stern are
-//! where A's own phase comes from). For near places `h <= 1/6` resolves `1/(1 + t^2)`, which is
-//! singular at `t = +-j`: the rule's error there is `exp(-2 pi/h) = 4e-17`; at least 64 a side resolve W.
+//! **Count.** The trapezoid rule is exact but for its aliases: nodes `h` apart also add what varies by
+//! `2 pi/h` per unit t. It is exact to rounding once the phase turns by less than a turn from node to node;
+//! here it turns by less than half of one wherever the wake is asked for (the length of the ship added to the
+//! reach, since bow and stern are where A's own phase comes from). For near places `h <= 1/6` resolves
+//! `1/(1 + t^2)`, which is singular at `t = +-j`: the rule's error there is `exp(-2 pi/h) = 4e-17`; at least
+//! 64 a side resolve W.
 //!
 //! A is asked for `t >= 0` alone: a ship is symmetric port and starboard.
 //!

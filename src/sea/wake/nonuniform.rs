@@ -2,16 +2,17 @@
 //!
 //! `P(m, l) = sum over n of [c_n exp(j (a_n m + b_n l)) + d_n exp(-j (a_n m + b_n l))]`
 //!
-//! with m, l the place of a facet counted from the middle of the grid and `a_n, b_n` the phase steps from facet to facet, radians:
-//! two real fields at once when c and d are chosen so that P's real and imaginary parts are they. Each wave is spread
-//! over `w x w` cells of a wave-number grid finer by the factor [`OVERSAMPLING`] with the kernel
-//! `phi(x) = exp(beta (sqrt(1 - x^2) - 1))`, `x = 2 (cell - place)/w`, `beta = 0.97 pi (1 - 1/(2 s)) w`; then one FFT
-//! along each axis (columns that are not wanted are left out, and rows without waves: those of a ship lie on two curves), and division by the
-//! kernel's own transform. Source: Barnett, Magland and af Klinteberg, SIAM J. Sci. Comp. 41, C479 (2019).
+//! with m, l the place of a facet counted from the middle of the grid and `a_n, b_n` the phase steps from
+//! facet to facet, radians: two real fields at once when c and d are chosen so that P's real and imaginary
+//! parts are they. Each wave is spread over `w x w` cells of a wave-number grid finer by the factor
+//! [`OVERSAMPLING`] with the kernel `phi(x) = exp(beta (sqrt(1 - x^2) - 1))`, `x = 2 (cell - place)/w`,
+//! `beta = 0.97 pi (1 - 1/(2 s)) w`; then one FFT along each axis (columns that are not wanted are left out,
+//! and rows without waves: those of a ship lie on two curves), and division by the kernel's own transform.
+//! Source: Barnett, Magland and af Klinteberg, SIAM J. Sci. Comp. 41, C479 (2019).
 //!
 //! The largest error of any facet is below the one asked, relative to the root sum square of c and d: `w` is
-//! `(25 dB - error)/15 dB`, and each cell gains about [`DB_A_CELL`] dB, until rounding stops it: near -230 dB in f64;
-//! in f32 near -100 dB of the largest value on a map.
+//! `(25 dB - error)/15 dB`, and each cell gains about [`DB_A_CELL`] dB, until rounding stops it: near -230 dB
+//! in f64; in f32 near -100 dB of the largest value on a map.
 //!
 //! ```
 //! use nereus::sea::wake::nonuniform::NonUniform;
@@ -129,7 +130,8 @@ impl<T: Real> NonUniform<T> {
         })
     }
 
-    /// Where the waves are: phase steps along x and y, radians. No memory is taken up to the number of waves made for.
+    /// Where the waves are: phase steps along x and y, radians. No memory is taken up to the number of waves
+    /// made for.
     pub fn place(&mut self, steps_rad: &[[f64; 2]]) {
         if self.steps_rad == steps_rad {
             // A ship on a straight course.

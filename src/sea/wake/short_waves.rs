@@ -1,15 +1,18 @@
-//! The waves of a ship that a map leaves out, as a local spectrum: what a facet's Bragg scattering sees of them.
+//! The waves of a ship that a map leaves out, as a local spectrum: what a facet's Bragg scattering sees of
+//! them.
 //!
-//! A map holds waves up to its band limit W(k) ([`nodes`](super::nodes)). Shorter ones are inside its facets. A
-//! facet of side d tells places apart by `s = d/sqrt(12)` (the standard deviation of its square), and wave vectors
-//! by `1/(2 s)`, no better. So its local spectrum is the squared Fourier transform of what was left out under a Gaussian window of that
-//! size. Of free waves it is an integral over their directions, `t = tan theta`:
+//! A map holds waves up to its band limit W(k) ([`nodes`](super::nodes)). Shorter ones are inside its facets.
+//! A facet of side d tells places apart by `s = d/sqrt(12)` (the standard deviation of its square), and wave
+//! vectors by `1/(2 s)`, no better. So its local spectrum is the squared Fourier transform of what was left
+//! out under a Gaussian window of that size. Of free waves it is an integral over their directions,
+//! `t = tan theta`:
 //!
 //! `Psi(x, y; K) = (s^2/2 pi) [|Z(K)|^2 + |Z(-K)|^2]`,
 //! `Z(K) = int A sqrt(1 - W^2) exp(-j k0 sqrt(1 + t^2) (x + y t) - s^2 |K - K(t)|^2) dt/(1 + t^2)`,
 //!
-//! `K(t) = k0 sqrt(1 + t^2) (1, t)` ahead and to port. It is symmetrised and two-sided (`int int Psi dK` is the variance over a period), and
-//! by Parseval its integral over a cut across the wake is, at every distance, the energy left out,
+//! `K(t) = k0 sqrt(1 + t^2) (1, t)` ahead and to port. It is symmetrised and two-sided (`int int Psi dK` is
+//! the variance over a period), and by Parseval its integral over a cut across the wake is, at every
+//! distance, the energy left out,
 //!
 //! `int pi |A|^2 (1 - W^2) sqrt(1 + t^2)/[k0 (1 + t^2)^2 (1 + 2 t^2)] dt`.
 //!
@@ -21,20 +24,22 @@
 //! | K | rad/m | wave vector |
 //! | Psi | m^4 | spectrum |
 //!
-//! Little of the integral counts: t with K(t) near K, and whose rays pass near the facet, `|y| = c x`, `c = t/(1 + 2 t^2)`, from
-//! anywhere on the hull. So short waves lie near the track, those of one K on two thin lines (four, where bow and
-//! stern are reported apart).
+//! Little of the integral counts: t with K(t) near K, and whose rays pass near the facet, `|y| = c x`,
+//! `c = t/(1 + 2 t^2)`, from anywhere on the hull. So short waves lie near the track, those of one K on two
+//! thin lines (four, where bow and stern are reported apart).
 //!
-//! **What ends them.** Viscosity: an amplitude `exp(-2 nu K^2 a)`, `a = x/(V (1 - cos^2 theta/2))` the age of a ray from midship.
-//! Breaking: no spectrum is larger than that of a wave of steepness [`STEEPEST`], which thin-ship theory does not know: its slopes do not
-//! converge. Both can be set aside ([`Losses`]). Turbulence in the strip behind a stern damps them with the waves of the wind, as the
-//! [kind](crate::scattering::kind) of the facet has it.
+//! **What ends them.** Viscosity: an amplitude `exp(-2 nu K^2 a)`, `a = x/(V (1 - cos^2 theta/2))` the age of
+//! a ray from midship. Breaking: no spectrum is larger than that of a wave of steepness [`STEEPEST`], which
+//! thin-ship theory does not know: its slopes do not converge. Both can be set aside ([`Losses`]). Turbulence
+//! in the strip behind a stern damps them with the waves of the wind, as the [kind](crate::scattering::kind)
+//! of the facet has it.
 //!
-//! Source: rays of Kelvin waves in Munk, Scully-Power and Zachariasen, Proc. R. Soc. A 412, 231 (1987), who explain the bright
-//! narrow V of satellite images at L band by them. Limits: gravity waves (surface tension would add 7 % to the squared
-//! frequency at 100 rad/m and 29 % at 200 rad/m), far field, thin hulls: the short waves of a
-//! hull are those of its ends, where the theory is at its weakest, and the kinks of a table's panels have their part in them. The wave's own
-//! Doppler is not modelled, as for Bragg waves of the wind, nor do these waves add to the slopes of specular points.
+//! Source: rays of Kelvin waves in Munk, Scully-Power and Zachariasen, Proc. R. Soc. A 412, 231 (1987), who
+//! explain the bright narrow V of satellite images at L band by them. Limits: gravity waves (surface tension
+//! would add 7 % to the squared frequency at 100 rad/m and 29 % at 200 rad/m), far field, thin hulls: the
+//! short waves of a hull are those of its ends, where the theory is at its weakest, and the kinks of a
+//! table's panels have their part in them. The wave's own Doppler is not modelled, as for Bragg waves of the
+//! wind, nor do these waves add to the slopes of specular points.
 //!
 //! ```
 //! use nereus::sea::wake::{Course, Reach, Settings, ShortWaves, Wigley};
@@ -70,9 +75,9 @@ pub const STEEPEST: f64 = 0.443;
 pub const VISCOSITY_M2PS: f64 = 1.0e-6;
 /// Deviations of a wave vector that count: `exp(-18)` is 1.5e-8 of the power.
 const WAVE_REACH: f64 = 6.0;
-/// Distances of a place from a ray up to which waves count in full, and beyond which not at all, in deviations and in Fresnel widths;
-/// in between the integrand falls as a raised cosine, so that its end makes no waves. The transform of a Gaussian window has
-/// fallen to `exp(-12.5)` at 5 deviations.
+/// Distances of a place from a ray up to which waves count in full, and beyond which not at all, in
+/// deviations and in Fresnel widths; in between the integrand falls as a raised cosine, so that its end makes
+/// no waves. The transform of a Gaussian window has fallen to `exp(-12.5)` at 5 deviations.
 const PLACE_REACH: [[f64; 2]; 2] = [[5.0, 3.0], [9.0, 9.0]];
 /// Below this t rays lie so close that the integral is not shortened by them.
 const LEAST_SHORT: f64 = 1.5;
@@ -82,8 +87,8 @@ const STEEPEST_RAY: f64 = 0.353_553_390_593_273_8;
 const SLANT: f64 = 1.061;
 /// Steps of the integral: at least 12 deviations in 32, and a phase of one radian a step.
 const STEPS: [f64; 2] = [32.0, 2048.0];
-/// Phase of a wave from one end of the ship against midship, from node to node of the table, radians: linear interpolation loses
-/// an eighth of its square, 0.05 %.
+/// Phase of a wave from one end of the ship against midship, from node to node of the table, radians: linear
+/// interpolation loses an eighth of its square, 0.05 %.
 const STEP_RAD: f64 = 0.0625;
 /// Largest step in t, which resolves `1/(1 + t^2)`.
 const LARGEST_STEP: f64 = 1.0 / 16.0;
@@ -126,9 +131,9 @@ pub struct ShortWaves {
 }
 
 impl ShortWaves {
-    /// For a ship of a length, m, on the facets and under the band limit of its map (how far it reaches does not matter), for wave
-    /// vectors up to `shortest_radpm`. Without speed there are none; where the map shows no waves of the ship because
-    /// all are too short, all of them are here.
+    /// For a ship of a length, m, on the facets and under the band limit of its map (how far it reaches does
+    /// not matter), for wave vectors up to `shortest_radpm`. Without speed there are none; where the map
+    /// shows no waves of the ship because all are too short, all of them are here.
     ///
     /// # Errors
     /// As [`Wake::new`](super::Wake::new), and a `shortest_radpm` that is no wave number.
@@ -196,8 +201,8 @@ impl ShortWaves {
         self.amplitudes_m.is_empty()
     }
 
-    /// Their energy over a cut across the whole wake, half a squared amplitude times metres, m^3, before losses: the trapezoid of
-    /// the table.
+    /// Their energy over a cut across the whole wake, half a squared amplitude times metres, m^3, before
+    /// losses: the trapezoid of the table.
     pub fn energy_m3(&self) -> f64 {
         let last = self.amplitudes_m.len().saturating_sub(1);
         let energy = |(i, amplitude): (usize, &Complex64)| {
@@ -208,8 +213,8 @@ impl ShortWaves {
         TAU * self.step / self.k0_radpm * self.amplitudes_m.iter().enumerate().map(energy).sum::<f64>()
     }
 
-    /// Their spectrum, m^4, at a distance astern and to starboard of midship, m, for a wave vector ahead and to port,
-    /// rad/m. Zero where a window of a facet's size is over.
+    /// Their spectrum, m^4, at a distance astern and to starboard of midship, m, for a wave vector ahead and
+    /// to port, rad/m. Zero where a window of a facet's size is over.
     pub fn psi_m4(&self, [astern_m, starboard_m]: [f64; 2], [ahead_radpm, port_radpm]: [f64; 2]) -> f64 {
         // Numbers that are none are nowhere.
         if self.is_empty() || astern_m.is_nan() || astern_m <= -self.half_m || !starboard_m.is_finite() {
@@ -240,7 +245,8 @@ impl ShortWaves {
             .min(scale * steepest_m * steepest_m)
     }
 
-    /// Z of the waves that run to one side, at a place astern and to that side, for a wave vector ahead and to that side.
+    /// Z of the waves that run to one side, at a place astern and to that side, for a wave vector ahead and
+    /// to that side.
     fn transform(&self, [x_m, y_m]: [f64; 2], wave: [f64; 2], range: [f64; 2]) -> Complex64 {
         // Waves run ahead and to their own side.
         if wave.iter().any(|k| *k < -WAVE_REACH / (2.0 * self.place_m)) {
@@ -287,8 +293,9 @@ impl ShortWaves {
         sum * width
     }
 
-    /// How far from the rays of t waves reach, x astern, m: where they begin to be left out, and where all are. The Fresnel width is
-    /// the root of the rate at which rays of successive wave numbers part, `|dy/dky|` (of short waves; near the cusp a bound).
+    /// How far from the rays of t waves reach, x astern, m: where they begin to be left out, and where all
+    /// are. The Fresnel width is the root of the rate at which rays of successive wave numbers part,
+    /// `|dy/dky|` (of short waves; near the cusp a bound).
     fn reach_m(&self, x_m: f64, t: f64) -> [f64; 2] {
         let bend = 1.0 + 2.0 * t * t;
         let fresnel_m = (x_m.max(0.0) * t.hypot(1.0) / self.k0_radpm).sqrt() / bend;

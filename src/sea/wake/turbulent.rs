@@ -4,17 +4,19 @@
 //!
 //! `W(x) = w0 B (x/(x0 L))^(1/a)`, `w0 = 4`, `x0 = 4`, `a = 5` (4 to 5): four beams wide four lengths astern
 //!
-//! (Zilman, Zapolski and Marom, IEEE TGRS 42, 2335 (2004); B beam, L length of the ship). A facet is covered by the strip to the share
+//! (Zilman, Zapolski and Marom, IEEE TGRS 42, 2335 (2004); B beam, L length of the ship). A facet is covered
+//! by the strip to the share
 //!
 //! `q(x, y) = onset(x/B) edge(|y|/(W/2)) exp(-x/xd)`, `xd = 20 L` by default,
 //!
-//! `edge` a raised cosine from 1 to 0 over a tenth of W, centred on the outline `|y| = W/2`, and `onset` one from 0 to 1 over a beam behind
-//! the stern: by its law the strip is a beam wide after half a metre, and would come over a facet from one pulse to the next. What q does to the
-//! spectrum is [`kind::turbulent_wake`](crate::scattering::kind::turbulent_wake)'s affair; heights stay as they are.
+//! `edge` a raised cosine from 1 to 0 over a tenth of W, centred on the outline `|y| = W/2`, and `onset` one
+//! from 0 to 1 over a beam behind the stern: by its law the strip is a beam wide after half a metre, and
+//! would come over a facet from one pulse to the next. What q does to the spectrum is
+//! [`kind::turbulent_wake`](crate::scattering::kind::turbulent_wake)'s affair; heights stay as they are.
 //!
 //! Limits: W as full width is a reading of the source; the strip follows a straight course (see
-//! [`course`](super::course)); [`TurbulentStrip::join`] joins q of several ships as `1 - (1 - q1)(1 - q2)` (in the echo the
-//! strip that covers most of a facet decides).
+//! [`course`](super::course)); [`TurbulentStrip::join`] joins q of several ships as `1 - (1 - q1)(1 - q2)`
+//! (in the echo the strip that covers most of a facet decides).
 //!
 //! ```
 //! use nereus::sea::wake::TurbulentStrip;
@@ -89,7 +91,8 @@ impl TurbulentStrip {
         WIDTH_IN_BEAMS * self.beam_m * place.powf(self.exponent.recip())
     }
 
-    /// Distance from the course beyond which nothing is covered, m, at any distance astern of midship up to the given one, m.
+    /// Distance from the course beyond which nothing is covered, m, at any distance astern of midship up to
+    /// the given one, m.
     pub fn reach_aside_m(&self, astern_m: f64) -> f64 {
         0.5 * (1.0 + EDGE) * self.width_m(astern_m - 0.5 * self.length_m)
     }
@@ -109,7 +112,8 @@ impl TurbulentStrip {
         onset * (0.5 - 0.5 * (PI * across).sin()) * (-behind_m / self.decay_m).exp()
     }
 
-    /// Joins the cover of a ship at a time, s, to that of a patch's facets, stored as [`Grid::index`] has them.
+    /// Joins the cover of a ship at a time, s, to that of a patch's facets, stored as [`Grid::index`] has
+    /// them.
     pub fn join<T: Real>(
         &self,
         course: &Course,

@@ -6,9 +6,10 @@
 //!
 //! `w = 0` for `x <= -L/2`, `(1 + sin(pi x/L))/2` between, `1` for `x >= L/2`,
 //!
-//! which moves with the ship. A wake may also have an end ([`Window::fading`]): there the window falls from 1 to 0 as a
-//! raised cosine, far astern, where real waves are lost among others. All else follows from `w z` and `w D` by the product rule, the rate of the
-//! window included (`dx/dt = V` at a fixed place, `grad x = -f`):
+//! which moves with the ship. A wake may also have an end ([`Window::fading`]): there the window falls from 1
+//! to 0 as a raised cosine, far astern, where real waves are lost among others. All else follows from `w z`
+//! and `w D` by the product rule, the rate of the window included (`dx/dt = V` at a fixed place,
+//! `grad x = -f`):
 //!
 //! | field | value |
 //! | --- | --- |
@@ -80,7 +81,8 @@ impl Window {
         self.half_m
     }
 
-    /// The same with an end: waves fade from one distance astern of midship to another, m, both astern of the stern.
+    /// The same with an end: waves fade from one distance astern of midship to another, m, both astern of the
+    /// stern.
     pub fn fading(self, fade_m: Option<[f64; 2]>) -> Self {
         Self { fade_m, ..self }
     }

@@ -30,7 +30,8 @@ pub(super) fn value<T: H5Type>(place: &Location, name: &str) -> Result<T, Fault>
     Ok(place.attr(name)?.read_scalar()?)
 }
 
-/// The text in some bytes of a file. The library's own strings take whatever stands there for UTF-8, unchecked.
+/// The text in some bytes of a file. The library's own strings take whatever stands there for UTF-8,
+/// unchecked.
 pub(super) fn checked(bytes: &[u8], name: &str) -> Result<String, Fault> {
     let text = std::str::from_utf8(bytes);
     Ok(text.map_err(|error| Fault::Text(format!("{name} is not UTF-8 text: {error}")))?.to_owned())

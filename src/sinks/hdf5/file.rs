@@ -52,8 +52,8 @@ fn open(path: &Path) -> Result<File, Fault> {
     regular(path)?;
     match File::open(path) {
         Ok(file) => Ok(file),
-        // A run that goes on or was killed leaves the open-for-write flag; reading as SWMR accepts it. Nothing else is
-        // tried twice.
+        // A run that goes on or was killed leaves the open-for-write flag; reading as SWMR accepts it.
+        // Nothing else is tried twice.
         Err(plain) if is_marked(&plain) => File::with_options()
             .with_fapl(|fapl| fapl.metadata_read_attempts(READ_ATTEMPTS))
             .open_as(path, OpenMode::ReadSWMR)
@@ -160,11 +160,11 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
 }
 
 impl Recording {
-    /// Makes the file under the name of this process; readers may open it from now on. `after` is the last pulse of the
-    /// segment before it.
+    /// Makes the file under the name of this process; readers may open it from now on. `after` is the last
+    /// pulse of the segment before it.
     ///
-    /// It may get its own name then, complete up to its pulses: a kill meanwhile leaves no file of that name that nothing
-    /// can open.
+    /// It may get its own name then, complete up to its pulses: a kill meanwhile leaves no file of that name
+    /// that nothing can open.
     pub(crate) fn create(mut draft: Draft, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
         let file = File::with_options()
             .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
@@ -361,8 +361,8 @@ fn is_there(file: &File, column: &Column) -> bool {
     ends.into_iter().all(|end| file.link_exists(&column.path[..end]))
 }
 
-/// Times that metadata of a growing file is read again before it counts as damaged. The library waits 2^n ns after the
-/// n-th attempt: its own 100 would be for ever.
+/// Times that metadata of a growing file is read again before it counts as damaged. The library waits 2^n ns
+/// after the n-th attempt: its own 100 would be for ever.
 const READ_ATTEMPTS: u32 = 20;
 
 /// Length of a file that is one: reading a pipe or a device may never end.

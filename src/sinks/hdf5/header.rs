@@ -33,8 +33,8 @@ struct PairRecord {
     receiver: VarLenUnicode,
 }
 
-/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step. `after` is the last
-/// pulse of the segment before this file.
+/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step. `after` is the
+/// last pulse of the segment before this file.
 pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u64>) -> Result<(), Fault> {
     if let Some(after) = after {
         attribute(file, "after_pulse", &after)?;

@@ -1,20 +1,21 @@
 //! HDF5 recording, readable while it grows.
 //!
-//! Structure (format bounds 1.10, so any HDF5 from 1.10 on reads it): root attributes `format`,
-//! `version`, `carrier_hz`, `sample_rate_hz`, `bandwidth_hz`, `pulse_s`, `prf_hz`, `channels`,
-//! `origin_lat_deg`, `origin_lon_deg`, `origin_h_m` (absent for a plain local frame), `seed`, `config`,
-//! `software`, `start_time_ns` (emission of pulse 0), `first_pulse`, `pulses`; `/iq`, `/replica`, `/channel`,
-//! `/truth/targets`, `/truth/pairs`, `/truth/ships`, `/truth/clocks`, where reports may be changed `/truth/changes`
-//! (`pulse`, `time_ns`, `platform`, `text`, `source`: every change up to the last pulse), and the per-pulse datasets of [`super::columns`].
+//! Structure (format bounds 1.10, so any HDF5 from 1.10 on reads it): root attributes `format`, `version`,
+//! `carrier_hz`, `sample_rate_hz`, `bandwidth_hz`, `pulse_s`, `prf_hz`, `channels`, `origin_lat_deg`,
+//! `origin_lon_deg`, `origin_h_m` (absent for a plain local frame), `seed`, `config`, `software`,
+//! `start_time_ns` (emission of pulse 0), `first_pulse`, `pulses`; `/iq`, `/replica`, `/channel`,
+//! `/truth/targets`, `/truth/pairs`, `/truth/ships`, `/truth/clocks`, where reports may be changed
+//! `/truth/changes` (`pulse`, `time_ns`, `platform`, `text`, `source`: every change up to the last pulse),
+//! and the per-pulse datasets of [`super::columns`].
 //!
 //! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
 //! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
 //!
 //! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`; to look again, `refresh()`
-//! `/pulse/index`, take its length n, then `refresh()` the other datasets: their first n rows are complete. **After a kill** the file still
-//! has the open-for-write flag and a plain `"r"` is refused by the library: open it with
-//! `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than [`FLUSH_INTERVAL`]
-//! is in it, and all but the last 16 MiB. A finished file opens either way.
+//! `/pulse/index`, take its length n, then `refresh()` the other datasets: their first n rows are complete.
+//! **After a kill** the file still has the open-for-write flag and a plain `"r"` is refused by the library:
+//! open it with `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than
+//! [`FLUSH_INTERVAL`] is in it, and all but the last 16 MiB. A finished file opens either way.
 //!
 //! With `segment_s` the recording is cut by emission time after pulse 0: `name.h5` becomes
 //! `name_0000.h5`, `name_0001.h5`, …, each complete by itself.
@@ -100,7 +101,8 @@ pub(super) fn recognise(path: &Path) -> Option<Holding> {
     file::is_recording(path).then_some(Holding::File)
 }
 
-/// What has the name of a segment, with its number. That does not make it one: `rec_20180509.h5` may be any recording.
+/// What has the name of a segment, with its number. That does not make it one: `rec_20180509.h5` may be any
+/// recording.
 pub(super) fn named_as_segments(path: &Path) -> Vec<(u64, PathBuf)> {
     let stem = format!("{}_", path.file_stem().unwrap_or_default().to_string_lossy());
     let Ok(entries) = fs::read_dir(files::folder(path)) else { return Vec::new() };
@@ -117,8 +119,8 @@ pub(super) fn named_as_segments(path: &Path) -> Vec<(u64, PathBuf)> {
     found
 }
 
-/// Files of an earlier run that this output would replace: of segments the first, which every run makes, and those that
-/// were written after another.
+/// Files of an earlier run that this output would replace: of segments the first, which every run makes, and
+/// those that were written after another.
 fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
     if segment_s.is_none() {
         return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
@@ -136,7 +138,8 @@ fn segment_at(since_start_s: f64, segment_s: f64) -> u64 {
     ((since_start_s + 0.5e-9) / segment_s).floor().max(0.0) as u64
 }
 
-/// Looks at everything that has the name of a segment of this run, as far as its mean PRF says how many there will be.
+/// Looks at everything that has the name of a segment of this run, as far as its mean PRF says how many there
+/// will be.
 fn reached(path: &Path, segment_s: f64, force: bool, header: &Header) -> Result<(), SinkError> {
     if header.pulses == 0 {
         return Ok(());

@@ -1,7 +1,8 @@
 //! Whether a dataset can hold what it says it does.
 //!
-//! A damaged or forged header may announce any size. Nothing is allocated for a dataset before it is known that the file
-//! is long enough for it. What is stored elsewhere is not read at all: external files, virtual datasets.
+//! A damaged or forged header may announce any size. Nothing is allocated for a dataset before it is known
+//! that the file is long enough for it. What is stored elsewhere is not read at all: external files, virtual
+//! datasets.
 
 use ::hdf5::Dataset;
 use ::hdf5::dataset::Layout;
@@ -23,8 +24,8 @@ fn announced(dataset: &Dataset, rows: Option<usize>) -> Option<u64> {
     counts.chain([Some(element)]).try_fold(1_u64, |bytes, count| bytes.checked_mul(count?))
 }
 
-/// Refuses a dataset that a file of this length cannot hold, or that is not in the file. A run that ended early may leave
-/// columns with more rows than were written: only the first `rows` count then.
+/// Refuses a dataset that a file of this length cannot hold, or that is not in the file. A run that ended
+/// early may leave columns with more rows than were written: only the first `rows` count then.
 pub(super) fn check(dataset: &Dataset, rows: Option<usize>, file_bytes: u64) -> Result<(), Fault> {
     let name = dataset.name();
     let refuse = |why: String| Err(Fault::Text(format!("{} {why}", name.escape_debug())));

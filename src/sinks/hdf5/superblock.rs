@@ -1,10 +1,11 @@
 //! The superblock of a file whose writer ran out of room.
 //!
-//! Closing such a file, the library writes where the file was to end, beyond where it does, and later takes it for cut off:
-//! nothing of it can be read. All that `/pulse/index` counts was written before, so the true end is entered instead.
+//! Closing such a file, the library writes where the file was to end, beyond where it does, and later takes
+//! it for cut off: nothing of it can be read. All that `/pulse/index` counts was written before, so the true
+//! end is entered instead.
 //!
-//! HDF5 file format, superblock version 2 and 3: the address of the end at byte 28, the checksum (Jenkins' lookup3, 2006) of
-//! the first 44 bytes behind them.
+//! HDF5 file format, superblock version 2 and 3: the address of the end at byte 28, the checksum (Jenkins'
+//! lookup3, 2006) of the first 44 bytes behind them.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -14,8 +15,8 @@ const BYTES: usize = 48;
 const END: std::ops::Range<usize> = 28..36;
 const SUMMED: usize = 44;
 
-/// Enters the true end of a file that ends before its superblock says so. Nothing is written where another file has the
-/// name meanwhile.
+/// Enters the true end of a file that ends before its superblock says so. Nothing is written where another
+/// file has the name meanwhile.
 pub(super) fn enter_end(path: &Path, is_ours: impl FnOnce(&File) -> bool) -> io::Result<()> {
     let mut file = OpenOptions::new().read(true).write(true).open(path)?;
     if !is_ours(&file) {

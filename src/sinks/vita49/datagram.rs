@@ -35,7 +35,8 @@ impl Datagram {
         Self(Vec::with_capacity(bytes))
     }
 
-    /// Starts a packet: header, stream, class, time stamp (UTC and picoseconds). The size is filled in at the end.
+    /// Starts a packet: header, stream, class, time stamp (UTC and picoseconds). The size is filled in at the
+    /// end.
     pub(super) fn begin(&mut self, of: Type, stream: u32, count: u8, at: Stamp) -> &mut Self {
         self.0.clear();
         let kind = match of {
@@ -101,8 +102,8 @@ impl Datagram {
         self.i64((value_hz * f64::from(1 << 20)).round_ties_even() as i64)
     }
 
-    /// A signed fixed-point number of 32 bits, `point` of them below the point; what is not finite or does not
-    /// fit is unknown.
+    /// A signed fixed-point number of 32 bits, `point` of them below the point; what is not finite or does
+    /// not fit is unknown.
     pub(super) fn fixed(&mut self, value: f64, point: u32) -> &mut Self {
         const UNKNOWN: i32 = 0x7fff_ffff;
         let scaled = (value * f64::from(1u32 << point)).round_ties_even();

@@ -11,7 +11,8 @@ use crate::sinks::sink::SinkError;
 
 /// Send buffer that is asked for, bytes: the system may give less.
 const SEND_BUFFER: usize = 1 << 20;
-/// How long one datagram may wait for room in the send buffer. After a wait in vain none waits until one went out.
+/// How long one datagram may wait for room in the send buffer. After a wait in vain none waits until one went
+/// out.
 const PATIENCE: Duration = Duration::from_millis(20);
 /// What IP and UDP add to a datagram at least, bytes.
 const IPV4_UDP: usize = 28;

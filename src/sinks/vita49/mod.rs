@@ -2,12 +2,13 @@
 //!
 //! A pulse is sent as, in this order,
 //!
-//! 1. for each platform the standard ECEF ephemeris of its *reported* state (context packet, where the scene lies
-//!    somewhere on Earth) and the same state in f64 with what else is known of the pulse (extension context);
+//! 1. for each platform the standard ECEF ephemeris of its *reported* state (context packet, where the scene
+//!    lies somewhere on Earth) and the same state in f64 with what else is known of the pulse (extension
+//!    context);
 //! 2. for each channel its samples, split over as many signal packets as the MTU asks for.
 //!
-//! Before the first pulse, and once every second of emission time, a description of the run, the platforms and the
-//! channels is sent, and the standard context of every channel. All bytes are in `docs/wire.md`.
+//! Before the first pulse, and once every second of emission time, a description of the run, the platforms
+//! and the channels is sent, and the standard context of every channel. All bytes are in `docs/wire.md`.
 //!
 //! **Time.** The stamp of a signal packet is that of its first sample,
 //!
@@ -15,11 +16,11 @@
 //! t = emission + window_start + n / fs
 //! ```
 //!
-//! in UTC seconds and picoseconds, n counted from the start of the window (samples), fs the sample rate (Hz). It is
-//! rounded once, to the nearest picosecond. Other packets bear the emission time.
+//! in UTC seconds and picoseconds, n counted from the start of the window (samples), fs the sample rate (Hz).
+//! It is rounded once, to the nearest picosecond. Other packets bear the emission time.
 //!
-//! **Loss** shows in the packet counts (modulo 16, one for each stream and packet type), in the time stamps, in the
-//! sample frame of the trailer (first, middle, last packet of a pulse), and in the index of the pulse.
+//! **Loss** shows in the packet counts (modulo 16, one for each stream and packet type), in the time stamps,
+//! in the sample frame of the trailer (first, middle, last packet of a pulse), and in the index of the pulse.
 //!
 //! Sending waits 20 ms at most for room in the socket's buffer. What the system refuses is counted
 //! ([`WireReport`]) and the stream goes on: a receiver that is absent or late costs its own datagrams only.

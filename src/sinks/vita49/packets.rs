@@ -150,7 +150,8 @@ pub(super) fn channel_description<'a>(
     datagram.end()
 }
 
-/// Texts of a channel's description. The bases are an addition: receivers that do not know them read what stands before.
+/// Texts of a channel's description. The bases are an addition: receivers that do not know them read what
+/// stands before.
 fn channel_texts(row: &ChannelRow) -> [&String; 6] {
     let ChannelRow { name, transmitter, receiver, polarisations, transmit_basis, receive_basis } = row;
     [name, transmitter, receiver, polarisations, transmit_basis, receive_basis]

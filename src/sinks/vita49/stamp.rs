@@ -1,8 +1,8 @@
 //! Time stamps of the wire: whole UTC seconds and picoseconds, rounded once.
 //!
 //! A stamp is `emission + window_start + n / fs`. Whole seconds stay integers; the parts below a second are
-//! added in units of 2^-64 s (5.4e-20 s), in which an f64 below a second is exact to that unit, and `n / fs` is divided
-//! as integers. The one rounding that matters is the last, to the nearest picosecond.
+//! added in units of 2^-64 s (5.4e-20 s), in which an f64 below a second is exact to that unit, and `n / fs`
+//! is divided as integers. The one rounding that matters is the last, to the nearest picosecond.
 
 use crate::time::TimeTag;
 

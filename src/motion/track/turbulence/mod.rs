@@ -7,7 +7,8 @@
 //! H_v, H_w = s sqrt(T) (1 + sqrt(3) T s) / (1 + T s)^2 ,    T = L / V
 //! ```
 //!
-//! has variance `s^2` exactly. Lengths `L` and strengths `s` by height above the sea `h` (ft; at least 10) and wind at 20 ft `W20`:
+//! has variance `s^2` exactly. Lengths `L` and strengths `s` by height above the sea `h` (ft; at least 10)
+//! and wind at 20 ft `W20`:
 //!
 //! | h | L_w | L_u, L_v | s_w | s_u, s_v |
 //! | --- | --- | --- | --- | --- |
@@ -17,17 +18,21 @@
 //! linear in between, and linear in W20 between and beyond those three.
 //!
 //! The aircraft follows each gust `g` through a low pass of second order with damping 0.7,
-//! `y'' = w_c^2 (g - y) - 1.4 w_c y'`: its velocity is `k_v y`, and a stable aircraft turns its nose into the wind: pitch `-k_a y_w / V`, heading
-//! `-k_a y_v / V`, roll `+k_a y_v / V` (the windward wing rises). Its position is the integral of its velocity; with a track hold of `T_h` the velocity is
-//! `k_v (y - h)`, `h' = (y - h)/T_h`, so the position is `k_v T_h h` and stays bounded. Without one the position at pulse 0 is on the track.
+//! `y'' = w_c^2 (g - y) - 1.4 w_c y'`: its velocity is `k_v y`, and a stable aircraft turns its nose into the
+//! wind: pitch `-k_a y_w / V`, heading `-k_a y_v / V`, roll `+k_a y_v / V` (the windward wing rises). Its
+//! position is the integral of its velocity; with a track hold of `T_h` the velocity is `k_v (y - h)`,
+//! `h' = (y - h)/T_h`, so the position is `k_v T_h h` and stays bounded. Without one the position at pulse 0
+//! is on the track.
 //!
-//! Gust, answer and position of an axis are one linear system `x' = A x + b n`, stepped without error for every step:
-//! `x_(k+1) = e^(A dt) x_k + c`, the covariance of `c` being `integral of e^(A t) b b^T e^(A^T t)` over a step (Van Loan, IEEE Trans. Automatic Control 23
-//! (1978) 395). It starts with its stationary covariance, 128 s before pulse 0. Steps are a twentieth of the shortest `T` and of the period of the cut-off. Each
-//! step gives position, velocity and acceleration, through which quintics run: C2, a function of time alone.
+//! Gust, answer and position of an axis are one linear system `x' = A x + b n`, stepped without error for
+//! every step: `x_(k+1) = e^(A dt) x_k + c`, the covariance of `c` being
+//! `integral of e^(A t) b b^T e^(A^T t)` over a step (Van Loan, IEEE Trans. Automatic Control 23 (1978) 395).
+//! It starts with its stationary covariance, 128 s before pulse 0. Steps are a twentieth of the shortest `T`
+//! and of the period of the cut-off. Each step gives position, velocity and acceleration, through which
+//! quintics run: C2, a function of time alone.
 //!
-//! Limits: height, airspeed and strength are those of pulse 0 (or given) for the whole run; axes are independent; no rolling gusts; the gain model
-//! stands for an aircraft, not for a certain one.
+//! Limits: height, airspeed and strength are those of pulse 0 (or given) for the whole run; axes are
+//! independent; no rolling gusts; the gain model stands for an aircraft, not for a certain one.
 //!
 //! ```
 //! use nereus::motion::track::turbulence::{strength, FOOT_M};
@@ -208,8 +213,8 @@ impl Course {
         Self { ahead, starboard: DVec3::new(ahead.y, -ahead.x, 0.0), rate }
     }
 
-    /// East, North, up with derivatives, from the same along the track, to starboard, up. A change of the rate of turn
-    /// is left out of the second derivative.
+    /// East, North, up with derivatives, from the same along the track, to starboard, up. A change of the
+    /// rate of turn is left out of the second derivative.
     fn jets(&self, p: DVec3, v: DVec3, a: DVec3) -> [[f64; 3]; 3] {
         let enu = |d: DVec3| self.ahead * d.x + self.starboard * d.y + DVec3::Z * d.z;
         let turned = |d: DVec3| DVec3::Z.cross(d) * self.rate;

@@ -196,7 +196,8 @@ fn exponential(a: &Matrix, order: usize) -> Matrix {
     sum
 }
 
-/// Covariance of what a step adds, by the exponential of `[[-A, b b^T], [0, A^T]]`: its upper right block is `e^(-A dt)` times it.
+/// Covariance of what a step adds, by the exponential of `[[-A, b b^T], [0, A^T]]`: its upper right block is
+/// `e^(-A dt)` times it.
 fn of_step(a: &Matrix, b: &[f64; MOST], step_s: f64, order: usize, step: &Matrix) -> Matrix {
     let mut both = [[0.0; 2 * MOST]; 2 * MOST];
     for i in 0..order {
