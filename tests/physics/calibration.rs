@@ -286,7 +286,7 @@ fn the_page_says_what_the_run_makes() {
     near(tone[0][0].arg().to_degrees(), row("phase of the first sample of pulse 0")[0], 1e-3);
     near(degrees(tone[0][1], tone[0][0]), row("from sample to sample")[0], 1e-4);
     near(degrees(tone[1][0], tone[0][0]), row("from pulse to pulse")[0], 1e-3);
-    near(degrees(tone[2][0], tone[0][0]), row("first sample of pulse 1000 less that of pulse 0")[0], 1e-3);
+    near(degrees(tone[2][0], tone[0][0]), row("first sample of pulse 1000 minus that of pulse 0")[0], 1e-3);
     let loopback = channel(&made[0], 2);
     let (off_s, turns, amplitude) = fitted(&loopback, &run);
     let delay = row("delay of the compressed pulse after the first sample");
