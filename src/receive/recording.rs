@@ -12,7 +12,6 @@ use std::thread;
 
 use crossbeam_channel::{Receiver as Inbox, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use crate::files::FileFault;
 use crate::pulse::Pulse;
 use crate::sinks;
 use crate::sinks::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError};
@@ -193,38 +192,27 @@ impl Recordings {
         self.end_one(false);
         let own: Vec<PathBuf> = self.closed.iter().flat_map(|closed| &closed.report.files).cloned().collect();
         self.older.retain(|old| own.iter().all(|own| own.file_name() != old.file_name()));
-        let last = self.closed.pop().map(|last| sinks::with_surplus(last, self.older));
+        if let Some(last) = self.closed.pop() {
+            self.closed.push(sinks::with_surplus(last, self.older));
+        }
         let places = went_well && self.fault.is_none();
         let mut recorded = Recorded { pulses: self.readable, fault: self.fault, ..Recorded::default() };
         for closed in self.closed {
-            recorded.add(closed, places, true);
-        }
-        if let Some(last) = last {
-            recorded.add(last, places, false);
+            recorded.add(closed, places);
         }
         recorded
     }
 }
 
 impl Recorded {
-    /// Puts a recording in its place, or leaves it where it is. A part that is over may be gone: another
-    /// program may move it on while the next is received.
-    fn add(&mut self, closed: Closed, places: bool, may_be_gone: bool) {
-        let names = closed.report.files.clone();
+    /// Puts a recording in its place, or leaves it where it is.
+    fn add(&mut self, closed: Closed, places: bool) {
         let report = if places {
             // Older recordings are removed only if all of these are in their places.
-            match closed.place(self.fault.is_none()) {
-                Ok(report) => report,
-                Err(unplaced) => {
-                    let mut report = unplaced.report;
-                    if may_be_gone && is_gone(&unplaced.error, &names) {
-                        report.gone = names;
-                    } else {
-                        self.fail(unplaced.error);
-                    }
-                    report
-                }
-            }
+            closed.place(self.fault.is_none()).unwrap_or_else(|unplaced| {
+                self.fail(unplaced.error);
+                unplaced.report
+            })
         } else {
             closed.keep()
         };
@@ -244,9 +232,4 @@ impl Recorded {
             None => self.fault = Some(error),
         }
     }
-}
-
-/// Whether a recording that had its own name is no longer there.
-fn is_gone(error: &SinkError, names: &[PathBuf]) -> bool {
-    matches!(error, SinkError::Lost(FileFault::Removed { path }) if names.contains(path))
 }

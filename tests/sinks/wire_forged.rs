@@ -1,16 +1,12 @@
 //! Single forged datagrams: what they cost a reception.
 
-use std::net::UdpSocket;
-use std::sync::atomic::AtomicBool;
-use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use nereus::pulse::SampleFormat;
 use nereus::receive::Receiver;
-use nereus::receive::listener::{Listener, Until};
 
 use crate::wire_fixture::{datagrams, kind, word};
-use crate::wire_hostile::{DESCRIPTIONS, later, near, received, restamped, run, states, wide};
+use crate::wire_hostile::{DESCRIPTIONS, later, near, received, restamped, run, states, until_idle, wide};
 
 /// Before: the pulse that such a state opened took the middle packets of the true one, of which none was
 /// whole.
@@ -75,28 +71,7 @@ fn stray_samples_do_not_keep_a_reception_from_its_end() {
     // More samples than a pulse of the run has, with a packet count that none of the run had.
     let (others, _) = datagrams(&wide(SampleFormat::Ci16), 1500, 0, 5);
     let stray = others.iter().rfind(|datagram| kind(datagram) == 1).unwrap();
-    let listener = Listener::bind("127.0.0.1:0").unwrap();
-    let to = listener.address();
-    let receiving = thread::spawn(move || {
-        let until = Until {
-            idle: Some(Duration::from_millis(500)),
-            duration: Some(Duration::from_secs(6)),
-            pulses: None,
-        };
-        let begun = Instant::now();
-        let report = listener.receive(until, &AtomicBool::new(false), None, |_| {}).unwrap();
-        (report, begun.elapsed())
-    });
-    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-    for datagram in &all {
-        socket.send_to(datagram, to).unwrap();
-    }
-    while !receiving.is_finished() {
-        // The listener may just have ended.
-        let _ = socket.send_to(stray, to);
-        thread::sleep(Duration::from_millis(100));
-    }
-    let (report, took) = receiving.join().unwrap();
+    let (report, took) = until_idle(&all, stray, 6);
     assert_eq!(report.pulses, 5);
     assert!(report.stray > 0 && took < Duration::from_secs(5), "{took:?}");
 }

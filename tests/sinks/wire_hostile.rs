@@ -472,17 +472,15 @@ fn pulses_that_lie_a_little_ahead_cost_none() {
     }
 }
 
-/// Before: any datagram, whatever it was, put off the end that `--idle-s` asks for.
-#[test]
-fn nonsense_does_not_keep_a_reception_from_its_end() {
-    let header = run(SampleFormat::Ci16);
-    let (all, _) = datagrams(&header, 1500, 0, 5);
+/// Receives datagrams until nothing of the run has come for half a second, while one more comes again and again; and how
+/// long that took.
+pub fn until_idle(all: &[Vec<u8>], again: &[u8], most_s: u64) -> (Report, Duration) {
     let listener = Listener::bind("127.0.0.1:0").unwrap();
     let to = listener.address();
     let receiving = thread::spawn(move || {
         let until = Until {
             idle: Some(Duration::from_millis(500)),
-            duration: Some(Duration::from_secs(10)),
+            duration: Some(Duration::from_secs(most_s)),
             pulses: None,
         };
         let begun = Instant::now();
@@ -490,15 +488,22 @@ fn nonsense_does_not_keep_a_reception_from_its_end() {
         (report, begun.elapsed())
     });
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-    for datagram in &all {
+    for datagram in all {
         socket.send_to(datagram, to).unwrap();
     }
     while !receiving.is_finished() {
         // The listener may just have ended.
-        let _ = socket.send_to(b"no packet", to);
+        let _ = socket.send_to(again, to);
         thread::sleep(Duration::from_millis(100));
     }
-    let (report, took) = receiving.join().unwrap();
+    receiving.join().unwrap()
+}
+
+/// Before: any datagram, whatever it was, put off the end that `--idle-s` asks for.
+#[test]
+fn nonsense_does_not_keep_a_reception_from_its_end() {
+    let (all, _) = datagrams(&run(SampleFormat::Ci16), 1500, 0, 5);
+    let (report, took) = until_idle(&all, b"no packet", 10);
     assert_eq!(report.pulses, 5);
     assert!(report.malformed > 0 && took < Duration::from_secs(8), "{took:?}");
 }
