@@ -127,20 +127,15 @@ impl Echoes<'_> {
             None => Doppler::Taylor,
         });
         let widths = kernel_width.map_or(WIDTHS, |width| width..=width);
-        let last = *widths.end();
-        let mut found = None;
-        for width in widths {
+        let mut width = *widths.start();
+        loop {
             let settings = Settings { width, doppler, variant, ..Settings::default() };
             let (error, fft_len) = self.error(sampler, settings, budget.precision)?;
-            let enough = error.gridding <= OF_GRIDDING * budget.power;
-            found = Some((settings, error, fft_len));
-            if enough || width == last {
-                break;
+            if error.gridding <= OF_GRIDDING * budget.power || width >= *widths.end() {
+                return Ok((settings, error, fft_len));
             }
+            width += 1;
         }
-        let none =
-            || (Settings { width: last, doppler, variant, ..Settings::default() }, Default::default(), 0);
-        Ok(found.unwrap_or_else(none))
     }
 
     /// Gridding and rounding, the worst pair, and the samples of a transform.
