@@ -299,7 +299,7 @@ mod tests {
             let n = echo.fft_len();
             let mut out = vec![Complex64::ZERO; n];
             let coverage = echo.spectrum(&paths, start_s, &mut out);
-            rustfft::FftPlanner::new().plan_fft_inverse(n).process(&mut out);
+            nereus_fft::inverse(n).process(&mut out);
             out.truncate(window);
             (out.iter().map(|s| s * 100e6 / n as f64).collect::<Vec<_>>(), coverage)
         };

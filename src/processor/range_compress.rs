@@ -32,8 +32,8 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+use nereus_fft::Fft;
 use num_complex::{Complex32, Complex64};
-use rustfft::{Fft, FftPlanner};
 
 use super::taper::Taper;
 
@@ -159,8 +159,8 @@ impl Compressor {
             taper,
             oversampling,
             len,
-            forward: FftPlanner::new().plan_fft_forward(len),
-            inverse: FftPlanner::new().plan_fft_inverse(len * oversampling),
+            forward: nereus_fft::forward(len),
+            inverse: nereus_fft::inverse(len * oversampling),
             replica,
         };
         // Once, without Doppler: that moves the pulse under the taper by f_D/B and the level by less, 2.5e-4

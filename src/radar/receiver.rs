@@ -25,9 +25,9 @@
 
 use std::sync::Arc;
 
+use nereus_fft::Fft;
 use num_complex::{Complex32, Complex64};
 use rand_distr::{Distribution, StandardNormal};
-use rustfft::{Fft, FftPlanner};
 
 use super::clock::ChannelClock;
 use super::filter::{ReceiveFilter, bin_frequency_hz};
@@ -103,7 +103,7 @@ impl Receiver {
             noise_variance_w: per_hz.unwrap_or(0.0) * filter.noise_bandwidth_hz(),
             noise_bins,
             adc: radar.adc,
-            transform: FftPlanner::new().plan_fft_inverse(fft_len),
+            transform: nereus_fft::inverse(fft_len),
         }
     }
 
@@ -299,7 +299,7 @@ impl Receiver {
                 if response == 0.0 { Complex64::ZERO } else { waveform.spectrum(f_hz) * response }
             })
             .collect();
-        FftPlanner::new().plan_fft_inverse(period).process(&mut bins);
+        nereus_fft::inverse(period).process(&mut bins);
         let scale = fs / period as f64;
         bins.iter().take(len).map(|q| Complex32::new((q.re * scale) as f32, (q.im * scale) as f32)).collect()
     }

@@ -1,7 +1,6 @@
 //! An independent matched filter: correlates samples with the recorded replica at any real delay.
 
 use num_complex::{Complex32, Complex64};
-use rustfft::FftPlanner;
 
 /// What a matched filter measures of one echo.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +18,7 @@ pub fn peak(samples: &[Complex32], replica: &[Complex32], rate_hz: f64, doppler_
     let padded = |x: &mut dyn Iterator<Item = Complex64>| {
         let mut v: Vec<Complex64> = x.collect();
         v.resize(len, Complex64::ZERO);
-        FftPlanner::new().plan_fft_forward(len).process(&mut v);
+        nereus_fft::forward(len).process(&mut v);
         v
     };
     let s = padded(&mut samples.iter().map(|z| Complex64::new(z.re.into(), z.im.into())));

@@ -12,7 +12,6 @@ use nereus::radar::waveform::Lfm;
 use nereus::scene::radar::Sweep;
 use nereus::units::Decibels;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 use serde::Deserialize;
 
 const C_MPS: f64 = 299_792_458.0;
@@ -129,7 +128,7 @@ fn spectrum_matches_reference_b_in_every_row() {
     let (scene, pulse) = scene_and_pulse();
     let echo = ReferenceEcho::with_period(Arc::new(pulse), scene.f0, scene.fs, scene.N, vec![0], scene.N)
         .neglect_intra_pulse_doppler();
-    let inverse = FftPlanner::new().plan_fft_inverse(scene.N);
+    let inverse = nereus_fft::inverse(scene.N);
     let mut worst = (0.0f64, 0.0f64);
     let mut out = vec![Complex64::ZERO; scene.N];
     for (index, theirs) in pulses("echo_refB_filtered.csv", scene.N) {

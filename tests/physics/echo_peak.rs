@@ -16,7 +16,6 @@ use nereus::radar::receiver::Receiver;
 use nereus::radar::waveform::{Lfm, Sampled, Waveform};
 use nereus::scene::radar::Sweep;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 use crate::receiver_noise::{cf32, radar, slot};
 
@@ -59,17 +58,16 @@ fn received(case: &Case, waveform: &Arc<dyn Waveform>) -> (Receiver, Vec<Complex
 fn compress(fs_hz: f64, samples: &[Complex64], replica: &[Complex64]) -> Peak {
     let m = (samples.len() + replica.len()).next_power_of_two();
     let energy: f64 = replica.iter().map(Complex64::norm_sqr).sum();
-    let mut planner = FftPlanner::new();
-    let transform = |x: &[Complex64], planner: &mut FftPlanner<f64>| {
+    let transform = |x: &[Complex64]| {
         let mut bins = x.to_vec();
         bins.resize(m, Complex64::ZERO);
-        planner.plan_fft_forward(m).process(&mut bins);
+        nereus_fft::forward(m).process(&mut bins);
         bins
     };
-    let (s, q) = (transform(samples, &mut planner), transform(replica, &mut planner));
+    let (s, q) = (transform(samples), transform(replica));
     let product: Vec<Complex64> = s.iter().zip(&q).map(|(s, q)| s * q.conj() / (energy * m as f64)).collect();
     let mut coarse = product.clone();
-    planner.plan_fft_inverse(m).process(&mut coarse);
+    nereus_fft::inverse(m).process(&mut coarse);
     let top = (0..samples.len()).max_by(|a, b| coarse[*a].norm().total_cmp(&coarse[*b].norm())).unwrap();
     let at = |lag: f64| -> Complex64 {
         let terms = product.iter().enumerate();
@@ -103,7 +101,7 @@ fn matched(waveform: &dyn Waveform, fs_hz: f64, rate: f64, lead: usize) -> Vec<C
             pulse * filter.response(f_hz) * delay * fs_hz / period as f64
         })
         .collect();
-    FftPlanner::new().plan_fft_inverse(period).process(&mut q);
+    nereus_fft::inverse(period).process(&mut q);
     q.truncate(waveform.span_samples(fs_hz) + 2 * lead);
     q
 }

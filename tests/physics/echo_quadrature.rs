@@ -10,7 +10,6 @@ use nereus::radar::filter::ReceiveFilter;
 use nereus::radar::waveform::{Lfm, Waveform};
 use nereus::scene::radar::Sweep;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 use crate::quadrature::unit_interval;
 
@@ -42,7 +41,7 @@ fn reference(echo: &ReferenceEcho, paths: &ScattererPaths) -> Vec<Complex64> {
     let n = echo.fft_len();
     let mut out = vec![Complex64::ZERO; n];
     echo.spectrum(paths, START_S, &mut out);
-    FftPlanner::new().plan_fft_inverse(n).process(&mut out);
+    nereus_fft::inverse(n).process(&mut out);
     out.iter().take(WINDOW).map(|s| s * FS_HZ / n as f64).collect()
 }
 
@@ -166,15 +165,14 @@ fn reference_is_the_low_passed_oversampled_pulse() {
         let paths = paths(echoes);
         let mut fine = vec![Complex64::ZERO; n * FINE];
         raw_samples(pulse.as_ref(), F0_HZ, FS_HZ * FINE as f64, START_S, &paths, 0, 0, &mut fine);
-        let mut planner = FftPlanner::new();
-        planner.plan_fft_forward(n * FINE).process(&mut fine);
+        nereus_fft::forward(n * FINE).process(&mut fine);
         let mut coarse = vec![Complex64::ZERO; n];
         for (k, bin) in coarse.iter_mut().enumerate() {
             let signed = if 2 * k < n { k as f64 } else { k as f64 - n as f64 };
             let from = if 2 * k < n { k } else { n * FINE - (n - k) };
             *bin = fine[from] * filter.response(signed * FS_HZ / n as f64) / (n * FINE) as f64;
         }
-        planner.plan_fft_inverse(n).process(&mut coarse);
+        nereus_fft::inverse(n).process(&mut coarse);
         let error = relative_rms(&reference(&echo, &paths), &coarse[..WINDOW]);
         println!("rate {rate:e}: oversampled reference A differs by {:.1} dB", 20.0 * error.log10());
         assert!(error <= bound, "{rate}: {error} > {bound}");
@@ -298,7 +296,7 @@ fn envelope_is_stretched_with_its_carrier() {
         let n = echo.fft_len();
         let mut ours = vec![Complex64::ZERO; n];
         echo.spectrum(&paths(&one), START_S, &mut ours);
-        FftPlanner::new().plan_fft_inverse(n).process(&mut ours);
+        nereus_fft::inverse(n).process(&mut ours);
         // Half a turn of pulse, Doppler and filter in a panel.
         let turns = (0.5 * (b_hz + fs_hz) + f0_hz * rate.abs()) * tc_s;
         let panels = (2.0 * turns).ceil() as usize + 8;
@@ -348,6 +346,6 @@ fn rigid_samples(case: &Stretched, one: &Echo, n: usize) -> Vec<Complex64> {
                 / n as f64
         })
         .collect();
-    FftPlanner::new().plan_fft_inverse(n).process(&mut out);
+    nereus_fft::inverse(n).process(&mut out);
     out
 }

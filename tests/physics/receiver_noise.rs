@@ -8,7 +8,6 @@ use nereus::scene::Radar;
 use nereus::scene::radar::{Adc, Gate, Sweep, TxPolarisation, Waveform, Window};
 use nereus::time::PulseTimes;
 use num_complex::{Complex32, Complex64};
-use rustfft::FftPlanner;
 
 pub const FS_HZ: f64 = 100e6;
 
@@ -91,7 +90,7 @@ fn noise_is_white_before_the_filter_and_circular() {
     let (n, trials) = (128, 4000);
     let receiver = Receiver::new(&radar(n, Some(3.0), None), 5, n, 1);
     let filter = ReceiveFilter::new(FS_HZ);
-    let forward = FftPlanner::new().plan_fft_forward(n);
+    let forward = nereus_fft::forward(n);
     let mut power = vec![0.0; n];
     let (mut second, mut fourth, mut pseudo, mut count) = (0.0, 0.0, Complex64::ZERO, 0.0);
     for index in 0..trials {

@@ -9,7 +9,6 @@ use nereus::sea::surface::{Fields, Selection};
 use nereus::sea::wake::nodes::Band;
 use nereus::sea::wake::{Course, Map, Reach, Settings, Upstream, Wake, Wigley};
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 use crate::wake_map::{SHIP, all, map_of, wake};
 
@@ -87,7 +86,7 @@ fn resistance_by_cut_n(speed_mps: f64, height_m: &[f64], slope_astern: &[f64], d
     let n = height_m.len();
     let transform = |field: &[f64]| {
         let mut values: Vec<Complex64> = field.iter().map(|&v| Complex64::new(v, 0.0)).collect();
-        FftPlanner::new().plan_fft_forward(n).process(&mut values);
+        nereus_fft::forward(n).process(&mut values);
         values
     };
     let (height, slope) = (transform(height_m), transform(slope_astern));

@@ -81,8 +81,8 @@ mod variant;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use nereus_fft::Fft;
 use num_complex::{Complex, Complex64};
-use rustfft::{Fft, FftPlanner};
 use thiserror::Error;
 
 use self::block::{BlockPaths, Frame};
@@ -343,7 +343,7 @@ impl<T: Scalar> Synth<T> {
             shape,
             bodies,
             bins,
-            transform: FftPlanner::new().plan_fft_forward(period),
+            transform: nereus_fft::forward(period),
         })
     }
 

@@ -14,8 +14,6 @@
 //! `t^2` (errors 6.6e-9 and 4.7e-8), then `cos(2 pi t) = 1 - 2 s^2`, `sin(2 pi t) = 2 s c`. In f64:
 //! [`phasor`].
 
-use rustfft::FftNum;
-
 use super::Precision;
 use crate::radar::phasor::phasor;
 use crate::units::{COSINE_OF_HALF_TURNS, SINE_OF_HALF_TURNS};
@@ -32,7 +30,7 @@ mod sealed {
 }
 
 /// A floating-point type in which the fast echo is made.
-pub trait Scalar: FftNum + Default + Into<f64> + sealed::Sealed {
+pub trait Scalar: nereus_fft::Precision + Default + Into<f64> + sealed::Sealed {
     /// Which it is.
     const PRECISION: Precision;
     /// A phase modulo one turn.

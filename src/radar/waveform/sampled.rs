@@ -20,7 +20,6 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 use super::{SampleFault, SampleFaults, Waveform, WaveformError};
 use crate::inputs;
@@ -81,7 +80,7 @@ impl Sampled {
         let cells = (OVERSAMPLING * len).next_multiple_of(2);
         let mut spectrum = samples.clone();
         spectrum.resize(cells, Complex64::ZERO);
-        FftPlanner::new().plan_fft_forward(cells).process(&mut spectrum);
+        nereus_fft::forward(cells).process(&mut spectrum);
         let margin = (POINTS / 2) as i64;
         let half = (cells / 2) as i64;
         let table: Vec<Complex64> = (-half - margin..=half + margin)

@@ -14,7 +14,6 @@
 use std::fmt::Debug;
 
 use num_complex::Complex;
-use rustfft::FftNum;
 
 use super::Grid;
 
@@ -25,7 +24,7 @@ mod sealed {
 }
 
 /// Number format of fields: f32 or f64.
-pub trait Real: FftNum + Default + Debug + sealed::Sealed {
+pub trait Real: nereus_fft::Precision + Default + Debug + sealed::Sealed {
     /// Rounded from f64.
     fn round_from(value: f64) -> Self;
     /// Exact in f64.

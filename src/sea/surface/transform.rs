@@ -23,8 +23,8 @@
 
 use std::sync::Arc;
 
+use nereus_fft::Fft;
 use num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
 use super::fields::Real;
 use super::{Phasors, Surface};
@@ -87,9 +87,8 @@ impl<T: Real> Transform<T> {
         let grid = surface.grid();
         let (nx, ny) = (grid.nx(), grid.ny());
         let dk = grid.wave_number_step_rad_m();
-        let mut planner = FftPlanner::new();
-        let along_y = planner.plan_fft_inverse(ny);
-        let along_x = planner.plan_fft_inverse(nx);
+        let along_y = nereus_fft::inverse(ny);
+        let along_x = nereus_fft::inverse(nx);
         let scratch = along_y.get_inplace_scratch_len().max(along_x.get_inplace_scratch_len());
         let wave_number = |index: Option<i64>, dk: f64| index.map_or(0.0, |m| m as f64 * dk);
         let kx: Vec<f64> = (0..nx).map(|i| wave_number(grid.wave_index_x(i), dk[0])).collect();

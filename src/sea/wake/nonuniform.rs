@@ -31,8 +31,8 @@ use super::fault::ERROR_RANGE_DB;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
+use nereus_fft::Fft;
 use num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
 use crate::sea::surface::fields::Real;
 use crate::sea::wake::fault::WakeError;
@@ -92,7 +92,7 @@ impl<T: Real> Axis<T> {
         Self {
             facets,
             cells,
-            fft: FftPlanner::new().plan_fft_inverse(cells),
+            fft: nereus_fft::inverse(cells),
             cell: (0..facets).map(|i| offset(i).rem_euclid(cells as i64) as usize).collect(),
             factor: (0..facets)
                 .map(|i| {
