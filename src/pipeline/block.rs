@@ -21,13 +21,12 @@ use num_complex::Complex64;
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node};
-use crate::echo::synth::lanes::{Batch, BatchEpoch, BatchNode, LaneWork};
+use crate::echo::synth::lanes::LaneWork;
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_length, block_pulses};
 use crate::fidelity::probe::points::{mean_rate, of_points};
 use crate::paths::block::{
-    Borders, EPOCHS, Instants, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, epochs_about,
-    nodes_within,
+    Borders, Instants, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Workspace};
@@ -58,7 +57,6 @@ pub(crate) struct BlockEcho {
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
-    interval_s: f64,
 }
 
 /// The block at hand, and what makes the next; one per thread.
@@ -99,7 +97,6 @@ impl BlockEcho {
         chosen: &EchoSettings,
         pulses: u64,
         hold_pulses: Option<u64>,
-        interval_s: f64,
     ) -> Result<Self, SynthError> {
         let block = usize::try_from(block_pulses(chosen.node_pulses)).unwrap_or(usize::MAX);
         if block > MAX_PULSES {
@@ -116,7 +113,6 @@ impl BlockEcho {
             sidelobe: chosen.sidelobe,
             least_power: chosen.least_power,
             pulses,
-            interval_s,
         })
     }
 
@@ -248,37 +244,7 @@ impl BlockEcho {
             self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
             let tally =
                 generator.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
-                    let instants = tiers.of(tile.tier);
-                    let from_epoch = std::array::from_fn(|n| {
-                        let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
-                        epochs_about(&instants.epochs[..instants.epoch_count], from..=to)
-                    });
-                    for (pair, of_pair) in tile.pairs.iter().enumerate() {
-                        let mut nodes = [None; NODES];
-                        for (to, node) in nodes.iter_mut().zip(of_pair.nodes()) {
-                            *to = Some(BatchNode {
-                                delay_s: &node.paths.delay_s,
-                                delay_rate: &node.paths.delay_rate,
-                            });
-                        }
-                        let mut epochs = [BatchEpoch { pulse: 0, amplitude: &[] }; EPOCHS];
-                        for ((to, epoch), pulse) in
-                            epochs.iter_mut().zip(of_pair.epochs()).zip(instants.epochs)
-                        {
-                            *to = BatchEpoch { pulse, amplitude: &epoch.amplitude };
-                        }
-                        let batch = Batch {
-                            pair,
-                            count: tile.count,
-                            nodes,
-                            places: instants.nodes,
-                            from_epoch,
-                            epochs: &epochs[..instants.epoch_count],
-                            factor: &of_pair.factor,
-                            interval_s: self.interval_s,
-                        };
-                        self.synth.spread_lanes(&batch, frame, lanes, grids);
-                    }
+                    self.synth.spread_tile(tile, frame, lanes, grids);
                 });
             let [facets, illuminated, culled] =
                 [tally.facets, tally.illuminated, tally.culled].map(|n| n as usize);

@@ -90,6 +90,7 @@ use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::Job;
 use super::reference::{GUARD_SAMPLES, fast_len};
+use crate::paths::block::{CHANNELS_PER_LAYER, lanes_of};
 use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
@@ -97,9 +98,6 @@ use crate::radar::waveform::Waveform;
 pub use self::grid::{Grids, Share};
 pub use self::scalar::Scalar;
 pub use crate::cpu::Variant;
-
-/// Channels of one layer.
-const CHANNELS_PER_LAYER: usize = 4;
 
 /// Word length of the fast echo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,6 +214,8 @@ pub const MAX_CELLS: usize = 1 << 26;
 #[derive(Clone, Debug)]
 struct Layer {
     pair: usize,
+    /// Place among the layers of the pair's tiles.
+    of_pair: usize,
     channels: Vec<usize>,
     /// 2, 4 or 8.
     lanes: usize,
@@ -423,6 +423,7 @@ impl<T: Scalar> Synth<T> {
                 first: share.first as i32 - block.middle(),
                 amplitude_first: share.first as i32 - block.middle(),
                 factors: &[],
+                factor_stride: 0,
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,
                 outside: self.shape.outside() as i32,
@@ -562,11 +563,11 @@ fn layers(channel_pairs: &[usize], pairs: usize, moments: bool) -> Vec<Layer> {
     let mut layers = Vec::new();
     for pair in 0..pairs {
         let channels: Vec<usize> = (0..channel_pairs.len()).filter(|c| channel_pairs[*c] == pair).collect();
-        for channels in channels.chunks(CHANNELS_PER_LAYER) {
-            let lanes = (2 * channels.len()).next_power_of_two();
+        for (of_pair, channels) in channels.chunks(CHANNELS_PER_LAYER).enumerate() {
+            let lanes = lanes_of(channels.len());
             for moment in [false, true] {
                 if moments || !moment {
-                    layers.push(Layer { pair, channels: channels.to_vec(), lanes, moment });
+                    layers.push(Layer { pair, of_pair, channels: channels.to_vec(), lanes, moment });
                 }
             }
         }

@@ -43,6 +43,8 @@ pub(super) struct Job<'a, T: Scalar> {
     pub amplitude_first: i32,
     /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
     pub factors: &'a [T],
+    /// Numbers from the factors of one pulse to the next.
+    pub factor_stride: usize,
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
     /// Last first cell that is in reach of the window.
@@ -136,10 +138,10 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
     #[inline(always)]
     fn run(self) {
         let Self { job, part, pulse, shifts, passes } = self;
-        let (from, count, paths) = (part.start, part.len(), job.courses.base.len());
+        let (from, count) = (part.start, part.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            if let Some(factors) = job.factors.get(pulse * paths + from..) {
+            if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
                 weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
         }

@@ -250,8 +250,7 @@ impl Interval<'_> {
             for (at, channel) in channels.iter().enumerate() {
                 let mut value = Complex32::ZERO;
                 for (epoch, weight) in epochs.iter().zip(weights) {
-                    let [re, im] = &epoch.amplitude[at];
-                    value += Complex32::new(re[i], im[i]) * weight as f32;
+                    value += epoch.amplitude(at, i) * weight as f32;
                 }
                 let [re, im] = &truth.amplitude[at];
                 let own = Complex64::new(re[i].into(), im[i].into()) * exact;

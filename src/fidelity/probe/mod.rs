@@ -461,7 +461,7 @@ impl<'a> ErrorSampler<'a> {
                 runs: runs_of(heard, candidates),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
-                amplitude: epoch.amplitude.clone(),
+                amplitude: epoch.rows(),
                 factor: heard.of.factor[0],
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
                 cosine: epoch.cosine,

@@ -171,7 +171,7 @@ impl ErrorSampler<'_> {
                     exact.push(Exact {
                         gains: heard.gains.to_vec(),
                         factor: heard.of.factor.clone(),
-                        amplitude: heard.of.epochs()[0].amplitude.clone(),
+                        amplitude: heard.of.epochs()[0].rows(),
                         delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
                         runs: runs_of(heard, candidates),
                     });

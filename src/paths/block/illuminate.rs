@@ -6,13 +6,13 @@ use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::runs::Gather;
-use super::tile::{Epoch, Pair, compact};
+use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::{TileWork, Timing};
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
 use crate::paths::PathGenerator;
-use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Port, Scale, Sight, Solve, View};
+use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, Solve, View, port_products};
 use crate::paths::emission::Emission;
 use crate::paths::sea::SeaPlan;
 use crate::radar::polarisation::Axes;
@@ -28,10 +28,10 @@ impl TileWork {
 
     /// The tile at hand is of a tier.
     fn choose(&mut self, tier: Tier) {
-        self.tile.tier = tier;
-        let timing = self.timings.of(tier);
+        let instants = self.timings.of(tier).instants;
+        (self.tile.tier, self.tile.instants) = (tier, instants);
         for pair in &mut self.tile.pairs {
-            (pair.node_count, pair.epoch_count) = (timing.node_count, timing.epoch_count);
+            (pair.node_count, pair.epoch_count) = (instants.node_count, instants.epoch_count);
         }
     }
 }
@@ -61,7 +61,7 @@ impl PathGenerator {
         let mut ends_known = false;
         if !work.sidelobe_below.is_empty() {
             work.choose(Tier::Sidelobe);
-            for place in 0..work.timings.sidelobe.node_count {
+            for place in 0..work.timings.sidelobe.instants.node_count {
                 self.find_paths(place, work);
             }
             if (0..self.plans.len())
@@ -70,13 +70,14 @@ impl PathGenerator {
                 return;
             }
             // The last node of all is known by now.
-            let (second, last) = (work.timings.sidelobe.node_count - 1, work.timings.close.node_count - 1);
+            let (second, last) =
+                (work.timings.sidelobe.instants.node_count - 1, work.timings.close.instants.node_count - 1);
             work.slopes.swap(second, last);
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
         }
         work.choose(Tier::Close);
-        let nodes = work.timings.close.node_count;
+        let nodes = work.timings.close.instants.node_count;
         for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
             self.find_paths(place, work);
         }
@@ -319,10 +320,17 @@ impl PathGenerator {
             self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
             self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
         ];
-        for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
-            let of = [*tx_port, *rx_port];
-            let ports = [0, 1].map(|end| Port::new(of[end], isolations_db[end]));
-            variant.run(Combine { ports: ports.each_ref(), scale: &scale, batch, out: amplitude });
+        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(&mut out.layers) {
+            let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
+            for (&(_, tx_port, rx_port), port) in channels.iter().zip(&mut ports) {
+                *port = port_products([tx_port, rx_port], isolations_db);
+            }
+            let ports = &ports[..channels.len()];
+            match layer.lanes() {
+                2 => variant.run(Combine::<2> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+                4 => variant.run(Combine::<4> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+                _ => variant.run(Combine::<8> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+            }
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !is_real(&self.antennas[antenna]) {
@@ -390,10 +398,7 @@ impl PathGenerator {
             let d = crate::frames::Vector::from_raw(axes.transpose() * d);
             let gain = self.antennas[antenna].field_gain(d);
             let gain = Complex32::new(gain.re as f32, gain.im as f32);
-            for [re, im] in &mut epoch.amplitude {
-                let value = Complex32::new(re[i], im[i]) * gain;
-                (re[i], im[i]) = (value.re, value.im);
-            }
+            epoch.layers.iter_mut().for_each(|layer| layer.scale(i, gain));
         }
     }
 

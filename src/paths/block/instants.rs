@@ -1,6 +1,6 @@
 //! At which pulses of a block something is found, and the weights of what lies between.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
@@ -51,6 +51,13 @@ impl Instants {
             }
         }
         instants
+    }
+
+    /// Scattering epochs that amplitudes between a node and the next go through, up to [`EPOCH_POINTS`].
+    pub fn epochs_between(&self, node: usize) -> Range<usize> {
+        let [from, to] = [node, node + 1].map(|n| self.nodes[n.min(self.node_count.saturating_sub(1))]);
+        let first = epochs_about(&self.epochs[..self.epoch_count], from..=to);
+        first..self.epoch_count.min(first + EPOCH_POINTS)
     }
 
     /// Those of the sidelobe tiles of such a block: nodes at both ends, some scattering epochs (2 at least)

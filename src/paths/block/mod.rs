@@ -67,7 +67,7 @@ pub use instants::{
     Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,
 };
 use runs::{Cut, Run};
-pub use tile::{Epoch, FEW, Node, Pair};
+pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, Tile, lanes_of};
 
 /// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
@@ -75,17 +75,6 @@ pub const SAMPLED: usize = 48;
 /// Facets of a patch up to which its shadows are those of the reference: on larger ones the heights between
 /// nodes do, in f32.
 const FEW_FACETS: usize = 1 << 14;
-
-/// What the facets of a tile return; facets in the first [`Tile::count`] lanes.
-#[derive(Clone)]
-pub struct Tile {
-    /// Facets.
-    pub count: usize,
-    /// How closely it was evaluated.
-    pub tier: Tier,
-    /// Per transmitter-receiver pair.
-    pub pairs: Vec<Pair>,
-}
 
 /// Facets met in a block, summed over its pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -152,16 +141,15 @@ pub struct TileWork {
 /// When what is found of the tiles of a tier.
 #[derive(Clone, Default)]
 struct Timing {
+    instants: Instants,
     /// Nodes of the block that a tile has.
     nodes: [usize; NODES],
-    node_count: usize,
     /// Those in use; more keep their room for the next block.
     gains: Vec<GainInstant>,
     gain_places: Vec<usize>,
     /// `[pulse][gain instant]`: first, and weights from there on.
     lagrange: Vec<(usize, [f32; GAIN_POINTS])>,
-    epochs: Vec<LookInstant>,
-    epoch_count: usize,
+    epochs: Vec<EpochInstant>,
     /// Weights of the scattering epochs for the cosines, `[pulse]`: first, and weights from there on.
     cosines: Vec<(usize, [f32; EPOCH_POINTS])>,
 }
@@ -188,7 +176,7 @@ struct GainInstant {
 }
 
 #[derive(Clone)]
-struct LookInstant {
+struct EpochInstant {
     emission: Emission,
     /// Of the nodes; a scattering epoch at a node takes that alone.
     weights: [f32; NODES],
@@ -236,7 +224,8 @@ impl PathGenerator {
     ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
         let channels: Vec<usize> = self.plans.iter().map(|plan| plan.channels.len()).collect();
-        sea.tile_work(variant, &channels, borders).map(Box::new)
+        let interval_s = self.radar.emissions.interval_s(0, 1);
+        sea.tile_work(variant, &channels, interval_s, borders).map(Box::new)
     }
 
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of
@@ -319,6 +308,7 @@ impl SeaPlan {
         &self,
         variant: Variant,
         channels: &[usize],
+        interval_s: f64,
         borders: Option<Arc<dyn ShareBorders>>,
     ) -> Option<TileWork> {
         let selection = Selection {
@@ -380,6 +370,8 @@ impl SeaPlan {
             tile: Tile {
                 count: 0,
                 tier: Tier::Close,
+                instants: Instants::default(),
+                interval_s,
                 pairs: channels.iter().map(|&channels| Pair::new(channels)).collect(),
             },
         })
@@ -468,7 +460,7 @@ impl Timing {
     /// For instants whose nodes are among those of the block at `places`.
     fn set(&mut self, of: &PathGenerator, instants: &Instants, places: &[usize]) -> Result<(), RadarError> {
         let own = &instants.nodes[..instants.node_count];
-        self.node_count = own.len();
+        self.instants = *instants;
         for (to, node) in self.nodes.iter_mut().zip(own) {
             *to = places.iter().position(|place| place == node).unwrap_or(0);
         }
@@ -484,11 +476,10 @@ impl Timing {
             of.evaluate(instants.first + place as u64, &mut gain.emission)?;
         }
         let epochs = &instants.epochs[..instants.epoch_count];
-        self.epoch_count = epochs.len();
         for (n, &place) in epochs.iter().enumerate() {
             let weights = through(own, place);
             if n == self.epochs.len() {
-                self.epochs.push(LookInstant { emission: Emission::default(), weights, poses: Vec::new() });
+                self.epochs.push(EpochInstant { emission: Emission::default(), weights, poses: Vec::new() });
             }
             let epoch = &mut self.epochs[n];
             epoch.weights = weights;

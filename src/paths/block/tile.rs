@@ -1,12 +1,42 @@
-//! What a tile has of its facets, and leaving out those that nobody would miss.
+//! The scatterer paths of a tile of facets as the echo reads them, and leaving out those that add nothing.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
-use super::{Sample, Tally, Tile};
+use num_complex::Complex32;
+
+use super::instants::{Instants, Tier};
+use super::{Sample, Tally};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
 use crate::radar::window::Window;
+
+/// Channels of a layer: those of a pair that are spread together.
+pub const CHANNELS_PER_LAYER: usize = 4;
+/// Most lanes of a layer.
+const LANES_PER_LAYER: usize = 2 * CHANNELS_PER_LAYER;
+
+/// Lanes of a layer of so many channels: real and imaginary part of each, a power of two.
+pub fn lanes_of(channels: usize) -> usize {
+    (2 * channels).next_power_of_two()
+}
+
+/// Scatterer paths of a block of pulses side by side: the facets of a tile, in the first [`Tile::count`]
+/// places of every array. Filled by [`PathGenerator::visit_tiles`](crate::paths::PathGenerator::visit_tiles),
+/// spread by [`Synth::spread_tile`](crate::echo::synth::Synth::spread_tile).
+#[derive(Clone)]
+pub struct Tile {
+    /// Facets.
+    pub count: usize,
+    /// How closely it was evaluated.
+    pub tier: Tier,
+    /// When: pulses of its nodes and scattering epochs.
+    pub instants: Instants,
+    /// Time from pulse to pulse, s.
+    pub interval_s: f64,
+    /// Per transmitter-receiver pair.
+    pub pairs: Vec<Pair>,
+}
 
 /// A tile at a node, over one pair.
 #[derive(Clone)]
@@ -18,11 +48,98 @@ pub struct Node {
 /// A tile at a scattering epoch, over one pair.
 #[derive(Clone)]
 pub struct Epoch {
-    /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers,
-    /// and without shadows.
-    pub amplitude: Vec<[Row; 2]>,
+    /// Amplitudes of the channels of the pair, without gains that are real numbers and without shadows: by
+    /// [`CHANNELS_PER_LAYER`].
+    pub layers: Vec<Layer>,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
+    channels: usize,
+}
+
+impl Epoch {
+    fn new(channels: usize) -> Self {
+        let layers = (0..channels).step_by(CHANNELS_PER_LAYER);
+        let layers = layers.map(|from| Layer::new((channels - from).min(CHANNELS_PER_LAYER))).collect();
+        Self { layers, cosine: [[0.0; LANES]; 2], channels }
+    }
+
+    /// Amplitude of a facet in a channel of the pair, sqrt(W).
+    pub fn amplitude(&self, channel: usize, facet: usize) -> Complex32 {
+        let layer = &self.layers[channel / CHANNELS_PER_LAYER];
+        let at = facet * layer.lanes + 2 * (channel % CHANNELS_PER_LAYER);
+        Complex32::new(layer.values.0[at], layer.values.0[at + 1])
+    }
+
+    /// Amplitudes channel by channel, real and imaginary.
+    pub fn rows(&self) -> Vec<[Row; 2]> {
+        let mut rows = vec![[[0.0; LANES]; 2]; self.channels];
+        for (channel, [re, im]) in rows.iter_mut().enumerate() {
+            for i in 0..LANES {
+                let own = self.amplitude(channel, i);
+                (re[i], im[i]) = (own.re, own.im);
+            }
+        }
+        rows
+    }
+}
+
+/// Amplitudes of up to [`CHANNELS_PER_LAYER`] channels, `[facet][lane]`, sqrt(W): lanes are the real and
+/// imaginary parts of the channels, as those of the grids they are spread on. Lanes without a channel are
+/// zero.
+#[derive(Clone)]
+pub struct Layer {
+    lanes: usize,
+    values: Box<Lined>,
+}
+
+/// Numbers that start on a cache line.
+#[derive(Clone)]
+#[repr(align(64))]
+struct Lined([f32; LANES_PER_LAYER * LANES]);
+
+impl Layer {
+    fn new(channels: usize) -> Self {
+        Self { lanes: lanes_of(channels), values: Box::new(Lined([0.0; LANES_PER_LAYER * LANES])) }
+    }
+
+    /// Lanes: 2, 4 or 8.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// Those of the first facets.
+    pub fn of_first(&self, count: usize) -> &[f32] {
+        &self.values.0[..count.min(LANES) * self.lanes]
+    }
+
+    /// Facet by facet, for layers of `C` lanes.
+    #[inline(always)]
+    fn lines<const C: usize>(&self) -> &[[f32; C]] {
+        self.values.0.as_chunks().0
+    }
+
+    /// The same to be written.
+    #[inline(always)]
+    pub(super) fn lines_mut<const C: usize>(&mut self) -> &mut [[f32; C]] {
+        self.values.0.as_chunks_mut().0
+    }
+
+    fn keep(&mut self, kept: &[u16]) {
+        match self.lanes {
+            2 => compact(self.lines_mut::<2>(), kept),
+            4 => compact(self.lines_mut::<4>(), kept),
+            _ => compact(self.lines_mut::<8>(), kept),
+        }
+    }
+
+    /// Multiplies the amplitudes of a facet.
+    pub(super) fn scale(&mut self, facet: usize, by: Complex32) {
+        let (parts, _) = self.values.0[facet * self.lanes..][..self.lanes].as_chunks_mut::<2>();
+        for [re, im] in parts {
+            let value = Complex32::new(*re, *im) * by;
+            (*re, *im) = (value.re, value.im);
+        }
+    }
 }
 
 /// A tile over one pair of antennas.
@@ -50,7 +167,7 @@ impl Pair {
         &self.nodes[..self.node_count]
     }
 
-    /// At every look.
+    /// At every scattering epoch.
     pub fn epochs(&self) -> &[Epoch] {
         &self.epochs[..self.epoch_count]
     }
@@ -58,10 +175,7 @@ impl Pair {
     pub(super) fn resize(&mut self, nodes: usize, epochs: usize, pulses: usize) {
         let channels = self.channels;
         self.nodes.resize_with(nodes, || Node { paths: Paths::boxed() });
-        self.epochs.resize_with(epochs, || Epoch {
-            amplitude: vec![[[0.0; LANES]; 2]; channels],
-            cosine: [[0.0; LANES]; 2],
-        });
+        self.epochs.resize_with(epochs, || Epoch::new(channels));
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
@@ -75,8 +189,8 @@ impl Pair {
         );
         if let (Some(node), Some(epoch), Some(factor)) = middle {
             for i in 0..count {
-                let of = |[re, im]: &[Row; 2]| f64::from(re[i] * re[i] + im[i] * im[i]);
-                let own = epoch.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
+                let of = |channel| f64::from(epoch.amplitude(channel, i).norm_sqr());
+                let own = (0..self.channels).map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
                     sample.mean_power_w += own;
                     if window.touches(node.paths.delay_s[i]) {
@@ -93,9 +207,11 @@ impl Pair {
     fn bounds(&self, count: usize, out: &mut Row) {
         let n = lanes_for(count);
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for [re, im] in self.epochs().iter().flat_map(|epoch| &epoch.amplitude) {
-            for i in 0..n {
-                amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
+        for layer in self.epochs().iter().flat_map(|epoch| &epoch.layers) {
+            match layer.lanes {
+                2 => most_power(layer.lines::<2>(), &mut amplitude[..n]),
+                4 => most_power(layer.lines::<4>(), &mut amplitude[..n]),
+                _ => most_power(layer.lines::<8>(), &mut amplitude[..n]),
             }
         }
         for row in &self.factor {
@@ -115,9 +231,7 @@ impl Pair {
             compact(&mut node.paths.delay_rate, kept);
         }
         for epoch in &mut self.epochs[..self.epoch_count] {
-            for row in epoch.amplitude.as_flattened_mut() {
-                compact(row, kept);
-            }
+            epoch.layers.iter_mut().for_each(|layer| layer.keep(kept));
         }
         for row in &mut self.factor {
             compact(row, kept);
@@ -125,7 +239,18 @@ impl Pair {
     }
 }
 
-pub(super) fn compact<T: Copy>(row: &mut [T; LANES], kept: &[u16]) {
+/// The largest power of any channel so far.
+#[inline(always)]
+fn most_power<const C: usize>(lines: &[[f32; C]], most: &mut [f32]) {
+    for (most, line) in most.iter_mut().zip(lines) {
+        for k in 0..C / 2 {
+            *most = most.max(line[2 * k] * line[2 * k] + line[2 * k + 1] * line[2 * k + 1]);
+        }
+    }
+}
+
+pub(super) fn compact<T: Copy>(row: &mut [T], kept: &[u16]) {
+    let Some(row) = row.first_chunk_mut::<LANES>() else { return };
     for (to, &from) in kept.iter().enumerate() {
         row[to] = row[usize::from(from) % LANES];
     }
