@@ -2,12 +2,13 @@
 
 use num_complex::Complex32;
 
+use super::TileWork;
 use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
-use super::{TileWork, Timing};
+use super::timing::Timing;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};

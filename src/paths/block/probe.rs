@@ -7,7 +7,8 @@
 
 use super::instants::Tiers;
 use super::runs::{Cut, Run};
-use super::{Heights, Instants, Pair, TileWork};
+use super::shadows::Heights;
+use super::{Instants, Pair, TileWork};
 use crate::geometry::lanes::Row;
 use crate::paths::PathGenerator;
 use crate::radar::fault::RadarError;
