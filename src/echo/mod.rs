@@ -1,7 +1,7 @@
 //! Scatterer paths to samples.
 //!
 //! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`]
-//! says which one a run takes.
+//! selects which one a run takes.
 
 pub mod reference;
 pub mod synth;
@@ -17,7 +17,7 @@ pub enum Fidelity {
     Fast(Asked),
 }
 
-/// What is asked of the fast echo. Knobs that are `None` are chosen so that the error is kept.
+/// What is asked of the fast echo. Settings that are `None` are chosen so that the error is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
     /// Error against the reference that is allowed, worst pulse and channel, dB.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use super::emission::Emission;
-use super::facets::Lighting;
+use super::facets::Reception;
 use super::sea::SeaWork;
 use super::{PairPlan, PathGenerator};
 use crate::frames::{Earth, Enu, Point, Vector};
@@ -20,29 +20,30 @@ use crate::scene::radar::Polarisation;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 impl PathGenerator {
-    /// Appends the paths of targets and the direct path of one emission; returns whether an echo lies partly or wholly outside.
+    /// Appends the paths of targets and the direct path of one emission; returns whether an echo lies partly
+    /// or wholly outside.
     pub(super) fn append(
         &self,
-        lighting: &Lighting,
+        reception: &Reception,
         amplitude: &mut [Complex64],
         paths: &mut ScattererPaths,
     ) -> bool {
         let mut outside = false;
-        for (target, of_pairs) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            outside |= self.weigh(lighting, target, of_pairs, amplitude);
+        for (target, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            outside |= self.weigh(reception, target, of_pairs, amplitude);
             if amplitude.iter().any(|a| *a != Complex64::ZERO) {
                 let delays = of_pairs.iter().map(|path| (path.delay_s, path.delay_rate));
-                paths.push(lighting.offset_s, delays, amplitude);
+                paths.push(reception.offset_s, delays, amplitude);
             }
         }
         outside
     }
 
-    /// Appends the facets that one emission lights.
+    /// Appends the facets that one emission illuminates.
     pub(super) fn append_sea(
         &self,
-        heard: u64,
-        lighting: &Lighting,
+        emitted: u64,
+        reception: &Reception,
         work: &mut Option<SeaWork>,
         costs: &mut Costs,
         paths: &mut ScattererPaths,
@@ -50,12 +51,12 @@ impl PathGenerator {
         let Some(sea) = &self.sea else { return Ok(()) };
         let Some(work) = self.sea_work(sea, work) else { return Ok(()) };
         let before = paths.len();
-        let visited = sea.visit(lighting, work, costs, |chunk| {
+        let visited = sea.visit(reception, work, costs, |chunk| {
             for place in 0..chunk.index.len() {
                 if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
                     continue;
                 }
-                paths.emission_offset_s.push(lighting.offset_s);
+                paths.emission_offset_s.push(reception.offset_s);
                 for (pair, columns) in chunk.pairs.iter().enumerate() {
                     paths.delay_s[pair].push(columns.delay_s[place]);
                     paths.delay_rate[pair].push(columns.delay_rate[place]);
@@ -66,19 +67,19 @@ impl PathGenerator {
             }
         });
         costs.looked_at(sea.patch.len(), paths.len() - before, 0);
-        visited.map_err(|failure| self.sea_error(heard, failure))
+        visited.map_err(|failure| self.sea_error(emitted, failure))
     }
 
-    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; says whether an
+    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; returns whether an
     /// echo lies partly or wholly outside the window.
     pub(super) fn weigh(
         &self,
-        lighting: &Lighting,
+        reception: &Reception,
         target: usize,
         of_pairs: &[Path],
         amplitude: &mut [Complex64],
     ) -> bool {
-        let Lighting { emission, offset_s, tx_pol, window, .. } = *lighting;
+        let Reception { emission, offset_s, tx_pol, window, .. } = *reception;
         let mut outside = false;
         let target = self.targets.get(target);
         amplitude.fill(Complex64::ZERO);
@@ -89,7 +90,7 @@ impl PathGenerator {
                 None => plan.link.direct(range(path.delay_s)),
             };
             let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
-            if scale == 0.0 || !plan.hears(tx_pol) {
+            if scale == 0.0 || !plan.receives(tx_pol) {
                 continue;
             }
             let begin_s = offset_s + path.delay_s;
@@ -154,14 +155,14 @@ impl PathGenerator {
             }
             let e_t = field(&tx_basis, tx_port, tx_leak, path.incident, &basis_in);
             let e_r = field(&rx_basis, rx_port, rx_leak, -path.scattered, &basis_out);
-            let heard = match target {
+            let received = match target {
                 None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
                 Some(Target { scattering: s, .. }) => {
                     e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
                         + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
                 }
             };
-            amplitude[channel] = gains * heard;
+            amplitude[channel] = gains * received;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! From the scene to the scatterer paths of every receive window.
 //!
-//! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It hears every
+//! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It receives every
 //! emission `e` of the run whose echo overlaps it, not only its own: where the delay is longer than the
 //! pulse repetition interval (spaceborne, or the direct path of the next pulse) several pulses are in
 //! the air. A scatterer path of emission `e` with delay `tau` is kept when
@@ -126,14 +126,14 @@ use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 use crate::radar::window::Window;
-use facets::Lighting;
+use facets::Reception;
 use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use survey::BeyondHorizon;
 
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
 const MANOEUVRE_MPS: f64 = 1000.0;
-/// Instants of the run at which its longest delay is sought.
-const SOUNDINGS: u64 = 32;
+/// Pulses of the run at which its longest delay is sought.
+const CHECKED_PULSES: u64 = 32;
 
 /// What one transmitter-receiver pair needs.
 #[derive(Clone, Debug)]
@@ -146,7 +146,7 @@ struct PairPlan {
 
 impl PairPlan {
     /// Whether an emission reaches any channel of the pair.
-    fn hears(&self, tx_pol: Option<Polarisation>) -> bool {
+    fn receives(&self, tx_pol: Option<Polarisation>) -> bool {
         tx_pol.is_none_or(|port| self.channels.iter().any(|&(_, tx, _)| tx == port))
     }
 }
@@ -172,8 +172,8 @@ pub struct PathGenerator {
     hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
     clocks: Option<Arc<RunningClocks>>,
-    /// Platforms by whose reports something is aimed, and how late.
-    listeners: Vec<(usize, f64)>,
+    /// Platforms by whose reports something is aimed, and the servo lag.
+    report_steered: Vec<(usize, f64)>,
 }
 
 /// Buffers of [`PathGenerator::pulse`]; one per thread.
@@ -248,7 +248,7 @@ impl PathGenerator {
             hold_pulses: None,
             sea: None,
             clocks: None,
-            listeners: partition::listeners(radar),
+            report_steered: partition::report_steered(radar),
         };
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
@@ -273,7 +273,7 @@ impl PathGenerator {
         Ok(built)
     }
 
-    /// The same with clocks that are wrong: windows open when they say.
+    /// The same with clocks that are wrong: windows open by them.
     pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         Self { clocks, ..self }
     }
@@ -295,7 +295,7 @@ impl PathGenerator {
     }
 
     /// The longest delay found when the run was prepared (at a few dozen instants of it), s: how far
-    /// after the last emission tracks are asked.
+    /// after the last emission tracks are evaluated.
     pub fn light_time_s(&self) -> f64 {
         self.axes_span_s
     }
@@ -309,7 +309,7 @@ impl PathGenerator {
         Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
     }
 
-    /// Fills `paths` with all that the window of pulse `index` hears, and index, time, window start,
+    /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
     /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
@@ -328,49 +328,49 @@ impl PathGenerator {
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        let audible = self.audible(index, own, &window)?;
+        let in_window = self.emissions_in_window(index, own, &window)?;
         costs.lap(Stage::Record);
-        for heard in audible.start..audible.end.min(index) {
-            self.evaluate(heard, other)?;
-            let lighting = self.lighting(index, heard, other, window);
-            self.append(&lighting, amplitude, paths);
-            self.append_sea(heard, &lighting, sea, costs, paths)?;
+        for emitted in in_window.start..in_window.end.min(index) {
+            self.evaluate(emitted, other)?;
+            let reception = self.reception(index, emitted, other, window);
+            self.append(&reception, amplitude, paths);
+            self.append_sea(emitted, &reception, sea, costs, paths)?;
         }
-        let lighting = self.lighting(index, index, own, window);
-        if self.append(&lighting, amplitude, paths) {
+        let reception = self.reception(index, index, own, window);
+        if self.append(&reception, amplitude, paths) {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        if audible.contains(&index) {
-            self.append_sea(index, &lighting, sea, costs, paths)?;
+        if in_window.contains(&index) {
+            self.append_sea(index, &reception, sea, costs, paths)?;
         }
-        for heard in audible.start.max(index + 1)..audible.end {
-            self.evaluate(heard, other)?;
-            let lighting = self.lighting(index, heard, other, window);
-            self.append(&lighting, amplitude, paths);
-            self.append_sea(heard, &lighting, sea, costs, paths)?;
+        for emitted in in_window.start.max(index + 1)..in_window.end {
+            self.evaluate(emitted, other)?;
+            let reception = self.reception(index, emitted, other, window);
+            self.append(&reception, amplitude, paths);
+            self.append_sea(emitted, &reception, sea, costs, paths)?;
         }
         costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 
-    /// What the window of pulse `index` meets of emission `heard`.
-    fn lighting<'a>(
+    /// What the window of pulse `index` meets of emission `emitted`.
+    fn reception<'a>(
         &'a self,
         index: u64,
-        heard: u64,
+        emitted: u64,
         emission: &'a Emission,
         window: Window,
-    ) -> Lighting<'a> {
-        Lighting {
+    ) -> Reception<'a> {
+        Reception {
             surroundings: self.surroundings(),
             radar: &self.radar,
             antennas: &self.antennas,
             plans: &self.plans,
             emission,
-            t: self.radar.emissions.emission(self.start, heard),
-            elapsed_s: self.radar.emissions.interval_s(0, heard),
-            offset_s: self.radar.emissions.interval_s(index, heard),
-            tx_pol: self.radar.tx_polarisation.of_pulse(heard),
+            t: self.radar.emissions.emission(self.start, emitted),
+            elapsed_s: self.radar.emissions.interval_s(0, emitted),
+            offset_s: self.radar.emissions.interval_s(index, emitted),
+            tx_pol: self.radar.tx_polarisation.of_pulse(emitted),
             axes_span_s: self.axes_span_s,
             window,
         }
@@ -424,8 +424,13 @@ impl PathGenerator {
         RadarError::Track { index, platform: self.platforms[platform].clone(), which, source }
     }
 
-    /// The emissions that may be heard in the window of pulse `index`.
-    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Result<Range<u64>, RadarError> {
+    /// The emissions that may be received in the window of pulse `index`.
+    fn emissions_in_window(
+        &self,
+        index: u64,
+        own: &Emission,
+        window: &Window,
+    ) -> Result<Range<u64>, RadarError> {
         let Some((least_s, most_s)) = self.delay_span_s(index, own, *window)? else {
             return Ok(index..index);
         };
@@ -451,11 +456,11 @@ impl PathGenerator {
     ) -> Result<Option<(f64, f64)>, RadarError> {
         let targets = emission.delay_span_s();
         let Some(sea) = &self.sea else { return Ok(targets) };
-        let lighting = self.lighting(index, index, emission, window);
+        let reception = self.reception(index, index, emission, window);
         let patch = sea
-            .patch_at(&lighting.surroundings, lighting.elapsed_s)
+            .patch_at(&reception.surroundings, reception.elapsed_s)
             .map_err(|failure| self.track_error(index, failure))?;
-        let facets = sea.delay_span_s(&patch, &lighting);
+        let facets = sea.delay_span_s(&patch, &reception);
         Ok(match (targets, facets) {
             (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
             (one, other) => one.or(other),

@@ -170,7 +170,7 @@ impl BlockEcho {
             let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             check(found)?;
             light.costs.lap(Stage::Spread);
-            light.costs.accumulated(found.sounding);
+            light.costs.accumulated(found.spread);
             return Ok(());
         }
         generator.record(index, light, pulse)?;
@@ -210,7 +210,7 @@ impl BlockEcho {
         let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.length == 1 || !generator.hears_itself(&heard, light)? {
+        if self.length == 1 || !generator.receives_itself_alone(&heard, light)? {
             // A pulse by itself: exact scatterer paths, one node.
             let paths = &mut work.nodes[0];
             generator.pulse(index, light, paths, pulse)?;
@@ -221,7 +221,7 @@ impl BlockEcho {
             light.costs.lap(Stage::Fill);
             self.synth.spread(&work.part, &mut work.grids);
             light.costs.lap(Stage::Spread);
-            work.spread = work.part.found().sounding;
+            work.spread = work.part.found().spread;
             work.frame.clone_from(work.part.frame());
             return Ok((index, index + 1));
         }
@@ -240,7 +240,7 @@ impl BlockEcho {
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let epochs = [Tier::Close, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
+            let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
             self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
             let tally =
                 generator.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
@@ -257,7 +257,7 @@ impl BlockEcho {
             for from in (0..pulses).step_by(step) {
                 self.points(generator, first, from..(from + step).min(pulses), light, work)?;
             }
-            work.spread += work.part.found().sounding;
+            work.spread += work.part.found().spread;
         }
         Ok((first, end))
     }
@@ -285,7 +285,7 @@ impl BlockEcho {
             let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
-                let share = |delay_s| generator.heard_share(index, opens_s, delay_s);
+                let share = |delay_s| generator.received_share(index, opens_s, delay_s);
                 for (sums, own) in [
                     (&mut heard, generator.rates(points, pair, share)),
                     (&mut all, generator.rates(points, pair, |_| 1.0)),

@@ -18,7 +18,7 @@ use std::ops::Range;
 use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::grid::{Grids, Lined};
-use super::spread::{Courses, Job};
+use super::spread::{DelayPolynomials, Job};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
 use crate::paths::block::{Instants, Pair, Tile};
@@ -26,7 +26,7 @@ use crate::paths::block::{Instants, Pair, Tile};
 /// Room to work; one per thread.
 #[derive(Debug, Default)]
 pub struct LaneWork {
-    courses: Courses<f32>,
+    polynomials: DelayPolynomials<f32>,
     /// `[layer][epoch]`: amplitudes of layers of moments, `[path][lane]`.
     moments: Vec<Vec<Lined<f32>>>,
     /// `[layer][power]`, each `[path][lane]`.
@@ -50,17 +50,17 @@ impl Synth<f32> {
         fn reserve<T>(column: &mut Vec<T>, room: usize) {
             column.reserve(room.saturating_sub(column.len()));
         }
-        let LaneWork { courses, moments, amplitude, shifts, .. } = work;
+        let LaneWork { polynomials, moments, amplitude, shifts, .. } = work;
         moments.resize_with(self.layers.len(), Vec::new);
         amplitude.resize_with(self.layers.len(), Default::default);
         for ((layer, moments), powers) in self.layers.iter().zip(moments).zip(amplitude) {
             moments.resize_with(if layer.moment { epochs.max(moments.len()) } else { 0 }, Lined::default);
             moments.iter_mut().chain(powers).for_each(|column| column.fit(LANES * layer.lanes));
         }
-        courses.phase.iter_mut().for_each(|column| reserve(column, LANES));
-        courses.place.iter_mut().for_each(|column| reserve(column, LANES));
-        reserve(&mut courses.phase_cubic, LANES);
-        reserve(&mut courses.base, LANES);
+        polynomials.phase.iter_mut().for_each(|column| reserve(column, LANES));
+        polynomials.place.iter_mut().for_each(|column| reserve(column, LANES));
+        reserve(&mut polynomials.phase_cubic, LANES);
+        reserve(&mut polynomials.base, LANES);
         reserve(shifts, pulses);
     }
 
@@ -175,16 +175,16 @@ impl Synth<f32> {
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
     ) {
-        let LaneWork { courses, amplitude, shifts, powers: in_use, .. } = work;
+        let LaneWork { polynomials, amplitude, shifts, powers: in_use, .. } = work;
         let reference_s = self.fill_shifts(&frame.windows_s[pulses.clone()], shifts);
         let Pair { factor, .. } = &tile.pairs[pair];
         let nodes = tile.pairs[pair].nodes();
         let [first, second] = [interval, (interval + 1).min(nodes.len() - 1)].map(|node| &nodes[node].paths);
         let (count, at_node) = (tile.count, tile.instants.nodes);
-        courses.phase.iter_mut().for_each(|p| p.resize(count, 0));
-        courses.phase_cubic.resize(count, 0.0);
-        courses.base.resize(count, 0);
-        courses.place.iter_mut().for_each(|p| p.resize(count, 0.0));
+        polynomials.phase.iter_mut().for_each(|p| p.resize(count, 0));
+        polynomials.phase_cubic.resize(count, 0.0);
+        polynomials.base.resize(count, 0);
+        polynomials.place.iter_mut().for_each(|p| p.resize(count, 0.0));
         let middle = pulses.start + pulses.len() / 2;
         let length = if nodes.len() == 1 { 0 } else { at_node[interval + 1] - at_node[interval] };
         let correction = self.correction();
@@ -205,7 +205,7 @@ impl Synth<f32> {
             length: length as f64,
             middle: middle as f64 - at_node[interval] as f64,
             count,
-            courses: &mut *courses,
+            polynomials: &mut *polynomials,
         };
         self.variant.run(task);
         let share = grids.share(pulses.start, pulses.len());
@@ -214,7 +214,7 @@ impl Synth<f32> {
             if layer.pair == pair {
                 let powers = amplitude[index].each_ref().map(|power| power.as_slice());
                 let job = Job {
-                    courses,
+                    polynomials,
                     amplitude: &powers[..*in_use],
                     shifts,
                     first: pulses.start as i32 - middle as i32,
@@ -313,7 +313,7 @@ struct Polynomials<'a> {
     /// Pulses from the first node to that from which `m` counts.
     middle: f64,
     count: usize,
-    courses: &'a mut Courses<f32>,
+    polynomials: &'a mut DelayPolynomials<f32>,
 }
 
 /// Brings an f64 below `2^51` to the nearest integer, and its low bits are that integer.
@@ -332,7 +332,7 @@ impl Task for Polynomials<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { ends, carrier_hz, mean_hz, middle_s, shifted, moved, .. } = self;
-        let Self { interval_s, length, middle, count, courses, .. } = self;
+        let Self { interval_s, length, middle, count, polynomials, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
         let span_s = length * interval_s;
@@ -384,12 +384,12 @@ impl Task for Polynomials<'_> {
             place[2][i] = (b2 * self.cells_per_s) as f32;
             place[3][i] = (c3 * self.cells_per_s) as f32;
         }
-        for (to, from) in courses.phase.iter_mut().zip(&phase) {
+        for (to, from) in polynomials.phase.iter_mut().zip(&phase) {
             to.copy_from_slice(&from[..count]);
         }
-        courses.phase_cubic.copy_from_slice(&cubic[..count]);
-        courses.base.copy_from_slice(&base[..count]);
-        for (to, from) in courses.place.iter_mut().zip(&place) {
+        polynomials.phase_cubic.copy_from_slice(&cubic[..count]);
+        polynomials.base.copy_from_slice(&base[..count]);
+        for (to, from) in polynomials.place.iter_mut().zip(&place) {
             to.copy_from_slice(&from[..count]);
         }
     }

@@ -32,8 +32,8 @@
 //!
 //! # Threads
 //!
-//! This room knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one
-//! order, so that the result has bit-identical results however many shares there are. [`Variant`]s round
+//! This module knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one
+//! order, so that the result is bit-identical however many shares there are. [`Variant`]s round
 //! differently: they agree to 1e-6 or better.
 //!
 //! # Limits
@@ -56,7 +56,7 @@
 //! paths.delay_s[0].push(24.1e-6);
 //! paths.delay_rate[0].push(0.0);
 //! paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
-//! // A block of four pulses in which nothing moves: one node says it all.
+//! // A block of four pulses in which nothing moves: one node is enough.
 //! let mut block = synth.block();
 //! synth.fill(&[Node { pulse: 0, paths: &paths }], &[23.6e-6; 4], &mut block)?;
 //! let mut grids = synth.grids();
@@ -417,7 +417,7 @@ impl<T: Scalar> Synth<T> {
                 block.amplitude[index].get(power).map_or(&[][..], |a| a.as_slice())
             });
             let job = Job {
-                courses: &block.courses[layer.pair],
+                polynomials: &block.polynomials[layer.pair],
                 amplitude: &powers[..block.powers],
                 shifts,
                 first: share.first as i32 - block.middle(),
@@ -472,9 +472,9 @@ impl<T: Scalar> Synth<T> {
 
     /// Parts of the predicted error of a pulse against the reference, for the scatterer paths of a block.
     ///
-    /// What the polynomials between the nodes miss is *not* among them, for the nodes do not tell: it belongs
-    /// to whoever chooses the block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4 nodes: -82.5 dB,
-    /// measured on the scene of the bench with [`Doppler::Taylor`].)
+    /// What the polynomials between the nodes miss is *not* among them, for it does not follow from the
+    /// nodes: it belongs to whoever chooses the block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4
+    /// nodes: -82.5 dB, measured on the scene of the bench with [`Doppler::Taylor`].)
     pub fn predicted_error(&self, block: &BlockPaths<T>) -> PredictedError {
         let found = block.found();
         let worst = block
@@ -489,7 +489,7 @@ impl<T: Scalar> Synth<T> {
     /// half a block (cells).
     pub fn predicted_error_of(&self, mean_hz: f64, residual_hz: f64, drift_cells: f64) -> PredictedError {
         let filter = ReceiveFilter::new(self.sample_rate_hz);
-        // Bins beyond some thousand tell nothing new.
+        // Bins beyond some thousand add nothing.
         let step = (self.bins.len() / 1024).max(1);
         let band: Vec<(f64, f64)> = self
             .bins

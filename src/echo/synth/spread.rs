@@ -12,14 +12,15 @@ use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
 use crate::cpu::{Task, Variant};
 
-/// Scatterer paths that are kept close for all pulses of a share.
+/// Scatterer paths that stay in the cache for all pulses of a share.
 pub(super) const CHUNK: usize = 64;
 /// Pulses that are spread by turns.
 const TOGETHER: usize = 4;
 
-/// Phases and places of the scatterer paths of one pair over a block; polynomials in pulses from the middle.
+/// Phases and places on the grid of the scatterer paths of one pair over a block: polynomials in pulses from
+/// the middle.
 #[derive(Debug, Default)]
-pub(super) struct Courses<T: Scalar> {
+pub(super) struct DelayPolynomials<T: Scalar> {
     /// Phase, turns: constant, first and second power.
     pub phase: [Vec<T::Turns>; 3],
     /// Phase, turns: third power.
@@ -32,7 +33,7 @@ pub(super) struct Courses<T: Scalar> {
 
 /// One layer of one share to be filled.
 pub(super) struct Job<'a, T: Scalar> {
-    pub courses: &'a Courses<T>,
+    pub polynomials: &'a DelayPolynomials<T>,
     /// `[power][path][lane]`.
     pub amplitude: &'a [&'a [T]],
     /// Shift of all places per pulse of the share: whole cells and the rest.
@@ -106,7 +107,7 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     grids: &mut [T],
 ) {
     let mut passes: [Passes<T, W>; TOGETHER] = std::array::from_fn(|_| Passes::new());
-    let paths = job.courses.base.len();
+    let paths = job.polynomials.base.len();
     let mut from = 0;
     while from < paths {
         let part = from..paths.min(from + CHUNK);
@@ -199,13 +200,13 @@ fn place<T: Scalar, const FUSED: bool, const W: usize>(
     passes: &mut Passes<T, W>,
 ) {
     let part = from..from + count;
-    let courses = job.courses;
+    let polynomials = job.polynomials;
     phasors::<T, FUSED>(
         m,
-        &courses.phase[0][part.clone()],
-        &courses.phase[1][part.clone()],
-        &courses.phase[2][part.clone()],
-        &courses.phase_cubic[part.clone()],
+        &polynomials.phase[0][part.clone()],
+        &polynomials.phase[1][part.clone()],
+        &polynomials.phase[2][part.clone()],
+        &polynomials.phase_cubic[part.clone()],
         &mut passes.cos[..count],
         &mut passes.sin[..count],
     );
@@ -213,11 +214,11 @@ fn place<T: Scalar, const FUSED: bool, const W: usize>(
         m,
         shift,
         [job.last_cell, job.outside],
-        &courses.base[part.clone()],
-        &courses.place[0][part.clone()],
-        &courses.place[1][part.clone()],
-        &courses.place[2][part.clone()],
-        &courses.place[3][part],
+        &polynomials.base[part.clone()],
+        &polynomials.place[0][part.clone()],
+        &polynomials.place[1][part.clone()],
+        &polynomials.place[2][part.clone()],
+        &polynomials.place[3][part],
         &mut passes.cell[..count],
         &mut passes.beyond[..count],
     );

@@ -99,7 +99,7 @@ impl Sector {
         if forward >= lateral { share(forward, lateral) } else { 1.0 - share(lateral, forward) }
     }
 
-    /// From the terminal outward: facets of a row look up the horizon of the rows before, then the rays of
+    /// From the terminal outward: facets of a row take the horizon of the rows before, then the rays of
     /// the fan take in this row. Adds results to `out`.
     #[inline(always)]
     fn march<T: Real>(
@@ -159,7 +159,7 @@ impl Sector {
             if !shaded.is_empty() {
                 let per_column = density / narrowing;
                 let first = -shift * per_column - first_ray;
-                line.look_up([first, per_column], &horizon[met.clone()], met.start, shaded, out, weigh);
+                line.interpolate([first, per_column], &horizon[met.clone()], met.start, shaded, out, weigh);
             }
 
             let on_map = |column: f64| density * ((column - shift) / narrowing) - first_ray;
@@ -208,7 +208,7 @@ impl<T: Real> Line<'_, T> {
     /// Results of the facets `columns` from the horizon of the rays from number `first_ray` on; facet `j`
     /// is on ray `ray[0] + ray[1] j`.
     #[inline(always)]
-    fn look_up(
+    fn interpolate(
         &self,
         ray: [f64; 2],
         horizon: &[f64],

@@ -42,8 +42,8 @@
 //! taken; the result depends on nothing but the arguments.
 //!
 //! **Limits.** No diffraction, no refraction other than by an Earth's radius put into the heights. Facets
-//! that look away from the terminal are dark by their scattering, not here. Heights that are not finite give
-//! weights of 0 and hide nothing or all, but never NaN.
+//! that face away from the terminal return nothing by their scattering, not here. Heights that are not finite
+//! give weights of 0 and hide nothing or all, but never NaN.
 //!
 //! Source: `docs/physics.md` section 11.1 (binary rule of the MaRS paper, with a width).
 //!
@@ -145,7 +145,7 @@ pub enum ShadowError {
     },
 }
 
-/// How a facet passes from light to shadow.
+/// How a facet passes from full view to shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edge {
     /// At once, as in the paper: illuminated if and only if nothing stands above the ray.
@@ -160,9 +160,9 @@ pub enum Edge {
 /// How visibility is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// From light to shadow.
+    /// From full view to shadow.
     pub edge: Edge,
-    /// Rays per facet across the look direction; the error goes with its inverse square on smooth seas.
+    /// Rays per facet across the line of sight; the error goes with its inverse square on smooth seas.
     pub rays_per_facet: usize,
 }
 
@@ -285,7 +285,7 @@ pub fn half_slope_change_rad<T: Real>(map: &Map<T>) -> f64 {
     if count == 0 { 0.0 } else { (sum / count as f64).sqrt() / (2.0 * map.facet_m) }
 }
 
-/// The few figures of a map that tell whether it can cast a shadow at all.
+/// The few figures of a map that decide whether it can cast a shadow at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relief {
     /// Largest height, m.
@@ -314,7 +314,7 @@ impl Relief {
         Self { highest_m, rise: [slope(0, 0), slope(1, 0)], fall: [slope(0, 1), slope(1, 1)] }
     }
 
-    /// Whether every weight of such a map is certainly 1: the look direction is nowhere flatter than the
+    /// Whether every weight of such a map is certainly 1: the line of sight is nowhere flatter than the
     /// steepest slope that falls away from the terminal, plus the width of the edge and what interpolation
     /// between rays may take. Of the map only the outline is read. Never true when a weight would be less
     /// than 1; where it is false, there may still be no shadow.

@@ -363,7 +363,7 @@ impl<const C: usize> Task for Combine<'_, C> {
                 }
                 for i in 0..GROUP {
                     let (a, b) = (re[i] * scale[i], im[i] * scale[i]);
-                    // A product of lengths of rows is never asked to be large: what overflowed is silent.
+                    // A product of lengths of rows is never asked to be large: what overflowed is zero.
                     lines[i][2 * channel] = if a.is_finite() { a } else { 0.0 };
                     lines[i][2 * channel + 1] = if b.is_finite() { b } else { 0.0 };
                 }

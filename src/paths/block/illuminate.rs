@@ -38,12 +38,12 @@ impl TileWork {
 }
 
 impl PathGenerator {
-    /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are
-    /// left out.
-    pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
+    /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
+    /// any pulse are left out.
+    pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
         self.place(patch, work);
         self.sight(work);
-        self.keep_lit(work);
+        self.keep_illuminated(work);
         if work.tile.count == 0 {
             return;
         }
@@ -71,14 +71,16 @@ impl PathGenerator {
                 return;
             }
             // The last node of all is known by now.
-            let (second, last) =
-                (work.timings.sidelobe.instants.node_count - 1, work.timings.close.instants.node_count - 1);
+            let (second, last) = (
+                work.timings.sidelobe.instants.node_count - 1,
+                work.timings.mainlobe.instants.node_count - 1,
+            );
             work.slopes.swap(second, last);
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
         }
-        work.choose(Tier::Close);
-        let nodes = work.timings.close.instants.node_count;
+        work.choose(Tier::Mainlobe);
+        let nodes = work.timings.mainlobe.instants.node_count;
         for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
             self.find_paths(place, work);
         }
@@ -110,7 +112,7 @@ impl PathGenerator {
             bounds_m,
             drop_m,
             fall,
-            shades,
+            shadow_updates,
             seen,
             tile,
             ..
@@ -127,7 +129,7 @@ impl PathGenerator {
                 [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
             }
         }
-        // Lanes that are not in use stay near the others: nobody scattering epochs at them.
+        // Lanes that are not in use stay near the others: nothing is read from them.
         for row in &mut *places_m {
             let last = row[count - 1];
             row[count..].fill(last);
@@ -146,9 +148,11 @@ impl PathGenerator {
             variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
             variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
-        let ends = shades.first().map_or(0, |shade| shade.weights.len());
-        seen.resize(shades.len() * ends, [1.0; LANES]);
-        for (row, weights) in seen.iter_mut().zip(shades.iter().flat_map(|shade| &shade.weights)) {
+        let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
+        seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
+        for (row, weights) in
+            seen.iter_mut().zip(shadow_updates.iter().flat_map(|update_weights| &update_weights.weights))
+        {
             if weights.is_empty() {
                 row.fill(1.0);
             } else {
@@ -157,17 +161,29 @@ impl PathGenerator {
         }
     }
 
-    /// Leaves out facets that are hidden at every update, turned away at every node, or seen by no gain.
-    fn keep_lit(&self, work: &mut TileWork) {
+    /// Leaves out facets that are hidden at every update, turned away at every node, or outside of every
+    /// gain.
+    fn keep_illuminated(&self, work: &mut TileWork) {
         let instants = work.timing().gain_places.len();
-        let TileWork { variant, batch, places_m, whole, kept, slopes, gain_rows, shades, seen, tile, .. } =
-            work;
+        let TileWork {
+            variant,
+            batch,
+            places_m,
+            whole,
+            kept,
+            slopes,
+            gain_rows,
+            shadow_updates,
+            seen,
+            tile,
+            ..
+        } = work;
         if *whole {
             return;
         }
         let count = tile.count;
         let mut illuminated = [0.0f32; LANES];
-        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
             let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
             let (nodes, gains) = (pair.nodes(), &gains[..instants]);
@@ -404,7 +420,7 @@ impl PathGenerator {
     }
 
     /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given;
-    /// says whether all were.
+    /// returns whether all were.
     fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
         let TileWork { variant, timings, gain_rows, tile, .. } = work;
         let timing = timings.of(tile.tier);
@@ -427,7 +443,7 @@ impl PathGenerator {
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
     fn factors(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gain_rows, timings, shades, shares, seen, tile, .. } = work;
+        let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let points = timing.gain_points();
         let plan = &self.plans[pair];
@@ -436,17 +452,17 @@ impl PathGenerator {
         let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
         let epochs = &epochs[..*epoch_count];
         let turns = variant.run(Turns { count, epochs });
-        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         for (pulse, out) in factor.iter_mut().enumerate() {
             let (start, weights) = &timing.lagrange[pulse];
             let (rows, weights) = (&gain_rows[pair][*start..], &weights[..points]);
             variant.run(Weigh { count, rows, weights, out });
             let (before, share) = shares[pulse];
             // Where the next update adds nothing it may not be there.
-            let next = (before + 1).min(shades.len().saturating_sub(1));
+            let next = (before + 1).min(shadow_updates.len().saturating_sub(1));
             for antenna in antennas.into_iter().filter(|antenna| *antenna < ends) {
-                let dark = |update: usize| !shades[update].weights[antenna].is_empty();
-                if dark(before) || dark(next) {
+                let shadowed = |update: usize| !shadow_updates[update].weights[antenna].is_empty();
+                if shadowed(before) || shadowed(next) {
                     let of = |update: usize| &seen[update * ends + antenna];
                     variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
                 }

@@ -12,8 +12,8 @@
 //! | visibility | updates of the shadows | linear, here, as everywhere |
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
-//! That is for tiles that are evaluated closely. A **in the sidelobes** one, whose two-way gain stays below
-//! what is given for every pair ([`Tiers`]), has nodes at both ends of the block alone, two to four
+//! That is for **mainlobe** tiles. A **sidelobe** tile, whose two-way gain stays below what is given
+//! for every pair ([`Tiers`]), has nodes at both ends of the block alone, two to four
 //! scattering epochs from end to end through which amplitudes and cosines are polynomials, and instants of
 //! gain [`sidelobe_gain_pulses`] apart; directions and slopes are straight lines between the ends.
 //!
@@ -62,7 +62,7 @@ pub use instants::{
 };
 use phasors::Phasors;
 use runs::{Cut, Run};
-use shadows::{Heights, Maker, Shade};
+use shadows::{Heights, Maker, ShadowWeights};
 pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, Tile, lanes_of};
 use timing::Timings;
 
@@ -78,11 +78,11 @@ pub struct Tally {
     pub illuminated: u64,
     /// Left out because all of them together stay below the budget.
     pub culled: u64,
-    /// In tiles that are in the sidelobes.
+    /// In sidelobe tiles.
     pub sidelobe: u64,
 }
 
-/// What a sample of the facets says of a block and pair.
+/// What a sample of the facets shows of a block and pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Mean of the delay rate of those that the window receives, weighted by power.
@@ -97,17 +97,17 @@ pub struct Sample {
 #[derive(Clone)]
 pub struct TileWork {
     variant: Variant,
-    sheet: FacetSurface<f32>,
+    facet_surface: FacetSurface<f32>,
     nodes: Vec<NodeWork>,
     timings: Timings,
     /// Per pair: product of the gains of field below which a tile is in the sidelobes; empty where none is.
     sidelobe_below: Vec<f32>,
     /// Facets of the tile at hand.
     runs: Vec<Run>,
-    shades: Vec<Shade>,
-    spare: Vec<Shade>,
+    shadow_updates: Vec<ShadowWeights>,
+    spare: Vec<ShadowWeights>,
     maker: Option<Maker>,
-    /// `[pulse]`: place of the update before in `shades`, and the share of the next.
+    /// `[pulse]`: place of the update before in `shadow_updates`, and the share of the next.
     shares: Vec<(usize, f32)>,
     phasors: Phasors,
     batch: Box<Batch>,
@@ -153,7 +153,7 @@ impl PathGenerator {
     }
 
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of
-    /// its facets says, per pair.
+    /// its facets shows, per pair.
     pub fn open_block(
         &self,
         tiers: &Tiers,
@@ -166,13 +166,13 @@ impl PathGenerator {
         samples.resize(self.pairs.len(), Sample::default());
         let Some(sea) = &self.sea else { return Ok(()) };
         work.time(self, tiers)?;
-        let instants = &tiers.close;
+        let instants = &tiers.mainlobe;
         let first = instants.first;
         let costs = &mut workspace.costs;
         costs.lap(Stage::Record);
         sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Surface);
-        work.shade(self, sea, instants, patch, Heights::Exact)
+        work.weigh_shadows(self, sea, instants, patch, Heights::Exact)
             .map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
         let opens_s = self.window_start_of(first + (instants.pulses / 2) as u64)?;
@@ -180,7 +180,7 @@ impl PathGenerator {
         let mut facets = 0;
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
-            self.light_tile(sea, patch, work);
+            self.evaluate_tile(sea, patch, work);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
                 pair.add_to(sample, work.tile.count, &window);
             }
@@ -212,7 +212,7 @@ impl PathGenerator {
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
-            self.light_tile(sea, patch, work);
+            self.evaluate_tile(sea, patch, work);
             if work.tile.tier == Tier::Sidelobe {
                 tally.sidelobe += facets;
             }
@@ -243,21 +243,25 @@ impl SeaPlan {
             ..Selection::HEIGHT
         };
         // The wakes are legal: the plan was built with them.
-        let sheet = FacetSurface::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
+        let facet_surface =
+            FacetSurface::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
         let maker = Maker::of(self, borders)?;
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
-        let node =
-            NodeWork { emission: Emission::default(), elapsed_s: 0.0, fields: sheet.fields(&self.patch) };
+        let node = NodeWork {
+            emission: Emission::default(),
+            elapsed_s: 0.0,
+            fields: facet_surface.fields(&self.patch),
+        };
         Some(TileWork {
             variant,
-            sheet,
+            facet_surface,
             nodes: vec![node; NODES],
             timings: Timings::default(),
             sidelobe_below: Vec::with_capacity(channels.len()),
             runs: Vec::with_capacity(LANES),
             view: View::boxed(),
-            shades: Vec::new(),
+            shadow_updates: Vec::new(),
             spare: Vec::new(),
             maker,
             shares: Vec::new(),
@@ -275,7 +279,7 @@ impl SeaPlan {
             seen: Vec::new(),
             tile: Tile {
                 count: 0,
-                tier: Tier::Close,
+                tier: Tier::Mainlobe,
                 instants: Instants::default(),
                 interval_s,
                 pairs: channels.iter().map(|&channels| Pair::new(channels)).collect(),
@@ -291,9 +295,9 @@ impl SeaPlan {
         patch: &Patch,
         work: &mut TileWork,
     ) -> Result<(), SeaFailure> {
-        let TileWork { sheet, nodes, phasors, .. } = work;
+        let TileWork { facet_surface, nodes, phasors, .. } = work;
         for node in nodes {
-            sheet.evaluate(node.elapsed_s, patch, &mut node.fields)?;
+            facet_surface.evaluate(node.elapsed_s, patch, &mut node.fields)?;
         }
         let elapsed_s = generator.radar.emissions.interval_s(0, first);
         phasors.prepare(self, patch, elapsed_s);
@@ -311,34 +315,34 @@ impl TileWork {
 
     /// Emissions of nodes, scattering epochs and gain instants, and the weights of interpolation.
     fn time(&mut self, of: &PathGenerator, tiers: &Tiers) -> Result<(), RadarError> {
-        let close = &tiers.close;
-        let places = &close.nodes[..close.node_count];
+        let mainlobe = &tiers.mainlobe;
+        let places = &mainlobe.nodes[..mainlobe.node_count];
         self.nodes.truncate(places.len().max(1));
         while self.nodes.len() < places.len() {
             let last = self.nodes[0].clone();
             self.nodes.push(last);
         }
         for (node, &place) in self.nodes.iter_mut().zip(places) {
-            of.evaluate(close.first + place as u64, &mut node.emission)?;
-            node.elapsed_s = of.radar.emissions.interval_s(0, close.first + place as u64);
+            of.evaluate(mainlobe.first + place as u64, &mut node.emission)?;
+            node.elapsed_s = of.radar.emissions.interval_s(0, mainlobe.first + place as u64);
         }
-        self.timings.close.set(of, close, places)?;
+        self.timings.mainlobe.set(of, mainlobe, places)?;
         self.sidelobe_below.clear();
         if let Some(sidelobe) = &tiers.sidelobe {
             self.timings.sidelobe.set(of, sidelobe, places)?;
             let share = 10f64.powf(tiers.below_db / 20.0);
             self.sidelobe_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }
-        let Timings { close: at_close, sidelobe: at_sidelobe } = &self.timings;
-        let instants_of_gain = at_close.gain_places.len().max(at_sidelobe.gain_places.len());
+        let Timings { mainlobe: at_mainlobe, sidelobe: at_sidelobe } = &self.timings;
+        let instants_of_gain = at_mainlobe.gain_places.len().max(at_sidelobe.gain_places.len());
         for rows in &mut self.gain_rows {
             rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
         }
         for pair in &mut self.tile.pairs {
             pair.resize(
                 places.len(),
-                close.epoch_count.max(tiers.of(Tier::Sidelobe).epoch_count),
-                close.pulses,
+                mainlobe.epoch_count.max(tiers.of(Tier::Sidelobe).epoch_count),
+                mainlobe.pulses,
             );
         }
         Ok(())

@@ -22,7 +22,7 @@ const FEW_FACETS: usize = 1 << 14;
 
 /// Weights of one update of the shadows over the patch.
 #[derive(Clone, Default)]
-pub(super) struct Shade {
+pub(super) struct ShadowWeights {
     /// `[antenna]`; empty where all is illuminated.
     pub weights: Vec<Vec<f32>>,
 }
@@ -64,7 +64,7 @@ impl Maker {
     }
 }
 
-impl Shade {
+impl ShadowWeights {
     fn take_from<T: Real>(&mut self, update: &Update<T>, patch: &Patch) {
         for (antenna, weights) in self.weights.iter_mut().enumerate() {
             weights.clear();
@@ -77,7 +77,7 @@ impl Shade {
 
 impl TileWork {
     /// Weights of the shadows at every update about the block.
-    pub(super) fn shade(
+    pub(super) fn weigh_shadows(
         &mut self,
         of: &PathGenerator,
         sea: &SeaPlan,
@@ -87,7 +87,7 @@ impl TileWork {
     ) -> Result<(), SeaFailure> {
         self.shares.clear();
         let (Some(visibility), true) = (&sea.visibility, self.maker.is_some()) else {
-            self.shades.clear();
+            self.shadow_updates.clear();
             self.shares.resize(instants.pulses, (0, 0.0));
             return Ok(());
         };
@@ -96,10 +96,11 @@ impl TileWork {
         let span = span_of(at(0), at(instants.pulses - 1));
         let lasts_s = emissions.interval_s(instants.first, instants.first + instants.pulses as u64 - 1);
         let updates = (span.end() - span.start() + 1) as usize;
-        self.room_for_shades(updates, visibility.most_updates(lasts_s), visibility.ends, patch);
-        let mut shades = std::mem::take(&mut self.shades);
-        let weighed = self.weigh_shades(of, sea, (instants.first, span.clone()), patch, heights, &mut shades);
-        self.shades = shades;
+        self.room_for_updates(updates, visibility.most_updates(lasts_s), visibility.ends, patch);
+        let mut shadow_updates = std::mem::take(&mut self.shadow_updates);
+        let weighed =
+            self.weigh_updates(of, sea, (instants.first, span.clone()), patch, heights, &mut shadow_updates);
+        self.shadow_updates = shadow_updates;
         weighed?;
         for pulse in 0..instants.pulses {
             let (number, share) = at(pulse);
@@ -110,46 +111,46 @@ impl TileWork {
 
     /// Makes room for so many updates. Another block as long may have more, up to `most`: room for them is
     /// made with the first one.
-    fn room_for_shades(&mut self, updates: usize, most: usize, ends: usize, patch: &Patch) {
+    fn room_for_updates(&mut self, updates: usize, most: usize, ends: usize, patch: &Patch) {
         // Those not in use keep their room for the next block.
-        while self.shades.len() > updates {
-            self.spare.extend(self.shades.pop());
+        while self.shadow_updates.len() > updates {
+            self.spare.extend(self.shadow_updates.pop());
         }
         let most = most.max(updates);
-        self.shades.reserve(most.saturating_sub(self.shades.len()));
+        self.shadow_updates.reserve(most.saturating_sub(self.shadow_updates.len()));
         self.spare.reserve(most.saturating_sub(self.spare.len()));
         self.seen.reserve((most * ends).saturating_sub(self.seen.len()));
-        while self.shades.len() + self.spare.len() < most {
+        while self.shadow_updates.len() + self.spare.len() < most {
             let room = || Vec::with_capacity(patch.len());
-            self.spare.push(Shade { weights: std::iter::repeat_with(room).take(ends).collect() });
+            self.spare.push(ShadowWeights { weights: std::iter::repeat_with(room).take(ends).collect() });
         }
-        while self.shades.len() < updates {
-            self.shades.push(self.spare.pop().unwrap_or_default());
+        while self.shadow_updates.len() < updates {
+            self.shadow_updates.push(self.spare.pop().unwrap_or_default());
         }
     }
 
     /// Weights of the updates of a span, of a block with the given first pulse.
-    fn weigh_shades(
+    fn weigh_updates(
         &mut self,
         of: &PathGenerator,
         sea: &SeaPlan,
         (first, span): (u64, RangeInclusive<u64>),
         patch: &Patch,
         heights: Heights,
-        shades: &mut [Shade],
+        shadow_updates: &mut [ShadowWeights],
     ) -> Result<(), SeaFailure> {
         let (Some(visibility), Some(maker)) = (&sea.visibility, &mut self.maker) else { return Ok(()) };
         let earth = of.frame.earth();
         let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
         // Of the first pulse, which is a node and a gain instant.
-        let Some(GainInstant { emission, .. }) = self.timings.close.gains.first() else { return Ok(()) };
-        let lighting = of.lighting(first, first, emission, Window::UNBOUNDED);
-        let scenery = |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&lighting, elapsed_s, places);
-        for (shade, number) in shades.iter_mut().zip(span.clone()) {
-            shade.weights.resize_with(visibility.ends, Vec::new);
+        let Some(GainInstant { emission, .. }) = self.timings.mainlobe.gains.first() else { return Ok(()) };
+        let reception = of.reception(first, first, emission, Window::UNBOUNDED);
+        let scenery = |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&reception, elapsed_s, places);
+        for (update_weights, number) in shadow_updates.iter_mut().zip(span.clone()) {
+            update_weights.weights.resize_with(visibility.ends, Vec::new);
             match maker {
                 Maker::Few(updates) => {
-                    shade.take_from(visibility.update(updates, number, scenery, lower)?, patch);
+                    update_weights.take_from(visibility.update(updates, number, scenery, lower)?, patch);
                 }
                 Maker::Here { shadow, update, heights_m } => {
                     let time_s = visibility.time_s(number);
@@ -157,20 +158,20 @@ impl TileWork {
                     let places = &mut places[..visibility.ends];
                     scenery(time_s, places)?;
                     if is_near(&self.nodes, time_s) {
-                        rise(&self.nodes, time_s, heights_m);
+                        heights_at(&self.nodes, time_s, heights_m);
                     } else if heights == Heights::Near {
-                        rise(&self.nodes[..1], time_s, heights_m);
+                        heights_at(&self.nodes[..1], time_s, heights_m);
                     } else {
                         // Few blocks need it: the room of a node does, which is made ready again.
                         let NodeWork { elapsed_s, fields, .. } = &mut self.nodes[0];
-                        self.sheet.evaluate(time_s, patch, fields)?;
+                        self.facet_surface.evaluate(time_s, patch, fields)?;
                         let from = fields.height_m.iter().copied().map(f64::from);
                         heights_m.iter_mut().zip(from).for_each(|(to, from)| *to = from);
-                        self.sheet.evaluate(*elapsed_s, patch, fields)?;
+                        self.facet_surface.evaluate(*elapsed_s, patch, fields)?;
                     }
                     visibility
                         .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
-                    shade.take_from(update, patch);
+                    update_weights.take_from(update, patch);
                 }
                 Maker::Along(updates, borders) => {
                     let at_border =
@@ -179,14 +180,15 @@ impl TileWork {
                     let mut found = false;
                     if let Some(borders) = borders {
                         borders.with(&mut |kept| {
-                            found = kept.find(number).map(|own| shade.take_from(own, patch)).is_some();
+                            found =
+                                kept.find(number).map(|own| update_weights.take_from(own, patch)).is_some();
                         });
                     }
                     if found {
                         continue;
                     }
                     let update = visibility.update(updates, number, scenery, lower)?;
-                    shade.take_from(update, patch);
+                    update_weights.take_from(update, patch);
                     if let Some(borders) = borders {
                         borders.with(&mut |kept| kept.keep(update));
                     }
@@ -206,7 +208,7 @@ pub(super) enum Heights {
     Near,
 }
 
-/// Whether the nodes tell the heights at a time: from one interval before the first to one after the last.
+/// Whether heights at a time follow from the nodes: from one interval before the first to one after the last.
 fn is_near(nodes: &[NodeWork], time_s: f64) -> bool {
     let times_s = |n: usize| nodes[n.min(nodes.len() - 1)].elapsed_s;
     let last = nodes.len().saturating_sub(1);
@@ -217,7 +219,7 @@ fn is_near(nodes: &[NodeWork], time_s: f64) -> bool {
 
 /// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. One interval beyond
 /// the last node the waves of the shortest periods lose some 1e-6 m.
-fn rise(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
+fn heights_at(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
     let after = nodes.iter().position(|node| node.elapsed_s >= time_s).unwrap_or(nodes.len() - 1);
     let (first, second) = (&nodes[after.max(1) - 1], &nodes[after.max(1).min(nodes.len() - 1)]);
     let span_s = second.elapsed_s - first.elapsed_s;

@@ -28,7 +28,7 @@ pub fn lanes_of(channels: usize) -> usize {
 pub struct Tile {
     /// Facets.
     pub count: usize,
-    /// How closely it was evaluated.
+    /// How it was evaluated.
     pub tier: Tier,
     /// When: pulses of its nodes and scattering epochs.
     pub instants: Instants,
@@ -271,7 +271,7 @@ impl Task for Bounds<'_> {
 }
 
 impl Tile {
-    /// Leaves out facets that nobody would miss.
+    /// Leaves out facets that add nothing to the echo.
     pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
         let mut wanted = [false; LANES];
         let mut illuminated = [false; LANES];
@@ -286,8 +286,8 @@ impl Tile {
         }
         let mut kept = [0u16; LANES];
         let mut count = 0;
-        let all_lit = illuminated[..self.count].iter().filter(|illuminated| **illuminated).count();
-        tally.illuminated += all_lit as u64;
+        let all_illuminated = illuminated[..self.count].iter().filter(|illuminated| **illuminated).count();
+        tally.illuminated += all_illuminated as u64;
         for i in 0..self.count {
             if wanted[i] {
                 kept[count] = i as u16;
@@ -296,7 +296,7 @@ impl Tile {
         }
         // Moving those that stay takes as long as spreading some of the others.
         if self.count - count > self.count / FEW {
-            tally.culled += all_lit.saturating_sub(count) as u64;
+            tally.culled += all_illuminated.saturating_sub(count) as u64;
             for pair in &mut self.pairs {
                 pair.keep(&kept[..count]);
             }

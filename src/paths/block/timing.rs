@@ -27,7 +27,7 @@ pub(super) struct Timing {
 /// Those of both tiers.
 #[derive(Clone, Default)]
 pub(super) struct Timings {
-    pub close: Timing,
+    pub mainlobe: Timing,
     pub sidelobe: Timing,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct EpochInstant {
 impl Timings {
     pub fn of(&self, tier: Tier) -> &Timing {
         match tier {
-            Tier::Close => &self.close,
+            Tier::Mainlobe => &self.mainlobe,
             Tier::Sidelobe => &self.sidelobe,
         }
     }
