@@ -8,6 +8,7 @@ pub mod synth;
 
 /// How echoes are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Fidelity {
     /// Every pulse from its own scatterer paths, in f64, by [`mod@reference`]: slow, and without error of its
     /// own.
@@ -19,6 +20,7 @@ pub enum Fidelity {
 
 /// What is asked of the fast echo. Settings that are `None` are chosen so that the error is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Asked {
     /// Error against the reference that is allowed, worst pulse and channel, dB.
     pub error_db: f64,

@@ -191,6 +191,10 @@ impl PathGenerator {
     /// Prepares a scene: reads pattern files and checks that the tracks cover the run, from the first
     /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
     /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
+    ///
+    /// # Errors
+    /// All that is wrong with the radar and its references, pattern files that cannot be read, tracks that do
+    /// not cover the run.
     pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
         let radar = &scene.radar;
         let mut faults = Vec::new();
@@ -313,6 +317,10 @@ impl PathGenerator {
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
     /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover; a sea or shadows that cannot be found at
+    /// it.
     pub fn pulse(
         &self,
         index: u64,

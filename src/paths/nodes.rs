@@ -20,6 +20,9 @@ impl PathGenerator {
     /// Whether the windows of some pulses receive nothing but their own emissions, in all polarisations and
     /// at equal intervals, from facets that keep their phases: then their scatterer paths can be
     /// interpolated.
+    ///
+    /// # Errors
+    /// A track that does not cover the pulse.
     pub fn receives_itself_alone(
         &self,
         pulses: &[u64],
@@ -89,11 +92,17 @@ impl PathGenerator {
     }
 
     /// Start of the window of a pulse after its emission by the clocks of the radar, s.
+    ///
+    /// # Errors
+    /// A gate that follows a platform whose track does not cover the pulse.
     pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
     }
 
     /// Start of the window of a pulse after its emission, s; where clocks are wrong, the true one.
+    ///
+    /// # Errors
+    /// A gate that follows a platform whose track does not cover the pulse.
     pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.window_start_s(index, self.radar.emissions.emission(self.start, index))
     }
@@ -105,6 +114,9 @@ impl PathGenerator {
     }
 
     /// The patch at a pulse; `None` for a scene without sea.
+    ///
+    /// # Errors
+    /// A patch that follows a platform whose track does not cover the pulse.
     pub fn patch_of(&self, index: u64) -> Result<Option<Patch>, RadarError> {
         let Some(sea) = &self.sea else { return Ok(None) };
         let patch = sea.patch_at(&self.surroundings(), self.radar.emissions.interval_s(0, index));
@@ -113,6 +125,9 @@ impl PathGenerator {
 
     /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its
     /// scatterer paths; see [`Self::pulse`].
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover.
     pub fn record(
         &self,
         index: u64,
@@ -138,6 +153,9 @@ impl PathGenerator {
 
     /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received
     /// or not.
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover.
     pub fn points(
         &self,
         index: u64,

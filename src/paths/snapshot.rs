@@ -78,6 +78,10 @@ impl PathGenerator {
     }
 
     /// The facets as the emission of pulse `index` illuminates them; `None` for a scene without sea.
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover; a sea or shadows that cannot be found at
+    /// it.
     pub fn snapshot(&self, index: u64, workspace: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });

@@ -81,6 +81,9 @@ impl PathGenerator {
     }
 
     /// Targets that the earth hides from an antenna at a pulse.
+    ///
+    /// # Errors
+    /// A track that does not cover the pulse.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
         let earth = self.frame.hiding_earth();
         let mut hidden = Vec::new();

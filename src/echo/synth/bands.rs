@@ -38,6 +38,9 @@ impl<T: Scalar> Synth<T> {
 
     /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands
     /// `band_hz` wide.
+    ///
+    /// # Errors
+    /// A window that is not finite, or scatterer paths that lack pairs or channels.
     pub fn pulse_in_bands(
         &self,
         paths: &ScattererPaths,

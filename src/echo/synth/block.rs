@@ -214,6 +214,10 @@ impl<T: Scalar> Synth<T> {
 
     /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after
     /// its emission, s) from its scatterer paths at one to four nodes.
+    ///
+    /// # Errors
+    /// Too many pulses or nodes, windows that are not finite, nodes outside of the block or with other
+    /// scatterer paths than the first.
     pub fn fill(
         &self,
         nodes: &[Node<'_>],
@@ -234,6 +238,9 @@ impl<T: Scalar> Synth<T> {
 
     /// The same for some pulses of a longer block, of which `frame` has windows and mean Doppler; nodes
     /// count from the first of these pulses.
+    ///
+    /// # Errors
+    /// As [`Self::fill`]; pulses that the frame does not have.
     pub fn fill_part(
         &self,
         nodes: &[Node<'_>],

@@ -88,6 +88,7 @@ const TILE: usize = 16;
 
 /// What is wrong with a map, a terminal or the settings.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShadowError {
     /// Too few or too many facets.
     #[error("height map of {nx} x {ny} facets: allowed are 1 to {MAX_SIDE} a side, {MAX_FACETS} in all")]
@@ -147,6 +148,7 @@ pub enum ShadowError {
 
 /// How a facet passes from full view to shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Edge {
     /// At once, as in the paper: illuminated if and only if nothing stands above the ray.
     Sharp,
@@ -225,6 +227,9 @@ pub struct Map<'a, T> {
 impl<'a, T: Real> Map<'a, T> {
     /// Heights `[iy][ix]`, m, of `facets` along x and y of side `facet_m`; the centre of the first one is at
     /// `first_m`.
+    ///
+    /// # Errors
+    /// Sides out of range, heights that are not as many as facets, a facet or an origin out of range.
     pub fn new(
         heights_m: &'a [T],
         facets: [usize; 2],
@@ -389,6 +394,9 @@ pub struct Shadow<T> {
 
 impl<T: Real> Shadow<T> {
     /// For maps of `facets` along x and y. All memory is taken here.
+    ///
+    /// # Errors
+    /// Sides or settings out of range.
     pub fn new(facets: [usize; 2], settings: Settings) -> Result<Self, ShadowError> {
         check_sides(facets)?;
         let settings = settings.check()?;
@@ -413,6 +421,9 @@ impl<T: Real> Shadow<T> {
     }
 
     /// Visibility weights of all facets from a terminal, `[iy][ix]`, 0 to 1, into `out`.
+    ///
+    /// # Errors
+    /// A map or an output of another size, a terminal out of range.
     pub fn weights(&mut self, map: &Map<T>, terminal: Point<Enu>, out: &mut [T]) -> Result<(), ShadowError> {
         let lift_m = LIFT * map.facet_m;
         let width_m = self.settings.width_rad() * map.facet_m;
@@ -431,6 +442,9 @@ impl<T: Real> Shadow<T> {
 
     /// Clearances `c` of all facets, m, `[iy][ix]`, without the lift; infinite where nothing is between facet
     /// and terminal. Where marches along both axes are blended, the blend of both clearances.
+    ///
+    /// # Errors
+    /// As [`Self::weights`].
     pub fn clearances_m(
         &mut self,
         map: &Map<T>,

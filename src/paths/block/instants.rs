@@ -79,6 +79,7 @@ impl Instants {
 
 /// How often a tile is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Tier {
     /// At all instants of its block.
     #[default]
@@ -89,6 +90,7 @@ pub enum Tier {
 
 /// Which tiles are in the sidelobes, and how they are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sidelobe {
     /// Two-way gain of every pair over its peak below which a tile is in the sidelobes, dB.
     pub below_db: f64,

@@ -154,6 +154,9 @@ impl PathGenerator {
 
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of
     /// its facets shows, per pair.
+    ///
+    /// # Errors
+    /// Tracks that do not cover the block; a sea or shadows that cannot be found at its nodes.
     pub fn open_block(
         &self,
         tiers: &Tiers,

@@ -35,6 +35,7 @@ pub struct SampledTile<'a> {
 
 /// Which shadows a probe has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Shadows {
     /// Those at its first pulse.
     #[default]
@@ -84,6 +85,9 @@ impl PathGenerator {
     }
 
     /// Evaluates a sample of about so many tiles at some instants.
+    ///
+    /// # Errors
+    /// Tracks that do not cover the instants; a sea or shadows that cannot be found at them.
     pub fn sample_tiles(
         &self,
         tiers: &Tiers,
