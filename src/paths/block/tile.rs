@@ -304,3 +304,54 @@ impl Tile {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Facets that stay keep delays, factors and the amplitudes of every channel, in one layer or two, of
+    /// every number of lanes.
+    #[test]
+    fn facets_that_stay_keep_all_they_have() {
+        for channels in 1..=5 {
+            let mut pair = Pair::new(channels);
+            pair.resize(1, 1, 1);
+            (pair.node_count, pair.epoch_count) = (1, 1);
+            // Every third facet returns something.
+            let power = |i: usize| if i.is_multiple_of(3) { 1.0 + i as f32 } else { 0.0 };
+            for i in 0..LANES {
+                pair.nodes[0].paths.delay_s[i] = i as f64;
+                pair.factor[0][i] = power(i);
+                for (place, layer) in pair.epochs[0].layers.iter_mut().enumerate() {
+                    let of_layer = (channels - place * CHANNELS_PER_LAYER).min(CHANNELS_PER_LAYER);
+                    for k in 0..2 * of_layer {
+                        layer.values.0[i * layer.lanes + k] = (100 * place + 10 * k) as f32 + i as f32;
+                    }
+                }
+            }
+            let instants = Instants::of_block(0, 1, 1, 1);
+            let pairs = vec![pair];
+            let mut tile = Tile { count: 250, tier: Tier::Mainlobe, instants, interval_s: 1.0, pairs };
+            let mut tally = Tally::default();
+            tile.thin_out(Variant::fastest(), &[Sample::default()], 0.0, &mut tally);
+            let kept: Vec<usize> = (0..250usize).filter(|i| i.is_multiple_of(3)).collect();
+            assert_eq!((tile.count, tally.illuminated, tally.culled), (kept.len(), 84, 0), "{channels}");
+            let pair = &tile.pairs[0];
+            let rows = pair.epochs()[0].rows();
+            assert_eq!(rows.len(), channels);
+            for (n, &i) in kept.iter().enumerate() {
+                assert_eq!((pair.nodes()[0].paths.delay_s[n], pair.factor[0][n]), (i as f64, power(i)));
+                for (channel, [re, im]) in rows.iter().enumerate() {
+                    let (place, k) = (channel / CHANNELS_PER_LAYER, 2 * (channel % CHANNELS_PER_LAYER));
+                    let value = |k: usize| (100 * place + 10 * k) as f32 + i as f32;
+                    assert_eq!((re[n], im[n]), (value(k), value(k + 1)), "{channels} {channel} {n}");
+                }
+            }
+            // Lanes without a channel stay zero.
+            let last = pair.epochs()[0].layers.last().unwrap();
+            let used = 2 * (channels - (channels - 1) / CHANNELS_PER_LAYER * CHANNELS_PER_LAYER);
+            let lines = last.of_first(kept.len()).chunks(last.lanes());
+            assert!(lines.flat_map(|line| &line[used..]).all(|value| *value == 0.0), "{channels}");
+        }
+    }
+}
