@@ -24,6 +24,7 @@ use std::fmt;
 
 /// Instructions for the inner loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Variant {
     /// What every CPU of the target has; no fused products.
     Portable,

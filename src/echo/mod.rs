@@ -1,13 +1,14 @@
 //! Scatterer paths to samples.
 //!
 //! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`]
-//! says which one a run takes.
+//! selects which one a run takes.
 
 pub mod reference;
 pub mod synth;
 
 /// How echoes are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Fidelity {
     /// Every pulse from its own scatterer paths, in f64, by [`mod@reference`]: slow, and without error of its
     /// own.
@@ -17,8 +18,9 @@ pub enum Fidelity {
     Fast(Asked),
 }
 
-/// What is asked of the fast echo. Knobs that are `None` are chosen so that the error is kept.
+/// What is asked of the fast echo. Settings that are `None` are chosen so that the error is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Asked {
     /// Error against the reference that is allowed, worst pulse and channel, dB.
     pub error_db: f64,

@@ -77,7 +77,8 @@ use crate::radar::waveform::Waveform;
 /// Samples between the window and the nearest image of a pulse, on either side.
 pub const GUARD_SAMPLES: usize = RINGING_SAMPLES;
 
-/// How the echoes of a pulse lie in its window. Counted per scatterer path and pair, silent ones not.
+/// How the echoes of a pulse lie in its window. Counted per scatterer path and pair, those of zero amplitude
+/// not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     /// Echoes of which a part lies before or after the window.

@@ -47,6 +47,7 @@ const MOST_STEPS: usize = 20;
 
 /// How light time is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LightTime {
     /// Everything moves while the pulse is under way.
     Exact,

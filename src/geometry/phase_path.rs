@@ -29,6 +29,7 @@ const POINTS: usize = 4;
 
 /// What is wrong with a path.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PhasePathError {
     /// No points, or not one for each time.
     #[error("{points} positions for {times} emissions: one for each is needed, and at least one")]
@@ -55,6 +56,9 @@ pub struct PhasePath {
 
 impl PhasePath {
     /// Through points (ENU, m) at ascending times (s after any one instant).
+    ///
+    /// # Errors
+    /// No points, not as many as times, or a row that is not finite or does not ascend.
     pub fn new(times_s: Vec<f64>, points_m: Vec<[f64; 3]>) -> Result<Self, PhasePathError> {
         if times_s.is_empty() || times_s.len() != points_m.len() {
             return Err(PhasePathError::Shape { times: times_s.len(), points: points_m.len() });

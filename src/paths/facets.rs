@@ -13,7 +13,7 @@
 //! matrix `S` of [`crate::scattering::water`].
 //!
 //! Facets are visited in chunks, within a chunk ordered by kind of surface. A facet is passed over where its
-//! echo misses the window, where an antenna is dark or hidden, and where it scatters nothing.
+//! echo misses the window, where an antenna radiates nothing or is hidden, and where it scatters nothing.
 
 use glam::{DMat3, DVec3};
 use num_complex::Complex64;
@@ -68,7 +68,7 @@ pub(super) struct Chunk {
 
 /// The instant and circumstances of an emission.
 #[derive(Clone, Copy)]
-pub(super) struct Lighting<'a> {
+pub(super) struct Reception<'a> {
     pub surroundings: Surroundings<'a>,
     pub radar: &'a Radar,
     pub antennas: &'a [Antenna],
@@ -153,27 +153,28 @@ impl Chunk {
     /// whether it was kept.
     pub fn see(
         &mut self,
-        lighting: &Lighting,
+        reception: &Reception,
         transmitters: usize,
         scatterer: &PhaseCentre,
         visible: impl Fn(usize) -> f64,
     ) -> bool {
         let mut kept = false;
-        for (plan, columns) in lighting.plans.iter().zip(&mut self.pairs) {
+        for (plan, columns) in reception.plans.iter().zip(&mut self.pairs) {
             let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
-            let centres = &lighting.emission.centres;
+            let centres = &reception.emission.centres;
             let path = bistatic_over(LightTime::Exact, &centres[tx], scatterer, &centres[rx]);
             let mut scale = Complex64::ZERO;
-            let rx_axes = lighting.emission.axes_after(rx, path.delay_s, lighting.axes_span_s);
-            if plan.hears(lighting.tx_pol) && lighting.window.touches(lighting.offset_s + path.delay_s) {
+            let rx_axes = reception.emission.axes_after(rx, path.delay_s, reception.axes_span_s);
+            if plan.receives(reception.tx_pol) && reception.window.touches(reception.offset_s + path.delay_s)
+            {
                 let seen = visible(tx) * visible(rx);
                 let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
                 let link = plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s));
                 if seen > 0.0 && link > 0.0 {
                     let gain = |antenna: usize, axes: &DMat3, d: DVec3| {
-                        lighting.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
+                        reception.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
                     };
-                    let tx_axes = lighting.emission.axes(tx);
+                    let tx_axes = reception.emission.axes(tx);
                     scale = gain(tx, &tx_axes, path.incident)
                         * gain(rx, &rx_axes, -path.scattered)
                         * (link * seen);
@@ -189,8 +190,8 @@ impl Chunk {
                 column.push(d);
             }
             columns.scale.push(scale);
-            let span_s = lighting.axes_span_s;
-            columns.rx_bases.push(lighting.emission.basis_after(rx, path.delay_s, span_s));
+            let span_s = reception.axes_span_s;
+            columns.rx_bases.push(reception.emission.basis_after(rx, path.delay_s, span_s));
         }
         if !kept {
             for columns in &mut self.pairs {
@@ -218,7 +219,7 @@ impl Chunk {
     /// Amplitudes of all facets of the chunk, which are of one kind, with ships at these poses.
     pub fn scatter(
         &mut self,
-        lighting: &Lighting,
+        reception: &Reception,
         (water, poses): (&WaterScattering, &[Pose]),
         kind: usize,
         patch: &Patch,
@@ -229,7 +230,7 @@ impl Chunk {
             column.resize(count, Complex64::ZERO);
             column.fill(Complex64::ZERO);
         }
-        for (plan, columns) in lighting.plans.iter().zip(&self.pairs) {
+        for (plan, columns) in reception.plans.iter().zip(&self.pairs) {
             let facets = Facets {
                 incident: columns.incident.each_ref().map(Vec::as_slice),
                 scattered: columns.scattered.each_ref().map(Vec::as_slice),
@@ -249,9 +250,9 @@ impl Chunk {
                 continue;
             }
             let (tx, rx) = (plan.pair.transmitter, plan.pair.receiver);
-            let tx_basis = lighting.emission.basis(tx);
-            let tx_leak = lighting.radar.transmitters[tx].antenna.cross_pol_isolation_db;
-            let rx_leak = lighting.radar.receivers[rx].antenna.cross_pol_isolation_db;
+            let tx_basis = reception.emission.basis(tx);
+            let tx_leak = reception.radar.transmitters[tx].antenna.cross_pol_isolation_db;
+            let rx_leak = reception.radar.receivers[rx].antenna.cross_pol_isolation_db;
             for i in 0..count {
                 let scale = columns.scale[i];
                 if scale == Complex64::ZERO {
@@ -264,12 +265,13 @@ impl Chunk {
                 let mut e_r =
                     Ports::new(|port| field(&columns.rx_bases[i], port, rx_leak, -scattered, &basis_out));
                 for &(channel, tx_port, rx_port) in &plan.channels {
-                    if lighting.tx_pol.is_some_and(|port| port != tx_port) {
+                    if reception.tx_pol.is_some_and(|port| port != tx_port) {
                         continue;
                     }
                     let (t, r) = (e_t.of(tx_port), e_r.of(rx_port));
-                    let heard = r[0] * (vv[i] * t[0] + vh[i] * t[1]) + r[1] * (hv[i] * t[0] + hh[i] * t[1]);
-                    self.amplitude[channel][i] = scale * heard;
+                    let received =
+                        r[0] * (vv[i] * t[0] + vh[i] * t[1]) + r[1] * (hv[i] * t[0] + hh[i] * t[1]);
+                    self.amplitude[channel][i] = scale * received;
                 }
             }
         }

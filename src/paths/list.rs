@@ -52,7 +52,7 @@ impl ScattererPaths {
         self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
     }
 
-    /// Makes the list `len` scatterer paths long; new ones are silent, without offset.
+    /// Makes the list `len` scatterer paths long; new ones are of zero amplitude, without offset.
     pub fn resize(&mut self, len: usize) {
         self.emission_offset_s.resize(len, 0.0);
         self.delay_s.iter_mut().chain(&mut self.delay_rate).for_each(|column| column.resize(len, 0.0));

@@ -1,6 +1,6 @@
 //! From the scene to the scatterer paths of every receive window.
 //!
-//! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It hears every
+//! The window of pulse `n` opens `w` seconds after its emission `t_n` and lasts `N / fs`. It receives every
 //! emission `e` of the run whose echo overlaps it, not only its own: where the delay is longer than the
 //! pulse repetition interval (spaceborne, or the direct path of the next pulse) several pulses are in
 //! the air. A scatterer path of emission `e` with delay `tau` is kept when
@@ -91,9 +91,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod append;
 mod facets;
 mod nodes;
-
 mod sea;
 mod emission;
 pub mod list;
@@ -107,13 +107,9 @@ mod visibility;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::frames::{Earth, Enu, Point, SceneFrame, Vector};
-use crate::geometry::bistatic::Basis;
-use crate::geometry::horizon;
-use crate::geometry::light_time::Path;
+use crate::frames::SceneFrame;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
@@ -124,21 +120,20 @@ use crate::radar::antenna::Antenna;
 use crate::radar::clock::RunningClocks;
 use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
-use crate::radar::polarisation::field;
 use crate::scene::radar::{Aim, Pair, Polarisation};
 use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 use crate::radar::window::Window;
-use facets::Lighting;
+use facets::Reception;
 use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use survey::BeyondHorizon;
 
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
 const MANOEUVRE_MPS: f64 = 1000.0;
-/// Instants of the run at which its longest delay is sought.
-const SOUNDINGS: u64 = 32;
+/// Pulses of the run at which its longest delay is sought.
+const CHECKED_PULSES: u64 = 32;
 
 /// What one transmitter-receiver pair needs.
 #[derive(Clone, Debug)]
@@ -151,7 +146,7 @@ struct PairPlan {
 
 impl PairPlan {
     /// Whether an emission reaches any channel of the pair.
-    fn hears(&self, tx_pol: Option<Polarisation>) -> bool {
+    fn receives(&self, tx_pol: Option<Polarisation>) -> bool {
         tx_pol.is_none_or(|port| self.channels.iter().any(|&(_, tx, _)| tx == port))
     }
 }
@@ -177,8 +172,8 @@ pub struct PathGenerator {
     hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
     clocks: Option<Arc<RunningClocks>>,
-    /// Platforms by whose reports something is aimed, and how late.
-    listeners: Vec<(usize, f64)>,
+    /// Platforms by whose reports something is aimed, and the servo lag.
+    report_steered: Vec<(usize, f64)>,
 }
 
 /// Buffers of [`PathGenerator::pulse`]; one per thread.
@@ -196,6 +191,10 @@ impl PathGenerator {
     /// Prepares a scene: reads pattern files and checks that the tracks cover the run, from the first
     /// emission (less the servo lag) to the last one and its longest light time. `pulse_length_s` is the
     /// length of the waveform; `tracks` stand in the order of `scene.platforms`.
+    ///
+    /// # Errors
+    /// All that is wrong with the radar and its references, pattern files that cannot be read, tracks that do
+    /// not cover the run.
     pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
         let radar = &scene.radar;
         let mut faults = Vec::new();
@@ -253,7 +252,7 @@ impl PathGenerator {
             hold_pulses: None,
             sea: None,
             clocks: None,
-            listeners: partition::listeners(radar),
+            report_steered: partition::report_steered(radar),
         };
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
@@ -278,7 +277,7 @@ impl PathGenerator {
         Ok(built)
     }
 
-    /// The same with clocks that are wrong: windows open when they say.
+    /// The same with clocks that are wrong: windows open by them.
     pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         Self { clocks, ..self }
     }
@@ -300,7 +299,7 @@ impl PathGenerator {
     }
 
     /// The longest delay found when the run was prepared (at a few dozen instants of it), s: how far
-    /// after the last emission tracks are asked.
+    /// after the last emission tracks are evaluated.
     pub fn light_time_s(&self) -> f64 {
         self.axes_span_s
     }
@@ -314,10 +313,14 @@ impl PathGenerator {
         Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
     }
 
-    /// Fills `paths` with all that the window of pulse `index` hears, and index, time, window start,
+    /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
     /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover; a sea or shadows that cannot be found at
+    /// it.
     pub fn pulse(
         &self,
         index: u64,
@@ -333,83 +336,52 @@ impl PathGenerator {
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        let audible = self.audible(index, own, &window)?;
+        let in_window = self.emissions_in_window(index, own, &window)?;
         costs.lap(Stage::Record);
-        for heard in audible.start..audible.end.min(index) {
-            self.evaluate(heard, other)?;
-            let lighting = self.lighting(index, heard, other, window);
-            self.append(&lighting, amplitude, paths);
-            self.append_sea(heard, &lighting, sea, costs, paths)?;
+        for emitted in in_window.start..in_window.end.min(index) {
+            self.evaluate(emitted, other)?;
+            let reception = self.reception(index, emitted, other, window);
+            self.append(&reception, amplitude, paths);
+            self.append_sea(emitted, &reception, sea, costs, paths)?;
         }
-        let lighting = self.lighting(index, index, own, window);
-        if self.append(&lighting, amplitude, paths) {
+        let reception = self.reception(index, index, own, window);
+        if self.append(&reception, amplitude, paths) {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        if audible.contains(&index) {
-            self.append_sea(index, &lighting, sea, costs, paths)?;
+        if in_window.contains(&index) {
+            self.append_sea(index, &reception, sea, costs, paths)?;
         }
-        for heard in audible.start.max(index + 1)..audible.end {
-            self.evaluate(heard, other)?;
-            let lighting = self.lighting(index, heard, other, window);
-            self.append(&lighting, amplitude, paths);
-            self.append_sea(heard, &lighting, sea, costs, paths)?;
+        for emitted in in_window.start.max(index + 1)..in_window.end {
+            self.evaluate(emitted, other)?;
+            let reception = self.reception(index, emitted, other, window);
+            self.append(&reception, amplitude, paths);
+            self.append_sea(emitted, &reception, sea, costs, paths)?;
         }
         costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 
-    /// What the window of pulse `index` meets of emission `heard`.
-    fn lighting<'a>(
+    /// What the window of pulse `index` meets of emission `emitted`.
+    fn reception<'a>(
         &'a self,
         index: u64,
-        heard: u64,
+        emitted: u64,
         emission: &'a Emission,
         window: Window,
-    ) -> Lighting<'a> {
-        Lighting {
+    ) -> Reception<'a> {
+        Reception {
             surroundings: self.surroundings(),
             radar: &self.radar,
             antennas: &self.antennas,
             plans: &self.plans,
             emission,
-            t: self.radar.emissions.emission(self.start, heard),
-            elapsed_s: self.radar.emissions.interval_s(0, heard),
-            offset_s: self.radar.emissions.interval_s(index, heard),
-            tx_pol: self.radar.tx_polarisation.of_pulse(heard),
+            t: self.radar.emissions.emission(self.start, emitted),
+            elapsed_s: self.radar.emissions.interval_s(0, emitted),
+            offset_s: self.radar.emissions.interval_s(index, emitted),
+            tx_pol: self.radar.tx_polarisation.of_pulse(emitted),
             axes_span_s: self.axes_span_s,
             window,
         }
-    }
-
-    /// Appends the facets that one emission lights.
-    fn append_sea(
-        &self,
-        heard: u64,
-        lighting: &Lighting,
-        work: &mut Option<SeaWork>,
-        costs: &mut Costs,
-        paths: &mut ScattererPaths,
-    ) -> Result<(), RadarError> {
-        let Some(sea) = &self.sea else { return Ok(()) };
-        let Some(work) = self.sea_work(sea, work) else { return Ok(()) };
-        let before = paths.len();
-        let visited = sea.visit(lighting, work, costs, |chunk| {
-            for place in 0..chunk.index.len() {
-                if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
-                    continue;
-                }
-                paths.emission_offset_s.push(lighting.offset_s);
-                for (pair, columns) in chunk.pairs.iter().enumerate() {
-                    paths.delay_s[pair].push(columns.delay_s[place]);
-                    paths.delay_rate[pair].push(columns.delay_rate[place]);
-                }
-                for (column, amplitude) in paths.amplitude.iter_mut().zip(&chunk.amplitude) {
-                    column.push(amplitude[place]);
-                }
-            }
-        });
-        costs.looked_at(sea.patch.len(), paths.len() - before, 0);
-        visited.map_err(|failure| self.sea_error(heard, failure))
     }
 
     /// The buffers of the sea, made unless they are there.
@@ -460,8 +432,13 @@ impl PathGenerator {
         RadarError::Track { index, platform: self.platforms[platform].clone(), which, source }
     }
 
-    /// The emissions that may be heard in the window of pulse `index`.
-    fn audible(&self, index: u64, own: &Emission, window: &Window) -> Result<Range<u64>, RadarError> {
+    /// The emissions that may be received in the window of pulse `index`.
+    fn emissions_in_window(
+        &self,
+        index: u64,
+        own: &Emission,
+        window: &Window,
+    ) -> Result<Range<u64>, RadarError> {
         let Some((least_s, most_s)) = self.delay_span_s(index, own, *window)? else {
             return Ok(index..index);
         };
@@ -487,11 +464,11 @@ impl PathGenerator {
     ) -> Result<Option<(f64, f64)>, RadarError> {
         let targets = emission.delay_span_s();
         let Some(sea) = &self.sea else { return Ok(targets) };
-        let lighting = self.lighting(index, index, emission, window);
+        let reception = self.reception(index, index, emission, window);
         let patch = sea
-            .patch_at(&lighting.surroundings, lighting.elapsed_s)
+            .patch_at(&reception.surroundings, reception.elapsed_s)
             .map_err(|failure| self.track_error(index, failure))?;
-        let facets = sea.delay_span_s(&patch, &lighting);
+        let facets = sea.delay_span_s(&patch, &reception);
         Ok(match (targets, facets) {
             (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
             (one, other) => one.or(other),
@@ -515,115 +492,6 @@ impl PathGenerator {
             }
         }
         low
-    }
-
-    /// Appends the scatterer paths of one emission; says whether an echo lies partly or wholly outside.
-    fn append(&self, lighting: &Lighting, amplitude: &mut [Complex64], paths: &mut ScattererPaths) -> bool {
-        let mut outside = false;
-        for (target, of_pairs) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            outside |= self.weigh(lighting, target, of_pairs, amplitude);
-            if amplitude.iter().any(|a| *a != Complex64::ZERO) {
-                let delays = of_pairs.iter().map(|path| (path.delay_s, path.delay_rate));
-                paths.push(lighting.offset_s, delays, amplitude);
-            }
-        }
-        outside
-    }
-
-    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; says whether an
-    /// echo lies partly or wholly outside the window.
-    fn weigh(
-        &self,
-        lighting: &Lighting,
-        target: usize,
-        of_pairs: &[Path],
-        amplitude: &mut [Complex64],
-    ) -> bool {
-        let Lighting { emission, offset_s, tx_pol, window, .. } = *lighting;
-        let mut outside = false;
-        let target = self.targets.get(target);
-        amplitude.fill(Complex64::ZERO);
-        for (plan, path) in self.plans.iter().zip(of_pairs) {
-            let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
-            let scale = match target {
-                Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
-                None => plan.link.direct(range(path.delay_s)),
-            };
-            let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
-            if scale == 0.0 || !plan.hears(tx_pol) {
-                continue;
-            }
-            let begin_s = offset_s + path.delay_s;
-            outside |= !window.holds(begin_s);
-            if window.touches(begin_s) {
-                self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
-            }
-        }
-        outside
-    }
-
-    /// Share of the field of a path that passes the horizons of its antennas.
-    fn passes_horizon(&self, plan: &PairPlan, emission: &Emission, path: &Path, direct: bool) -> f64 {
-        let earth = self.frame.hiding_earth();
-        if earth == Earth::Flat {
-            return 1.0;
-        }
-        let on = |from: Point<Enu>, along: DVec3, leg_s: f64| {
-            Point::from_raw(from.raw() + along * (leg_s * SPEED_OF_LIGHT_MPS))
-        };
-        let seen = |from: Point<Enu>, to: Point<Enu>| {
-            horizon::weight(horizon::clearance_m(earth, from, to), horizon::POINT_EDGE_M)
-        };
-        let tx = emission.centres[plan.pair.transmitter].position;
-        if direct {
-            return seen(tx, on(tx, path.incident, path.delay_s));
-        }
-        let at = on(tx, path.incident, path.tx_leg_s);
-        seen(tx, at) * seen(on(at, path.scattered, path.rx_leg_s), at)
-    }
-
-    /// Amplitudes of one path in the channels of its pair; `target` is `None` for the direct path.
-    fn amplitudes(
-        &self,
-        plan: &PairPlan,
-        path: &Path,
-        target: Option<&Target>,
-        scale: f64,
-        tx_pol: Option<Polarisation>,
-        emission: &Emission,
-        amplitude: &mut [Complex64],
-    ) {
-        let tx = plan.pair.transmitter;
-        let rx = self.radar.transmitters.len() + plan.pair.receiver;
-        let tx_axes = emission.axes(tx);
-        let rx_axes = emission.axes_after(rx, path.delay_s, self.axes_span_s);
-        let gain = |antenna: usize, axes: &glam::DMat3, d: DVec3| {
-            self.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
-        };
-        let gains = gain(tx, &tx_axes, path.incident) * gain(rx, &rx_axes, -path.scattered) * scale;
-        if gains == Complex64::ZERO {
-            return;
-        }
-        let (basis_in, basis_out) = (Basis::of(path.incident), Basis::of(path.scattered));
-        let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
-        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
-        let tx_basis = emission.basis(tx);
-        let rx_basis = emission.basis_after(rx, path.delay_s, self.axes_span_s);
-        for &(channel, tx_port, rx_port) in &plan.channels {
-            if tx_pol.is_some_and(|port| port != tx_port) {
-                continue;
-            }
-            let e_t = field(&tx_basis, tx_port, tx_leak, path.incident, &basis_in);
-            let e_r = field(&rx_basis, rx_port, rx_leak, -path.scattered, &basis_out);
-            let heard = match target {
-                None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
-                Some(Target { scattering: s, .. }) => {
-                    e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
-                        + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
-                }
-            };
-            amplitude[channel] = gains * heard;
-        }
     }
 }
 

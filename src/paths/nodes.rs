@@ -3,7 +3,7 @@
 
 use num_complex::Complex64;
 
-use super::facets::Lighting;
+use super::facets::Reception;
 use super::{PathGenerator, Workspace};
 use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::Stage;
@@ -13,13 +13,21 @@ use crate::radar::window::Window;
 use crate::scene::Patch;
 use crate::scene::radar::TxPolarisation;
 
-/// Pulses in the air at once that are looked for where intervals differ.
+/// Most pulses in the air at once that are searched where intervals differ.
 const MOST_IN_AIR: u64 = 256;
 
 impl PathGenerator {
-    /// Whether the windows of some pulses hear nothing but their own emissions, in all polarisations and at
-    /// equal intervals, from facets that keep their phases: then their scatterer paths can be interpolated.
-    pub fn hears_itself(&self, pulses: &[u64], workspace: &mut Workspace) -> Result<bool, RadarError> {
+    /// Whether the windows of some pulses receive nothing but their own emissions, in all polarisations and
+    /// at equal intervals, from facets that keep their phases: then their scatterer paths can be
+    /// interpolated.
+    ///
+    /// # Errors
+    /// A track that does not cover the pulse.
+    pub fn receives_itself_alone(
+        &self,
+        pulses: &[u64],
+        workspace: &mut Workspace,
+    ) -> Result<bool, RadarError> {
         let even = self.radar.emissions.is_uniform();
         let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
         if forgets || !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
@@ -28,8 +36,8 @@ impl PathGenerator {
         for &index in pulses {
             self.evaluate(index, &mut workspace.own)?;
             let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
-            let audible = self.audible(index, &workspace.own, &window)?;
-            if audible.start < index || audible.end > index + 1 {
+            let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
+            if in_window.start < index || in_window.end > index + 1 {
                 return Ok(false);
             }
         }
@@ -38,29 +46,31 @@ impl PathGenerator {
 
     /// Share of the echo of a pulse with such a delay that some window receives, of those that open `opens_s`
     /// after their emission: 0 to 1.
-    pub fn heard_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
-        let listens_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+    pub fn received_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
+        let window_length_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let begins_s = delay_s - opens_s;
-        let heard_s = |later_s: f64| {
+        let received_s = |later_s: f64| {
             let begins_s = begins_s - later_s;
-            self.pulse_length_s.min(listens_s - begins_s) - (-begins_s).max(0.0)
+            self.pulse_length_s.min(window_length_s - begins_s) - (-begins_s).max(0.0)
         };
         // Where pulses are in the air a later window receives it, or an earlier one.
         let emissions = &self.radar.emissions;
-        let mut most_s = heard_s(0.0);
+        let mut most_s = received_s(0.0);
         if emissions.is_uniform() {
             let interval_s = emissions.interval_s(0, 1);
             if interval_s > 0.0 {
                 let later = (begins_s / interval_s).floor();
-                most_s =
-                    [later, later + 1.0].map(|n| heard_s(n * interval_s)).into_iter().fold(most_s, f64::max);
+                most_s = [later, later + 1.0]
+                    .map(|n| received_s(n * interval_s))
+                    .into_iter()
+                    .fold(most_s, f64::max);
             }
         } else {
             let later = (1..=MOST_IN_AIR).map(|n| emissions.interval_s(index, index.saturating_add(n)));
             let later = later.take_while(|later_s| *later_s <= begins_s + self.pulse_length_s);
             let before = (1..=MOST_IN_AIR.min(index)).map(|n| -emissions.interval_s(index - n, index));
-            let before = before.take_while(|later_s| begins_s - *later_s <= listens_s);
-            most_s = later.chain(before).map(heard_s).fold(most_s, f64::max);
+            let before = before.take_while(|later_s| begins_s - *later_s <= window_length_s);
+            most_s = later.chain(before).map(received_s).fold(most_s, f64::max);
         }
         (most_s.max(0.0) / self.pulse_length_s).min(1.0)
     }
@@ -82,11 +92,17 @@ impl PathGenerator {
     }
 
     /// Start of the window of a pulse after its emission by the clocks of the radar, s.
+    ///
+    /// # Errors
+    /// A gate that follows a platform whose track does not cover the pulse.
     pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
     }
 
     /// Start of the window of a pulse after its emission, s; where clocks are wrong, the true one.
+    ///
+    /// # Errors
+    /// A gate that follows a platform whose track does not cover the pulse.
     pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.window_start_s(index, self.radar.emissions.emission(self.start, index))
     }
@@ -98,6 +114,9 @@ impl PathGenerator {
     }
 
     /// The patch at a pulse; `None` for a scene without sea.
+    ///
+    /// # Errors
+    /// A patch that follows a platform whose track does not cover the pulse.
     pub fn patch_of(&self, index: u64) -> Result<Option<Patch>, RadarError> {
         let Some(sea) = &self.sea else { return Ok(None) };
         let patch = sea.patch_at(&self.surroundings(), self.radar.emissions.interval_s(0, index));
@@ -106,6 +125,9 @@ impl PathGenerator {
 
     /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its
     /// scatterer paths; see [`Self::pulse`].
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover.
     pub fn record(
         &self,
         index: u64,
@@ -119,9 +141,9 @@ impl PathGenerator {
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        let lighting = self.lighting(index, index, own, window);
+        let reception = self.reception(index, index, own, window);
         for (target, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            if self.weigh(&lighting, target, of_pairs, amplitude) {
+            if self.weigh(&reception, target, of_pairs, amplitude) {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
@@ -131,6 +153,9 @@ impl PathGenerator {
 
     /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received
     /// or not.
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover.
     pub fn points(
         &self,
         index: u64,
@@ -143,8 +168,8 @@ impl PathGenerator {
         let Workspace { own, amplitude, .. } = workspace;
         paths.clear();
         self.evaluate(index, own)?;
-        let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
-        self.append_every(&lighting, amplitude, paths);
+        let reception = self.reception(index, index, own, Window::UNBOUNDED);
+        self.append_every(&reception, amplitude, paths);
         Ok(())
     }
 
@@ -154,10 +179,10 @@ impl PathGenerator {
     }
 
     /// Appends targets and direct paths whether they are received or not.
-    fn append_every(&self, lighting: &Lighting, amplitude: &mut [Complex64], paths: &mut ScattererPaths) {
-        for (target, of_pairs) in lighting.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            self.weigh(lighting, target, of_pairs, amplitude);
-            paths.push(lighting.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
+    fn append_every(&self, reception: &Reception, amplitude: &mut [Complex64], paths: &mut ScattererPaths) {
+        for (target, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            self.weigh(reception, target, of_pairs, amplitude);
+            paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
         }
     }
 }

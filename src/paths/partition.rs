@@ -16,11 +16,11 @@ use crate::scene::Radar;
 use crate::scene::radar::{AimFrom, Gate, Pointing};
 use crate::time::TimeTag;
 
-/// Times closer than this are not told apart, s: pulses are a nanosecond apart at least.
+/// Times nearer than this are taken for the same, s: pulses are a nanosecond apart at least.
 const TIE_S: f64 = 0.5e-9;
 
 /// Platforms by whose reports something is aimed, and how late.
-pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
+pub(super) fn report_steered(radar: &Radar) -> Vec<(usize, f64)> {
     let mut found = Vec::new();
     let mut note = |platform: Option<usize>, lag_s: f64| {
         if let Some(platform) = platform.filter(|platform| !found.contains(&(*platform, lag_s))) {
@@ -47,8 +47,8 @@ pub(super) fn listeners(radar: &Radar) -> Vec<(usize, f64)> {
 const GUARD_S: f64 = 1e-3;
 
 impl PathGenerator {
-    /// The last instant at which tracks are asked for pulses before `index`: what their windows hear of later
-    /// emissions, the longest light time, and two pulses more.
+    /// The last instant at which tracks are asked for pulses before `index`: what their windows receive of
+    /// later emissions, the longest light time, and two pulses more.
     pub fn latest_state_needed(&self, index: u64) -> TimeTag {
         let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let opens_s = match &self.radar.window.gate {
@@ -69,7 +69,7 @@ impl PathGenerator {
                 part.end = part.end.min(pulse);
             }
         };
-        for &(platform, lag_s) in &self.listeners {
+        for &(platform, lag_s) in &self.report_steered {
             let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {
                 continue;
             };
@@ -85,7 +85,7 @@ impl PathGenerator {
                     };
                     let begins_s = (lag_s > 0.0).then_some(one.t_s);
                     for jump_s in begins_s.into_iter().chain(ends_s) {
-                        // Not told from a pulse a rounding before or after.
+                        // Taken for a pulse a rounding before or after.
                         for tie_s in [-TIE_S, TIE_S] {
                             cut(self.first_from(&block, jump_s + lag_s + tie_s));
                         }

@@ -1,6 +1,6 @@
 //! The sea of a run: drawn once, illuminated emission by emission.
 //!
-//! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), tells where the patch
+//! Holds what no pulse changes (surface, wakes, scattering, how visibility is found), finds where the patch
 //! lies at a time and how long its echoes take, and visits its facets ([`super::facets`]).
 
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::facets::{CHUNK, Chunk, Lighting, motion};
+use super::facets::{CHUNK, Chunk, Reception, motion};
 use super::visibility::{MOST_ENDS, Updates, Visibility};
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
@@ -132,7 +132,7 @@ struct Phasors {
 /// Buffers of one thread.
 #[derive(Clone)]
 pub(super) struct SeaWork {
-    sheet: FacetSurface,
+    facet_surface: FacetSurface,
     fields: Fields<f64>,
     phasors: Phasors,
     pub updates: Option<Updates>,
@@ -287,10 +287,10 @@ impl SeaPlan {
 
     /// The width of the shadows' edge that the sea itself suggests, from its map at pulse 0.
     fn half_slope_change_rad(&self, patch: &Patch) -> Result<f64, SeaFault> {
-        let mut sheet =
+        let mut facet_surface =
             FacetSurface::<f64>::new(&self.surface, Selection::HEIGHT).with_wakes(&self.wakes, patch)?;
-        let mut fields = sheet.fields(patch);
-        sheet.evaluate(0.0, patch, &mut fields)?;
+        let mut fields = facet_surface.fields(patch);
+        facet_surface.evaluate(0.0, patch, &mut fields)?;
         let map = Map::new(&fields.height_m, patch.facets, patch.facet_m, [0.0, 0.0])?;
         Ok(half_slope_change_rad(&map))
     }
@@ -298,7 +298,7 @@ impl SeaPlan {
     /// Buffers of one thread for a radar with so many pairs and channels.
     pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
         // That they are legal was found out when the plan was made.
-        let sheet = FacetSurface::<f64>::new(&self.surface, self.selection())
+        let facet_surface = FacetSurface::<f64>::new(&self.surface, self.selection())
             .with_wakes(&self.wakes, &self.patch)
             .ok()?;
         let updates = match &self.visibility {
@@ -312,8 +312,8 @@ impl SeaPlan {
         let mut poses = Vec::new();
         self.scattering.poses(0.0, &mut poses);
         Some(SeaWork {
-            fields: sheet.fields(&self.patch),
-            sheet,
+            fields: facet_surface.fields(&self.patch),
+            facet_surface,
             phasors: Phasors {
                 keys: vec![None; facets],
                 phasors: vec![Complex64::ZERO; facets * mechanisms],
@@ -357,16 +357,16 @@ impl SeaPlan {
     }
 
     /// Bounds on the delays of all facets of a patch over all pairs, s.
-    pub fn delay_span_s(&self, patch: &Patch, lighting: &Lighting) -> Option<(f64, f64)> {
-        let transmitters = lighting.radar.transmitters.len();
-        let centres = &lighting.emission.centres;
+    pub fn delay_span_s(&self, patch: &Patch, reception: &Reception) -> Option<(f64, f64)> {
+        let transmitters = reception.radar.transmitters.len();
+        let centres = &reception.emission.centres;
         let side = 0.5 * patch.facet_m + self.reach_m;
         let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
         let (low, high) =
             (patch.centre_m(patch.first).map(|x| x - side), patch.centre_m(last).map(|x| x + side));
         // The mean surface is nowhere higher than where the patch is nearest to the origin, nor lower than in
         // a corner.
-        let earth = lighting.surroundings.frame.earth();
+        let earth = reception.surroundings.frame.earth();
         let inner = [0, 1].map(|i| 0f64.clamp(low[i], high[i]));
         let corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
         let deepest = corners.iter().map(|c| earth.drop_m(c[0], c[1])).fold(0.0, f64::max);
@@ -385,7 +385,7 @@ impl SeaPlan {
             let both = |c: [f64; 2], z: f64| leg(tx, c, z) + leg(rx, c, z);
             corners.iter().flat_map(|&c| [both(c, floor), both(c, ceiling)]).fold(0.0, f64::max)
         };
-        lighting.plans.iter().fold(None, |span: Option<(f64, f64)>, plan| {
+        reception.plans.iter().fold(None, |span: Option<(f64, f64)>, plan| {
             let tx = centres[plan.pair.transmitter].position.to_array();
             let rx = centres[transmitters + plan.pair.receiver].position.to_array();
             let (least, most) = (nearest_m(tx) + nearest_m(rx), farthest_m(tx, rx));
@@ -398,45 +398,45 @@ impl SeaPlan {
         })
     }
 
-    /// Visits the facets that one emission lights in a window, chunk by chunk.
+    /// Visits the facets that one emission illuminates in a window, chunk by chunk.
     pub fn visit(
         &self,
-        lighting: &Lighting,
+        reception: &Reception,
         work: &mut SeaWork,
         costs: &mut Costs,
         each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
-        let patch = self.patch_at(&lighting.surroundings, lighting.elapsed_s)?;
-        self.light(lighting, &patch, work, costs, each)
+        let patch = self.patch_at(&reception.surroundings, reception.elapsed_s)?;
+        self.illuminate(reception, &patch, work, costs, each)
     }
 
-    fn light(
+    fn illuminate(
         &self,
-        lighting: &Lighting,
+        reception: &Reception,
         patch: &Patch,
         work: &mut SeaWork,
         costs: &mut Costs,
         mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
-        let SeaWork { sheet, fields, phasors, updates, poses, chunk } = work;
+        let SeaWork { facet_surface, fields, phasors, updates, poses, chunk } = work;
         costs.lap(Stage::ScattererPaths);
-        sheet.evaluate(lighting.elapsed_s, patch, fields)?;
+        facet_surface.evaluate(reception.elapsed_s, patch, fields)?;
         costs.lap(Stage::Surface);
-        self.scattering.poses(lighting.elapsed_s, poses);
-        phasors.prepare(&self.scattering, patch, lighting.elapsed_s);
+        self.scattering.poses(reception.elapsed_s, poses);
+        phasors.prepare(&self.scattering, patch, reception.elapsed_s);
         costs.lap(Stage::ScattererPaths);
-        let earth = lighting.surroundings.frame.earth();
+        let earth = reception.surroundings.frame.earth();
         let mix = match (&self.visibility, updates) {
             (Some(visibility), Some(updates)) => Some(visibility.at(
                 updates,
-                lighting.elapsed_s,
-                |elapsed_s, places| self.scenery(lighting, elapsed_s, places),
+                reception.elapsed_s,
+                |elapsed_s, places| self.scenery(reception, elapsed_s, places),
                 |[x, y]| earth.drop_m(x, y),
             )?),
             _ => None,
         };
         costs.lap(Stage::Shadow);
-        let transmitters = lighting.radar.transmitters.len();
+        let transmitters = reception.radar.transmitters.len();
         let mut first = 0;
         while first < patch.len() {
             let end = (first + CHUNK).min(patch.len());
@@ -456,7 +456,7 @@ impl SeaPlan {
                     let place_m = patch.centre_m(key);
                     let scatterer = motion(fields, index, place_m, earth.drop_m(place_m[0], place_m[1]));
                     let visible = |antenna: usize| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, key));
-                    if !chunk.see(lighting, transmitters, &scatterer, visible) {
+                    if !chunk.see(reception, transmitters, &scatterer, visible) {
                         continue;
                     }
                     let fall = earth.drop_slope(place_m[0], place_m[1]);
@@ -464,7 +464,7 @@ impl SeaPlan {
                     chunk.take(index, slope, cover, phasors.of(patch, key));
                 }
                 if !chunk.index.is_empty() {
-                    chunk.scatter(lighting, (&self.scattering, poses), kind, patch);
+                    chunk.scatter(reception, (&self.scattering, poses), kind, patch);
                     each(chunk);
                 }
             }
@@ -478,13 +478,13 @@ impl SeaPlan {
     /// emission: the update of the shadows after it is asked for, and a recorded track need not reach so far.
     pub fn scenery(
         &self,
-        lighting: &Lighting,
+        reception: &Reception,
         elapsed_s: f64,
         places: &mut [Point<Enu>],
     ) -> Result<Patch, SeaFailure> {
-        let of = &lighting.surroundings;
-        let transmitters = lighting.radar.transmitters.iter().map(|tx| &tx.antenna);
-        let mounts = transmitters.chain(lighting.radar.receivers.iter().map(|rx| &rx.antenna));
+        let of = &reception.surroundings;
+        let transmitters = reception.radar.transmitters.iter().map(|tx| &tx.antenna);
+        let mounts = transmitters.chain(reception.radar.receivers.iter().map(|rx| &rx.antenna));
         for (mount, place) in mounts.zip(places) {
             let AntennaMount { platform, lever_arm, .. } = *mount;
             let truth = &of.tracks[platform].truth;

@@ -8,9 +8,9 @@ use crate::radar::window::Window;
 use crate::scene::Patch;
 use crate::time::TimeTag;
 
-/// The facets of the sea as one emission lights them, whatever receive windows hear of it. Arrays over facets
-/// are `[iy][ix]` over the patch. A facet is illuminated when both antennas of any pair see it; whether it
-/// then scatters shows in its amplitude.
+/// The facets of the sea as one emission illuminates them, whatever receive windows receive of it. Arrays
+/// over facets are `[iy][ix]` over the patch. A facet is illuminated when both antennas of any pair see it;
+/// whether it then scatters shows in its amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The pulse.
@@ -27,25 +27,25 @@ pub struct Snapshot {
     pub delay_s: Vec<Vec<f64>>,
     /// `[pair][facet]`: d tau / dt; NaN where the facet is not illuminated.
     pub delay_rate: Vec<Vec<f64>>,
-    /// `[channel][facet]`: amplitude without carrier phase, sqrt(W); zero where the facet is dark.
+    /// `[channel][facet]`: amplitude without carrier phase, sqrt(W); zero where the facet is not illuminated.
     pub amplitude: Vec<Vec<Complex64>>,
     /// `[pair][facet]`: whether its echo reaches into the window of this pulse, or of a later one (taken as
     /// long after that pulse as this one's window).
-    pub heard: Vec<Vec<bool>>,
+    pub received: Vec<Vec<bool>>,
 }
 
 impl Snapshot {
-    /// Elementary contributions in a channel, dBW; NaN where the facet is dark.
+    /// Elementary contributions in a channel, dBW; NaN where the facet is not illuminated.
     pub fn power_dbw(&self, channel: usize) -> Vec<f64> {
         let dbw = |a: &Complex64| if *a == Complex64::ZERO { f64::NAN } else { 10.0 * a.norm_sqr().log10() };
         self.amplitude[channel].iter().map(dbw).collect()
     }
 
-    /// Power of the heard facets along the edge of the patch over that of all heard facets, dB, in the worst
-    /// channel: what comes and goes when the patch moves by one row. Negative infinity where nothing is
+    /// Power of the received facets along the edge of the patch over that of all received facets, dB, in the
+    /// worst channel: what comes and goes when the patch moves by one row. Negative infinity where nothing is
     /// received.
     ///
-    /// `pair_of` is the pair of each channel; `moves` tells along which axes (East, North) the patch moves at
+    /// `pair_of` is the pair of each channel; `moves`: along which axes (East, North) the patch moves at
     /// all.
     pub fn edge_db(&self, pair_of: &[usize], moves: [bool; 2]) -> f64 {
         let [nx, ny] = self.patch.facets;
@@ -53,7 +53,9 @@ impl Snapshot {
         channels
             .map(|(amplitude, &pair)| {
                 let (mut edge, mut all) = (0.0, 0.0);
-                for (facet, a) in amplitude.iter().enumerate().filter(|&(facet, _)| self.heard[pair][facet]) {
+                for (facet, a) in
+                    amplitude.iter().enumerate().filter(|&(facet, _)| self.received[pair][facet])
+                {
                     let (ix, iy) = (facet % nx, facet / nx);
                     all += a.norm_sqr();
                     if moves[0] && (ix == 0 || ix + 1 == nx) || moves[1] && (iy == 0 || iy + 1 == ny) {
@@ -68,14 +70,18 @@ impl Snapshot {
 
 impl PathGenerator {
     /// Whether an echo of pulse `index` is received in a window like `window` of that pulse or a later one.
-    fn heard_later(&self, index: u64, window: &Window, delay_s: f64) -> bool {
+    fn received_later(&self, index: u64, window: &Window, delay_s: f64) -> bool {
         let from = self.first_emission(index, delay_s - window.close_s - window.guard_s).max(index);
         let to = self.first_emission(index, delay_s + window.pulse_s - window.open_s + window.guard_s);
         (from..=to.max(from))
             .any(|later| window.touches(delay_s - self.radar.emissions.interval_s(index, later)))
     }
 
-    /// The facets as the emission of pulse `index` lights them; `None` for a scene without sea.
+    /// The facets as the emission of pulse `index` illuminates them; `None` for a scene without sea.
+    ///
+    /// # Errors
+    /// A pulse outside of the run, or that its tracks do not cover; a sea or shadows that cannot be found at
+    /// it.
     pub fn snapshot(&self, index: u64, workspace: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
@@ -86,29 +92,29 @@ impl PathGenerator {
         self.evaluate(index, own)?;
         let window_start_s = self.window_start_s(index, self.radar.emissions.emission(self.start, index))?;
         let window = Window::new(&self.radar, window_start_s, self.pulse_length_s);
-        let lighting = self.lighting(index, index, own, Window::UNBOUNDED);
+        let reception = self.reception(index, index, own, Window::UNBOUNDED);
         let facets = sea.patch.len();
         let patch = sea
-            .patch_at(&lighting.surroundings, lighting.elapsed_s)
+            .patch_at(&reception.surroundings, reception.elapsed_s)
             .map_err(|f| self.track_error(index, f))?;
         let mut snapshot = Snapshot {
             index,
-            time: lighting.t,
+            time: reception.t,
             window_start_s,
             patch,
             height_m: Vec::new(),
             delay_s: vec![vec![f64::NAN; facets]; self.pairs.len()],
             delay_rate: vec![vec![f64::NAN; facets]; self.pairs.len()],
             amplitude: vec![vec![Complex64::ZERO; facets]; self.radar.channels.len()],
-            heard: vec![vec![false; facets]; self.pairs.len()],
+            received: vec![vec![false; facets]; self.pairs.len()],
         };
-        sea.visit(&lighting, work, costs, |chunk| {
+        sea.visit(&reception, work, costs, |chunk| {
             for (place, &facet) in chunk.index.iter().enumerate() {
                 for (pair, columns) in chunk.pairs.iter().enumerate() {
                     let delay_s = columns.delay_s[place];
                     snapshot.delay_s[pair][facet] = delay_s;
                     snapshot.delay_rate[pair][facet] = columns.delay_rate[place];
-                    snapshot.heard[pair][facet] = self.heard_later(index, &window, delay_s);
+                    snapshot.received[pair][facet] = self.received_later(index, &window, delay_s);
                 }
                 for (column, amplitude) in snapshot.amplitude.iter_mut().zip(&chunk.amplitude) {
                     column[facet] = amplitude[place];
@@ -127,15 +133,15 @@ mod tests {
 
     #[test]
     fn only_edges_that_move_come_and_go() {
-        // 4 x 3 facets of power 1, but for those of the corners, which are silent; one that the window does
-        // not hear.
+        // 4 x 3 facets of power 1, but for those of the corners, which return nothing; one that the window
+        // does not receive.
         let one = Complex64::ONE;
         let mut amplitude = vec![one; 12];
         for corner in [0, 3, 8, 11] {
             amplitude[corner] = Complex64::ZERO;
         }
-        let mut heard = vec![true; 12];
-        heard[1] = false;
+        let mut received = vec![true; 12];
+        received[1] = false;
         let snapshot = Snapshot {
             index: 0,
             time: TimeTag::default(),
@@ -145,7 +151,7 @@ mod tests {
             delay_s: vec![vec![0.0; 12]],
             delay_rate: vec![vec![0.0; 12]],
             amplitude: vec![amplitude],
-            heard: vec![heard],
+            received: vec![received],
         };
         // 7 are received: 2 in the outer columns, 3 in the outer rows, 2 within.
         let share = |moves: [bool; 2]| 10f64.powf(snapshot.edge_db(&[0], moves) / 10.0) * 7.0;

@@ -1,7 +1,7 @@
 //! What holds for a whole run, found at a few dozen of its instants.
 
 use super::sea;
-use super::{PathGenerator, SOUNDINGS, beside};
+use super::{CHECKED_PULSES, PathGenerator, beside};
 use crate::frames::Earth;
 use crate::geometry::horizon;
 use crate::paths::emission::Emission;
@@ -39,7 +39,7 @@ impl PathGenerator {
         if self.pulses == 0 {
             return Ok(0.0);
         }
-        for index in self.soundings() {
+        for index in self.checked_pulses() {
             self.evaluate(index, &mut emission)?;
             let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
             let span = self.delay_span_s(index, &emission, window)?;
@@ -50,7 +50,7 @@ impl PathGenerator {
 
     /// Where the patch lies at a few dozen instants spread over the run, with their times after pulse 0, s.
     pub(super) fn patches(&self, sea: &Sea) -> Result<Vec<(f64, Patch)>, RadarError> {
-        self.soundings()
+        self.checked_pulses()
             .map(|index| {
                 let t = self.radar.emissions.emission(self.start, index);
                 let patch = sea::patch_at(&sea.patch, &sea.place, &self.surroundings(), t);
@@ -69,7 +69,7 @@ impl PathGenerator {
         }
         let mut emission = Emission::default();
         let patches = self.patches(sea)?;
-        for (index, (_, patch)) in self.soundings().zip(patches) {
+        for (index, (_, patch)) in self.checked_pulses().zip(patches) {
             self.evaluate(index, &mut emission)?;
             let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
             let corners = [patch.centre_m(patch.first), patch.centre_m(last)];
@@ -81,6 +81,9 @@ impl PathGenerator {
     }
 
     /// Targets that the earth hides from an antenna at a pulse.
+    ///
+    /// # Errors
+    /// A track that does not cover the pulse.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
         let earth = self.frame.hiding_earth();
         let mut hidden = Vec::new();
@@ -110,11 +113,10 @@ impl PathGenerator {
     }
 
     /// A few dozen pulses spread over the run, the first and the last among them.
-    fn soundings(&self) -> impl Iterator<Item = u64> + use<> {
+    fn checked_pulses(&self) -> impl Iterator<Item = u64> + use<> {
         let last = self.pulses.saturating_sub(1);
-        let count = SOUNDINGS.min(last);
-        (0..=count)
-            .map(move |sounding| (u128::from(last) * u128::from(sounding) / u128::from(count.max(1))) as u64)
+        let count = CHECKED_PULSES.min(last);
+        (0..=count).map(move |step| (u128::from(last) * u128::from(step) / u128::from(count.max(1))) as u64)
     }
 
     /// A bound on how fast the patch moves, m/s: 0 where it stays; of a point beside a platform, twice the
@@ -128,14 +130,14 @@ impl PathGenerator {
         };
         let mut emission = Emission::default();
         let mut fastest_mps = 0f64;
-        for index in self.soundings() {
+        for index in self.checked_pulses() {
             self.evaluate(index, &mut emission)?;
             fastest_mps = fastest_mps.max(emission.states[platform].velocity.norm());
         }
         Ok(2.0 * fastest_mps)
     }
 
-    /// Whether all tracks reach from the first emission, less what servos look back, to the last plus
+    /// Whether all tracks reach from the first emission, less the servo lag, to the last plus
     /// `after_s`.
     pub(super) fn check_cover(&self, after_s: f64, faults: &mut Vec<RadarFault>) {
         if self.pulses == 0 {

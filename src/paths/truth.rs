@@ -30,11 +30,13 @@ impl PathGenerator {
         for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
             *slot = navigation(state);
             if let Some(live) = tracks.truth.as_live() {
-                let told = live.told(t);
-                (slot.age_s, slot.flags) = (told.age_s, told.flags);
-                record.flags |= told.flags;
-                let earlier = |before: Instant| told.arrived.map_or(before, |arrived| arrived.min(before));
-                record.nav_arrived = record.nav_arrived.map_or(told.arrived, |before| Some(earlier(before)));
+                let reported = live.told(t);
+                (slot.age_s, slot.flags) = (reported.age_s, reported.flags);
+                record.flags |= reported.flags;
+                let earlier =
+                    |before: Instant| reported.arrived.map_or(before, |arrived| arrived.min(before));
+                record.nav_arrived =
+                    record.nav_arrived.map_or(reported.arrived, |before| Some(earlier(before)));
             }
         }
         for (platform, slot) in record.nav_reported.iter_mut().enumerate().take(self.tracks.len()) {

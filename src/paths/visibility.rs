@@ -47,7 +47,7 @@ pub(super) struct Update<T: Real = f64> {
 /// The two updates around an instant, and what makes them: in f64, or from heights in f32.
 #[derive(Clone)]
 pub(super) struct Updates<T: Real = f64> {
-    sheet: FacetSurface<T>,
+    facet_surface: FacetSurface<T>,
     fields: Fields<T>,
     heights_m: Vec<f64>,
     shadow: Shadow<f64>,
@@ -131,10 +131,16 @@ impl Visibility {
     ) -> Result<Updates<T>, E> {
         let grown = patch.grown(self.margin);
         let shadow = self.shadow(&grown)?;
-        let sheet = FacetSurface::<T>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
+        let facet_surface = FacetSurface::<T>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
         let update = self.empty(&grown);
         let heights_m = vec![0.0; grown.len()];
-        Ok(Updates { fields: sheet.fields(&grown), sheet, heights_m, shadow, held: [update.clone(), update] })
+        Ok(Updates {
+            fields: facet_surface.fields(&grown),
+            facet_surface,
+            heights_m,
+            shadow,
+            held: [update.clone(), update],
+        })
     }
 
     /// Time of an update, s after pulse 0.
@@ -155,7 +161,7 @@ impl Visibility {
         (lasts_s / self.update_s - 1e-6).ceil().max(0.0) as usize + 2
     }
 
-    /// Makes an update, unless it is held. `scenery` tells the patch and the place of every antenna at a
+    /// Makes an update, unless it is held. `scenery` gives the patch and the place of every antenna at a
     /// time, and `lower` the fall of the mean surface at a place, m.
     pub fn update<'a, T: Real, E: From<WakeError> + From<ShadowError>>(
         &self,
@@ -164,7 +170,7 @@ impl Visibility {
         mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
         lower: impl Fn([f64; 2]) -> f64,
     ) -> Result<&'a Update, E> {
-        let Updates { sheet, fields, heights_m, shadow, held } = updates;
+        let Updates { facet_surface, fields, heights_m, shadow, held } = updates;
         // Even and odd updates have a place each, so the pair needed next always keeps the one at hand.
         let update = &mut held[(wanted % 2) as usize];
         if update.number == Some(wanted) {
@@ -180,7 +186,7 @@ impl Visibility {
             update.number = Some(wanted);
             return Ok(update);
         }
-        sheet.evaluate(time_s, &update.patch, fields)?;
+        facet_surface.evaluate(time_s, &update.patch, fields)?;
         heights_m.iter_mut().zip(&fields.height_m).for_each(|(to, from)| *to = from.widen());
         self.weigh(shadow, heights_m, lower, places, update)?;
         update.number = Some(wanted);

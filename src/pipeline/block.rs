@@ -21,13 +21,12 @@ use num_complex::Complex64;
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node};
-use crate::echo::synth::lanes::{Batch, BatchEpoch, BatchNode, LaneWork};
+use crate::echo::synth::lanes::LaneWork;
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_length, block_pulses};
 use crate::fidelity::probe::points::{mean_rate, of_points};
 use crate::paths::block::{
-    Borders, EPOCHS, Instants, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, epochs_about,
-    nodes_within,
+    Borders, Instants, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Workspace};
@@ -58,7 +57,6 @@ pub(crate) struct BlockEcho {
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
-    interval_s: f64,
 }
 
 /// The block at hand, and what makes the next; one per thread.
@@ -99,7 +97,6 @@ impl BlockEcho {
         chosen: &EchoSettings,
         pulses: u64,
         hold_pulses: Option<u64>,
-        interval_s: f64,
     ) -> Result<Self, SynthError> {
         let block = usize::try_from(block_pulses(chosen.node_pulses)).unwrap_or(usize::MAX);
         if block > MAX_PULSES {
@@ -116,7 +113,6 @@ impl BlockEcho {
             sidelobe: chosen.sidelobe,
             least_power: chosen.least_power,
             pulses,
-            interval_s,
         })
     }
 
@@ -174,7 +170,7 @@ impl BlockEcho {
             let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             check(found)?;
             light.costs.lap(Stage::Spread);
-            light.costs.accumulated(found.sounding);
+            light.costs.accumulated(found.spread);
             return Ok(());
         }
         generator.record(index, light, pulse)?;
@@ -214,7 +210,7 @@ impl BlockEcho {
         let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.length == 1 || !generator.hears_itself(&heard, light)? {
+        if self.length == 1 || !generator.receives_itself_alone(&heard, light)? {
             // A pulse by itself: exact scatterer paths, one node.
             let paths = &mut work.nodes[0];
             generator.pulse(index, light, paths, pulse)?;
@@ -225,7 +221,7 @@ impl BlockEcho {
             light.costs.lap(Stage::Fill);
             self.synth.spread(&work.part, &mut work.grids);
             light.costs.lap(Stage::Spread);
-            work.spread = work.part.found().sounding;
+            work.spread = work.part.found().spread;
             work.frame.clone_from(work.part.frame());
             return Ok((index, index + 1));
         }
@@ -244,41 +240,11 @@ impl BlockEcho {
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let epochs = [Tier::Close, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
+            let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
             self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
             let tally =
                 generator.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
-                    let instants = tiers.of(tile.tier);
-                    let from_epoch = std::array::from_fn(|n| {
-                        let [from, to] = [n, n + 1].map(|n| instants.nodes[n.min(instants.node_count - 1)]);
-                        epochs_about(&instants.epochs[..instants.epoch_count], from..=to)
-                    });
-                    for (pair, of_pair) in tile.pairs.iter().enumerate() {
-                        let mut nodes = [None; NODES];
-                        for (to, node) in nodes.iter_mut().zip(of_pair.nodes()) {
-                            *to = Some(BatchNode {
-                                delay_s: &node.paths.delay_s,
-                                delay_rate: &node.paths.delay_rate,
-                            });
-                        }
-                        let mut epochs = [BatchEpoch { pulse: 0, amplitude: &[] }; EPOCHS];
-                        for ((to, epoch), pulse) in
-                            epochs.iter_mut().zip(of_pair.epochs()).zip(instants.epochs)
-                        {
-                            *to = BatchEpoch { pulse, amplitude: &epoch.amplitude };
-                        }
-                        let batch = Batch {
-                            pair,
-                            count: tile.count,
-                            nodes,
-                            places: instants.nodes,
-                            from_epoch,
-                            epochs: &epochs[..instants.epoch_count],
-                            factor: &of_pair.factor,
-                            interval_s: self.interval_s,
-                        };
-                        self.synth.spread_lanes(&batch, frame, lanes, grids);
-                    }
+                    self.synth.spread_tile(tile, frame, lanes, grids);
                 });
             let [facets, illuminated, culled] =
                 [tally.facets, tally.illuminated, tally.culled].map(|n| n as usize);
@@ -291,7 +257,7 @@ impl BlockEcho {
             for from in (0..pulses).step_by(step) {
                 self.points(generator, first, from..(from + step).min(pulses), light, work)?;
             }
-            work.spread += work.part.found().sounding;
+            work.spread += work.part.found().spread;
         }
         Ok((first, end))
     }
@@ -319,7 +285,7 @@ impl BlockEcho {
             let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
-                let share = |delay_s| generator.heard_share(index, opens_s, delay_s);
+                let share = |delay_s| generator.received_share(index, opens_s, delay_s);
                 for (sums, own) in [
                     (&mut heard, generator.rates(points, pair, share)),
                     (&mut all, generator.rates(points, pair, |_| 1.0)),

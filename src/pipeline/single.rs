@@ -61,7 +61,7 @@ impl SingleEcho {
             let start_s = pulse.window_start_s;
             let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             light.costs.lap(Stage::Spread);
-            light.costs.accumulated(found.sounding);
+            light.costs.accumulated(found.spread);
             return match found.unplaced {
                 0 => Ok(()),
                 unplaced => Err(PulseError::Unplaced { unplaced }),
@@ -76,7 +76,7 @@ impl SingleEcho {
         light.costs.lap(Stage::Spread);
         self.synth.spectrum(block, grids, 0, scratch, spectrum);
         light.costs.lap(Stage::Transform);
-        light.costs.accumulated(block.found().sounding);
+        light.costs.accumulated(block.found().spread);
         Ok(())
     }
 }

@@ -77,8 +77,8 @@ impl Echo {
             return Ok(Self::Single(SingleEcho::new(synth)));
         }
         let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-        let (hold_pulses, interval_s) = (generator.hold_pulses(), radar.emissions.interval_s(0, 1));
-        Ok(Self::Fast(Box::new(BlockEcho::new(synth, chosen, pulses, hold_pulses, interval_s)?)))
+        let hold_pulses = generator.hold_pulses();
+        Ok(Self::Fast(Box::new(BlockEcho::new(synth, chosen, pulses, hold_pulses)?)))
     }
 
     pub fn fft_len(&self) -> usize {

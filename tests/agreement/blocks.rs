@@ -87,14 +87,14 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
         let error_db = worst_db(&samples(&run, range.clone()), &exact);
         println!("mars-1, 64 x 64, nodes {node} pulses apart, gains {gain}: worst {error_db:.1} dB");
         assert!(error_db < allowed_db);
-        assert!(gain == "4" || gain == "1" || error_db > -50.0, "gains 8 pulses apart are told apart");
+        assert!(gain == "4" || gain == "1" || error_db > -50.0, "gains 8 pulses apart make a difference");
     }
 }
 
 /// Grazing incidence: scattering changes faster than the waves, near the angle at which vertical polarisation
 /// is least.
 #[test]
-fn grazing_facets_are_looked_at_more_often_than_the_sea() {
+fn grazing_facets_need_more_epochs_than_the_sea() {
     let range = 240..282;
     let exact = samples(&scenario("mars-4.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
     let of = |epochs| {
@@ -110,7 +110,7 @@ fn grazing_facets_are_looked_at_more_often_than_the_sea() {
     assert!(often < -66.0 && seldom > often + 10.0);
 }
 
-/// Isotropic antennas that look ahead, with the sea abeam and with the sea beneath, where their ports turn
+/// Isotropic antennas that point ahead, with the sea abeam and with the sea beneath, where their ports turn
 /// quickest.
 #[test]
 fn isotropic_antennas_keep_the_error() {

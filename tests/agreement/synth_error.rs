@@ -195,7 +195,7 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
     }
 }
 
-/// Ka band from orbit, looking ahead, and a jet with a long pulse: what the stretch of the envelope is to the
+/// Ka band from orbit, pointing ahead, and a jet with a long pulse: what the stretch of the envelope is to the
 /// reference.
 fn stretched_patches() -> [(Patch, f64); 2] {
     let airborne = patches()[0].clone();

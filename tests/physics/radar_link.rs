@@ -24,15 +24,15 @@ fn rectangle(mount: &mut AntennaMount) {
 /// Both antennas a little off their targets, so that gains and polarisations are nothing special.
 fn skew_scene() -> Scene {
     let mut scene = scene();
-    scene.radar.transmitters[0].antenna = looking_at(0, [20.0, 10.0, 0.0]);
-    scene.radar.receivers[0].antenna = looking_at(1, [-15.0, 25.0, 0.0]);
+    scene.radar.transmitters[0].antenna = pointed_at(0, [20.0, 10.0, 0.0]);
+    scene.radar.receivers[0].antenna = pointed_at(1, [-15.0, 25.0, 0.0]);
     rectangle(&mut scene.radar.transmitters[0].antenna);
     rectangle(&mut scene.radar.receivers[0].antenna);
     scene.targets[0].scattering = matrix();
     scene
 }
 
-/// The same, isotropic antennas, and small apertures that look 82 and 68 degrees beside the target.
+/// The same, isotropic antennas, and small apertures that point 82 and 68 degrees beside the target.
 fn skew_scenes() -> [Scene; 3] {
     let (mut isotropic, mut wide) = (skew_scene(), skew_scene());
     for radar in [&mut isotropic.radar, &mut wide.radar] {

@@ -38,7 +38,7 @@ fn a_wrong_attitude_misaims_by_its_own_angle() {
         let wrong = Rotation::from_yaw_pitch_roll(0.3 + error, 0.02, -0.05);
         let tracks =
             [PlatformTracks { truth: Track::fixed(place, truth), reported: Track::fixed(place, wrong) }];
-        let mount = looking_at(0, [0.0; 3]);
+        let mount = pointed_at(0, [0.0; 3]);
         let real = boresight(frame_of(&mount, &tracks, &plain, TimeTag::default()));
         let wanted = Point::new(0.0, 0.0, 0.0) - place;
         // A yaw error turns about the vertical: the beam moves by that angle, seen from above.
@@ -62,7 +62,7 @@ fn a_wrong_position_misaims_by_the_parallax() {
     let (truth, reported) = (Point::new(-3000.0, 0.0, 0.0), Point::new(-3000.0, 3.0, 0.0));
     let tracks =
         [PlatformTracks { truth: Track::fixed(truth, level()), reported: Track::fixed(reported, level()) }];
-    let real = boresight(frame_of(&looking_at(0, [0.0; 3]), &tracks, &plain, TimeTag::default()));
+    let real = boresight(frame_of(&pointed_at(0, [0.0; 3]), &tracks, &plain, TimeTag::default()));
     assert!((angle(real, Vector::new(1.0, 0.0, 0.0)) - (3.0f64 / 3000.0).atan()).abs() < 1e-14);
 }
 
@@ -77,7 +77,7 @@ fn bias_and_lag() {
         None,
     ))];
     // At t = 10 s the aircraft is abeam of the origin, which lies to the east.
-    let mut mount = looking_at(0, [0.0; 3]);
+    let mut mount = pointed_at(0, [0.0; 3]);
     let level_east = frame_of(&mount, &tracks, &plain, t);
     assert!(angle(boresight(level_east), Vector::new(1.0, 0.0, 0.0)) < 1e-14);
     let Pointing::At { bias_rad, .. } = &mut mount.pointing else { panic!() };
@@ -120,7 +120,7 @@ fn beside_follows_the_ground_track_on_the_curved_sea() {
 }
 
 #[test]
-fn a_mount_without_angles_is_a_servo_that_looks_ahead() {
+fn a_mount_without_angles_is_a_servo_that_points_ahead() {
     for yaw in [0.0, 1.0, -2.0] {
         let body = Rotation::from_yaw_pitch_roll(yaw, 0.0, 0.0);
         let ahead = body * Vector::new(1.0, 0.0, 0.0);
@@ -138,7 +138,7 @@ fn a_mount_without_angles_is_a_servo_that_looks_ahead() {
 }
 
 #[test]
-fn looking_straight_down_takes_the_azimuth_of_the_body() {
+fn pointing_straight_down_takes_the_azimuth_of_the_body() {
     let from = Point::new(0.0, 0.0, 3000.0);
     for yaw in [0.0, 0.8, 3.0] {
         let body = Rotation::from_yaw_pitch_roll(yaw, 0.0, 0.0);

@@ -17,7 +17,7 @@ pub fn level() -> Rotation<Body, Enu> {
 }
 
 /// Isotropic antenna of 0 dBi that scattering epochs at a ground point from platform `platform`.
-pub fn looking_at(platform: usize, target: [f64; 3]) -> AntennaMount {
+pub fn pointed_at(platform: usize, target: [f64; 3]) -> AntennaMount {
     AntennaMount {
         platform,
         lever_arm: Vector::ZERO,
@@ -77,9 +77,9 @@ pub fn scene() -> Scene {
             transmitters: vec![Transmitter {
                 name: "tx".into(),
                 power_w: 1.0,
-                antenna: looking_at(0, [0.0; 3]),
+                antenna: pointed_at(0, [0.0; 3]),
             }],
-            receivers: vec![Receiver { name: "rx".into(), antenna: looking_at(1, [0.0; 3]) }],
+            receivers: vec![Receiver { name: "rx".into(), antenna: pointed_at(1, [0.0; 3]) }],
             channels: channels(&[(H, H), (H, V), (V, H), (V, V)]),
         },
         sea: None,

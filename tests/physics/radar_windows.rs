@@ -98,9 +98,9 @@ fn spaceborne_windows_hear_what_overlaps_them() {
     assert!(record.target_delay_s[0] > 10.0 / 2000.0);
 }
 
-/// A window that hears only pulses sent long before: its start is the delay modulo the PRI.
+/// A window that receives only pulses sent long before: its start is the delay modulo the PRI.
 #[test]
-fn a_folded_window_hears_the_older_pulse() {
+fn a_folded_window_receives_the_older_pulse() {
     let (mut scene, tracks) = from_space();
     let (_, record) = pulse(&scene, &tracks, 2000);
     let pri = 1.0 / 2000.0;
@@ -160,7 +160,7 @@ fn alternating_polarisations() {
         }
     }
     assert!(heard[0] > 0 && heard[1] > 0);
-    // A channel that is not asked is not there: HH alone hears every other pulse.
+    // A channel that is not asked is not there: HH alone receives every other pulse.
     scene.radar.channels.truncate(1);
     scene.radar.window.samples = 4096;
     assert_eq!(pulse(&scene, &tracks, 2000).0.len(), 2);

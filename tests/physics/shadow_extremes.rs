@@ -6,10 +6,10 @@ use proptest::prelude::*;
 
 use crate::shadow::{Ground, sea};
 
-/// Every look direction of a rough sea that the test lets pass has weights of 1, and it passes many.
+/// Every line of sight over a rough sea that the test lets pass has weights of 1, and it passes many.
 #[test]
 fn what_cannot_shadow_does_not() {
-    let (mut spared, mut asked, mut fully_lit) = (0, 0, 0);
+    let (mut spared, mut asked, mut fully_illuminated) = (0, 0, 0);
     for seed in 0..4 {
         let ground = sea(40, seed, 0.0);
         let relief = Relief::of(&ground.map());
@@ -21,7 +21,7 @@ fn what_cannot_shadow_does_not() {
                         let illuminated =
                             ground.weights(settings, terminal).iter().all(|v| (v - 1.0).abs() <= 1e-15);
                         asked += 1;
-                        fully_lit += usize::from(illuminated);
+                        fully_illuminated += usize::from(illuminated);
                         if relief.cannot_shadow(&ground.map(), terminal, settings) {
                             spared += 1;
                             assert!(illuminated, "{terminal:?}");
@@ -31,11 +31,11 @@ fn what_cannot_shadow_does_not() {
             }
         }
     }
-    println!("{asked} look directions: {fully_lit} fully illuminated, {spared} known beforehand");
-    assert!(spared > fully_lit / 2 && spared < asked);
+    println!("{asked} lines of sight: {fully_illuminated} fully illuminated, {spared} known beforehand");
+    assert!(spared > fully_illuminated / 2 && spared < asked);
 }
 
-/// For ridges across the look direction the test is sharp: the steepest slope that falls away decides.
+/// For ridges across the line of sight the test is sharp: the steepest slope that falls away decides.
 #[test]
 fn the_steepest_falling_slope_decides() {
     // Up by 0.1 a facet three times, down by 0.3 once.

@@ -153,7 +153,7 @@ fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> R
     let illuminated =
         |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
     let illuminated: Vec<usize> = (0..snapshot.patch.len()).filter(illuminated).collect();
-    let heard = illuminated.iter().filter(|&&facet| snapshot.heard.iter().any(|pair| pair[facet])).count();
+    let heard = illuminated.iter().filter(|&&facet| snapshot.received.iter().any(|pair| pair[facet])).count();
     let dbw = |power: f64| (power > 0.0).then(|| 10.0 * power.log10());
     let channels = names
         .iter()
@@ -209,7 +209,7 @@ fn write_map(output: Output, run: &Run, names: &[&str], snapshot: &Snapshot) -> 
     }
     for pair in 0..snapshot.delay_s.len() {
         let doppler_hz = snapshot.delay_rate[pair].iter().map(|rate| -rate * radar.carrier_hz).collect();
-        let heard = snapshot.heard[pair].iter().map(|&heard| f64::from(u8::from(heard))).collect();
+        let heard = snapshot.received[pair].iter().map(|&heard| f64::from(u8::from(heard))).collect();
         let delay_us = snapshot.delay_s[pair].iter().map(|delay_s| delay_s * 1e6).collect();
         columns.push((pair_name(pair, "delay_us"), "us", "delay after the emission".into(), delay_us));
         columns.push((

@@ -38,6 +38,9 @@ impl<T: Scalar> Synth<T> {
 
     /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands
     /// `band_hz` wide.
+    ///
+    /// # Errors
+    /// A window that is not finite, or scatterer paths that lack pairs or channels.
     pub fn pulse_in_bands(
         &self,
         paths: &ScattererPaths,
@@ -51,12 +54,12 @@ impl<T: Scalar> Synth<T> {
         let mut found = Fill::default();
         for pair in 0..self.pairs {
             let of_pair = || self.layers.iter().filter(|layer| layer.pair == pair && !layer.moment);
-            let sounds = |n: usize| {
+            let contributes = |n: usize| {
                 let mut channels = of_pair().flat_map(|layer| &layer.channels);
                 channels.any(|channel| paths.amplitude[*channel][n] != Complex64::ZERO)
             };
             order.clear();
-            let rates = paths.delay_rate[pair].iter().enumerate().filter(|(n, _)| sounds(*n));
+            let rates = paths.delay_rate[pair].iter().enumerate().filter(|(n, _)| contributes(*n));
             order.extend(rates.map(|(n, rate)| ((self.carrier_hz * rate / band_hz).floor() as i64, n)));
             order.sort_unstable();
             for band in order.chunk_by(|a, b| a.0 == b.0) {
@@ -76,7 +79,7 @@ impl<T: Scalar> Synth<T> {
                 }
                 self.fill(&[Node { pulse: 0, paths: part }], &[window_s], block)?;
                 let fill = block.found();
-                found.sounding += fill.sounding;
+                found.spread += fill.spread;
                 found.unplaced += fill.unplaced;
                 found.residual_hz = found.residual_hz.max(fill.residual_hz);
                 found.drift_cells = found.drift_cells.max(fill.drift_cells);

@@ -23,7 +23,7 @@ use num_complex::Complex64;
 use super::doppler::{self, Correction, Doppler};
 use super::grid::Lined;
 use super::scalar::Scalar;
-use super::spread::Courses;
+use super::spread::DelayPolynomials;
 use super::{Settings, Synth, SynthError};
 use crate::paths::list::ScattererPaths;
 
@@ -49,9 +49,10 @@ pub struct Node<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fill {
     /// Scatterer paths that are spread, counted once for each pair.
-    pub sounding: usize,
-    /// Scatterer paths and pairs left out though they sound: with a delay at one node and none at another, a
-    /// rate of 1 or more (faster than light), or a place that moves beyond [`MAX_DRIFT_CELLS`].
+    pub spread: usize,
+    /// Scatterer paths and pairs left out though their amplitude is not zero: with a delay at one node and
+    /// none at another, a rate of 1 or more (faster than light), or a place that moves beyond
+    /// [`MAX_DRIFT_CELLS`].
     pub unplaced: usize,
     /// Largest Doppler off its pair's mean at a node, Hz.
     pub residual_hz: f64,
@@ -100,7 +101,7 @@ pub struct BlockPaths<T: Scalar> {
     pub(super) start: usize,
     pub(super) frame: Frame,
     /// `[pair]`.
-    pub(super) courses: Vec<Courses<T>>,
+    pub(super) polynomials: Vec<DelayPolynomials<T>>,
     /// `[layer][power]`, each `[path][lane]`.
     pub(super) amplitude: Vec<Vec<Lined<T>>>,
     /// Powers of the amplitudes that are in use: 2 or 4.
@@ -119,7 +120,7 @@ impl<T: Scalar> BlockPaths<T> {
                 replicas: vec![Vec::new(); layers],
                 mean_hz: vec![0.0; pairs],
             },
-            courses: (0..pairs).map(|_| Courses::default()).collect(),
+            polynomials: (0..pairs).map(|_| DelayPolynomials::default()).collect(),
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
             powers: 2,
             shifts: Vec::with_capacity(MAX_PULSES),
@@ -132,9 +133,9 @@ impl<T: Scalar> BlockPaths<T> {
         self.shifts.len()
     }
 
-    /// Scatterer paths, silent ones included.
+    /// Scatterer paths, those of zero amplitude included.
     pub fn len(&self) -> usize {
-        self.courses.first().map_or(0, |c| c.base.len())
+        self.polynomials.first().map_or(0, |c| c.base.len())
     }
 
     /// Whether there are none.
@@ -159,11 +160,11 @@ impl<T: Scalar> BlockPaths<T> {
 
     /// Bytes per scatterer path that a pulse reads.
     pub fn bytes_per_contact(&self) -> usize {
-        let course = 3 * size_of::<T::Turns>() + 5 * size_of::<T>() + size_of::<i32>();
+        let polynomial = 3 * size_of::<T::Turns>() + 5 * size_of::<T>() + size_of::<i32>();
         let amplitude: usize =
             self.amplitude.iter().flatten().map(|a| size_of_val(a.as_slice())).sum::<usize>()
                 / self.len().max(1);
-        self.courses.len() * course + amplitude
+        self.polynomials.len() * polynomial + amplitude
     }
 }
 
@@ -213,6 +214,10 @@ impl<T: Scalar> Synth<T> {
 
     /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after
     /// its emission, s) from its scatterer paths at one to four nodes.
+    ///
+    /// # Errors
+    /// Too many pulses or nodes, windows that are not finite, nodes outside of the block or with other
+    /// scatterer paths than the first.
     pub fn fill(
         &self,
         nodes: &[Node<'_>],
@@ -231,8 +236,11 @@ impl<T: Scalar> Synth<T> {
         Ok(())
     }
 
-    /// The same for some pulses of a longer block, of which `frame` tells windows and mean Doppler; nodes
+    /// The same for some pulses of a longer block, of which `frame` has windows and mean Doppler; nodes
     /// count from the first of these pulses.
+    ///
+    /// # Errors
+    /// As [`Self::fill`]; pulses that the frame does not have.
     pub fn fill_part(
         &self,
         nodes: &[Node<'_>],
@@ -304,13 +312,13 @@ impl<T: Scalar> Synth<T> {
                 return Err(SynthError::NodePulse { pulse: node.pulse, pulses });
             }
             let (paths, first) = (node.paths, nodes[0].paths);
-            let courses =
+            let polynomials =
                 paths.delay_s.iter().take(self.pairs).chain(paths.delay_rate.iter().take(self.pairs));
             let same = paths.len() == first.len()
                 && paths.delay_s.len() >= self.pairs
                 && paths.delay_rate.len() >= self.pairs
                 && paths.amplitude.len() >= self.channels
-                && courses.map(Vec::len).all(|len| len == first.len())
+                && polynomials.map(Vec::len).all(|len| len == first.len())
                 && paths.amplitude.iter().take(self.channels).all(|a| a.len() == first.len());
             if !same {
                 return Err(SynthError::ScattererPaths { pulse: node.pulse });
@@ -330,7 +338,7 @@ impl<T: Scalar> Synth<T> {
                     let rates = &node.paths.delay_rate[pair];
                     for (a, (delay_s, rate)) in amplitudes.iter().zip(delays_s.iter().zip(rates)) {
                         let power = a.norm_sqr();
-                        if power > 0.0 && power.is_finite() && is_course(*delay_s, *rate) {
+                        if power > 0.0 && power.is_finite() && has_delay(*delay_s, *rate) {
                             sum += power * rate;
                             weight += power;
                         }
@@ -352,11 +360,11 @@ impl<T: Scalar> Synth<T> {
         let paths = nodes[0].paths.len();
         let mean_hz = block.frame.mean_hz[pair];
         let correction = self.correction();
-        let courses = &mut block.courses[pair];
-        courses.phase.iter_mut().for_each(|p| p.resize(paths, T::Turns::default()));
-        courses.phase_cubic.resize(paths, T::default());
-        courses.base.resize(paths, 0);
-        courses.place.iter_mut().for_each(|p| p.resize(paths, T::default()));
+        let polynomials = &mut block.polynomials[pair];
+        polynomials.phase.iter_mut().for_each(|p| p.resize(paths, T::Turns::default()));
+        polynomials.phase_cubic.resize(paths, T::default());
+        polynomials.base.resize(paths, 0);
+        polynomials.place.iter_mut().for_each(|p| p.resize(paths, T::default()));
         let powers = if nodes.len() <= 2 { 2 } else { 4 };
         block.powers = powers;
         for (layer, held) in self.layers.iter().zip(&mut block.amplitude) {
@@ -379,7 +387,7 @@ impl<T: Scalar> Synth<T> {
                 turns[i] = extra_turns - self.carrier_hz * delay_s;
                 let after_s = node.paths.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
                 cells[i] = (after_s + self.lead_s) * self.cells_per_s + 0.5;
-                let seen = is_course(delay_s, rate) && cells[i].is_finite();
+                let seen = has_delay(delay_s, rate) && cells[i].is_finite();
                 placed &= seen;
                 anywhere |= delay_s.is_finite();
             }
@@ -391,39 +399,39 @@ impl<T: Scalar> Synth<T> {
             // The polynomial at either end of the block.
             let end = MAX_PULSES as f64 / 2.0;
             placed &= place[1..].iter().rev().fold(0.0, |s, c| (s + c.abs()) * end) < MAX_DRIFT_CELLS;
-            // Farther than any window: silent, and nothing is lost.
+            // Farther than any window: not received, and nothing is lost.
             let far = placed && (place[0] - held).abs() > 0.5;
             placed &= !far;
-            let sounds =
+            let contributes =
                 self.fill_amplitude(nodes, through, pair, n, placed, &residual, block_amplitude(block));
-            if !placed || !sounds {
-                block.fill.unplaced += usize::from(sounds && anywhere && !far);
-                let courses = &mut block.courses[pair];
-                courses.phase.iter_mut().for_each(|p| p[n] = T::Turns::default());
-                courses.phase_cubic[n] = T::default();
-                courses.base[n] = -1;
-                courses.place.iter_mut().for_each(|p| p[n] = T::default());
+            if !placed || !contributes {
+                block.fill.unplaced += usize::from(contributes && anywhere && !far);
+                let polynomials = &mut block.polynomials[pair];
+                polynomials.phase.iter_mut().for_each(|p| p[n] = T::Turns::default());
+                polynomials.phase_cubic[n] = T::default();
+                polynomials.base[n] = -1;
+                polynomials.place.iter_mut().for_each(|p| p[n] = T::default());
                 continue;
             }
-            block.fill.sounding += 1;
+            block.fill.spread += 1;
             let largest = residual.iter().take(nodes.len()).fold(0.0f64, |a, r| a.max(r.abs()));
             block.fill.residual_hz = block.fill.residual_hz.max(largest);
             block.fill.drift_cells = block.fill.drift_cells.max(drift);
             let phase = through.coefficients(&turns);
             place[0] -= held;
-            let courses = &mut block.courses[pair];
-            for (to, value) in courses.phase.iter_mut().zip(phase) {
+            let polynomials = &mut block.polynomials[pair];
+            for (to, value) in polynomials.phase.iter_mut().zip(phase) {
                 to[n] = T::turns(value);
             }
-            courses.phase_cubic[n] = T::round_from(phase[3]);
-            courses.base[n] = held as i32;
-            for (to, value) in courses.place.iter_mut().zip(place) {
+            polynomials.phase_cubic[n] = T::round_from(phase[3]);
+            polynomials.base[n] = held as i32;
+            for (to, value) in polynomials.place.iter_mut().zip(place) {
                 to[n] = T::round_from(value);
             }
         }
     }
 
-    /// Amplitudes of scatterer path `n` in the layers of a pair; returns whether it sounds at all.
+    /// Amplitudes of scatterer path `n` in the layers of a pair; returns whether any is not zero.
     fn fill_amplitude(
         &self,
         nodes: &[Node<'_>],
@@ -434,7 +442,7 @@ impl<T: Scalar> Synth<T> {
         residual_hz: &[f64; MAX_NODES],
         amplitude: &mut [Vec<Lined<T>>],
     ) -> bool {
-        let mut sounds = false;
+        let mut contributes = false;
         for (layer, held) in self.layers.iter().zip(amplitude) {
             if layer.pair != pair {
                 continue;
@@ -447,7 +455,7 @@ impl<T: Scalar> Synth<T> {
                         a *= residual_hz[i] * self.waveform.duration_s();
                     }
                     (re[i], im[i]) = (a.re, a.im);
-                    sounds |= a != Complex64::ZERO;
+                    contributes |= a != Complex64::ZERO;
                 }
                 if !placed {
                     continue;
@@ -461,7 +469,7 @@ impl<T: Scalar> Synth<T> {
                 }
             }
         }
-        sounds
+        contributes
     }
 
     /// `P H / phihat` of every layer about its pair's mean Doppler, with the place of the grid's first cell.
@@ -496,7 +504,7 @@ impl<T: Scalar> Synth<T> {
 }
 
 /// Whether a scatterer path has a delay, and a rate below the speed of light.
-fn is_course(delay_s: f64, rate: f64) -> bool {
+fn has_delay(delay_s: f64, rate: f64) -> bool {
     delay_s.is_finite() && rate.abs() < 1.0
 }
 

@@ -58,6 +58,7 @@ use crate::radar::waveform::Waveform;
 
 /// What is done about the Doppler of a scatterer path that differs from the mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Doppler {
     /// The right phase in the middle of the pulse.
     Mean,
@@ -69,6 +70,7 @@ pub enum Doppler {
 
 /// What is done about the stretch of the pulse by a delay that changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Envelope {
     /// Nothing: the envelope keeps its length.
     Rigid,

@@ -68,6 +68,9 @@ pub struct Kernel {
 
 impl Kernel {
     /// The kernel of a width, for a grid of `oversampling` cells per sample.
+    ///
+    /// # Errors
+    /// A width or an oversampling out of range.
     pub fn new(width: usize, oversampling: f64) -> Result<Self, SynthError> {
         if !WIDTHS.contains(&width) {
             return Err(SynthError::Width { width });

@@ -1,8 +1,8 @@
-//! Scatterer paths side by side, spread without being listed.
+//! Tiles of scatterer paths side by side, spread without being listed.
 //!
-//! A [`Batch`] has the scatterer paths of one pair as rows of [`LANES`]: delay and rate at the nodes of a
-//! block, amplitudes at its scattering epochs, and a factor for every pulse. Between two nodes phase and
-//! place are Hermite cubics of `s = (t - t_0)/(t_1 - t_0)`,
+//! A [`Tile`] has delays and rates of its paths at the nodes of a block, amplitudes at its scattering epochs,
+//! and a factor for every pulse. Between two nodes phase and place are Hermite cubics of
+//! `s = (t - t_0)/(t_1 - t_0)`,
 //!
 //! `f = f_0 + s d_0 + s^2 (3 D - 2 d_0 - d_1) + s^3 (d_0 + d_1 - 2 D)`, `D = f_1 - f_0`,
 //! `d = f' (t_1 - t_0)`,
@@ -18,63 +18,22 @@ use std::ops::Range;
 use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::grid::{Grids, Lined};
-use super::spread::{Courses, Job};
+use super::spread::{DelayPolynomials, Job};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
-
-/// Scatterer paths at a node.
-#[derive(Clone, Copy)]
-pub struct BatchNode<'a> {
-    /// Delay, s.
-    pub delay_s: &'a WideRow,
-    /// Its derivative by the time of emission.
-    pub delay_rate: &'a WideRow,
-}
-
-/// Amplitudes at some pulse of a block.
-#[derive(Clone, Copy)]
-pub struct BatchEpoch<'a> {
-    /// Pulse within the block.
-    pub pulse: usize,
-    /// Per channel of the pair: sqrt(W), real and imaginary.
-    pub amplitude: &'a [[Row; 2]],
-}
-
-/// Scatterer paths of one pair side by side.
-#[derive(Clone, Copy)]
-pub struct Batch<'a> {
-    /// The pair.
-    pub pair: usize,
-    /// How many lanes are in use.
-    pub count: usize,
-    /// One to four, at the pulses given beside.
-    pub nodes: [Option<BatchNode<'a>>; MAX_NODES],
-    /// Pulses of the nodes within the block, rising.
-    pub places: [usize; MAX_NODES],
-    /// Between two nodes amplitudes go through the scattering epochs from the given one on, up to four:
-    /// `[interval]`.
-    pub from_epoch: [usize; MAX_NODES],
-    /// At least one, rising.
-    pub epochs: &'a [BatchEpoch<'a>],
-    /// Per pulse of the block.
-    pub factor: &'a [Row],
-    /// Time from pulse to pulse, s.
-    pub interval_s: f64,
-}
+use crate::paths::block::{Instants, Pair, Tile};
 
 /// Room to work; one per thread.
 #[derive(Debug, Default)]
 pub struct LaneWork {
-    courses: Courses<f32>,
-    /// `[layer][epoch]`: amplitudes scatterer path by scatterer path.
-    epochs: Vec<Vec<Lined<f32>>>,
-    /// `[layer][power]`.
+    polynomials: DelayPolynomials<f32>,
+    /// `[layer][epoch]`: amplitudes of layers of moments, `[path][lane]`.
+    moments: Vec<Vec<Lined<f32>>>,
+    /// `[layer][power]`, each `[path][lane]`.
     amplitude: Vec<[Lined<f32>; MAX_NODES]>,
-    factors: Vec<f32>,
     shifts: Vec<(i32, f32)>,
-    /// Powers of the amplitudes at hand, 2 or 4, and the pair's mean Doppler.
+    /// Powers of the amplitudes at hand, 2 or 4.
     powers: usize,
-    mean_hz: f64,
 }
 
 /// A quantity at both ends of an interval.
@@ -85,185 +44,183 @@ struct Ends<'a> {
 }
 
 impl Synth<f32> {
-    /// Makes room for any batch of a block of so many pulses with so many scattering epochs: later ones may
+    /// Makes room for any tile of a block of so many pulses with so many scattering epochs: later ones may
     /// have more of everything than the first.
     pub fn make_room(&self, epochs: usize, pulses: usize, work: &mut LaneWork) {
         fn reserve<T>(column: &mut Vec<T>, room: usize) {
             column.reserve(room.saturating_sub(column.len()));
         }
-        let LaneWork { courses, epochs: turned, amplitude, factors, shifts, .. } = work;
-        turned.resize_with(self.layers.len(), Vec::new);
+        let LaneWork { polynomials, moments, amplitude, shifts, .. } = work;
+        moments.resize_with(self.layers.len(), Vec::new);
         amplitude.resize_with(self.layers.len(), Default::default);
-        for ((layer, turned), powers) in self.layers.iter().zip(turned).zip(amplitude) {
-            turned.resize_with(epochs.max(turned.len()), Lined::default);
-            turned.iter_mut().chain(powers).for_each(|column| column.fit(LANES * layer.lanes));
+        for ((layer, moments), powers) in self.layers.iter().zip(moments).zip(amplitude) {
+            moments.resize_with(if layer.moment { epochs.max(moments.len()) } else { 0 }, Lined::default);
+            moments.iter_mut().chain(powers).for_each(|column| column.fit(LANES * layer.lanes));
         }
-        courses.phase.iter_mut().for_each(|column| reserve(column, LANES));
-        courses.place.iter_mut().for_each(|column| reserve(column, LANES));
-        reserve(&mut courses.phase_cubic, LANES);
-        reserve(&mut courses.base, LANES);
-        reserve(factors, LANES * pulses);
+        polynomials.phase.iter_mut().for_each(|column| reserve(column, LANES));
+        polynomials.place.iter_mut().for_each(|column| reserve(column, LANES));
+        reserve(&mut polynomials.phase_cubic, LANES);
+        reserve(&mut polynomials.base, LANES);
         reserve(shifts, pulses);
     }
 
-    /// Spreads a batch on the grids of its block.
-    pub fn spread_lanes(
+    /// Spreads a tile on the grids of its block. The work has room for it ([`Synth::make_room`]).
+    pub fn spread_tile(&self, tile: &Tile, frame: &Frame, work: &mut LaneWork, grids: &mut Grids<f32>) {
+        for pair in 0..tile.pairs.len().min(self.pairs) {
+            self.spread_pair(tile, pair, frame, work, grids);
+        }
+    }
+
+    fn spread_pair(
         &self,
-        batch: &Batch<'_>,
+        tile: &Tile,
+        pair: usize,
         frame: &Frame,
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
     ) {
-        let count = batch.count.min(LANES);
-        let nodes = batch.nodes.iter().flatten().count();
-        if nodes == 0 || count == 0 {
+        let Instants { nodes, node_count, .. } = tile.instants;
+        if node_count == 0 || tile.count == 0 {
             return;
         }
         let pulses = frame.pulses();
-        let middle = (pulses / 2) as i32;
-        work.mean_hz = frame.mean_hz[batch.pair];
-        self.turn_epochs(batch, work);
+        self.fill_moments(tile, pair, frame.mean_hz[pair], work);
         let mut at = None;
-        for interval in 0..nodes.saturating_sub(1).max(1) {
-            let last = interval + 2 >= nodes;
-            let from = batch.places[interval];
-            let to = if nodes == 1 { pulses } else { batch.places[interval + 1] + usize::from(last) };
-            let (from, to) = (if interval == 0 { 0 } else { from }, if last { pulses } else { to });
+        let intervals = node_count.saturating_sub(1).max(1);
+        for interval in 0..intervals {
+            let from = if interval == 0 { 0 } else { nodes[interval] };
+            let to = if interval + 1 == intervals { pulses } else { nodes[interval + 1] };
             if from < to {
-                let first = batch.from_epoch[interval].min(batch.epochs.len().saturating_sub(1));
-                if at != Some(first) {
-                    let epochs = first..batch.epochs.len().min(first + MAX_NODES);
-                    self.lane_amplitudes(batch, epochs, middle, work);
-                    at = Some(first);
+                let epochs = tile.instants.epochs_between(interval);
+                if at != Some(epochs.start) {
+                    at = Some(epochs.start);
+                    self.amplitudes_through(tile, pair, epochs, (pulses / 2) as f64, work);
                 }
-                self.lane_interval(batch, interval, nodes, from..to, frame, work, grids);
+                self.spread_interval(tile, pair, interval, from..to, frame, work, grids);
             }
         }
     }
 
-    /// Amplitudes of all scattering epochs, scatterer path by scatterer path.
-    fn turn_epochs(&self, batch: &Batch<'_>, work: &mut LaneWork) {
-        work.epochs.resize_with(self.layers.len(), Vec::new);
-        for (layer, turned) in self.layers.iter().zip(&mut work.epochs) {
-            if layer.pair != batch.pair {
+    /// Amplitudes times Doppler off the mean over the length of a pulse, at every scattering epoch: for the
+    /// layers of [`Doppler::Taylor`](super::doppler::Doppler::Taylor).
+    fn fill_moments(&self, tile: &Tile, pair: usize, mean_hz: f64, work: &mut LaneWork) {
+        let of_pair = &tile.pairs[pair];
+        for (layer, moments) in self.layers.iter().zip(&mut work.moments) {
+            if layer.pair != pair || !layer.moment {
                 continue;
             }
-            turned.resize_with(batch.epochs.len().max(turned.len()), Lined::default);
-            // Channels of a pair stand in the order of its layers, four to a layer.
-            let first = self
-                .layers
-                .iter()
-                .filter(|other| other.pair == layer.pair && other.moment == layer.moment)
-                .take_while(|other| other.channels != layer.channels)
-                .map(|other| other.channels.len())
-                .sum::<usize>();
-            for (epoch, out) in batch.epochs.iter().zip(turned) {
-                out.fit(batch.count * layer.lanes);
-                let amplitude = epoch.amplitude.get(first..).unwrap_or_default();
-                let amplitude = &amplitude[..amplitude.len().min(layer.channels.len())];
-                let scale = layer.moment.then(|| self.moments(batch, epoch.pulse, work.mean_hz));
-                let scale = scale.as_ref();
+            for ((epoch, pulse), out) in of_pair.epochs().iter().zip(tile.instants.epochs).zip(moments) {
+                // From the node before the scattering epoch, or at it.
+                let nodes = &tile.instants.nodes[..tile.instants.node_count];
+                let node = nodes.iter().rposition(|node| *node <= pulse).unwrap_or(0);
+                let mut scale = [0.0; LANES];
+                for (scale, rate) in scale.iter_mut().zip(&of_pair.nodes()[node].paths.delay_rate) {
+                    *scale = ((self.carrier_hz * rate - mean_hz) * self.waveform.duration_s()) as f32;
+                }
+                let (scale, amplitude) = (&scale, epoch.layers[layer.of_pair].of_first(tile.count));
+                out.fit(amplitude.len());
                 let out = out.as_mut_slice();
                 match layer.lanes {
-                    2 => self.variant.run(Turned::<2> { amplitude, scale, out }),
-                    4 => self.variant.run(Turned::<4> { amplitude, scale, out }),
-                    _ => self.variant.run(Turned::<8> { amplitude, scale, out }),
+                    2 => self.variant.run(Scaled::<2> { amplitude, scale, out }),
+                    4 => self.variant.run(Scaled::<4> { amplitude, scale, out }),
+                    _ => self.variant.run(Scaled::<8> { amplitude, scale, out }),
                 }
             }
         }
-    }
-
-    /// Doppler off the mean over the length of a pulse, from the node before or at a scattering epoch.
-    fn moments(&self, batch: &Batch<'_>, pulse: usize, mean_hz: f64) -> Row {
-        let node = batch.places.iter().zip(&batch.nodes).take_while(|(place, _)| **place <= pulse);
-        let Some(node) = node.filter_map(|(_, node)| node.as_ref()).last() else { return [1.0; LANES] };
-        node.delay_rate.map(|rate| ((self.carrier_hz * rate - mean_hz) * self.waveform.duration_s()) as f32)
     }
 
     /// Polynomials of the amplitudes through some scattering epochs.
-    fn lane_amplitudes(&self, batch: &Batch<'_>, epochs: Range<usize>, middle: i32, work: &mut LaneWork) {
+    fn amplitudes_through(
+        &self,
+        tile: &Tile,
+        pair: usize,
+        epochs: Range<usize>,
+        middle: f64,
+        work: &mut LaneWork,
+    ) {
         let mut places = [0.0; MAX_NODES];
-        for (place, epoch) in places.iter_mut().zip(&batch.epochs[epochs.clone()]) {
-            *place = epoch.pulse as f64 - f64::from(middle);
+        for (place, pulse) in places.iter_mut().zip(&tile.instants.epochs[epochs.clone()]) {
+            *place = *pulse as f64 - middle;
         }
         let through = Through::new(&places[..epochs.len()]);
         work.powers = if epochs.len() <= 2 { 2 } else { MAX_NODES };
         let basis = through.basis.map(|row| row.map(|b| b as f32));
-        work.amplitude.resize_with(self.layers.len(), Default::default);
-        for ((layer, turned), held) in self.layers.iter().zip(&work.epochs).zip(&mut work.amplitude) {
-            if layer.pair != batch.pair {
+        for ((layer, moments), held) in self.layers.iter().zip(&work.moments).zip(&mut work.amplitude) {
+            if layer.pair != pair {
                 continue;
             }
-            let mut seen = turned[epochs.clone()].iter().map(Lined::as_slice);
-            let seen: [&[f32]; MAX_NODES] = std::array::from_fn(|_| seen.next().unwrap_or_default());
+            let mut seen: [&[f32]; MAX_NODES] = [&[]; MAX_NODES];
+            for (seen, epoch) in seen.iter_mut().zip(epochs.clone()) {
+                *seen = if layer.moment {
+                    moments[epoch].as_slice()
+                } else {
+                    tile.pairs[pair].epochs()[epoch].layers[layer.of_pair].of_first(tile.count)
+                };
+            }
             for (power, weights) in held.iter_mut().zip(&basis).take(work.powers) {
-                power.fit(batch.count * layer.lanes);
+                power.fit(tile.count * layer.lanes);
                 self.variant.run(Weighted { epochs: &seen, weights, out: power.as_mut_slice() });
             }
         }
     }
 
-    fn lane_interval(
+    /// Spreads a tile on the grids of the pulses from one node to the next.
+    fn spread_interval(
         &self,
-        batch: &Batch<'_>,
+        tile: &Tile,
+        pair: usize,
         interval: usize,
-        nodes: usize,
         pulses: Range<usize>,
         frame: &Frame,
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
     ) {
-        let LaneWork { courses, amplitude, factors, shifts, powers: in_use, .. } = work;
+        let LaneWork { polynomials, amplitude, shifts, powers: in_use, .. } = work;
         let reference_s = self.fill_shifts(&frame.windows_s[pulses.clone()], shifts);
-        let [Some(first), other] = [batch.nodes[interval], batch.nodes[(interval + 1).min(nodes - 1)]] else {
-            return;
-        };
-        let second = other.unwrap_or(first);
-        let count = batch.count;
-        courses.phase.iter_mut().for_each(|p| p.resize(count, 0));
-        courses.phase_cubic.resize(count, 0.0);
-        courses.base.resize(count, 0);
-        courses.place.iter_mut().for_each(|p| p.resize(count, 0.0));
+        let Pair { factor, .. } = &tile.pairs[pair];
+        let nodes = tile.pairs[pair].nodes();
+        let [first, second] = [interval, (interval + 1).min(nodes.len() - 1)].map(|node| &nodes[node].paths);
+        let (count, at_node) = (tile.count, tile.instants.nodes);
+        polynomials.phase.iter_mut().for_each(|p| p.resize(count, 0));
+        polynomials.phase_cubic.resize(count, 0.0);
+        polynomials.base.resize(count, 0);
+        polynomials.place.iter_mut().for_each(|p| p.resize(count, 0.0));
         let middle = pulses.start + pulses.len() / 2;
-        let length = if nodes == 1 { 0 } else { batch.places[interval + 1] - batch.places[interval] };
-        let mean_hz = frame.mean_hz[batch.pair];
+        let length = if nodes.len() == 1 { 0 } else { at_node[interval + 1] - at_node[interval] };
         let correction = self.correction();
         let [shifted, moved] = correction.delays();
         let task = Polynomials {
             ends: Ends {
-                delay_s: [first.delay_s, second.delay_s],
-                delay_rate: [first.delay_rate, second.delay_rate],
+                delay_s: [&first.delay_s, &second.delay_s],
+                delay_rate: [&first.delay_rate, &second.delay_rate],
             },
             carrier_hz: self.carrier_hz,
-            mean_hz,
+            mean_hz: frame.mean_hz[pair],
             middle_s: correction.middle_s,
             shifted,
             moved,
             before_s: self.lead_s - reference_s,
             cells_per_s: self.cells_per_s,
-            interval_s: batch.interval_s,
+            interval_s: tile.interval_s,
             length: length as f64,
-            middle: middle as f64 - batch.places[interval] as f64,
+            middle: middle as f64 - at_node[interval] as f64,
             count,
-            courses: &mut *courses,
+            polynomials: &mut *polynomials,
         };
         self.variant.run(task);
-        factors.clear();
-        for row in &batch.factor[pulses.clone()] {
-            factors.extend_from_slice(&row[..count]);
-        }
         let share = grids.share(pulses.start, pulses.len());
         let mut offset = 0;
         for (index, layer) in self.layers.iter().enumerate() {
-            if layer.pair == batch.pair {
+            if layer.pair == pair {
                 let powers = amplitude[index].each_ref().map(|power| power.as_slice());
                 let job = Job {
-                    courses,
+                    polynomials,
                     amplitude: &powers[..*in_use],
                     shifts,
                     first: pulses.start as i32 - middle as i32,
                     amplitude_first: pulses.start as i32 - (frame.pulses() / 2) as i32,
-                    factors,
+                    factors: factor[pulses.clone()].as_flattened(),
+                    factor_stride: LANES,
                     coefficients: &self.coefficients,
                     last_cell: self.last_cell,
                     outside: self.shape.outside() as i32,
@@ -277,38 +234,23 @@ impl Synth<f32> {
     }
 }
 
-/// Amplitudes of a scattering epoch from channel by channel to scatterer path by scatterer path, `C` lanes
-/// each; lanes without a channel are silent.
-struct Turned<'a, const C: usize> {
-    amplitude: &'a [[Row; 2]],
-    scale: Option<&'a Row>,
+/// Amplitudes of `C` lanes for each path, times what each path has.
+struct Scaled<'a, const C: usize> {
+    amplitude: &'a [f32],
+    scale: &'a Row,
     out: &'a mut [f32],
 }
 
-impl<const C: usize> Task for Turned<'_, C> {
+impl<const C: usize> Task for Scaled<'_, C> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        const SILENT: Row = [0.0; LANES];
         let Self { amplitude, scale, out } = self;
-        let mut given = amplitude.as_flattened().iter();
-        let rows: [&Row; C] = std::array::from_fn(|_| given.next().unwrap_or(&SILENT));
-        let lines = out.as_chunks_mut::<C>().0.iter_mut().take(LANES).enumerate();
-        match scale {
-            None => {
-                for (i, line) in lines {
-                    for k in 0..C {
-                        line[k] = rows[k][i];
-                    }
-                }
-            }
-            Some(scale) => {
-                for (i, line) in lines {
-                    for k in 0..C {
-                        line[k] = rows[k][i] * scale[i];
-                    }
-                }
+        let (from, to) = (amplitude.as_chunks::<C>().0, out.as_chunks_mut::<C>().0);
+        for ((to, from), scale) in to.iter_mut().zip(from).zip(scale) {
+            for k in 0..C {
+                to[k] = from[k] * scale;
             }
         }
     }
@@ -371,7 +313,7 @@ struct Polynomials<'a> {
     /// Pulses from the first node to that from which `m` counts.
     middle: f64,
     count: usize,
-    courses: &'a mut Courses<f32>,
+    polynomials: &'a mut DelayPolynomials<f32>,
 }
 
 /// Brings an f64 below `2^51` to the nearest integer, and its low bits are that integer.
@@ -390,7 +332,7 @@ impl Task for Polynomials<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { ends, carrier_hz, mean_hz, middle_s, shifted, moved, .. } = self;
-        let Self { interval_s, length, middle, count, courses, .. } = self;
+        let Self { interval_s, length, middle, count, polynomials, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
         let span_s = length * interval_s;
@@ -442,12 +384,12 @@ impl Task for Polynomials<'_> {
             place[2][i] = (b2 * self.cells_per_s) as f32;
             place[3][i] = (c3 * self.cells_per_s) as f32;
         }
-        for (to, from) in courses.phase.iter_mut().zip(&phase) {
+        for (to, from) in polynomials.phase.iter_mut().zip(&phase) {
             to.copy_from_slice(&from[..count]);
         }
-        courses.phase_cubic.copy_from_slice(&cubic[..count]);
-        courses.base.copy_from_slice(&base[..count]);
-        for (to, from) in courses.place.iter_mut().zip(&place) {
+        polynomials.phase_cubic.copy_from_slice(&cubic[..count]);
+        polynomials.base.copy_from_slice(&base[..count]);
+        for (to, from) in polynomials.place.iter_mut().zip(&place) {
             to.copy_from_slice(&from[..count]);
         }
     }

@@ -32,8 +32,8 @@
 //!
 //! # Threads
 //!
-//! This room knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one
-//! order, so that the result has bit-identical results however many shares there are. [`Variant`]s round
+//! This module knows none. [`Grids::shares`] hands out pulses; each share sees all scatterer paths in one
+//! order, so that the result is bit-identical however many shares there are. [`Variant`]s round
 //! differently: they agree to 1e-6 or better.
 //!
 //! # Limits
@@ -56,7 +56,7 @@
 //! paths.delay_s[0].push(24.1e-6);
 //! paths.delay_rate[0].push(0.0);
 //! paths.amplitude[0].push(Complex64::new(1e-6, 0.0));
-//! // A block of four pulses in which nothing moves: one node says it all.
+//! // A block of four pulses in which nothing moves: one node is enough.
 //! let mut block = synth.block();
 //! synth.fill(&[Node { pulse: 0, paths: &paths }], &[23.6e-6; 4], &mut block)?;
 //! let mut grids = synth.grids();
@@ -74,11 +74,11 @@ pub mod doppler;
 pub mod kernel;
 mod grid;
 pub mod lanes;
+mod prediction;
 mod scalar;
 mod spread;
 mod variant;
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nereus_fft::Fft;
@@ -90,19 +90,19 @@ use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::Job;
 use super::reference::{GUARD_SAMPLES, fast_len};
+use crate::paths::block::{CHANNELS_PER_LAYER, lanes_of};
 use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
 
 pub use self::grid::{Grids, Share};
+pub use self::prediction::PredictedError;
 pub use self::scalar::Scalar;
 pub use crate::cpu::Variant;
 
-/// Channels of one layer.
-const CHANNELS_PER_LAYER: usize = 4;
-
 /// Word length of the fast echo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Precision {
     /// f32.
     Single,
@@ -144,6 +144,7 @@ impl Default for Settings {
 
 /// Why there is no fast echo, or no block.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SynthError {
     /// Width of the kernel out of range.
     #[error("kernel width {width} is not allowed: 4 to 8 cells")]
@@ -216,6 +217,8 @@ pub const MAX_CELLS: usize = 1 << 26;
 #[derive(Clone, Debug)]
 struct Layer {
     pair: usize,
+    /// Place among the layers of the pair's tiles.
+    of_pair: usize,
     channels: Vec<usize>,
     /// 2, 4 or 8.
     lanes: usize,
@@ -270,6 +273,10 @@ pub struct SynthScratch<T> {
 
 impl<T: Scalar> Synth<T> {
     /// For windows of `window_samples`; `channel_pairs[c]` is the pair of channel `c`.
+    ///
+    /// # Errors
+    /// Settings out of range, a variant that this CPU lacks, Doppler by a shift without a linear sweep, a
+    /// grid of more than [`MAX_CELLS`].
     pub fn new(
         waveform: Arc<dyn Waveform>,
         carrier_hz: f64,
@@ -417,12 +424,13 @@ impl<T: Scalar> Synth<T> {
                 block.amplitude[index].get(power).map_or(&[][..], |a| a.as_slice())
             });
             let job = Job {
-                courses: &block.courses[layer.pair],
+                polynomials: &block.polynomials[layer.pair],
                 amplitude: &powers[..block.powers],
                 shifts,
                 first: share.first as i32 - block.middle(),
                 amplitude_first: share.first as i32 - block.middle(),
                 factors: &[],
+                factor_stride: 0,
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,
                 outside: self.shape.outside() as i32,
@@ -468,93 +476,6 @@ impl<T: Scalar> Synth<T> {
             }
         }
     }
-
-    /// Parts of the predicted error of a pulse against the reference, for the scatterer paths of a block.
-    ///
-    /// What the polynomials between the nodes miss is *not* among them, for the nodes do not tell: it belongs
-    /// to whoever chooses the block. (X band, 3 km, 222 m/s, 64 pulses at 222 Hz through 4 nodes: -82.5 dB,
-    /// measured on the scene of the bench with [`Doppler::Taylor`].)
-    pub fn predicted_error(&self, block: &BlockPaths<T>) -> PredictedError {
-        let found = block.found();
-        let worst = block
-            .frame
-            .mean_hz
-            .iter()
-            .map(|mean| self.predicted_error_of(*mean, found.residual_hz, found.drift_cells));
-        worst.max_by(|a, b| a.total_db().total_cmp(&b.total_db())).unwrap_or_default()
-    }
-
-    /// The same for a mean Doppler, the largest Doppler off it (Hz), and the largest change of place over
-    /// half a block (cells).
-    pub fn predicted_error_of(&self, mean_hz: f64, residual_hz: f64, drift_cells: f64) -> PredictedError {
-        let filter = ReceiveFilter::new(self.sample_rate_hz);
-        // Bins beyond some thousand tell nothing new.
-        let step = (self.bins.len() / 1024).max(1);
-        let band: Vec<(f64, f64)> = self
-            .bins
-            .iter()
-            .step_by(step)
-            .map(|bin| {
-                let power =
-                    self.waveform.spectrum(bin.f_hz + mean_hz).norm_sqr() * filter.response(bin.f_hz).powi(2);
-                (bin.f_hz / self.cells_per_s, power)
-            })
-            .collect();
-        let all: f64 = band.iter().map(|(_, power)| power).sum();
-        let mean_square_cycles = if all > 0.0 {
-            band.iter().map(|(cycles, power)| cycles * cycles * power).sum::<f64>() / all
-        } else {
-            0.0
-        };
-        let doppler = doppler::error_power(
-            (self.settings.doppler, self.settings.envelope),
-            self.waveform.as_ref(),
-            self.carrier_hz,
-            self.sample_rate_hz,
-            self.fft_len,
-            mean_hz,
-            residual_hz,
-        );
-        PredictedError {
-            gridding: self.kernel.gridding_error_power(&band),
-            doppler,
-            rounding: rounding_power::<T>(drift_cells, mean_square_cycles),
-        }
-    }
-}
-
-/// Relative power of rounding.
-///
-/// A place that moves over `d` cells is rounded to `2^-p d` four times (three products and a sum, each
-/// uniform within half of that, not all at their largest: counted as such), that is a phase of
-/// `2 pi x cycles` per cell. Phase, phasor, weights and amplitude add some twelve roundings of `2^-p`. Sums
-/// of many scatterer paths are carried by what is already in a cell, `2^-p sqrt(adds)` of its rms at most in
-/// a random walk; 256 is taken.
-fn rounding_power<T: Scalar>(drift_cells: f64, mean_square_cycles: f64) -> f64 {
-    let unit: f64 = match T::PRECISION {
-        Precision::Single => 2f64.powi(-24),
-        Precision::Double => 2f64.powi(-53),
-    };
-    let place = 4.0 * (drift_cells + 1.0).powi(2) / 3.0 * TAU * TAU * mean_square_cycles;
-    unit * unit * (place + 12.0 + 256.0)
-}
-
-/// Predicted `|error|^2 / |echo|^2` of a pulse by cause.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PredictedError {
-    /// Images of the grid.
-    pub gridding: f64,
-    /// Doppler off the mean and stretch of the envelope, within a pulse.
-    pub doppler: f64,
-    /// Word length.
-    pub rounding: f64,
-}
-
-impl PredictedError {
-    /// All of it, dB.
-    pub fn total_db(&self) -> f64 {
-        10.0 * (self.gridding + self.doppler + self.rounding).log10()
-    }
 }
 
 /// Channels by pair, four together.
@@ -562,11 +483,11 @@ fn layers(channel_pairs: &[usize], pairs: usize, moments: bool) -> Vec<Layer> {
     let mut layers = Vec::new();
     for pair in 0..pairs {
         let channels: Vec<usize> = (0..channel_pairs.len()).filter(|c| channel_pairs[*c] == pair).collect();
-        for channels in channels.chunks(CHANNELS_PER_LAYER) {
-            let lanes = (2 * channels.len()).next_power_of_two();
+        for (of_pair, channels) in channels.chunks(CHANNELS_PER_LAYER).enumerate() {
+            let lanes = lanes_of(channels.len());
             for moment in [false, true] {
                 if moments || !moment {
-                    layers.push(Layer { pair, channels: channels.to_vec(), lanes, moment });
+                    layers.push(Layer { pair, of_pair, channels: channels.to_vec(), lanes, moment });
                 }
             }
         }

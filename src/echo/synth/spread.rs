@@ -12,14 +12,15 @@ use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
 use crate::cpu::{Task, Variant};
 
-/// Scatterer paths that are kept close for all pulses of a share.
+/// Scatterer paths that stay in the cache for all pulses of a share.
 pub(super) const CHUNK: usize = 64;
 /// Pulses that are spread by turns.
 const TOGETHER: usize = 4;
 
-/// Phases and places of the scatterer paths of one pair over a block; polynomials in pulses from the middle.
+/// Phases and places on the grid of the scatterer paths of one pair over a block: polynomials in pulses from
+/// the middle.
 #[derive(Debug, Default)]
-pub(super) struct Courses<T: Scalar> {
+pub(super) struct DelayPolynomials<T: Scalar> {
     /// Phase, turns: constant, first and second power.
     pub phase: [Vec<T::Turns>; 3],
     /// Phase, turns: third power.
@@ -32,7 +33,7 @@ pub(super) struct Courses<T: Scalar> {
 
 /// One layer of one share to be filled.
 pub(super) struct Job<'a, T: Scalar> {
-    pub courses: &'a Courses<T>,
+    pub polynomials: &'a DelayPolynomials<T>,
     /// `[power][path][lane]`.
     pub amplitude: &'a [&'a [T]],
     /// Shift of all places per pulse of the share: whole cells and the rest.
@@ -43,6 +44,8 @@ pub(super) struct Job<'a, T: Scalar> {
     pub amplitude_first: i32,
     /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
     pub factors: &'a [T],
+    /// Numbers from the factors of one pulse to the next.
+    pub factor_stride: usize,
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
     /// Last first cell that is in reach of the window.
@@ -104,7 +107,7 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     grids: &mut [T],
 ) {
     let mut passes: [Passes<T, W>; TOGETHER] = std::array::from_fn(|_| Passes::new());
-    let paths = job.courses.base.len();
+    let paths = job.polynomials.base.len();
     let mut from = 0;
     while from < paths {
         let part = from..paths.min(from + CHUNK);
@@ -136,10 +139,10 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
     #[inline(always)]
     fn run(self) {
         let Self { job, part, pulse, shifts, passes } = self;
-        let (from, count, paths) = (part.start, part.len(), job.courses.base.len());
+        let (from, count) = (part.start, part.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            if let Some(factors) = job.factors.get(pulse * paths + from..) {
+            if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
                 weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
         }
@@ -197,13 +200,13 @@ fn place<T: Scalar, const FUSED: bool, const W: usize>(
     passes: &mut Passes<T, W>,
 ) {
     let part = from..from + count;
-    let courses = job.courses;
+    let polynomials = job.polynomials;
     phasors::<T, FUSED>(
         m,
-        &courses.phase[0][part.clone()],
-        &courses.phase[1][part.clone()],
-        &courses.phase[2][part.clone()],
-        &courses.phase_cubic[part.clone()],
+        &polynomials.phase[0][part.clone()],
+        &polynomials.phase[1][part.clone()],
+        &polynomials.phase[2][part.clone()],
+        &polynomials.phase_cubic[part.clone()],
         &mut passes.cos[..count],
         &mut passes.sin[..count],
     );
@@ -211,11 +214,11 @@ fn place<T: Scalar, const FUSED: bool, const W: usize>(
         m,
         shift,
         [job.last_cell, job.outside],
-        &courses.base[part.clone()],
-        &courses.place[0][part.clone()],
-        &courses.place[1][part.clone()],
-        &courses.place[2][part.clone()],
-        &courses.place[3][part],
+        &polynomials.base[part.clone()],
+        &polynomials.place[0][part.clone()],
+        &polynomials.place[1][part.clone()],
+        &polynomials.place[2][part.clone()],
+        &polynomials.place[3][part],
         &mut passes.cell[..count],
         &mut passes.beyond[..count],
     );

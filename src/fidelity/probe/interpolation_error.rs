@@ -9,7 +9,7 @@ use super::{ErrorSampler, Powers, TILES, Truth, runs_of, through};
 use crate::fidelity::echo_settings::block_pulses;
 use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::{Cells, Sum};
-use crate::paths::block::probe::{Heard, Keep, Shadows};
+use crate::paths::block::probe::{Keep, SampledTile, Shadows};
 use crate::paths::block::{
     EPOCH_POINTS, EPOCHS_PER_NODE, Instants, Sidelobe, Tier, Tiers, epochs_about, gain_instants, gain_step,
     gain_weights, nodes_within,
@@ -126,7 +126,7 @@ impl ErrorSampler<'_> {
             if sidelobe && tiers.sidelobe.is_none() {
                 break;
             }
-            let instants = tiers.of(if sidelobe { Tier::Sidelobe } else { Tier::Close });
+            let instants = tiers.of(if sidelobe { Tier::Sidelobe } else { Tier::Mainlobe });
             let epochs = &instants.epochs[..instants.epoch_count];
             let interval_of = |n: usize| {
                 let n = n.min(instants.node_count - 2);
@@ -139,7 +139,7 @@ impl ErrorSampler<'_> {
             let none: Parts = std::array::from_fn(|_| vec![Binned::new(candidates); channels]);
             let mut sums = vec![none; probes.len()];
             let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
-            self.generator.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+            self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |heard| {
                 let runs = runs_of(heard, candidates);
                 for (((interval, (_, probe)), truths), sum) in
                     intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
@@ -210,7 +210,7 @@ impl Interval<'_> {
     fn compare(
         &self,
         probe: usize,
-        heard: &Heard<'_>,
+        heard: &SampledTile<'_>,
         lanes: Range<usize>,
         truth: &Truth,
         (carrier_hz, half_pulse_s): (f64, f64),
@@ -250,8 +250,7 @@ impl Interval<'_> {
             for (at, channel) in channels.iter().enumerate() {
                 let mut value = Complex32::ZERO;
                 for (epoch, weight) in epochs.iter().zip(weights) {
-                    let [re, im] = &epoch.amplitude[at];
-                    value += Complex32::new(re[i], im[i]) * weight as f32;
+                    value += epoch.amplitude(at, i) * weight as f32;
                 }
                 let [re, im] = &truth.amplitude[at];
                 let own = Complex64::new(re[i].into(), im[i].into()) * exact;

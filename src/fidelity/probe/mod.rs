@@ -45,7 +45,7 @@ use crate::cpu::Variant;
 use crate::fidelity::echo_settings::block_pulses;
 use crate::fidelity::sidelobe::Candidates;
 use crate::geometry::lanes::Row;
-use crate::paths::block::probe::{Heard, Keep, Shadows};
+use crate::paths::block::probe::{Keep, SampledTile, Shadows};
 use crate::paths::block::{FEW, Instants, TileWork};
 use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
@@ -364,7 +364,7 @@ impl<'a> ErrorSampler<'a> {
     fn open(&mut self, place: usize) -> Result<(), RadarError> {
         let first = self.places[place].first;
         let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
-        self.interpolates &= self.generator.hears_itself(&heard, &mut self.light)?;
+        self.interpolates &= self.generator.receives_itself_alone(&heard, &mut self.light)?;
         let patch = self.places[place].patch;
         let truths = self.light(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
@@ -454,14 +454,14 @@ impl<'a> ErrorSampler<'a> {
         let within = (opens_s - self.pulse_s)..closes_s;
         let instants = Instants::of_block(at, 1, 1, 1).into();
         let candidates = &self.candidates;
-        self.generator.sound(&instants, patch, TILES, keep, tiles, |heard| {
+        self.generator.sample_tiles(&instants, patch, TILES, keep, tiles, |heard| {
             let (node, epoch) = (&heard.of.nodes()[0].paths, &heard.of.epochs()[0]);
             truths.push(Truth {
                 count: heard.count,
                 runs: runs_of(heard, candidates),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
-                amplitude: epoch.amplitude.clone(),
+                amplitude: epoch.rows(),
                 factor: heard.of.factor[0],
                 heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
                 cosine: epoch.cosine,
@@ -495,7 +495,7 @@ pub fn spread_over(pulses: u64, count: u64) -> impl Iterator<Item = u64> {
 }
 
 /// Lanes of the runs of a tile, and the bins of their gains.
-fn runs_of(heard: &Heard<'_>, candidates: &Candidates) -> Vec<(Range<usize>, usize)> {
+fn runs_of(heard: &SampledTile<'_>, candidates: &Candidates) -> Vec<(Range<usize>, usize)> {
     let mut at = 0;
     let lanes = heard.runs.iter().map(|run| {
         at += run.count;

@@ -155,7 +155,7 @@ impl ErrorSampler<'_> {
                 for &channel in channels {
                     let amplitude = &paths.amplitude[channel];
                     let power = line.power(|n| {
-                        let heard = self.generator.heard_share(index, opens_s, delays_s[n]).sqrt();
+                        let heard = self.generator.received_share(index, opens_s, delays_s[n]).sqrt();
                         amplitude[n] * heard * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
                     });
                     self.points.power[channel] += power / count as f64;
@@ -308,7 +308,7 @@ impl ErrorSampler<'_> {
     fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
         self.generator.points(index, &mut self.light, paths)?;
         let opens_s = self.generator.window_start_of(index)?;
-        let share = |delay_s: f64| self.generator.heard_share(index, opens_s, delay_s);
+        let share = |delay_s: f64| self.generator.received_share(index, opens_s, delay_s);
         let rates =
             |pair| [self.generator.rates(paths, pair, share), self.generator.rates(paths, pair, |_| 1.0)];
         let rates = (0..self.channels.len()).map(rates).collect();

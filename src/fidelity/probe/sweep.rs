@@ -166,12 +166,12 @@ impl ErrorSampler<'_> {
                 Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, epochs: 2 }));
             let keep =
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
-            self.generator.sound(&tiers, &patch, TILES, keep, tiles, |heard| {
+            self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |heard| {
                 if tier == 0 {
                     exact.push(Exact {
                         gains: heard.gains.to_vec(),
                         factor: heard.of.factor.clone(),
-                        amplitude: heard.of.epochs()[0].amplitude.clone(),
+                        amplitude: heard.of.epochs()[0].rows(),
                         delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
                         runs: runs_of(heard, candidates),
                     });

@@ -3,7 +3,7 @@
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 
 use super::tile::Node;
 use crate::cpu::Task;
@@ -23,15 +23,16 @@ const BACKWARD: f32 = 1e-12;
 const OVERHEAD: f32 = 1e-12;
 const NORTH: [f32; 3] = [0.0, 1.0, 0.0];
 
-/// Ports of the channels of a pair: shares of H and V.
-pub(super) struct Port {
-    pub shares: [Complex64; 2],
-}
-
-impl Port {
-    pub fn new(port: Polarisation, isolation_db: Option<f64>) -> Self {
-        Self { shares: port_shares(port, isolation_db) }
-    }
+/// What a channel takes of each entry of the scattering matrix, `[receive][transmit]`: products of the shares
+/// of H and V of its ports. Ports and isolations are those of transmitter and receiver.
+pub(super) fn port_products(
+    ports: [Polarisation; 2],
+    isolations_db: [Option<f64>; 2],
+) -> [[Complex32; 2]; 2] {
+    let [c_t, c_r] = [0, 1].map(|end| {
+        port_shares(ports[end], isolations_db[end]).map(|c| Complex32::new(c.re as f32, c.im as f32))
+    });
+    [0, 1].map(|r| [0, 1].map(|t| c_r[r] * c_t[t]))
 }
 
 /// A polarisation basis in f32.
@@ -326,47 +327,47 @@ impl Task for Scale<'_> {
     }
 }
 
-/// From the matrix to the amplitude of one channel.
-pub(super) struct Combine<'a> {
-    /// Transmit, receive.
-    pub ports: [&'a Port; 2],
+/// From the matrix to the amplitudes of the channels of a layer of `C` lanes.
+pub(super) struct Combine<'a, const C: usize> {
+    /// [`port_products`] of each channel.
+    pub ports: &'a [[[Complex32; 2]; 2]],
     /// What all channels share.
     pub scale: &'a Row,
     pub batch: &'a Batch,
-    pub out: &'a mut [Row; 2],
+    /// `[facet][lane]`.
+    pub out: &'a mut [[f32; C]],
 }
 
-impl Task for Combine<'_> {
+impl<const C: usize> Task for Combine<'_, C> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { ports, scale, batch, out } = self;
-        let [c_t, c_r] = ports.map(|port| port.shares.map(|c| Complex32::new(c.re as f32, c.im as f32)));
-        // Weights of the entries, receive then transmit.
-        let weights = [0, 1].map(|r| [0, 1].map(|t| c_r[r] * c_t[t]));
-        for g in 0..lanes_for(batch.count) / GROUP {
+        let (lines, _) = out.as_chunks_mut::<GROUP>();
+        for (g, lines) in lines.iter_mut().enumerate().take(lanes_for(batch.count) / GROUP) {
             let scale = group(scale, g);
-            let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
-            for row in 0..2 {
-                for column in 0..2 {
-                    let [re_part, im_part] = &batch.matrix[row][column];
-                    let (a, b) = (group(re_part, g), group(im_part, g));
-                    let weight = weights[row][column];
-                    for i in 0..GROUP {
-                        re[i] += weight.re * a[i] - weight.im * b[i];
-                        im[i] += weight.re * b[i] + weight.im * a[i];
+            for channel in 0..C / 2 {
+                let Some(products) = ports.get(channel) else { break };
+                let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
+                for row in 0..2 {
+                    for column in 0..2 {
+                        let [re_part, im_part] = &batch.matrix[row][column];
+                        let (a, b) = (group(re_part, g), group(im_part, g));
+                        let weight = products[row][column];
+                        for i in 0..GROUP {
+                            re[i] += weight.re * a[i] - weight.im * b[i];
+                            im[i] += weight.re * b[i] + weight.im * a[i];
+                        }
                     }
                 }
+                for i in 0..GROUP {
+                    let (a, b) = (re[i] * scale[i], im[i] * scale[i]);
+                    // A product of lengths of rows is never asked to be large: what overflowed is zero.
+                    lines[i][2 * channel] = if a.is_finite() { a } else { 0.0 };
+                    lines[i][2 * channel + 1] = if b.is_finite() { b } else { 0.0 };
+                }
             }
-            for i in 0..GROUP {
-                let (a, b) = (re[i] * scale[i], im[i] * scale[i]);
-                // A product of lengths of rows is never asked to be large: what overflowed is silent.
-                re[i] = if a.is_finite() { a } else { 0.0 };
-                im[i] = if b.is_finite() { b } else { 0.0 };
-            }
-            *group_mut(&mut out[0], g) = re;
-            *group_mut(&mut out[1], g) = im;
         }
     }
 }

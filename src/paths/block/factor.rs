@@ -139,7 +139,7 @@ impl Task for Weigh<'_> {
     }
 }
 
-/// Darkens facets whose cosine is not positive.
+/// Zeroes facets whose cosine is not positive.
 pub(super) struct Turn<'a> {
     pub count: usize,
     pub epochs: &'a [Epoch],

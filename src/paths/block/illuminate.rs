@@ -2,17 +2,18 @@
 
 use num_complex::Complex32;
 
+use super::TileWork;
 use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::runs::Gather;
-use super::tile::{Epoch, Pair, compact};
-use super::{TileWork, Timing};
+use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
+use super::timing::Timing;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
 use crate::paths::PathGenerator;
-use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Port, Scale, Sight, Solve, View};
+use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, Solve, View, port_products};
 use crate::paths::emission::Emission;
 use crate::paths::sea::SeaPlan;
 use crate::radar::polarisation::Axes;
@@ -28,21 +29,21 @@ impl TileWork {
 
     /// The tile at hand is of a tier.
     fn choose(&mut self, tier: Tier) {
-        self.tile.tier = tier;
-        let timing = self.timings.of(tier);
+        let instants = self.timings.of(tier).instants;
+        (self.tile.tier, self.tile.instants) = (tier, instants);
         for pair in &mut self.tile.pairs {
-            (pair.node_count, pair.epoch_count) = (timing.node_count, timing.epoch_count);
+            (pair.node_count, pair.epoch_count) = (instants.node_count, instants.epoch_count);
         }
     }
 }
 
 impl PathGenerator {
-    /// Lights the tile of the runs at hand: [`TileWork::tile`]. Facets that no pair can hear at any pulse are
-    /// left out.
-    pub(super) fn light_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
+    /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
+    /// any pulse are left out.
+    pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
         self.place(patch, work);
         self.sight(work);
-        self.keep_lit(work);
+        self.keep_illuminated(work);
         if work.tile.count == 0 {
             return;
         }
@@ -61,7 +62,7 @@ impl PathGenerator {
         let mut ends_known = false;
         if !work.sidelobe_below.is_empty() {
             work.choose(Tier::Sidelobe);
-            for place in 0..work.timings.sidelobe.node_count {
+            for place in 0..work.timings.sidelobe.instants.node_count {
                 self.find_paths(place, work);
             }
             if (0..self.plans.len())
@@ -70,13 +71,16 @@ impl PathGenerator {
                 return;
             }
             // The last node of all is known by now.
-            let (second, last) = (work.timings.sidelobe.node_count - 1, work.timings.close.node_count - 1);
+            let (second, last) = (
+                work.timings.sidelobe.instants.node_count - 1,
+                work.timings.mainlobe.instants.node_count - 1,
+            );
             work.slopes.swap(second, last);
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
         }
-        work.choose(Tier::Close);
-        let nodes = work.timings.close.node_count;
+        work.choose(Tier::Mainlobe);
+        let nodes = work.timings.mainlobe.instants.node_count;
         for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
             self.find_paths(place, work);
         }
@@ -108,7 +112,7 @@ impl PathGenerator {
             bounds_m,
             drop_m,
             fall,
-            shades,
+            shadow_updates,
             seen,
             tile,
             ..
@@ -125,7 +129,7 @@ impl PathGenerator {
                 [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
             }
         }
-        // Lanes that are not in use stay near the others: nobody scattering epochs at them.
+        // Lanes that are not in use stay near the others: nothing is read from them.
         for row in &mut *places_m {
             let last = row[count - 1];
             row[count..].fill(last);
@@ -144,9 +148,11 @@ impl PathGenerator {
             variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
             variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
-        let ends = shades.first().map_or(0, |shade| shade.weights.len());
-        seen.resize(shades.len() * ends, [1.0; LANES]);
-        for (row, weights) in seen.iter_mut().zip(shades.iter().flat_map(|shade| &shade.weights)) {
+        let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
+        seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
+        for (row, weights) in
+            seen.iter_mut().zip(shadow_updates.iter().flat_map(|update_weights| &update_weights.weights))
+        {
             if weights.is_empty() {
                 row.fill(1.0);
             } else {
@@ -155,17 +161,29 @@ impl PathGenerator {
         }
     }
 
-    /// Leaves out facets that are hidden at every update, turned away at every node, or seen by no gain.
-    fn keep_lit(&self, work: &mut TileWork) {
+    /// Leaves out facets that are hidden at every update, turned away at every node, or outside of every
+    /// gain.
+    fn keep_illuminated(&self, work: &mut TileWork) {
         let instants = work.timing().gain_places.len();
-        let TileWork { variant, batch, places_m, whole, kept, slopes, gain_rows, shades, seen, tile, .. } =
-            work;
+        let TileWork {
+            variant,
+            batch,
+            places_m,
+            whole,
+            kept,
+            slopes,
+            gain_rows,
+            shadow_updates,
+            seen,
+            tile,
+            ..
+        } = work;
         if *whole {
             return;
         }
         let count = tile.count;
         let mut illuminated = [0.0f32; LANES];
-        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
             let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
             let (nodes, gains) = (pair.nodes(), &gains[..instants]);
@@ -319,10 +337,17 @@ impl PathGenerator {
             self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
             self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
         ];
-        for ((_, tx_port, rx_port), amplitude) in plan.channels.iter().zip(&mut out.amplitude) {
-            let of = [*tx_port, *rx_port];
-            let ports = [0, 1].map(|end| Port::new(of[end], isolations_db[end]));
-            variant.run(Combine { ports: ports.each_ref(), scale: &scale, batch, out: amplitude });
+        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(&mut out.layers) {
+            let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
+            for (&(_, tx_port, rx_port), port) in channels.iter().zip(&mut ports) {
+                *port = port_products([tx_port, rx_port], isolations_db);
+            }
+            let ports = &ports[..channels.len()];
+            match layer.lanes() {
+                2 => variant.run(Combine::<2> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+                4 => variant.run(Combine::<4> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+                _ => variant.run(Combine::<8> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+            }
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !is_real(&self.antennas[antenna]) {
@@ -390,15 +415,12 @@ impl PathGenerator {
             let d = crate::frames::Vector::from_raw(axes.transpose() * d);
             let gain = self.antennas[antenna].field_gain(d);
             let gain = Complex32::new(gain.re as f32, gain.im as f32);
-            for [re, im] in &mut epoch.amplitude {
-                let value = Complex32::new(re[i], im[i]) * gain;
-                (re[i], im[i]) = (value.re, value.im);
-            }
+            epoch.layers.iter_mut().for_each(|layer| layer.scale(i, gain));
         }
     }
 
     /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given;
-    /// says whether all were.
+    /// returns whether all were.
     fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
         let TileWork { variant, timings, gain_rows, tile, .. } = work;
         let timing = timings.of(tile.tier);
@@ -421,7 +443,7 @@ impl PathGenerator {
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
     fn factors(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gain_rows, timings, shades, shares, seen, tile, .. } = work;
+        let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let points = timing.gain_points();
         let plan = &self.plans[pair];
@@ -430,17 +452,17 @@ impl PathGenerator {
         let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
         let epochs = &epochs[..*epoch_count];
         let turns = variant.run(Turns { count, epochs });
-        let ends = shades.first().map_or(0, |shade| shade.weights.len());
+        let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         for (pulse, out) in factor.iter_mut().enumerate() {
             let (start, weights) = &timing.lagrange[pulse];
             let (rows, weights) = (&gain_rows[pair][*start..], &weights[..points]);
             variant.run(Weigh { count, rows, weights, out });
             let (before, share) = shares[pulse];
             // Where the next update adds nothing it may not be there.
-            let next = (before + 1).min(shades.len().saturating_sub(1));
+            let next = (before + 1).min(shadow_updates.len().saturating_sub(1));
             for antenna in antennas.into_iter().filter(|antenna| *antenna < ends) {
-                let dark = |update: usize| !shades[update].weights[antenna].is_empty();
-                if dark(before) || dark(next) {
+                let shadowed = |update: usize| !shadow_updates[update].weights[antenna].is_empty();
+                if shadowed(before) || shadowed(next) {
                     let of = |update: usize| &seen[update * ends + antenna];
                     variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
                 }

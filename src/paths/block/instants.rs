@@ -1,6 +1,6 @@
 //! At which pulses of a block something is found, and the weights of what lies between.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Most nodes of a block.
 pub const NODES: usize = 4;
@@ -53,6 +53,13 @@ impl Instants {
         instants
     }
 
+    /// Scattering epochs that amplitudes between a node and the next go through, up to [`EPOCH_POINTS`].
+    pub fn epochs_between(&self, node: usize) -> Range<usize> {
+        let [from, to] = [node, node + 1].map(|n| self.nodes[n.min(self.node_count.saturating_sub(1))]);
+        let first = epochs_about(&self.epochs[..self.epoch_count], from..=to);
+        first..self.epoch_count.min(first + EPOCH_POINTS)
+    }
+
     /// Those of the sidelobe tiles of such a block: nodes at both ends, some scattering epochs (2 at least)
     /// from end to end, gains [`sidelobe_gain_pulses`] apart. `None` of blocks of few pulses.
     pub fn sidelobe(&self, epoch_count: usize) -> Option<Self> {
@@ -70,18 +77,20 @@ impl Instants {
     }
 }
 
-/// How closely a tile is evaluated.
+/// How often a tile is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Tier {
     /// At all instants of its block.
     #[default]
-    Close,
+    Mainlobe,
     /// At few: no antenna pair has more than a side lobe for it.
     Sidelobe,
 }
 
 /// Which tiles are in the sidelobes, and how they are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sidelobe {
     /// Two-way gain of every pair over its peak below which a tile is in the sidelobes, dB.
     pub below_db: f64,
@@ -92,33 +101,37 @@ pub struct Sidelobe {
 /// The instants of a block for all its tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tiers {
-    /// Of tiles that are evaluated closely.
-    pub close: Instants,
-    /// Of in the sidelobes ones, if there may be any.
+    /// Of mainlobe tiles.
+    pub mainlobe: Instants,
+    /// Of sidelobe tiles, if there may be any.
     pub sidelobe: Option<Instants>,
     /// Two-way gain of every pair over its peak below which they are, dB.
     pub below_db: f64,
 }
 
 impl From<Instants> for Tiers {
-    /// All tiles close.
-    fn from(close: Instants) -> Self {
-        Self::new(close, None)
+    /// All tiles are mainlobe tiles.
+    fn from(mainlobe: Instants) -> Self {
+        Self::new(mainlobe, None)
     }
 }
 
 impl Tiers {
     /// Of a block, whose tiles are in the sidelobes below a two-way gain, if at all.
-    pub fn new(close: Instants, sidelobe: Option<Sidelobe>) -> Self {
+    pub fn new(mainlobe: Instants, sidelobe: Option<Sidelobe>) -> Self {
         let below_db = sidelobe.map_or(f64::NEG_INFINITY, |sidelobe| sidelobe.below_db);
-        Self { close, sidelobe: sidelobe.and_then(|sidelobe| close.sidelobe(sidelobe.epochs)), below_db }
+        Self {
+            mainlobe,
+            sidelobe: sidelobe.and_then(|sidelobe| mainlobe.sidelobe(sidelobe.epochs)),
+            below_db,
+        }
     }
 
     /// Those of a tier.
     pub fn of(&self, tier: Tier) -> &Instants {
         match (tier, &self.sidelobe) {
             (Tier::Sidelobe, Some(sidelobe)) => sidelobe,
-            _ => &self.close,
+            _ => &self.mainlobe,
         }
     }
 }
@@ -200,14 +213,14 @@ mod tests {
         assert_eq!([37, 21, 7, 3, 1].map(|pulses| gain_step(pulses, 4)), [4, 4, 1, 1, 1]);
         assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4).collect::<Vec<_>>(), [0]);
-        // Faint tiles: both ends; the block has no less than six instants of gain.
+        // Sidelobe tiles: both ends; the block has no less than six instants of gain.
         let tiers = Tiers::new(block, Some(Sidelobe { below_db: -40.0, epochs: 2 }));
         let sidelobe = tiers.of(Tier::Sidelobe);
         assert_eq!(
             (&sidelobe.nodes[..sidelobe.node_count], &sidelobe.epochs[..sidelobe.epoch_count]),
             (&[0, 36][..], &[0, 36][..])
         );
-        assert_eq!((sidelobe.gain_pulses, tiers.of(Tier::Close)), (6, &block));
+        assert_eq!((sidelobe.gain_pulses, tiers.of(Tier::Mainlobe)), (6, &block));
         assert_eq!(short.sidelobe(2), None);
         let thrice = block.sidelobe(3).unwrap();
         assert_eq!(&thrice.epochs[..thrice.epoch_count], [0, 18, 36]);

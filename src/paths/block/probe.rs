@@ -1,20 +1,21 @@
-//! A sample of the facets of a block, at instants of one's own choice: for whoever wants to know what
+//! A sample of the facets of a block, at instants of one's own choice: to find what
 //! interpolation leaves.
 //!
-//! Tiles spread over the patch are illuminated as [`PathGenerator::visit_tiles`] lights all of them, but for
+//! Tiles spread over the patch are illuminated as [`PathGenerator::visit_tiles`] does all of them, but for
 //! two things: shadows are those of one pulse throughout, or none (both sides of any comparison share them),
 //! and the product of gains is reported apart from the factor.
 
 use super::instants::Tiers;
 use super::runs::{Cut, Run};
-use super::{Heights, Instants, Pair, TileWork};
+use super::shadows::Heights;
+use super::{Instants, Pair, TileWork};
 use crate::geometry::lanes::Row;
 use crate::paths::PathGenerator;
 use crate::radar::fault::RadarError;
 use crate::scene::Patch;
 
 /// What a sample shows of one pair.
-pub struct Heard<'a> {
+pub struct SampledTile<'a> {
     /// Place of the tile in the sample.
     pub tile: usize,
     /// The pair.
@@ -34,6 +35,7 @@ pub struct Heard<'a> {
 
 /// Which shadows a probe has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Shadows {
     /// Those at its first pulse.
     #[default]
@@ -82,29 +84,32 @@ impl PathGenerator {
         self.sea.as_ref().map_or(1.0, |sea| Cut::of(sea.patch.facets).sampled(tiles))
     }
 
-    /// Lights a sample of about so many tiles at some instants.
-    pub fn sound(
+    /// Evaluates a sample of about so many tiles at some instants.
+    ///
+    /// # Errors
+    /// Tracks that do not cover the instants; a sea or shadows that cannot be found at them.
+    pub fn sample_tiles(
         &self,
         tiers: &Tiers,
         patch: &Patch,
         tiles: usize,
         keep: Keep,
         work: &mut TileWork,
-        mut each: impl FnMut(&Heard<'_>),
+        mut each: impl FnMut(&SampledTile<'_>),
     ) -> Result<(), RadarError> {
         let Some(sea) = &self.sea else { return Ok(()) };
-        let instants = &tiers.close;
+        let instants = &tiers.mainlobe;
         let first = instants.first;
         work.time(self, tiers)?;
         if !keep.surface {
             sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
         }
         if keep.shadows == Shadows::Without {
-            work.shades.clear();
+            work.shadow_updates.clear();
         }
         if keep.shadows == Shadows::Find {
             let at_once = Instants { pulses: 1, ..*instants };
-            work.shade(self, sea, &at_once, patch, Heights::Near)
+            work.weigh_shadows(self, sea, &at_once, patch, Heights::Near)
                 .map_err(|failure| self.sea_error(first, failure))?;
         }
         let held = work.shares.first().copied().unwrap_or_default();
@@ -116,14 +121,14 @@ impl PathGenerator {
             work.take(runs);
             // Lanes stay facets, so that probes can be compared.
             work.whole = true;
-            self.light_tile(sea, patch, work);
+            self.evaluate_tile(sea, patch, work);
             work.whole = false;
             work.shares_of_runs(&peaks, &mut shares);
             for pair in 0..self.plans.len() {
                 let TileWork { gain_rows, runs, tile, .. } = &*work;
                 let of = &tile.pairs[pair];
                 let gains = &gain_rows[pair][..work.timing().gain_places.len()];
-                each(&Heard { tile: place, pair, count: tile.count, runs, shares: &shares, of, gains });
+                each(&SampledTile { tile: place, pair, count: tile.count, runs, shares: &shares, of, gains });
             }
         }
         Ok(())

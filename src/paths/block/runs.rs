@@ -1,8 +1,8 @@
 //! Which facets of a patch are handled together.
 //!
 //! A patch is cut into strips of [`RUN`] columns, and a strip into tiles of as many rows as fit into
-//! [`LANES`]: 16 x 16 facets. So a beam lights few tiles or all of one, and what lies beside it can be
-//! reported from it. A row of a strip is a **run**, facets one after the other in memory. Samples take runs
+//! [`LANES`]: 16 x 16 facets. So a beam illuminates few tiles or all of one, and what lies beside it can be
+//! kept apart. A row of a strip is a **run**, facets one after the other in memory. Samples take runs
 //! from all over the patch, since whole tiles would be too few to meet a narrow beam.
 
 use crate::cpu::Task;

@@ -1,12 +1,42 @@
-//! What a tile has of its facets, and leaving out those that nobody would miss.
+//! The scatterer paths of a tile of facets as the echo reads them, and leaving out those that add nothing.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
-use super::{Sample, Tally, Tile};
+use num_complex::Complex32;
+
+use super::instants::{Instants, Tier};
+use super::{Sample, Tally};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
 use crate::radar::window::Window;
+
+/// Channels of a layer: those of a pair that are spread together.
+pub const CHANNELS_PER_LAYER: usize = 4;
+/// Most lanes of a layer.
+const LANES_PER_LAYER: usize = 2 * CHANNELS_PER_LAYER;
+
+/// Lanes of a layer of so many channels: real and imaginary part of each, a power of two.
+pub fn lanes_of(channels: usize) -> usize {
+    (2 * channels).next_power_of_two()
+}
+
+/// Scatterer paths of a block of pulses side by side: the facets of a tile, in the first [`Tile::count`]
+/// places of every array. Filled by [`PathGenerator::visit_tiles`](crate::paths::PathGenerator::visit_tiles),
+/// spread by [`Synth::spread_tile`](crate::echo::synth::Synth::spread_tile).
+#[derive(Clone)]
+pub struct Tile {
+    /// Facets.
+    pub count: usize,
+    /// How it was evaluated.
+    pub tier: Tier,
+    /// When: pulses of its nodes and scattering epochs.
+    pub instants: Instants,
+    /// Time from pulse to pulse, s.
+    pub interval_s: f64,
+    /// Per transmitter-receiver pair.
+    pub pairs: Vec<Pair>,
+}
 
 /// A tile at a node, over one pair.
 #[derive(Clone)]
@@ -18,11 +48,98 @@ pub struct Node {
 /// A tile at a scattering epoch, over one pair.
 #[derive(Clone)]
 pub struct Epoch {
-    /// Per channel of the pair: amplitude, sqrt(W), real and imaginary; without gains that are real numbers,
-    /// and without shadows.
-    pub amplitude: Vec<[Row; 2]>,
+    /// Amplitudes of the channels of the pair, without gains that are real numbers and without shadows: by
+    /// [`CHANNELS_PER_LAYER`].
+    pub layers: Vec<Layer>,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
+    channels: usize,
+}
+
+impl Epoch {
+    fn new(channels: usize) -> Self {
+        let layers = (0..channels).step_by(CHANNELS_PER_LAYER);
+        let layers = layers.map(|from| Layer::new((channels - from).min(CHANNELS_PER_LAYER))).collect();
+        Self { layers, cosine: [[0.0; LANES]; 2], channels }
+    }
+
+    /// Amplitude of a facet in a channel of the pair, sqrt(W).
+    pub fn amplitude(&self, channel: usize, facet: usize) -> Complex32 {
+        let layer = &self.layers[channel / CHANNELS_PER_LAYER];
+        let at = facet * layer.lanes + 2 * (channel % CHANNELS_PER_LAYER);
+        Complex32::new(layer.values.0[at], layer.values.0[at + 1])
+    }
+
+    /// Amplitudes channel by channel, real and imaginary.
+    pub fn rows(&self) -> Vec<[Row; 2]> {
+        let mut rows = vec![[[0.0; LANES]; 2]; self.channels];
+        for (channel, [re, im]) in rows.iter_mut().enumerate() {
+            for i in 0..LANES {
+                let own = self.amplitude(channel, i);
+                (re[i], im[i]) = (own.re, own.im);
+            }
+        }
+        rows
+    }
+}
+
+/// Amplitudes of up to [`CHANNELS_PER_LAYER`] channels, `[facet][lane]`, sqrt(W): lanes are the real and
+/// imaginary parts of the channels, as those of the grids they are spread on. Lanes without a channel are
+/// zero.
+#[derive(Clone)]
+pub struct Layer {
+    lanes: usize,
+    values: Box<Lined>,
+}
+
+/// Numbers that start on a cache line.
+#[derive(Clone)]
+#[repr(align(64))]
+struct Lined([f32; LANES_PER_LAYER * LANES]);
+
+impl Layer {
+    fn new(channels: usize) -> Self {
+        Self { lanes: lanes_of(channels), values: Box::new(Lined([0.0; LANES_PER_LAYER * LANES])) }
+    }
+
+    /// Lanes: 2, 4 or 8.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// Those of the first facets.
+    pub fn of_first(&self, count: usize) -> &[f32] {
+        &self.values.0[..count.min(LANES) * self.lanes]
+    }
+
+    /// Facet by facet, for layers of `C` lanes.
+    #[inline(always)]
+    fn lines<const C: usize>(&self) -> &[[f32; C]] {
+        self.values.0.as_chunks().0
+    }
+
+    /// The same to be written.
+    #[inline(always)]
+    pub(super) fn lines_mut<const C: usize>(&mut self) -> &mut [[f32; C]] {
+        self.values.0.as_chunks_mut().0
+    }
+
+    fn keep(&mut self, kept: &[u16]) {
+        match self.lanes {
+            2 => compact(self.lines_mut::<2>(), kept),
+            4 => compact(self.lines_mut::<4>(), kept),
+            _ => compact(self.lines_mut::<8>(), kept),
+        }
+    }
+
+    /// Multiplies the amplitudes of a facet.
+    pub(super) fn scale(&mut self, facet: usize, by: Complex32) {
+        let (parts, _) = self.values.0[facet * self.lanes..][..self.lanes].as_chunks_mut::<2>();
+        for [re, im] in parts {
+            let value = Complex32::new(*re, *im) * by;
+            (*re, *im) = (value.re, value.im);
+        }
+    }
 }
 
 /// A tile over one pair of antennas.
@@ -50,7 +167,7 @@ impl Pair {
         &self.nodes[..self.node_count]
     }
 
-    /// At every look.
+    /// At every scattering epoch.
     pub fn epochs(&self) -> &[Epoch] {
         &self.epochs[..self.epoch_count]
     }
@@ -58,10 +175,7 @@ impl Pair {
     pub(super) fn resize(&mut self, nodes: usize, epochs: usize, pulses: usize) {
         let channels = self.channels;
         self.nodes.resize_with(nodes, || Node { paths: Paths::boxed() });
-        self.epochs.resize_with(epochs, || Epoch {
-            amplitude: vec![[[0.0; LANES]; 2]; channels],
-            cosine: [[0.0; LANES]; 2],
-        });
+        self.epochs.resize_with(epochs, || Epoch::new(channels));
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
@@ -75,8 +189,8 @@ impl Pair {
         );
         if let (Some(node), Some(epoch), Some(factor)) = middle {
             for i in 0..count {
-                let of = |[re, im]: &[Row; 2]| f64::from(re[i] * re[i] + im[i] * im[i]);
-                let own = epoch.amplitude.iter().map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
+                let of = |channel| f64::from(epoch.amplitude(channel, i).norm_sqr());
+                let own = (0..self.channels).map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
                     sample.mean_power_w += own;
                     if window.touches(node.paths.delay_s[i]) {
@@ -93,9 +207,11 @@ impl Pair {
     fn bounds(&self, count: usize, out: &mut Row) {
         let n = lanes_for(count);
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for [re, im] in self.epochs().iter().flat_map(|epoch| &epoch.amplitude) {
-            for i in 0..n {
-                amplitude[i] = amplitude[i].max(re[i] * re[i] + im[i] * im[i]);
+        for layer in self.epochs().iter().flat_map(|epoch| &epoch.layers) {
+            match layer.lanes {
+                2 => most_power(layer.lines::<2>(), &mut amplitude[..n]),
+                4 => most_power(layer.lines::<4>(), &mut amplitude[..n]),
+                _ => most_power(layer.lines::<8>(), &mut amplitude[..n]),
             }
         }
         for row in &self.factor {
@@ -115,9 +231,7 @@ impl Pair {
             compact(&mut node.paths.delay_rate, kept);
         }
         for epoch in &mut self.epochs[..self.epoch_count] {
-            for row in epoch.amplitude.as_flattened_mut() {
-                compact(row, kept);
-            }
+            epoch.layers.iter_mut().for_each(|layer| layer.keep(kept));
         }
         for row in &mut self.factor {
             compact(row, kept);
@@ -125,7 +239,18 @@ impl Pair {
     }
 }
 
-pub(super) fn compact<T: Copy>(row: &mut [T; LANES], kept: &[u16]) {
+/// The largest power of any channel so far.
+#[inline(always)]
+fn most_power<const C: usize>(lines: &[[f32; C]], most: &mut [f32]) {
+    for (most, line) in most.iter_mut().zip(lines) {
+        for k in 0..C / 2 {
+            *most = most.max(line[2 * k] * line[2 * k] + line[2 * k + 1] * line[2 * k + 1]);
+        }
+    }
+}
+
+pub(super) fn compact<T: Copy>(row: &mut [T], kept: &[u16]) {
+    let Some(row) = row.first_chunk_mut::<LANES>() else { return };
     for (to, &from) in kept.iter().enumerate() {
         row[to] = row[usize::from(from) % LANES];
     }
@@ -146,7 +271,7 @@ impl Task for Bounds<'_> {
 }
 
 impl Tile {
-    /// Leaves out facets that nobody would miss.
+    /// Leaves out facets that add nothing to the echo.
     pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
         let mut wanted = [false; LANES];
         let mut illuminated = [false; LANES];
@@ -161,8 +286,8 @@ impl Tile {
         }
         let mut kept = [0u16; LANES];
         let mut count = 0;
-        let all_lit = illuminated[..self.count].iter().filter(|illuminated| **illuminated).count();
-        tally.illuminated += all_lit as u64;
+        let all_illuminated = illuminated[..self.count].iter().filter(|illuminated| **illuminated).count();
+        tally.illuminated += all_illuminated as u64;
         for i in 0..self.count {
             if wanted[i] {
                 kept[count] = i as u16;
@@ -171,11 +296,62 @@ impl Tile {
         }
         // Moving those that stay takes as long as spreading some of the others.
         if self.count - count > self.count / FEW {
-            tally.culled += all_lit.saturating_sub(count) as u64;
+            tally.culled += all_illuminated.saturating_sub(count) as u64;
             for pair in &mut self.pairs {
                 pair.keep(&kept[..count]);
             }
             self.count = count;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Facets that stay keep delays, factors and the amplitudes of every channel, in one layer or two, of
+    /// every number of lanes.
+    #[test]
+    fn facets_that_stay_keep_all_they_have() {
+        for channels in 1..=5 {
+            let mut pair = Pair::new(channels);
+            pair.resize(1, 1, 1);
+            (pair.node_count, pair.epoch_count) = (1, 1);
+            // Every third facet returns something.
+            let power = |i: usize| if i.is_multiple_of(3) { 1.0 + i as f32 } else { 0.0 };
+            for i in 0..LANES {
+                pair.nodes[0].paths.delay_s[i] = i as f64;
+                pair.factor[0][i] = power(i);
+                for (place, layer) in pair.epochs[0].layers.iter_mut().enumerate() {
+                    let of_layer = (channels - place * CHANNELS_PER_LAYER).min(CHANNELS_PER_LAYER);
+                    for k in 0..2 * of_layer {
+                        layer.values.0[i * layer.lanes + k] = (100 * place + 10 * k) as f32 + i as f32;
+                    }
+                }
+            }
+            let instants = Instants::of_block(0, 1, 1, 1);
+            let pairs = vec![pair];
+            let mut tile = Tile { count: 250, tier: Tier::Mainlobe, instants, interval_s: 1.0, pairs };
+            let mut tally = Tally::default();
+            tile.thin_out(Variant::fastest(), &[Sample::default()], 0.0, &mut tally);
+            let kept: Vec<usize> = (0..250usize).filter(|i| i.is_multiple_of(3)).collect();
+            assert_eq!((tile.count, tally.illuminated, tally.culled), (kept.len(), 84, 0), "{channels}");
+            let pair = &tile.pairs[0];
+            let rows = pair.epochs()[0].rows();
+            assert_eq!(rows.len(), channels);
+            for (n, &i) in kept.iter().enumerate() {
+                assert_eq!((pair.nodes()[0].paths.delay_s[n], pair.factor[0][n]), (i as f64, power(i)));
+                for (channel, [re, im]) in rows.iter().enumerate() {
+                    let (place, k) = (channel / CHANNELS_PER_LAYER, 2 * (channel % CHANNELS_PER_LAYER));
+                    let value = |k: usize| (100 * place + 10 * k) as f32 + i as f32;
+                    assert_eq!((re[n], im[n]), (value(k), value(k + 1)), "{channels} {channel} {n}");
+                }
+            }
+            // Lanes without a channel stay zero.
+            let last = pair.epochs()[0].layers.last().unwrap();
+            let used = 2 * (channels - (channels - 1) / CHANNELS_PER_LAYER * CHANNELS_PER_LAYER);
+            let lines = last.of_first(kept.len()).chunks(last.lanes());
+            assert!(lines.flat_map(|line| &line[used..]).all(|value| *value == 0.0), "{channels}");
         }
     }
 }

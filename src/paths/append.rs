@@ -1,0 +1,168 @@
+//! Scatterer paths of one emission: of targets, of the direct path, and of facets.
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use super::emission::Emission;
+use super::facets::Reception;
+use super::sea::SeaWork;
+use super::{PairPlan, PathGenerator};
+use crate::frames::{Earth, Enu, Point, Vector};
+use crate::geometry::bistatic::Basis;
+use crate::geometry::horizon;
+use crate::geometry::light_time::Path;
+use crate::paths::list::ScattererPaths;
+use crate::pulse::costs::Costs;
+use crate::radar::fault::RadarError;
+use crate::radar::polarisation::field;
+use crate::scene::Target;
+use crate::scene::radar::Polarisation;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+impl PathGenerator {
+    /// Appends the paths of targets and the direct path of one emission; returns whether an echo lies partly
+    /// or wholly outside.
+    pub(super) fn append(
+        &self,
+        reception: &Reception,
+        amplitude: &mut [Complex64],
+        paths: &mut ScattererPaths,
+    ) -> bool {
+        let mut outside = false;
+        for (target, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            outside |= self.weigh(reception, target, of_pairs, amplitude);
+            if amplitude.iter().any(|a| *a != Complex64::ZERO) {
+                let delays = of_pairs.iter().map(|path| (path.delay_s, path.delay_rate));
+                paths.push(reception.offset_s, delays, amplitude);
+            }
+        }
+        outside
+    }
+
+    /// Appends the facets that one emission illuminates.
+    pub(super) fn append_sea(
+        &self,
+        emitted: u64,
+        reception: &Reception,
+        work: &mut Option<SeaWork>,
+        costs: &mut Costs,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        let Some(sea) = &self.sea else { return Ok(()) };
+        let Some(work) = self.sea_work(sea, work) else { return Ok(()) };
+        let before = paths.len();
+        let visited = sea.visit(reception, work, costs, |chunk| {
+            for place in 0..chunk.index.len() {
+                if chunk.amplitude.iter().all(|column| column[place] == Complex64::ZERO) {
+                    continue;
+                }
+                paths.emission_offset_s.push(reception.offset_s);
+                for (pair, columns) in chunk.pairs.iter().enumerate() {
+                    paths.delay_s[pair].push(columns.delay_s[place]);
+                    paths.delay_rate[pair].push(columns.delay_rate[place]);
+                }
+                for (column, amplitude) in paths.amplitude.iter_mut().zip(&chunk.amplitude) {
+                    column.push(amplitude[place]);
+                }
+            }
+        });
+        costs.looked_at(sea.patch.len(), paths.len() - before, 0);
+        visited.map_err(|failure| self.sea_error(emitted, failure))
+    }
+
+    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; returns whether an
+    /// echo lies partly or wholly outside the window.
+    pub(super) fn weigh(
+        &self,
+        reception: &Reception,
+        target: usize,
+        of_pairs: &[Path],
+        amplitude: &mut [Complex64],
+    ) -> bool {
+        let Reception { emission, offset_s, tx_pol, window, .. } = *reception;
+        let mut outside = false;
+        let target = self.targets.get(target);
+        amplitude.fill(Complex64::ZERO);
+        for (plan, path) in self.plans.iter().zip(of_pairs) {
+            let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
+            let scale = match target {
+                Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
+                None => plan.link.direct(range(path.delay_s)),
+            };
+            let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
+            if scale == 0.0 || !plan.receives(tx_pol) {
+                continue;
+            }
+            let begin_s = offset_s + path.delay_s;
+            outside |= !window.holds(begin_s);
+            if window.touches(begin_s) {
+                self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
+            }
+        }
+        outside
+    }
+
+    /// Share of the field of a path that passes the horizons of its antennas.
+    fn passes_horizon(&self, plan: &PairPlan, emission: &Emission, path: &Path, direct: bool) -> f64 {
+        let earth = self.frame.hiding_earth();
+        if earth == Earth::Flat {
+            return 1.0;
+        }
+        let on = |from: Point<Enu>, along: DVec3, leg_s: f64| {
+            Point::from_raw(from.raw() + along * (leg_s * SPEED_OF_LIGHT_MPS))
+        };
+        let seen = |from: Point<Enu>, to: Point<Enu>| {
+            horizon::weight(horizon::clearance_m(earth, from, to), horizon::POINT_EDGE_M)
+        };
+        let tx = emission.centres[plan.pair.transmitter].position;
+        if direct {
+            return seen(tx, on(tx, path.incident, path.delay_s));
+        }
+        let at = on(tx, path.incident, path.tx_leg_s);
+        seen(tx, at) * seen(on(at, path.scattered, path.rx_leg_s), at)
+    }
+
+    /// Amplitudes of one path in the channels of its pair; `target` is `None` for the direct path.
+    fn amplitudes(
+        &self,
+        plan: &PairPlan,
+        path: &Path,
+        target: Option<&Target>,
+        scale: f64,
+        tx_pol: Option<Polarisation>,
+        emission: &Emission,
+        amplitude: &mut [Complex64],
+    ) {
+        let tx = plan.pair.transmitter;
+        let rx = self.radar.transmitters.len() + plan.pair.receiver;
+        let tx_axes = emission.axes(tx);
+        let rx_axes = emission.axes_after(rx, path.delay_s, self.axes_span_s);
+        let gain = |antenna: usize, axes: &glam::DMat3, d: DVec3| {
+            self.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
+        };
+        let gains = gain(tx, &tx_axes, path.incident) * gain(rx, &rx_axes, -path.scattered) * scale;
+        if gains == Complex64::ZERO {
+            return;
+        }
+        let (basis_in, basis_out) = (Basis::of(path.incident), Basis::of(path.scattered));
+        let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
+        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
+        let tx_basis = emission.basis(tx);
+        let rx_basis = emission.basis_after(rx, path.delay_s, self.axes_span_s);
+        for &(channel, tx_port, rx_port) in &plan.channels {
+            if tx_pol.is_some_and(|port| port != tx_port) {
+                continue;
+            }
+            let e_t = field(&tx_basis, tx_port, tx_leak, path.incident, &basis_in);
+            let e_r = field(&rx_basis, rx_port, rx_leak, -path.scattered, &basis_out);
+            let received = match target {
+                None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
+                Some(Target { scattering: s, .. }) => {
+                    e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
+                        + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
+                }
+            };
+            amplitude[channel] = gains * received;
+        }
+    }
+}
