@@ -110,11 +110,7 @@ pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64
         return Ok(None);
     }
     let last = schedule.end().saturating_sub(1);
-    let mut work = factory.workspace();
-    let mut snapshots = Vec::with_capacity(3);
-    for index in [schedule.first, schedule.first + schedule.count / 2, last] {
-        snapshots.extend(factory.snapshot(index, &mut work)?);
-    }
+    let snapshots = factory.snapshots(&[schedule.first, schedule.first + schedule.count / 2, last])?;
     let first = |snapshot: &Snapshot| snapshot.patch.first;
     let moves =
         [0, 1].map(|axis| snapshots.windows(2).any(|two| first(&two[0])[axis] != first(&two[1])[axis]));

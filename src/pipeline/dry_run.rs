@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use num_complex::Complex32;
 
-use super::stages::{Echo, PulseFactory};
+use super::stages::{Echo, Mark, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
 use crate::fidelity::budget::{EXACT_DB, Plan};
@@ -189,6 +189,7 @@ impl<'a> Trial<'a> {
             plan: None,
             clocks: None,
             generators: None,
+            mark: Mark::default(),
         };
         let (mut slot, mut work) = (factory.slot(), factory.workspace());
         let mut samples = Vec::with_capacity(self.chosen.pulses.len());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::dry_run;
 use super::fault::BuildErrors;
-use super::stages::{Echo, PulseFactory};
+use super::stages::{Echo, Mark, PulseFactory};
 use crate::echo::Fidelity;
 use crate::motion::PlatformTracks;
 use crate::paths::PathGenerator;
@@ -72,5 +72,6 @@ pub fn factory_by(
         plan,
         clocks,
         generators,
+        mark: Mark::default(),
     })
 }

@@ -161,7 +161,7 @@ impl From<PulseError> for BuildError {
         match error {
             PulseError::Radar(error) => error.into(),
             PulseError::Echo(error) => error.into(),
-            PulseError::Unplaced { .. } => Self::Pulse(error),
+            PulseError::Unplaced { .. } | PulseError::Workspace => Self::Pulse(error),
         }
     }
 }
@@ -205,6 +205,11 @@ pub enum PulseError {
         /// How many.
         unplaced: usize,
     },
+    /// Memory that another factory gave.
+    #[error(
+        "the workspace is another factory's; allowed: one from `workspace()` of the factory that makes the pulse"
+    )]
+    Workspace,
 }
 
 /// Why a run cannot fly by its live navigation.

@@ -35,9 +35,9 @@ impl SingleEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(&self, pairs: usize, channels: usize, paths: usize) -> SingleWork {
+    pub fn work(&self, paths: ScattererPaths) -> SingleWork {
         SingleWork {
-            paths: ScattererPaths::new(pairs, channels, paths),
+            paths,
             block: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
