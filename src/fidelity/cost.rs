@@ -34,24 +34,7 @@ use crate::fidelity::echo_settings::EchoSettings;
 /// Pieces of work.
 pub const PIECES: usize = 13;
 
-/// Names of the pieces.
-pub const NAMES: [&str; PIECES] = [
-    "surface",
-    "shadow",
-    "path",
-    "epoch",
-    "combine",
-    "gain",
-    "factor",
-    "fill",
-    "spread",
-    "transform",
-    "exact",
-    "rest",
-    "points",
-];
-
-/// How often each piece of work is done in a pulse, in the order of [`NAMES`].
+/// How often each piece of work is done in a pulse, in the order of [`CostTable::STAGES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work(pub [f64; PIECES]);
 
@@ -67,19 +50,19 @@ impl CostTable {
 
     /// Stage in which each piece is spent.
     pub const STAGES: [Stage; PIECES] = [
-        Stage::Surface,
-        Stage::Shadow,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::Spread,
-        Stage::Spread,
-        Stage::Transform,
-        Stage::ScattererPaths,
-        Stage::Receive,
-        Stage::Spread,
+        Stage::Surface,        // surface
+        Stage::Shadow,         // shadow
+        Stage::ScattererPaths, // path
+        Stage::ScattererPaths, // epoch
+        Stage::ScattererPaths, // combine
+        Stage::ScattererPaths, // gain
+        Stage::ScattererPaths, // factor
+        Stage::Spread,         // fill
+        Stage::Spread,         // spread
+        Stage::Transform,      // transform
+        Stage::ScattererPaths, // exact
+        Stage::Receive,        // rest
+        Stage::Spread,         // points
     ];
 
     /// Seconds of one worker in a stage for a pulse.

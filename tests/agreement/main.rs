@@ -3,6 +3,7 @@
 
 mod blocks;
 mod changes;
+mod closed_forms;
 mod ends;
 mod horizon;
 mod known_errors;

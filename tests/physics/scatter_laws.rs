@@ -143,6 +143,21 @@ fn monostatic_bragg_is_the_textbook_formula() {
     println!("monostatic Bragg: worst {worst:.1e}");
 }
 
+/// Polarisation amplitudes `a[p][q]`, order (v, h), in the bases of the facet. `azimuth` is the cosine and
+/// sine of `d`.
+pub fn alphas(eps: Complex64, cos_i: f64, cos_s: f64, azimuth: (f64, f64)) -> ScatterMatrix {
+    let (cos_d, sin_d) = azimuth;
+    let contrast = eps - 1.0;
+    let (ri, rs) = (refracted(eps, cos_i), refracted(eps, cos_s));
+    let sines = ((1.0 - cos_i * cos_i).max(0.0) * (1.0 - cos_s * cos_s).max(0.0)).sqrt();
+    let (tm_i, te_i) = (eps * cos_i + ri, cos_i + ri);
+    let (tm_s, te_s) = (eps * cos_s + rs, cos_s + rs);
+    [
+        [(contrast * (eps * sines - cos_d * ri * rs)) / (tm_i * tm_s), contrast * rs * sin_d / (te_i * tm_s)],
+        [contrast * ri * sin_d / (tm_i * te_s), contrast * cos_d / (te_i * te_s)],
+    ]
+}
+
 /// The printed amplitudes rotated by the bases of facet and vertical, as docs/physics.md section 10.3 writes
 /// it.
 fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -> f64) -> ScatterMatrix {
@@ -150,7 +165,7 @@ fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -
     let (kx, ky) = spm::bragg_vector(k, plane, path);
     let Basis { v: vi, h: hi } = Basis::about(path.ki, plane.normal);
     let Basis { v: vs, h: hs } = Basis::about(path.ks, plane.normal);
-    let local = spm::alphas(EPS, ci, cs, (hi.dot(hs), plane.normal.dot(hi.cross(hs))));
+    let local = alphas(EPS, ci, cs, (hi.dot(hs), plane.normal.dot(hi.cross(hs))));
     let scale = 4.0 * PI.sqrt() * k * k * ci * cs * psi(kx, ky).sqrt();
     let into = |q: DVec3| [vi.dot(q), hi.dot(q)];
     let out = |p: DVec3| [vs.dot(p), hs.dot(p)];

@@ -16,8 +16,8 @@
 //! at the worst probe and place; path and tilt at one and the same. What the worst pulse has more
 //! than the sum says, and what the sample may have missed, is in [`worst`](super::worst).
 //!
-//! The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
-//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights
+//! Closed forms of flight, waves and gains are in `docs/physics.md` section 15.7; a sample also knows what
+//! these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights
 //! rounded to f32 (those of the nodes and those at a probe, so that once is counted twice).
 //!
 //! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt

@@ -110,11 +110,6 @@ impl Sampled {
     pub fn samples(&self) -> &[Complex64] {
         &self.samples
     }
-
-    /// Their rate, Hz.
-    pub fn rate_hz(&self) -> f64 {
-        self.rate_hz
-    }
 }
 
 fn check_rate(rate_hz: f64) -> Result<(), WaveformError> {

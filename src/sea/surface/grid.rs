@@ -84,11 +84,6 @@ impl Grid {
         self.period_m().map(|length_m| std::f64::consts::TAU / length_m)
     }
 
-    /// Largest wave number along an axis that the facets resolve, `pi/dx`, rad/m.
-    pub fn nyquist_rad_m(&self) -> f64 {
-        std::f64::consts::PI / self.facet_m
-    }
-
     /// `Kx/dKx` of row `i`; `None` for the Nyquist row.
     pub fn wave_index_x(&self, i: usize) -> Option<i64> {
         wave_index(i, self.nx)

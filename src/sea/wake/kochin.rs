@@ -147,11 +147,6 @@ impl Kochin {
         })
     }
 
-    /// Speed, m/s.
-    pub fn speed_mps(&self) -> f64 {
-        self.speed_mps
-    }
-
     /// Whether the ship is too slow for waves.
     pub fn is_still(&self) -> bool {
         self.speed_mps < LEAST_SPEED_MPS

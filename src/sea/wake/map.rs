@@ -87,11 +87,6 @@ impl<T: Real> Map<T> {
         })
     }
 
-    /// Its wakes.
-    pub fn wakes(&self) -> &[Wake] {
-        &self.wakes
-    }
-
     /// Adds all wakes at a time, s, to every field that is not empty; `first` is the global key of the
     /// patch's facet with the smallest x and y.
     ///
