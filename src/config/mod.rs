@@ -57,6 +57,7 @@ pub mod keys;
 pub mod manual;
 mod hint;
 mod resolve;
+mod scalars;
 mod section;
 
 use std::collections::BTreeSet;
