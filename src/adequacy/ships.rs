@@ -216,7 +216,8 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+        #![proptest_config(crate::cases::proptests(32))]
+
         #[test]
         fn figures_are_numbers(
             length in -1.3..3.0f64,

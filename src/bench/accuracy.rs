@@ -322,6 +322,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::cases::proptests(256))]
+
         #[test]
         fn samples_are_pulses_of_the_run(
             seed: u64, pulses in 0u64..2000, block in 0u64..100, count in 0u64..64, long: bool,

@@ -630,7 +630,7 @@ fn survives(text: &str) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases::proptests(400))]
 
     #[test]
     fn any_text_is_read_or_refused(text in "(?s).{0,200}") {

@@ -548,7 +548,7 @@ fn any_stream() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(512) })]
 
     /// However it is cut, a stream gives the bits of its file: at once what it can, the rest at the end.
     #[test]

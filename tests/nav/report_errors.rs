@@ -344,7 +344,8 @@ fn series_have_a_limit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(crate::cases::proptests(24))]
+
     #[test]
     fn every_legal_report_is_finite(
         seed: u64, rate in 0.0f64..1e3, latency in 0.0f64..60.0, jitter in 0.0f64..10.0,

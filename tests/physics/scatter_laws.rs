@@ -16,6 +16,7 @@ use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::cases::cases;
 use crate::scatter_oracle::Elfouhaily;
 
 pub const EPS: Complex64 = Complex64::new(55.062, -37.514);
@@ -60,7 +61,7 @@ fn swapping_the_ends_changes_nothing() {
     let mut worst: f64 = 0.0;
     let settings = Settings { tilt_average: true, gram_charlier: true, ..Settings::default() };
     let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
-    for _ in 0..2000 {
+    for _ in 0..cases(2000) {
         let (from, to) = (upwards(&mut draws, 1.5), upwards(&mut draws, 1.5));
         let slopes = (uniform(&mut draws, -0.4, 0.4), uniform(&mut draws, -0.4, 0.4));
         let cover = uniform(&mut draws, 0.0, 1.0);
@@ -189,7 +190,7 @@ fn bragg_without_bases_is_bragg_with_bases() {
     let k = medium(DVec3::X).wavenumber_radpm();
     let mut draws = ChaCha8Rng::seed_from_u64(2);
     let mut worst: f64 = 0.0;
-    for _ in 0..5000 {
+    for _ in 0..cases(5000) {
         let path = Path::new(-upwards(&mut draws, 1.57), upwards(&mut draws, 1.57));
         let slopes = (uniform(&mut draws, -1.5, 1.5), uniform(&mut draws, -1.5, 1.5));
         let plane = Tangent::from_slopes(slopes.0, slopes.1, DVec3::X);
@@ -215,7 +216,7 @@ fn turning_the_whole_scene_changes_nothing() {
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, tilt_average: true, gram_charlier: true, ..Settings::default() };
         let still = TwoScale::new(settings, medium(DVec3::X), Slick::default(), psi);
-        for _ in 0..20 {
+        for _ in 0..cases(20) {
             let turn = DMat3::from_rotation_z(uniform(&mut draws, 0.0, TAU));
             let turned = TwoScale::new(settings, medium(turn * DVec3::X), Slick::default(), psi);
             for _ in 0..50 {

@@ -216,6 +216,8 @@ mod tests {
     }
 
     proptest::proptest! {
+        #![proptest_config(crate::cases::proptests(256))]
+
         /// Whatever is sent is read or refused, and what is read is written as it was meant.
         #[test]
         fn no_text_does_harm(text in "\\PC{0,60}", value in proptest::num::f64::ANY, axis in 0..AXES) {

@@ -305,6 +305,8 @@ mod tests {
     }
 
     proptest::proptest! {
+        #![proptest_config(crate::cases::proptests(256))]
+
         /// Whatever was changed, the report at hand is one that was made, and what is added is finite.
         #[test]
         fn any_list_has_a_meaning(

@@ -125,6 +125,8 @@ fn places_are_pulses_from_end_to_end() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     #[test]
     fn errors_are_bounded_and_vanish_at_nodes(
         count in 1usize..=MOST_NODES, spacing in 1e-6f64..10.0, omega in 0.0f64..1e6, share in 0.0f64..1.0,
