@@ -105,10 +105,6 @@ pub mod bench;
 #[doc(hidden)]
 pub mod cli;
 
-#[cfg(test)]
-#[path = "../tests/support/cases.rs"]
-mod cases;
-
 pub use pipeline::build::PulseStream;
 pub use pipeline::scenario::{Scenario, ScenarioError};
 pub use pulse::{Pulse, Samples};

@@ -216,7 +216,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(crate::cases::proptests(32))]
+        #![proptest_config(crate::rng::cases::proptests(32))]
 
         #[test]
         fn figures_are_numbers(

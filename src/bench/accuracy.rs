@@ -322,7 +322,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(crate::cases::proptests(256))]
+        #![proptest_config(crate::rng::cases::proptests(256))]
 
         #[test]
         fn samples_are_pulses_of_the_run(

@@ -630,7 +630,7 @@ fn survives(text: &str) {
 }
 
 proptest! {
-    #![proptest_config(crate::cases::proptests(400))]
+    #![proptest_config(crate::rng::cases::proptests(400))]
 
     #[test]
     fn any_text_is_read_or_refused(text in "(?s).{0,200}") {

@@ -30,7 +30,7 @@ impl PathGenerator {
         for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
             *slot = navigation(state);
             if let Some(live) = tracks.truth.as_live() {
-                let told = live.told(t);
+                let told = live.report(t);
                 (slot.age_s, slot.flags) = (told.age_s, told.flags);
                 record.flags |= told.flags;
                 let earlier = |before: Instant| told.arrived.map_or(before, |arrived| arrived.min(before));

@@ -231,7 +231,7 @@ impl LiveNav {
                 (None, Some((time, place, velocity))) => TrackSource::Straight {
                     place: Place::Local(place + velocity * first.since(time)),
                     velocity,
-                    attitude: Some(flight.track.told(time).state.attitude),
+                    attitude: Some(flight.track.report(time).state.attitude),
                 },
                 // Its track is that of the nominal trajectory, see [`Track::from_source`].
                 _ => continue,

@@ -216,7 +216,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        #![proptest_config(crate::cases::proptests(256))]
+        #![proptest_config(crate::rng::cases::proptests(256))]
 
         /// Whatever is sent is read or refused, and what is read is written as it was meant.
         #[test]

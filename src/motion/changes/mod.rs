@@ -305,7 +305,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        #![proptest_config(crate::cases::proptests(256))]
+        #![proptest_config(crate::rng::cases::proptests(256))]
 
         /// Whatever was changed, the report at hand is one that was made, and what is added is finite.
         #[test]

@@ -342,7 +342,7 @@ impl Track {
         match &self.0 {
             Kind::Reported(reports) => reports.at(t),
             Kind::Live(live) => {
-                let Reported { state, age_s, flags, .. } = live.told(t);
+                let Reported { state, age_s, flags, .. } = live.report(t);
                 Ok(Report { state, age_s, flags })
             }
             _ => self.state(t).map(Report::of),
@@ -372,7 +372,7 @@ impl Track {
             Kind::Recorded { nodes, attitude } => recorded_state(nodes, attitude, t),
             Kind::Moved { base, by } => by.moved(&base.state(t)?, t),
             Kind::Reported(reports) => Ok(reports.at(t)?.state),
-            Kind::Live(live) => Ok(live.told(t).state),
+            Kind::Live(live) => Ok(live.report(t).state),
         }
     }
 }

@@ -265,7 +265,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(crate::cases::proptests(256))]
+        #![proptest_config(crate::rng::cases::proptests(256))]
 
         #[test]
         fn never_panics_on_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
