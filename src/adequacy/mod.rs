@@ -105,6 +105,9 @@ pub struct Adequacy {
 /// worst of the first, middle and last pulse, all facets illuminated; along an axis on which the patch lies
 /// the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above
 /// [`EDGE_BUDGET_DB`].
+///
+/// # Errors
+/// A track that ends before the last pulse.
 pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
     if !factory.follows() {
         return Ok(None);
@@ -263,6 +266,9 @@ pub enum SeaWarning {
 }
 
 /// The patch of a run at a time, s after pulse 0.
+///
+/// # Errors
+/// Tracks that cannot be loaded, or do not reach to the time.
 pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
     let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
     let scene = &run.scene;
@@ -279,6 +285,9 @@ pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors>
 }
 
 /// The outlook of a run's sea; `None` without one.
+///
+/// # Errors
+/// What keeps the run from being built: wind, spectrum, tracks, waveform, radar, ships.
 pub fn outlook(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     let scene = &run.scene;
     let Some(sea) = &scene.sea else { return Ok(None) };

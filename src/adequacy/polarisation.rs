@@ -67,6 +67,9 @@ pub enum PolarisationWarning {
 }
 
 /// What is worth knowing of the polarisation bases of a run: of each antenna the worst direction.
+///
+/// # Errors
+/// Tracks that cannot be loaded, or end before the run.
 pub fn polarisation(run: &Run) -> Result<Vec<PolarisationWarning>, BuildErrors> {
     let scene = &run.scene;
     let (tracks, _) = tracks(&run.nav, scene)?;

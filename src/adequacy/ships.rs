@@ -62,6 +62,9 @@ pub fn presence_word(presence: Presence) -> &'static str {
 
 impl ShipOutlook {
     /// That of a ship on facets of a side, m.
+    ///
+    /// # Errors
+    /// A ship whose hull or numbers the laws do not cover.
     pub fn of(ship: &Ship, facet_m: f64) -> Result<Self, FleetError> {
         Self::found(ship, facet_m).map_err(|source| FleetError { ship: ship.name.clone(), source })
     }

@@ -130,6 +130,9 @@ fn decibels(ratio: f64) -> f64 {
 impl Judge {
     /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed`
     /// is reported how many are done.
+    ///
+    /// # Errors
+    /// A run that cannot be built, or a pulse that cannot be made.
     pub fn new(
         run: &Run,
         pulses: Vec<u64>,
@@ -170,6 +173,9 @@ impl Judge {
     }
 
     /// The error of a run's own echo: the same scene, another fidelity.
+    ///
+    /// # Errors
+    /// A run that cannot be built, or a pulse that cannot be made.
     pub fn judge(&self, run: &Run) -> Result<Accuracy, BuildErrors> {
         let factory = factory_for(run, &run.fidelity)?;
         Ok(self.accuracy(&self.make(&factory)?))

@@ -61,6 +61,9 @@ impl PulseFactory {
 
 impl PulseStream {
     /// Speed as predicted; `None` for the reference.
+    ///
+    /// # Errors
+    /// A pulse that cannot be made.
     pub fn calibrated(&self) -> Result<Option<Calibrated>, BuildErrors> {
         let Some(plan) = self.factory().plan() else { return Ok(None) };
         let cost_table = self.cost_table(plan)?;

@@ -49,11 +49,17 @@ pub struct Resources {
 
 impl PulseStream {
     /// Makes pulses for a moment and tells what the run will take.
+    ///
+    /// # Errors
+    /// A pulse that cannot be made.
     pub fn forecast(&self, radar: &Radar) -> Result<Resources, PulseError> {
         self.forecast_over(radar, TRIAL)
     }
 
     /// The same over a longer or shorter trial; every worker makes a block at least.
+    ///
+    /// # Errors
+    /// A pulse that cannot be made.
     pub fn forecast_over(&self, radar: &Radar, trial: Duration) -> Result<Resources, PulseError> {
         let factory = self.factory();
         let schedule = self.schedule();

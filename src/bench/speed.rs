@@ -72,6 +72,9 @@ pub enum SpeedError {
 
 /// Runs a stream to its end, or for so long but not for less than a few blocks, and measures it. Give it a
 /// run without sinks, at pace `fast`.
+///
+/// # Errors
+/// A run that cannot be started, or fails.
 pub fn speed(
     stream: PulseStream,
     lasts: Option<Duration>,

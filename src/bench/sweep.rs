@@ -110,6 +110,9 @@ pub fn name(change: &Overrides) -> String {
 }
 
 /// Measures one setting; `None` of one that is among those known.
+///
+/// # Errors
+/// A setting with which the run cannot be built, or a pulse that cannot be made.
 pub fn point(
     judge: &Judge,
     run: &Run,
@@ -176,6 +179,9 @@ pub fn taken(points: &[Point], error_db: f64) -> Option<&Point> {
 pub struct Written(Vec<Vec<Complex32>>);
 
 /// The scenario as written, to compare models with.
+///
+/// # Errors
+/// A run that cannot be built, or a pulse that cannot be made.
 pub fn written(judge: &Judge, run: &Run) -> Result<Written, BuildErrors> {
     let run = noiseless(run);
     let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
@@ -183,6 +189,9 @@ pub fn written(judge: &Judge, run: &Run) -> Result<Written, BuildErrors> {
 }
 
 /// How far a run is from the scenario as written.
+///
+/// # Errors
+/// A run that cannot be built, or a pulse that cannot be made.
 pub fn effect(
     judge: &Judge,
     written: &Written,

@@ -32,6 +32,9 @@ fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
 }
 
 /// Chooses what is not given.
+///
+/// # Errors
+/// A scene whose tracks end early, or that the fast echo cannot make.
 pub fn choose_settings(
     scene: &Scene,
     generator: &PathGenerator,

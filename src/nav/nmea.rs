@@ -72,6 +72,9 @@ struct Reading<'a> {
 }
 
 /// Reads fixes from the bytes of an NMEA log.
+///
+/// # Errors
+/// All faults of the file, each with its line.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     let mut decoder = Decoder::new();
     let mut reading = Reading {

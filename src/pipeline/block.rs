@@ -158,6 +158,9 @@ impl BlockEcho {
     }
 
     /// Fills the record of a pulse and the spectrum of its echo.
+    ///
+    /// # Errors
+    /// A track that ends early, or paths that cannot be followed through the block.
     pub fn make(
         &self,
         generator: &PathGenerator,

@@ -96,6 +96,9 @@ pub type RunFailure = RunError<PulseError, SinkError>;
 
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
+///
+/// # Errors
+/// All faults of the input.
 pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     if run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_))) {
         // Nobody waits for navigation to be reported this.
@@ -135,6 +138,9 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
 
 /// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal
 /// trajectory flown.
+///
+/// # Errors
+/// All faults of the input.
 pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     let mut faults = given(run, &range);
     let scene = &run.scene;
@@ -313,6 +319,9 @@ impl PulseStream {
     }
 
     /// Runs to the end or until `stop` is set; progress goes to `status`.
+    ///
+    /// # Errors
+    /// Live navigation that does not begin, or an output that cannot be opened. What fails later is in the outcome.
     pub fn run(
         self,
         stop: &Arc<AtomicBool>,
@@ -323,6 +332,9 @@ impl PulseStream {
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
     /// queue of its own.
+    ///
+    /// # Errors
+    /// As of [`Self::run`].
     pub fn tap(
         self,
         stop: &Arc<AtomicBool>,
@@ -332,6 +344,9 @@ impl PulseStream {
     }
 
     /// The same, with progress, and tells what the workers have spent.
+    ///
+    /// # Errors
+    /// As of [`Self::run`].
     pub fn measure(
         self,
         stop: &Arc<AtomicBool>,

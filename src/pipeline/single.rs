@@ -46,6 +46,9 @@ impl SingleEcho {
     }
 
     /// Fills the record of a pulse and the spectrum of its echo.
+    ///
+    /// # Errors
+    /// A track that ends early, or paths that cannot be placed on the grid.
     pub fn make(
         &self,
         generator: &PathGenerator,

@@ -70,6 +70,9 @@ pub(crate) enum Echo {
 
 impl Echo {
     /// By a plan for a run of so many pulses, or the reference.
+    ///
+    /// # Errors
+    /// Settings that the fast echo refuses.
     pub fn of(
         plan: Option<&Plan>,
         radar: &Radar,
@@ -218,6 +221,9 @@ impl PulseFactory {
     }
 
     /// Targets that the earth hides from an antenna at a pulse.
+    ///
+    /// # Errors
+    /// A pulse that the run does not have, or a track that ends before it.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
         self.generator.beyond_horizon(index)
     }

@@ -63,6 +63,9 @@ pub enum Antenna {
 
 impl Antenna {
     /// The antenna of a description, at a wavelength; reads the file of a measured pattern.
+    ///
+    /// # Errors
+    /// A file of a measured pattern that cannot be read, or its faults.
     pub fn open(pattern: &Pattern, wavelength_m: f64) -> Result<Self, PatternError> {
         Ok(match *pattern {
             Pattern::Isotropic { gain_dbi } => Self::Isotropic { gain: Decibels(gain_dbi).amplitude_ratio() },

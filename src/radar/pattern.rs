@@ -277,6 +277,9 @@ pub struct GridPattern {
 
 impl GridPattern {
     /// Reads a pattern file; `floor_dbi` is the gain outside its grid.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or its faults.
     pub fn open(path: &Path, floor_dbi: f64) -> Result<Self, PatternError> {
         let read = |source| PatternError::Read { path: path.to_owned(), source };
         let bytes = inputs::read(path, MOST_BYTES).map_err(read)?;
@@ -288,6 +291,9 @@ impl GridPattern {
     }
 
     /// Reads the text of a pattern file.
+    ///
+    /// # Errors
+    /// All faults of the text, each with its line.
     pub fn parse(bytes: &[u8], floor_dbi: f64) -> Result<Self, Vec<PatternFault>> {
         let mut faults = Faults::default();
         let rows = read_rows(bytes, &mut faults);

@@ -74,6 +74,9 @@ pub trait Waveform: Send + Sync {
 }
 
 /// The waveform of a description. Reads the file of a sampled one.
+///
+/// # Errors
+/// A file that cannot be read, or a pulse out of range.
 pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn Waveform>, WaveformError> {
     Ok(match description {
         scene::radar::Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {

@@ -113,6 +113,9 @@ pub enum RealiseError {
 }
 
 /// Resolves the wind, prepares the spectrum, draws the surface or reads it.
+///
+/// # Errors
+/// A wind, spectrum or surface out of range, or a state that cannot be read.
 pub fn realise(sea: &Sea, seed: u64) -> Result<Realised, RealiseError> {
     let wind = Wind::resolve(&sea.water.wind)?;
     let spectrum = of_water(&sea.water, &wind)?;

@@ -90,6 +90,9 @@ pub enum WindError {
 
 impl Wind {
     /// The record that follows from what the user knows.
+    ///
+    /// # Errors
+    /// A wind out of range.
     pub fn resolve(given: &WindGiven) -> Result<Self, WindError> {
         match given.strength {
             WindStrength::FrictionVelocity { ustar_mps } => {
@@ -102,6 +105,9 @@ impl Wind {
     }
 
     /// From the friction velocity of the chosen profile, m/s.
+    ///
+    /// # Errors
+    /// A friction velocity or direction out of range.
     pub fn from_friction_velocity(
         ustar_mps: f64,
         profile: WindProfile,
@@ -122,6 +128,9 @@ impl Wind {
     }
 
     /// From the mean speed (m/s) at a height (m), carried to other heights by the chosen profile.
+    ///
+    /// # Errors
+    /// A speed, height or direction out of range.
     pub fn from_speed(
         speed_mps: f64,
         height_m: f64,

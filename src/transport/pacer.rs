@@ -239,6 +239,10 @@ impl Judge {
 
 impl Pacer {
     /// Runs until the stream ends, `stop` is set, or a sink is gone.
+    ///
+    /// # Errors
+    /// Policy `stop` and a pulse that was not made in time, nothing that could be released, or pulses out of
+    /// order.
     pub fn run(mut self, start: Instant, stop: &AtomicBool) -> Result<(), PacerError> {
         let latency = Duration::try_from_secs_f64(self.settings.latency_s.max(0.0)).unwrap_or(Duration::ZERO);
         let sleeper =

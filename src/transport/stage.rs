@@ -258,6 +258,9 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
     }
 
     /// Adds a sink: `body` runs in a thread of its own and reads the feed until it has ended.
+    ///
+    /// # Errors
+    /// A queue without slots.
     pub fn sink(
         &mut self,
         name: &str,

@@ -93,6 +93,9 @@ impl ErrorSampler<'_> {
     }
 
     /// What blocks with nodes so many pulses apart leave at the probes of a place.
+    ///
+    /// # Errors
+    /// A track that ends before the place.
     pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Probed, RadarError> {
         let channels = self.radar.channels.len();
         let (share, deviations, sidelobe_epochs) =

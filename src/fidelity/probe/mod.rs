@@ -147,6 +147,9 @@ pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0
 impl<'a> ErrorSampler<'a> {
     /// For a run of so many pulses, with tiles that are in the sidelobes below a gain that is asked, if one
     /// is; lights the sample once at every place.
+    ///
+    /// # Errors
+    /// A track that ends before the run.
     pub fn new(
         generator: &'a PathGenerator,
         radar: &'a Radar,

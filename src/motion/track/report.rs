@@ -50,6 +50,9 @@ pub(super) struct Reports {
 
 impl Reports {
     /// What is said at an instant. Nothing is allocated.
+    ///
+    /// # Errors
+    /// An instant that the reported track does not cover.
     pub fn at(&self, t: TimeTag) -> Result<Report, TrackError> {
         match &self.changes {
             Some(changes) => changes.read(|given| {

@@ -120,6 +120,9 @@ pub enum EncodeError {
 
 impl Format {
     /// Appends the messages of a state.
+    ///
+    /// # Errors
+    /// A state without what the format needs, or outside what it can hold; nothing is appended then.
     pub fn write(&self, solution: &Solution, out: &mut Vec<u8>) -> Result<(), EncodeError> {
         let angles = solution.yaw_pitch_roll_rad.unwrap_or_default();
         let velocity = solution.velocity_mps.unwrap_or_default();

@@ -34,6 +34,10 @@ pub(super) struct Said {
 }
 
 impl Said {
+    /// It.
+    ///
+    /// # Errors
+    /// A state without velocity or attitude, or outside what the message can hold.
     pub fn of(solution: &Solution) -> Result<Self, EncodeError> {
         let (Some([east, north, up]), Some(angles)) = (solution.velocity_mps, solution.yaw_pitch_roll_rad)
         else {

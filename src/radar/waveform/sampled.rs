@@ -58,6 +58,9 @@ pub struct Sampled {
 
 impl Sampled {
     /// From samples in memory.
+    ///
+    /// # Errors
+    /// No samples, too many, samples that are not finite, or a rate out of range.
     pub fn new(samples: Vec<Complex64>, rate_hz: f64) -> Result<Self, WaveformError> {
         check_rate(rate_hz)?;
         let mut faults = SampleFaults::default();
@@ -95,6 +98,9 @@ impl Sampled {
     }
 
     /// From a CSV file: a line `re,im` for each sample, blank lines and `#` comments between.
+    ///
+    /// # Errors
+    /// A file that cannot be read, lines that are no samples, or what [`Self::new`] refuses.
     pub fn from_file(path: &Path, rate_hz: f64) -> Result<Self, WaveformError> {
         check_rate(rate_hz)?;
         let file = |source| WaveformError::File { path: path.to_owned(), source };

@@ -222,6 +222,9 @@ struct Row {
 
 impl Measured {
     /// Reads a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and all faults of its text.
     pub fn load(path: &Path) -> Result<Self, MeasuredError> {
         let unreadable =
             |error: std::io::Error| MeasuredError::Read { path: path.to_path_buf(), kind: error.kind() };
@@ -230,6 +233,9 @@ impl Measured {
     }
 
     /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// All faults of the text.
     pub fn parse(bytes: &[u8]) -> Result<Self, MeasuredError> {
         Self::read(bytes).map_err(MeasuredError::Text)
     }

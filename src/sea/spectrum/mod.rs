@@ -226,6 +226,9 @@ pub enum SpectrumError {
 }
 
 /// The spectrum of a sea: the wind sea (or the measured one) and every swell train.
+///
+/// # Errors
+/// A parameter out of range, or a file of a measured spectrum that cannot be read.
 pub fn of_water(water: &Water, wind: &Wind) -> Result<Box<dyn Spectrum>, SpectrumError> {
     water.dispersion.check()?;
     let wind_sea = of_kind(&water.spectrum, wind)?;
@@ -240,6 +243,9 @@ pub fn of_water(water: &Water, wind: &Wind) -> Result<Box<dyn Spectrum>, Spectru
 }
 
 /// The spectrum of a wind sea alone (or the measured one).
+///
+/// # Errors
+/// A parameter out of range, or a file of a measured spectrum that cannot be read.
 pub fn of_kind(kind: &SpectrumKind, wind: &Wind) -> Result<Box<dyn Spectrum>, SpectrumError> {
     Ok(match kind {
         SpectrumKind::Elfouhaily { development } => Box::new(Elfouhaily::new(wind, *development)?),

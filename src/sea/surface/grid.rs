@@ -31,6 +31,9 @@ pub struct Grid {
 
 impl Grid {
     /// `nx` by `ny` facets of side `facet_m`, m.
+    ///
+    /// # Errors
+    /// Sizes or a facet out of range.
     pub fn new(nx: usize, ny: usize, facet_m: f64) -> Result<Self, SurfaceError> {
         let side = 1..=MAX_SIDE;
         if !side.contains(&nx) || !side.contains(&ny) || nx * ny > MAX_FACETS {

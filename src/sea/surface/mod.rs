@@ -132,6 +132,9 @@ pub struct Surface {
 
 impl Surface {
     /// Draws the amplitudes of a sea.
+    ///
+    /// # Errors
+    /// A depth out of range.
     pub fn synthesise(
         grid: Grid,
         spectrum: &dyn Spectrum,

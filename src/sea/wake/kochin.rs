@@ -127,6 +127,9 @@ pub struct Kochin {
 
 impl Kochin {
     /// Of a hull at a speed.
+    ///
+    /// # Errors
+    /// A speed out of range.
     pub fn new(hull: &Hull, speed_mps: f64, transom: Transom) -> Result<Self, KochinError> {
         if !(0.0..=MOST_SPEED_MPS).contains(&speed_mps) {
             return Err(KochinError::Speed { value_mps: speed_mps });
@@ -258,6 +261,9 @@ impl Kochin {
     /// analytic, so the rule is exact to rounding once the step resolves the phase `k0 L sec theta` between
     /// the ends of the hull. The rest beyond the last node is that of |A|^2 going as `t^0` (ends that close)
     /// or `t^2` (steps). Relative error below 1e-6 for hulls whose ends close; with a step 1e-4.
+    ///
+    /// # Errors
+    /// A density out of range, or a ship too slow for the integral.
     pub fn wave_resistance_n(&self, density_kgpm3: f64) -> Result<f64, KochinError> {
         if !(1.0..=1e4).contains(&density_kgpm3) {
             return Err(KochinError::Density { value_kgpm3: density_kgpm3 });

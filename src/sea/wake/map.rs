@@ -67,6 +67,9 @@ impl Pair {
 
 impl<T: Real> Map<T> {
     /// For wakes on the facets of a patch (any patch of that many facets of that side), with an error in dB.
+    ///
+    /// # Errors
+    /// A wake for facets of another side than those of the patch, or an error that no transform keeps.
     pub fn new(wakes: Vec<Wake>, patch: &Patch, error_db: f64) -> Result<Self, WakeError> {
         let [nx, ny] = patch.facets;
         let grid = Grid::new(nx, ny, patch.facet_m)?;
