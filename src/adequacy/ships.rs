@@ -131,20 +131,20 @@ fn furthest_particular(hull: &Hull) -> Option<(&'static str, f64)> {
     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
-/// Adds ships to an outlook; `instants` are views of the patch.
-pub(super) fn ships(instants: &[View<'_>], outlook: &mut Adequacy) -> Result<(), BuildErrors> {
+/// Adds ships to an adequacy; `instants` are views of the patch.
+pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
     let Some(first) = instants.first() else { return Ok(()) };
     let facet_m = first.sea.patch.facet_m;
     let mut faults = Vec::new();
     for ship in &first.scene.ships {
         match ShipOutlook::of(ship, facet_m) {
             Ok(found) => {
-                outlook.warnings.extend(found.warning(ship, facet_m));
+                adequacy.warnings.extend(found.warning(ship, facet_m));
                 if ship.echo && found.scatterers == 0 {
-                    outlook.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
+                    adequacy.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
                 }
-                outlook.warnings.extend(outside(ship, found.length_m, instants)?);
-                outlook.ships.push(found);
+                adequacy.warnings.extend(outside(ship, found.length_m, instants)?);
+                adequacy.ships.push(found);
             }
             Err(fault) => faults.push(BuildError::Ship(fault)),
         }

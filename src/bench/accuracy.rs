@@ -63,7 +63,7 @@ pub struct Accuracy {
     pub worst_pulse: u64,
     /// Its channel.
     pub worst_channel: usize,
-    /// The worst of each channel, dB; `None` where there is nothing to hear.
+    /// The worst of each channel, dB; `None` where there is nothing to receive.
     pub channel_db: Vec<Option<f64>>,
 }
 
@@ -153,8 +153,8 @@ impl Judge {
         let means = match all {
             Some(all) => (0..channels)
                 .map(|channel| {
-                    let heard = found.iter().map(|pulse| pulse[channel]).sum::<f64>();
-                    mean_of(&all, channel).max(heard / run.scene.pulses.max(1) as f64)
+                    let received = found.iter().map(|pulse| pulse[channel]).sum::<f64>();
+                    mean_of(&all, channel).max(received / run.scene.pulses.max(1) as f64)
                 })
                 .collect(),
             None => (0..channels).map(|channel| mean_of(&found, channel)).collect(),

@@ -463,7 +463,7 @@ pub enum Warning {
     },
     /// Knobs of the fast echo beside the reference.
     #[error("without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them")]
-    IdleKnobs {
+    IdleSettings {
         /// The keys.
         keys: String,
     },

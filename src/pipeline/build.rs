@@ -179,13 +179,13 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
             });
             if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
                 faults.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
-                let told = |name: &str| {
+                let reported = |name: &str| {
                     errors
                         .0
                         .iter()
                         .any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
                 };
-                let hulls = scene.ships.iter().filter(|ship| !told(&ship.name)).filter_map(|ship| {
+                let hulls = scene.ships.iter().filter(|ship| !reported(&ship.name)).filter_map(|ship| {
                     let source = fleet::hull(ship).err()?;
                     Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
                 });
@@ -343,7 +343,7 @@ impl PulseStream {
         self.start(stop, None, Some(see)).map(|(outcome, _)| outcome)
     }
 
-    /// The same, with progress, and tells what the workers have spent.
+    /// The same, with progress, and reports what the workers have spent.
     ///
     /// # Errors
     /// As of [`Self::run`].
@@ -448,7 +448,7 @@ fn yield_to_pacer() {
 }
 
 /// Lets every worker make a block before the clock starts, so that it has all the memory it will need, in
-/// runs that are longer than that. What fails here fails again in the run, which tells.
+/// runs that are longer than that. What fails here fails again in the run, which reports it.
 fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
     let block = factory.block_pulses();
     if block <= 1 || (range.end - range.start) / block <= work.len() as u64 {
@@ -488,11 +488,11 @@ fn generate(
             commands.serve(untouched, end);
         }
     };
-    let crew = source.crew(range, work.len()).between(&between);
+    let dispatcher = source.dispatcher(range, work.len()).between(&between);
     work.par_iter_mut().with_max_len(1).try_for_each(|work| {
         // A worker that panics calls the others off as well: its pulses will never come.
-        let _watch = crew.watch();
-        while let Some(mut claim) = crew.claim(|first| first - first % length + length) {
+        let _watch = dispatcher.watch();
+        while let Some(mut claim) = dispatcher.claim(|first| first - first % length + length) {
             let begun = nav.map(|nav| {
                 // A block is made whole, whatever part of it was claimed.
                 let block = claim.first - claim.first % length + length;
@@ -503,12 +503,12 @@ fn generate(
             });
             let pulses = (claim.first..).zip(&mut claim.slots);
             for (index, slot) in pulses {
-                factory.make(index, slot, work).inspect_err(|_| crew.call_off())?;
+                factory.make(index, slot, work).inspect_err(|_| dispatcher.call_off())?;
             }
             if let (Some(nav), Some(begun)) = (nav, begun) {
                 nav.took(begun.elapsed());
             }
-            crew.deliver(claim);
+            dispatcher.deliver(claim);
         }
         Ok(())
     })

@@ -51,10 +51,10 @@ pub enum BuildError {
         /// Why.
         source: TrackError,
     },
-    /// The sea, told beside faults of other parts.
+    /// The sea, reported beside faults of other parts.
     #[error("sea: {0}")]
     Sea(#[from] RealiseError),
-    /// A ship, told beside faults of other parts.
+    /// A ship, reported beside faults of other parts.
     #[error(transparent)]
     Ship(#[from] FleetError),
     /// The waveform.
@@ -212,7 +212,7 @@ pub enum PulseError {
     Workspace,
 }
 
-/// Why a run cannot fly by its live navigation.
+/// Why a run cannot use its live navigation.
 #[derive(Debug, Error)]
 pub enum LiveFault {
     /// The source.

@@ -80,11 +80,11 @@ pub struct Counts {
     pub pulses: u64,
     /// Facets whose path generator was found out, counted again at every instant at which it was.
     pub facets: u64,
-    /// Those of them that an antenna pair lights and hears, and that return something.
+    /// Those of them that an antenna pair illuminates and receives, and that return something.
     pub illuminated: u64,
     /// Those of the illuminated ones that were left out because they are too weak to matter.
     pub culled: u64,
-    /// Facets of tiles that were looked at less often, since only side lobes light them.
+    /// Facets of tiles that were looked at less often, since only sidelobes illuminate them.
     pub sidelobe: u64,
     /// Scatterer paths accumulated, counted again in every pulse and for every pair of antennas.
     pub accumulated: u64,

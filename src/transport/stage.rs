@@ -225,7 +225,7 @@ impl Source {
     }
 
     /// Workers who fill the ring with some pulses, each at its own pace.
-    pub fn crew(&mut self, pulses: Range<u64>, workers: usize) -> Dispatcher<'_> {
+    pub fn dispatcher(&mut self, pulses: Range<u64>, workers: usize) -> Dispatcher<'_> {
         let Self { ring, worth, stop, health, .. } = self;
         Dispatcher::new(ring, pulses, workers, worth, stop, health)
     }

@@ -312,7 +312,7 @@ impl ErrorSampler<'_> {
     /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does
     /// not hear at all, and those without a course.
     fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
-        self.generator.points(index, &mut self.light, paths)?;
+        self.generator.points(index, &mut self.memory, paths)?;
         let opens_s = self.generator.window_start_of(index)?;
         let share = |delay_s: f64| self.generator.heard_share(index, opens_s, delay_s);
         let rates =

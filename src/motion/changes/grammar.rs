@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        let told = |text: &str| text.parse::<Change>().unwrap_err().to_string();
+        let fault = |text: &str| text.parse::<Change>().unwrap_err().to_string();
         insta::assert_snapshot!(
             [
                 "", "jump position.up 5 m", "step", "ramp position.up 5", "bias position.up 5 m m", "step north 5 m",
@@ -241,7 +241,7 @@ mod tests {
                 "ramp position.up 5 m", "step velocity.up 5 m", "dropout 2.5", "dropout -1 s", "dropout inf s",
                 "latency 70000 ms", "latency 1 s", "clear all",
             ]
-            .map(told)
+            .map(fault)
             .join("\n"),
             @r"
         '': allowed: step, bias, ramp, dropout, latency, clear

@@ -51,7 +51,7 @@ use thiserror::Error;
 
 use crate::frames::{Body, Vector};
 
-pub use series::{Circumstances, Errors, Heard};
+pub use series::{Circumstances, Errors, LatestReport};
 
 /// Axes of an error model: position, velocity, attitude.
 pub const AXES: usize = 9;

@@ -12,7 +12,7 @@
 //! | INSPVAX, ASCII | 1e-11 deg (1e-6 m), 1e-5 m, 1e-6 m/s, 1e-9 deg |
 //! | INSPVAX, binary | f64; undulation and deviations f32, the undulation's rounding is taken up by the height |
 //!
-//! INSPVAX tells milliseconds. A state between two is moved along its velocity to the nearer one, at most 0.5
+//! INSPVAX has milliseconds. A state between two is moved along its velocity to the nearer one, at most 0.5
 //! ms: with an acceleration of 10 m/s^2 that leaves 1e-6 m. Its attitude is left as it is (0.03 deg at 1
 //! rad/s).
 //!
@@ -143,8 +143,8 @@ impl Format {
                 }
                 Ok(())
             }
-            Self::InspvaxAscii => novatel::Said::of(solution).map(|said| said.ascii(out)),
-            Self::InspvaxBinary => novatel::Said::of(solution).map(|said| said.binary(out)),
+            Self::InspvaxAscii => novatel::Values::of(solution).map(|said| said.ascii(out)),
+            Self::InspvaxBinary => novatel::Values::of(solution).map(|said| said.binary(out)),
         }
     }
 }

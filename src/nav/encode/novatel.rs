@@ -18,7 +18,7 @@ const EARTH_A_M: f64 = 6_378_137.0;
 const EARTH_E2: f64 = 6.694_379_990_141_316e-3;
 
 /// The figures of a message.
-pub(super) struct Said {
+pub(super) struct Values {
     week: u32,
     ms: u32,
     lat_deg: f64,
@@ -33,8 +33,8 @@ pub(super) struct Said {
     sigma: [[f32; 3]; 3],
 }
 
-impl Said {
-    /// It.
+impl Values {
+    /// The values of a state.
     ///
     /// # Errors
     /// A state without velocity or attitude, or outside what the message can hold.
