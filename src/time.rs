@@ -35,6 +35,7 @@ pub struct TimeTag {
 
 /// Why a time cannot be read or a pulse schedule cannot be kept.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum TimeError {
     /// Not an ISO 8601 UTC time.
     #[error("'{text}' is not an ISO 8601 UTC time such as 2018-05-30T20:15:00.5Z")]

@@ -123,6 +123,7 @@ pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64
 
 /// Something about a sea that the user should know.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SeaWarning {
     /// Too short for its waves.
     #[error(

@@ -31,6 +31,7 @@ pub const OVERHEAD_DEG: f64 = 10.0;
 
 /// An antenna that is used where its polarisation basis says little.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PolarisationWarning {
     /// Far off the boresight.
     #[error(

@@ -61,6 +61,7 @@ impl Speed {
 
 /// Why there is no figure.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SpeedError {
     /// The run cannot be built.
     #[error(transparent)]

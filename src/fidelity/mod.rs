@@ -52,6 +52,7 @@ use crate::sea::GRAVITY_MPS2;
 
 /// Why there is no plan.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PlanError {
     /// The instrument or its way through the scene.
     #[error(transparent)]

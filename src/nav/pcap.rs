@@ -56,6 +56,7 @@ pub struct Stream {
 
 /// Why bytes are no capture that can be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CaptureError {
     /// The file cannot be read.
     #[error(transparent)]

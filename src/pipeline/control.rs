@@ -29,6 +29,7 @@ const GLANCE: Duration = Duration::from_millis(20);
 
 /// Why a change is not taken.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ControlError {
     /// What is wrong with it.
     #[error(transparent)]

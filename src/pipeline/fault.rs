@@ -20,6 +20,7 @@ use thiserror::Error;
 
 /// Why a run cannot be started. Each entry is one fault of the input.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum BuildError {
     /// A platform's track.
     #[error("platform '{platform}', {role} track: {source}")]
@@ -189,6 +190,7 @@ impl From<FleetErrors> for BuildErrors {
 
 /// Why a pulse cannot be made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PulseError {
     /// Its scatterer paths.
     #[error(transparent)]
@@ -214,6 +216,7 @@ pub enum PulseError {
 
 /// Why a run cannot use its live navigation.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum LiveFault {
     /// The source.
     #[error(transparent)]

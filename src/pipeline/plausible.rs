@@ -46,6 +46,7 @@ pub struct Unheard {
 
 /// Something legal about a run that can hardly be meant.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PhysicsWarning {
     /// Targets beside the window.
     #[error("{}", unheard_text(unheard, *targets))]

@@ -54,6 +54,7 @@ use crate::time::{PulseTimes, TimeTag};
 
 /// Why a signal cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum CalibrationFault {
     /// A tone that the sample rate cannot hold.
     #[error(

@@ -41,6 +41,7 @@ const GAIN_DBI: std::ops::RangeInclusive<f64> = -300.0..=100.0;
 
 /// Why a pattern file cannot be used.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PatternError {
     /// It cannot be read.
     #[error("pattern file {}: {source}", path.display())]
@@ -72,6 +73,7 @@ fn listed(faults: &[PatternFault]) -> String {
 
 /// One fault of a pattern file.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum PatternFault {
     /// The header is not one of the two allowed.
     #[error(

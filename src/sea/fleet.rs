@@ -83,6 +83,7 @@ pub struct FleetErrors(pub Vec<FleetError>);
 
 /// What is wrong with a ship.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShipError {
     /// Its hull.
     #[error(transparent)]

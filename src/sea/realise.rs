@@ -60,6 +60,7 @@ pub struct Realised {
 
 /// Why a sea cannot be realised.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RealiseError {
     /// The wind.
     #[error(transparent)]

@@ -55,6 +55,7 @@ pub struct Wind {
 
 /// What is wrong with a wind.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WindError {
     /// Speed out of range.
     #[error("wind of {speed_mps} m/s: allowed are 0 to {MAX_SPEED_MPS} m/s")]

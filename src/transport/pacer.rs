@@ -70,6 +70,7 @@ const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 /// Why the pacer ended a run.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum PacerError {
     /// Policy `stop`: a pulse was not made in time.
     #[error(

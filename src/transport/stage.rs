@@ -109,6 +109,7 @@ impl Due {
 
 /// Why a run failed. `G` is generation's error, `S` a sink's.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RunError<G, S> {
     /// Generation failed.
     #[error("echo generation: {0}")]

@@ -28,6 +28,7 @@ const LATEST_MS: f64 = 60_000.0;
 
 /// A text that is no change.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum NotAChange {
     /// Not one of the words.
     #[error("'{word}': allowed: step, bias, ramp, dropout, latency, clear")]

@@ -134,6 +134,7 @@ pub struct Given {
 
 /// Why a change is not taken.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ChangeFault {
     /// Too many.
     #[error("more than {MOST_CHANGES} changes; allowed: at most so many in a run")]

@@ -185,6 +185,7 @@ impl AxisErrors {
 
 /// Why there are no errors.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ErrorsFault {
     /// Series that do not fit.
     #[error(

@@ -107,6 +107,7 @@ pub enum Format {
 
 /// Why a state cannot be written.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EncodeError {
     /// INSPVAX has no empty fields.
     #[error("INSPVAX needs a velocity and an attitude; allowed without: nmea")]

@@ -60,6 +60,7 @@ const BETWEEN: u64 = 1 << 32;
 
 /// Why clocks cannot be emulated.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ClockFault {
     /// Too much noise to hold.
     #[error(

@@ -36,6 +36,7 @@ const HEADER: &str = "kx_rad_m,ky_rad_m,psi_m4";
 
 /// Why a measured spectrum cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeasuredError {
     /// The file cannot be read.
     #[error("measured spectrum {}: cannot be read: {}", path.display(), inputs::reason(*kind))]
@@ -100,6 +101,7 @@ pub struct Fault {
 
 /// What may be wrong in a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum What {
     /// Longer than allowed.
     #[error("more than {MAX_BYTES} bytes")]

@@ -172,6 +172,7 @@ pub trait Spectrum: Debug + Send + Sync {
 
 /// What is wrong with a spectrum.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SpectrumError {
     /// Inverse wave age out of range.
     #[error("inverse wave age of {inverse_wave_age}: allowed are 0.84 (fully developed) to 5")]

@@ -72,6 +72,7 @@ pub use transform::{Pair, Transform};
 
 /// What is wrong with a surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurfaceError {
     /// Too few or too many facets.
     #[error(

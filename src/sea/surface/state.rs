@@ -36,6 +36,7 @@ const MAX_AMPLITUDE_M: f64 = 1e6;
 
 /// Why a state cannot be saved or loaded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StateError {
     /// Reading or writing failed.
     #[error("sea state: {0}")]

@@ -82,6 +82,7 @@ pub enum Transom {
 
 /// Why there are no amplitudes, or no resistance.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum KochinError {
     /// A speed out of range.
     #[error("ship's speed of {value_mps} m/s: allowed are 0 to {MOST_SPEED_MPS} m/s")]

@@ -68,6 +68,7 @@ use crate::time::TimeTag;
 pub const KEPT_S: f64 = 300.0;
 /// A fix of which no node can be made.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Unusable {
     /// Latitude and longitude in a scene that lies nowhere on Earth, or numbers that are not finite.
     #[error("its position is not in the scene")]
