@@ -50,3 +50,7 @@ pub fn stream(seed: u64, room: Room, index: u64, part: u64) -> ChaCha8Rng {
     }
     ChaCha8Rng::from_seed(key)
 }
+
+#[cfg(test)]
+#[path = "../tests/support/cases.rs"]
+pub(crate) mod cases;

@@ -35,6 +35,7 @@ pub struct TimeTag {
 
 /// Why a time cannot be read or a pulse schedule cannot be kept.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum TimeError {
     /// Not an ISO 8601 UTC time.
     #[error("'{text}' is not an ISO 8601 UTC time such as 2018-05-30T20:15:00.5Z")]
@@ -71,6 +72,9 @@ impl TimeTag {
     }
 
     /// Reads an ISO 8601 UTC time (`2018-05-30T20:15:00.5Z`; the `Z` may be missing).
+    ///
+    /// # Errors
+    /// A text that is no such time.
     pub fn from_iso8601(text: &str) -> Result<Self, TimeError> {
         let bad = || TimeError::NotIso { text: text.to_owned() };
         let text_utc = text.trim().trim_end_matches(['Z', 'z']);
@@ -177,6 +181,9 @@ enum Rhythm {
 
 impl PulseTimes {
     /// A constant PRF, Hz.
+    ///
+    /// # Errors
+    /// A frequency outside 1 mHz to 1 GHz.
     pub fn uniform(prf_hz: f64) -> Result<Self, TimeError> {
         if !(prf_hz.is_finite() && (1e-3..=1e9).contains(&prf_hz)) {
             return Err(TimeError::Prf { prf_hz });
@@ -195,6 +202,9 @@ impl PulseTimes {
 
     /// A repeating sequence of pulse repetition intervals, seconds; each is rounded once to an
     /// integer number of attoseconds, which then *is* the interval.
+    ///
+    /// # Errors
+    /// No interval, or one outside 1 ns to 1000 s.
     pub fn sequence(pri_s: &[f64]) -> Result<Self, TimeError> {
         if pri_s.is_empty() {
             return Err(TimeError::Pri { index: 0, pri_s: f64::NAN });

@@ -1,4 +1,4 @@
-//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: told before
+//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: reported before
 //! a run.
 //!
 //! Nothing here is refused. The rules:
@@ -9,7 +9,7 @@
 //!   the first pair at the centre of the patch: `c / (2 B sin theta)` for one antenna looking down at an
 //!   incidence of theta. How fine a processor makes the cell in azimuth is not known here: [`AZIMUTH_M`] is
 //!   assumed, as fine as antennas of metres allow.
-//! * The window should hear the patch, and every antenna should see it: on a curved earth it lies before the
+//! * The window should hold the patch, and every antenna should see it: on a curved earth it lies before the
 //!   [`horizon`].
 //! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the
 //!   patch.
@@ -19,7 +19,7 @@
 //! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points
 //! over the patch, without the motion during the echo and without waves. What a following patch lets come and
 //! go is
-//! [`edge_db`]: it lights every facet.
+//! [`edge_db`]: it illuminates every facet.
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
 
@@ -105,16 +105,15 @@ pub struct Adequacy {
 /// worst of the first, middle and last pulse, all facets illuminated; along an axis on which the patch lies
 /// the same at all three, nothing comes or goes. `None` where the patch stays. A warning is due above
 /// [`EDGE_BUDGET_DB`].
+///
+/// # Errors
+/// A track that ends before the last pulse.
 pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64>, RadarError> {
     if !factory.follows() {
         return Ok(None);
     }
     let last = schedule.end().saturating_sub(1);
-    let mut work = factory.workspace();
-    let mut snapshots = Vec::with_capacity(3);
-    for index in [schedule.first, schedule.first + schedule.count / 2, last] {
-        snapshots.extend(factory.snapshot(index, &mut work)?);
-    }
+    let snapshots = factory.snapshots(&[schedule.first, schedule.first + schedule.count / 2, last])?;
     let first = |snapshot: &Snapshot| snapshot.patch.first;
     let moves =
         [0, 1].map(|axis| snapshots.windows(2).any(|two| first(&two[0])[axis] != first(&two[1])[axis]));
@@ -124,6 +123,7 @@ pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64
 
 /// Something about a sea that the user should know.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SeaWarning {
     /// Too short for its waves.
     #[error(
@@ -267,6 +267,9 @@ pub enum SeaWarning {
 }
 
 /// The patch of a run at a time, s after pulse 0.
+///
+/// # Errors
+/// Tracks that cannot be loaded, or do not reach to the time.
 pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
     let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
     let scene = &run.scene;
@@ -282,8 +285,11 @@ pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors>
     Ok(sea.patch.centred_at([x_m, y_m]))
 }
 
-/// The outlook of a run's sea; `None` without one.
-pub fn outlook(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
+/// The adequacy of a run's sea; `None` without one.
+///
+/// # Errors
+/// What keeps the run from being built: wind, spectrum, tracks, waveform, radar, ships.
+pub fn adequacy(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     let scene = &run.scene;
     let Some(sea) = &scene.sea else { return Ok(None) };
     let wind = Wind::resolve(&sea.water.wind).map_err(RealiseError::from)?;
@@ -292,7 +298,7 @@ pub fn outlook(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     let waveform = waveform::from_description(&scene.radar.waveform)?;
     let moments = Moments::of(spectrum.as_ref(), [LONGEST_RAD_M, MAX_WAVE_NUMBER_RAD_M]);
     let peak_rad_m = spectrum.peak_rad_m();
-    let mut outlook = Adequacy {
+    let mut adequacy = Adequacy {
         u10_mps: wind.u10_mps,
         u12_5_mps: wind.u12_5_mps,
         u19_5_mps: wind.u19_5_mps,
@@ -310,12 +316,12 @@ pub fn outlook(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
         warnings: Vec::new(),
     };
     let size_m = sea.patch.size_m();
-    if size_m.iter().any(|&side| side < outlook.least_length_m) {
-        let least_m = outlook.least_length_m;
-        outlook.warnings.push(SeaWarning::ShortPatch { size_m, least_m });
+    if size_m.iter().any(|&side| side < adequacy.least_length_m) {
+        let least_m = adequacy.least_length_m;
+        adequacy.warnings.push(SeaWarning::ShortPatch { size_m, least_m });
     }
     if wind.is_extrapolated() {
-        outlook.warnings.push(SeaWarning::StrongWind { u10_mps: wind.u10_mps });
+        adequacy.warnings.push(SeaWarning::StrongWind { u10_mps: wind.u10_mps });
     }
     let last = scene.pulses.saturating_sub(1);
     let mut pulses = vec![0, last / 2, last];
@@ -323,21 +329,21 @@ pub fn outlook(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     let views: Vec<View<'_>> =
         pulses.into_iter().map(|pulse| View { scene, sea, tracks: &tracks, pulse }).collect();
     for view in &views {
-        view.look(waveform.bandwidth_hz(), waveform.duration_s(), &mut outlook)?;
+        view.look(waveform.bandwidth_hz(), waveform.duration_s(), &mut adequacy)?;
     }
-    ships::ships(&views, &mut outlook)?;
-    if let Some(ground_range_m) = outlook.ground_range_m {
+    ships::ships(&views, &mut adequacy)?;
+    if let Some(ground_range_m) = adequacy.ground_range_m {
         let facet_m = sea.patch.facet_m;
         let facets = sampling::facets_per_cell(facet_m, [ground_range_m, AZIMUTH_M]);
-        outlook.facets_per_cell = Some(facets);
+        adequacy.facets_per_cell = Some(facets);
         if facets < sampling::LEAST_FACETS_PER_CELL {
-            outlook.warnings.push(SeaWarning::FewFacets { facets, ground_range_m });
+            adequacy.warnings.push(SeaWarning::FewFacets { facets, ground_range_m });
         }
         if facet_m > ground_range_m {
-            outlook.warnings.push(SeaWarning::LongFacets { facet_m, ground_range_m });
+            adequacy.warnings.push(SeaWarning::LongFacets { facet_m, ground_range_m });
         }
     }
-    Ok(Some(outlook))
+    Ok(Some(adequacy))
 }
 
 /// The patch as it is seen at a pulse.
@@ -349,7 +355,7 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn look(&self, bandwidth_hz: f64, pulse_s: f64, outlook: &mut Adequacy) -> Result<(), BuildErrors> {
+    fn look(&self, bandwidth_hz: f64, pulse_s: f64, adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
         let radar = &self.scene.radar;
         let patch = self.patch()?;
         let pairs = radar.pairs();
@@ -364,15 +370,15 @@ impl View<'_> {
         let [east, north, _] = gradient.to_array();
         let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
         if ground_range_m.is_finite() {
-            let finest_m = outlook.ground_range_m.map_or(ground_range_m, |known| known.min(ground_range_m));
-            outlook.ground_range_m = Some(finest_m);
+            let finest_m = adequacy.ground_range_m.map_or(ground_range_m, |known| known.min(ground_range_m));
+            adequacy.ground_range_m = Some(finest_m);
         }
 
         let opens_s = self.opens_s(*first)?;
         let closes_s = opens_s + radar.window.samples as f64 / radar.sample_rate_hz - pulse_s;
         let interval_s = 1.0 / radar.emissions.mean_prf_hz();
         // The echo of another emission may be the one that the window receives.
-        let heard = |delay_s: f64| {
+        let within = |delay_s: f64| {
             ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil()
         };
         let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
@@ -381,22 +387,22 @@ impl View<'_> {
             for point in &points {
                 let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
                 patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];
-                held += usize::from(heard(delay_s));
+                held += usize::from(within(delay_s));
             }
         }
         let share = held as f64 / (ends.len() * points.len()) as f64;
-        let said = |what: fn(&SeaWarning) -> bool, outlook: &Adequacy| outlook.warnings.iter().any(what);
-        if held == 0 && !said(|w| matches!(w, SeaWarning::OutsideWindow { .. }), outlook) {
+        let said = |what: fn(&SeaWarning) -> bool, adequacy: &Adequacy| adequacy.warnings.iter().any(what);
+        if held == 0 && !said(|w| matches!(w, SeaWarning::OutsideWindow { .. }), adequacy) {
             let us = |times_s: [f64; 2]| times_s.map(|s| (s * 1e8).round() / 1e2);
             let (window_us, patch_us) = (us([opens_s, closes_s]), us(patch_s));
-            outlook.warnings.push(SeaWarning::OutsideWindow { pulse: self.pulse, window_us, patch_us });
+            adequacy.warnings.push(SeaWarning::OutsideWindow { pulse: self.pulse, window_us, patch_us });
         }
-        outlook.share_in_window = outlook.share_in_window.min(share);
-        self.horizons(&points, outlook)
+        adequacy.share_in_window = adequacy.share_in_window.min(share);
+        self.horizons(&points, adequacy)
     }
 
     /// Which antennas do not see all of the patch: each is named once.
-    fn horizons(&self, points: &[Point<Enu>], outlook: &mut Adequacy) -> Result<(), BuildErrors> {
+    fn horizons(&self, points: &[Point<Enu>], adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
         let earth = self.scene.frame.earth();
         if earth == Earth::Flat {
             return Ok(());
@@ -413,9 +419,9 @@ impl View<'_> {
             let hidden = self.scene.frame.hiding_earth() != Earth::Flat;
             let known =
                 |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
-            if share > 0.0 && !outlook.warnings.iter().any(known) {
+            if share > 0.0 && !adequacy.warnings.iter().any(known) {
                 let (antenna, pulse) = (name.clone(), self.pulse);
-                outlook.warnings.push(SeaWarning::BeyondHorizon {
+                adequacy.warnings.push(SeaWarning::BeyondHorizon {
                     antenna,
                     share,
                     pulse,

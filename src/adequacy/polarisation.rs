@@ -31,6 +31,7 @@ pub const OVERHEAD_DEG: f64 = 10.0;
 
 /// An antenna that is used where its polarisation basis says little.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PolarisationWarning {
     /// Far off the boresight.
     #[error(
@@ -67,6 +68,9 @@ pub enum PolarisationWarning {
 }
 
 /// What is worth knowing of the polarisation bases of a run: of each antenna the worst direction.
+///
+/// # Errors
+/// Tracks that cannot be loaded, or end before the run.
 pub fn polarisation(run: &Run) -> Result<Vec<PolarisationWarning>, BuildErrors> {
     let scene = &run.scene;
     let (tracks, _) = tracks(&run.nav, scene)?;

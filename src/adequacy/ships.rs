@@ -62,6 +62,9 @@ pub fn presence_word(presence: Presence) -> &'static str {
 
 impl ShipOutlook {
     /// That of a ship on facets of a side, m.
+    ///
+    /// # Errors
+    /// A ship whose hull or numbers the laws do not cover.
     pub fn of(ship: &Ship, facet_m: f64) -> Result<Self, FleetError> {
         Self::found(ship, facet_m).map_err(|source| FleetError { ship: ship.name.clone(), source })
     }
@@ -128,20 +131,20 @@ fn furthest_particular(hull: &Hull) -> Option<(&'static str, f64)> {
     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
-/// Adds ships to an outlook; `instants` are views of the patch.
-pub(super) fn ships(instants: &[View<'_>], outlook: &mut Adequacy) -> Result<(), BuildErrors> {
+/// Adds ships to an adequacy; `instants` are views of the patch.
+pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
     let Some(first) = instants.first() else { return Ok(()) };
     let facet_m = first.sea.patch.facet_m;
     let mut faults = Vec::new();
     for ship in &first.scene.ships {
         match ShipOutlook::of(ship, facet_m) {
             Ok(found) => {
-                outlook.warnings.extend(found.warning(ship, facet_m));
+                adequacy.warnings.extend(found.warning(ship, facet_m));
                 if ship.echo && found.scatterers == 0 {
-                    outlook.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
+                    adequacy.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
                 }
-                outlook.warnings.extend(outside(ship, found.length_m, instants)?);
-                outlook.ships.push(found);
+                adequacy.warnings.extend(outside(ship, found.length_m, instants)?);
+                adequacy.ships.push(found);
             }
             Err(fault) => faults.push(BuildError::Ship(fault)),
         }
@@ -216,7 +219,8 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+        #![proptest_config(crate::rng::cases::proptests(32))]
+
         #[test]
         fn figures_are_numbers(
             length in -1.3..3.0f64,

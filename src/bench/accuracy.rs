@@ -63,7 +63,7 @@ pub struct Accuracy {
     pub worst_pulse: u64,
     /// Its channel.
     pub worst_channel: usize,
-    /// The worst of each channel, dB; `None` where there is nothing to hear.
+    /// The worst of each channel, dB; `None` where there is nothing to receive.
     pub channel_db: Vec<Option<f64>>,
 }
 
@@ -130,6 +130,9 @@ fn decibels(ratio: f64) -> f64 {
 impl Judge {
     /// Makes the reference of some pulses of a run, as many at once as `threads` and memory allow. `passed`
     /// is reported how many are done.
+    ///
+    /// # Errors
+    /// A run that cannot be built, or a pulse that cannot be made.
     pub fn new(
         run: &Run,
         pulses: Vec<u64>,
@@ -150,8 +153,8 @@ impl Judge {
         let means = match all {
             Some(all) => (0..channels)
                 .map(|channel| {
-                    let heard = found.iter().map(|pulse| pulse[channel]).sum::<f64>();
-                    mean_of(&all, channel).max(heard / run.scene.pulses.max(1) as f64)
+                    let received = found.iter().map(|pulse| pulse[channel]).sum::<f64>();
+                    mean_of(&all, channel).max(received / run.scene.pulses.max(1) as f64)
                 })
                 .collect(),
             None => (0..channels).map(|channel| mean_of(&found, channel)).collect(),
@@ -170,6 +173,9 @@ impl Judge {
     }
 
     /// The error of a run's own echo: the same scene, another fidelity.
+    ///
+    /// # Errors
+    /// A run that cannot be built, or a pulse that cannot be made.
     pub fn judge(&self, run: &Run) -> Result<Accuracy, BuildErrors> {
         let factory = factory_for(run, &run.fidelity)?;
         Ok(self.accuracy(&self.make(&factory)?))
@@ -322,6 +328,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::rng::cases::proptests(256))]
+
         #[test]
         fn samples_are_pulses_of_the_run(
             seed: u64, pulses in 0u64..2000, block in 0u64..100, count in 0u64..64, long: bool,

@@ -18,7 +18,7 @@ use crate::pipeline::block::BlockEcho;
 use crate::pipeline::build::PulseStream;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::stages::{Echo, PulseFactory, Workspace};
+use crate::pipeline::stages::{Echo, Mark, PulseFactory, Workspace};
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 
@@ -54,12 +54,16 @@ impl PulseFactory {
             plan: self.plan,
             clocks: self.clocks.clone(),
             generators: self.generators.clone(),
+            mark: Mark::default(),
         })
     }
 }
 
 impl PulseStream {
     /// Speed as predicted; `None` for the reference.
+    ///
+    /// # Errors
+    /// A pulse that cannot be made.
     pub fn calibrated(&self) -> Result<Option<Calibrated>, BuildErrors> {
         let Some(plan) = self.factory().plan() else { return Ok(None) };
         let cost_table = self.cost_table(plan)?;

@@ -27,6 +27,9 @@ pub struct Gathered {
 
 /// Runs a stream to its end and keeps what it releases. Give it a run without sinks and converter, at pace
 /// `fast`: nothing is lost then.
+///
+/// # Errors
+/// A run that cannot be started, or fails.
 pub fn gather(stream: PulseStream, status: Option<Sender<Status>>) -> Result<Gathered, SpeedError> {
     let mut held = Gathered {
         emission_s: Vec::new(),

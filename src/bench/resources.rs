@@ -1,4 +1,4 @@
-//! What a run will take: memory, recording and speed, told before it starts.
+//! What a run will take: memory, recording and speed, estimated before it starts.
 //!
 //! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
 //! at once, for about [`TRIAL`], and thrown away.
@@ -16,7 +16,7 @@ use crate::scene::Radar;
 /// How long the trial lasts.
 pub const TRIAL: Duration = Duration::from_millis(300);
 
-/// A forecast.
+/// An estimate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resources {
     /// Pulses of the run.
@@ -48,13 +48,19 @@ pub struct Resources {
 }
 
 impl PulseStream {
-    /// Makes pulses for a moment and tells what the run will take.
-    pub fn forecast(&self, radar: &Radar) -> Result<Resources, PulseError> {
-        self.forecast_over(radar, TRIAL)
+    /// Makes pulses for a moment and estimates what the run will take.
+    ///
+    /// # Errors
+    /// A pulse that cannot be made.
+    pub fn resources(&self, radar: &Radar) -> Result<Resources, PulseError> {
+        self.resources_over(radar, TRIAL)
     }
 
     /// The same over a longer or shorter trial; every worker makes a block at least.
-    pub fn forecast_over(&self, radar: &Radar, trial: Duration) -> Result<Resources, PulseError> {
+    ///
+    /// # Errors
+    /// A pulse that cannot be made.
+    pub fn resources_over(&self, radar: &Radar, trial: Duration) -> Result<Resources, PulseError> {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();

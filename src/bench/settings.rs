@@ -1,7 +1,7 @@
 //! The settings of `[fidelity]`, and what they are set to.
 //!
 //! A new setting gets a row in [`SETTINGS`], and what it is set to a line in [`settings`]; `nereus tradeoff`
-//! sweeps it then, and `nereus bench` tells it.
+//! sweeps it then, and `nereus bench` reports it.
 
 use serde_json::{Map, Value, json};
 

@@ -61,6 +61,7 @@ impl Speed {
 
 /// Why there is no figure.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SpeedError {
     /// The run cannot be built.
     #[error(transparent)]
@@ -72,6 +73,9 @@ pub enum SpeedError {
 
 /// Runs a stream to its end, or for so long but not for less than a few blocks, and measures it. Give it a
 /// run without sinks, at pace `fast`.
+///
+/// # Errors
+/// A run that cannot be started, or fails.
 pub fn speed(
     stream: PulseStream,
     lasts: Option<Duration>,

@@ -71,8 +71,8 @@ pub struct Refused {
     pub why: String,
 }
 
-fn changed(knob: &Setting, value: &str) -> (String, String) {
-    (knob.key.to_owned(), value.to_owned())
+fn changed(setting: &Setting, value: &str) -> (String, String) {
+    (setting.key.to_owned(), value.to_owned())
 }
 
 /// What to try: each setting by itself, or all their combinations. The first one changes nothing.
@@ -80,19 +80,20 @@ pub fn trials(grid: bool) -> Vec<Overrides> {
     let mut trials = vec![Vec::new()];
     if grid {
         // An error that is asked decides nothing where all settings are given.
-        for knob in SETTINGS.iter().filter(|knob| knob.key != ERROR_KEY) {
+        for setting in SETTINGS.iter().filter(|setting| setting.key != ERROR_KEY) {
             trials = trials
                 .iter()
                 .flat_map(|before: &Overrides| {
-                    let more = |value: &&str| before.iter().cloned().chain([changed(knob, value)]).collect();
-                    knob.values.iter().map(more).collect::<Vec<_>>()
+                    let more =
+                        |value: &&str| before.iter().cloned().chain([changed(setting, value)]).collect();
+                    setting.values.iter().map(more).collect::<Vec<_>>()
                 })
                 .collect();
         }
         trials.insert(0, Vec::new());
     } else {
-        for knob in SETTINGS {
-            trials.extend(knob.values.iter().map(|value| vec![changed(knob, value)]));
+        for setting in SETTINGS {
+            trials.extend(setting.values.iter().map(|value| vec![changed(setting, value)]));
         }
     }
     trials
@@ -100,7 +101,10 @@ pub fn trials(grid: bool) -> Vec<Overrides> {
 
 /// What to try of the model.
 pub fn models() -> Vec<Overrides> {
-    MODELS.iter().flat_map(|knob| knob.values.iter().map(|value| vec![changed(knob, value)])).collect()
+    MODELS
+        .iter()
+        .flat_map(|setting| setting.values.iter().map(|value| vec![changed(setting, value)]))
+        .collect()
 }
 
 /// The name of a change.
@@ -110,6 +114,9 @@ pub fn name(change: &Overrides) -> String {
 }
 
 /// Measures one setting; `None` of one that is among those known.
+///
+/// # Errors
+/// A setting with which the run cannot be built, or a pulse that cannot be made.
 pub fn point(
     judge: &Judge,
     run: &Run,
@@ -124,21 +131,21 @@ pub fn point(
         return Ok(None);
     }
     let accuracy = judge.accuracy(&judge.make(stream.factory())?);
-    let forecast = stream.forecast_over(&run.scene.radar, TRIAL)?;
+    let resources = stream.resources_over(&run.scene.radar, TRIAL)?;
     Ok(Some(Point {
         change: name(change),
         settings,
         rel_rms_db: accuracy.rel_rms_db,
         rel_rms_db_mean: accuracy.rel_rms_db_mean,
-        pulses_per_s: forecast.pulses_per_s,
-        facet_pulses_per_s: forecast.pulses_per_s * stream.factory().facets() as f64,
-        real_time_factor: forecast.real_time_factor,
+        pulses_per_s: resources.pulses_per_s,
+        facet_pulses_per_s: resources.pulses_per_s * stream.factory().facets() as f64,
+        real_time_factor: resources.real_time_factor,
         predicted_rel_rms_db: plan.map(|plan| plan.prediction.total_db()),
         on_front: false,
     }))
 }
 
-/// The run with the settings that it leaves open set as they were settled for another: so one setting changes
+/// The run with the settings that it leaves open set as they were chosen for another: so one setting changes
 /// at a time.
 fn filled(mut run: Run, chosen: &EchoSettings) -> Run {
     if let Fidelity::Fast(asked) = &mut run.fidelity {
@@ -176,6 +183,9 @@ pub fn taken(points: &[Point], error_db: f64) -> Option<&Point> {
 pub struct Written(Vec<Vec<Complex32>>);
 
 /// The scenario as written, to compare models with.
+///
+/// # Errors
+/// A run that cannot be built, or a pulse that cannot be made.
 pub fn written(judge: &Judge, run: &Run) -> Result<Written, BuildErrors> {
     let run = noiseless(run);
     let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
@@ -183,6 +193,9 @@ pub fn written(judge: &Judge, run: &Run) -> Result<Written, BuildErrors> {
 }
 
 /// How far a run is from the scenario as written.
+///
+/// # Errors
+/// A run that cannot be built, or a pulse that cannot be made.
 pub fn effect(
     judge: &Judge,
     written: &Written,
@@ -306,11 +319,14 @@ mod tests {
     #[test]
     fn a_grid_has_every_combination_once() {
         let one_by_one = trials(false);
-        let values: usize = SETTINGS.iter().map(|knob| knob.values.len()).sum();
+        let values: usize = SETTINGS.iter().map(|setting| setting.values.len()).sum();
         assert_eq!(one_by_one.len(), 1 + values);
         let grid = trials(true);
-        let product: usize =
-            SETTINGS.iter().filter(|knob| knob.key != ERROR_KEY).map(|knob| knob.values.len()).product();
+        let product: usize = SETTINGS
+            .iter()
+            .filter(|setting| setting.key != ERROR_KEY)
+            .map(|setting| setting.values.len())
+            .product();
         assert_eq!(grid.len(), 1 + product);
         let names: std::collections::BTreeSet<String> = grid.iter().map(name).collect();
         assert_eq!(names.len(), grid.len());

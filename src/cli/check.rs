@@ -19,7 +19,7 @@ use super::escape;
 use super::json;
 use super::{counted, warn};
 use crate::adequacy::polarisation::polarisation;
-use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, edge_db, outlook};
+use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db};
 use crate::bench::resources::Resources;
 use crate::config::Run;
 use crate::echo::Fidelity;
@@ -121,7 +121,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));
     }
-    report.sea = outlook(&run)?;
+    report.sea = adequacy(&run)?;
     if let Some(sea) = &mut report.sea {
         sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
         sea.warnings.extend(
@@ -142,7 +142,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         report.plan = Some(plan::PlanReport::new(planned, factor, stream.predicted_bytes()));
     }
     report.warnings.extend(plausible::targets(&run)?.iter().map(ToString::to_string));
-    let forecast = stream.forecast(&run.scene.radar).map_err(BuildErrors::from)?;
+    let forecast = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;
     let levels = forecast.converter.iter().flat_map(|converter| converter.warnings());
     report.warnings.extend(levels.map(|warning| warning.to_string()));
     if forecast.real_time_factor < 1.0 && run.stream.pace == Pace::Realtime {

@@ -18,7 +18,7 @@ use super::escape;
 use super::json;
 use super::progress;
 use super::{counted, say, warn};
-use crate::adequacy::outlook;
+use crate::adequacy::adequacy;
 use crate::config::Run;
 use crate::nav::AttitudeSource;
 use crate::nav::TrackSource;
@@ -100,7 +100,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
     let nominal = stream.nominal().unwrap_or(&run);
-    warn(outlook(nominal)?.iter().flat_map(|sea| &sea.warnings));
+    warn(adequacy(nominal)?.iter().flat_map(|sea| &sea.warnings));
     let mut physics: Vec<PhysicsWarning> = plausible::targets(nominal)?.into_iter().collect();
     warn(&physics);
     for note in stream.notes() {

@@ -47,6 +47,13 @@ impl Node {
         }
     }
 
+    pub(super) fn text(&self) -> Option<&str> {
+        match &self.value {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
     /// The value as a fault shows it: short, on one line.
     pub(super) fn shown(&self) -> String {
         let text = match &self.value {

@@ -10,6 +10,7 @@ use crate::scene::patch::PatchError;
 
 /// Why a scenario is not a run.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ConfigError {
     /// The file cannot be read.
     #[error("cannot read scenario {}: {source}", path.display())]
@@ -116,6 +117,7 @@ pub struct Fault {
 
 /// What is wrong, with the value and what is allowed.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum Problem {
     /// Not TOML.
     #[error("not valid TOML: {message}")]
@@ -424,6 +426,7 @@ impl Warning {
 
 /// Something legal that the user should know.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum Warning {
     /// No sink at all.
     #[error("no [[sink]]: pulses are counted and forgotten")]
@@ -463,7 +466,7 @@ pub enum Warning {
     },
     /// Knobs of the fast echo beside the reference.
     #[error("without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them")]
-    IdleKnobs {
+    IdleSettings {
         /// The keys.
         keys: String,
     },

@@ -57,6 +57,7 @@ pub mod keys;
 pub mod manual;
 mod hint;
 mod resolve;
+mod scalars;
 mod section;
 
 use std::collections::BTreeSet;
@@ -113,6 +114,9 @@ pub struct Run {
 /// Reads a scenario file. Overrides are (`key`, `value`): dotted path of the key, entries of arrays by number
 /// from 0 (`target.0.rcs_m2`) or `+` for a new one (`sink.+`), and the value as TOML, or as plain text where
 /// it is not TOML.
+///
+/// # Errors
+/// A file that cannot be read or is no text, and all faults of the scenario, each with its place.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
     let read_error = |source| ConfigError::Read { path: path.to_owned(), source };
     let bytes = inputs::read(path, LARGEST_FILE).map_err(read_error)?;
@@ -129,6 +133,9 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigEr
 }
 
 /// Reads a scenario from memory; `path` names it in faults, and files are looked for beside it.
+///
+/// # Errors
+/// All faults of the scenario, each with its place.
 pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
     let read = read(text, path, overrides);
     match read.run {

@@ -9,6 +9,7 @@ use super::document::{Entry, Node, Value};
 use super::error::{At, Fault, Problem, Warning};
 use super::hint::{hint, names};
 use super::keys::{self, Absent, Key, Kind, Table};
+use super::scalars::{origin, plain_number, polarisation_pair, utc};
 use crate::nav::live::Origin;
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
@@ -111,6 +112,14 @@ impl<'a> Section<'a> {
         self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
     }
 
+    /// The value, or a fault where its node holds none.
+    fn typed<T>(&self, key: &'static Key, node: &Node, value: Option<T>) -> Option<T> {
+        if value.is_none() {
+            self.wrong_type(key, node);
+        }
+        value
+    }
+
     fn out_of_range(&self, key: &'static Key, found: String) {
         self.fault(key, Problem::Range { found, allowed: key.kind.allowed() });
     }
@@ -134,10 +143,7 @@ impl<'a> Section<'a> {
             };
         };
         let Kind::Number { min, max, above, .. } = key.kind else { return None };
-        let Some(value) = plain_number(node) else {
-            self.wrong_type(key, node);
-            return None;
-        };
+        let value = self.typed(key, node, plain_number(node))?;
         let legal = (min..=max).contains(&value) && !(above && value == min);
         if !legal {
             self.out_of_range(key, node.shown());
@@ -155,10 +161,10 @@ impl<'a> Section<'a> {
     }
 
     /// Whether a key of a table of this table is this word, without a word about faults.
-    pub(super) fn says_in(&self, table: &Key, key: &Key, word: &str) -> bool {
+    pub(super) fn has_word_in(&self, table: &Key, key: &Key, word: &str) -> bool {
         let entries = self.entry(table.name).and_then(|entry| entry.node.table()).unwrap_or(&[]);
         let entry = entries.iter().find(|entry| entry.name == key.name);
-        entry.is_some_and(|entry| matches!(&entry.node.value, Value::Text(text) if text == word))
+        entry.is_some_and(|entry| entry.node.text() == Some(word))
     }
 
     /// A number of a table of this table, without a word about faults.
@@ -192,10 +198,7 @@ impl<'a> Section<'a> {
     pub(super) fn flag(&self, key: &'static Key) -> Option<bool> {
         match (self.ask(key), &key.absent) {
             (Some(Node { value: Value::Flag(flag), .. }), _) => Some(*flag),
-            (Some(node), _) => {
-                self.wrong_type(key, node);
-                None
-            }
+            (Some(node), _) => self.typed(key, node, None),
             (None, Absent::Flag(flag)) => Some(*flag),
             (None, _) => None,
         }
@@ -213,19 +216,10 @@ impl<'a> Section<'a> {
     /// One of the words of the key; `None` when absent or faulty.
     pub(super) fn choice(&self, key: &'static Key) -> Option<&'static str> {
         let chosen = match (self.ask(key), &key.absent, &key.kind) {
-            (Some(node), _, Kind::Choice(words)) => match &node.value {
-                Value::Text(text) => {
-                    let word = words.iter().find(|word| *word == text).copied();
-                    if word.is_none() {
-                        self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
-                    }
-                    word
-                }
-                _ => {
-                    self.wrong_type(key, node);
-                    None
-                }
-            },
+            (Some(node), _, Kind::Choice(words)) => {
+                let word = node.text().and_then(|text| words.iter().find(|word| **word == text).copied());
+                self.typed(key, node, word)
+            }
             (None, Absent::Word(word), _) => Some(*word),
             _ => None,
         };
@@ -238,13 +232,7 @@ impl<'a> Section<'a> {
 
     fn text(&self, key: &'static Key) -> Option<(&'a str, &'a Node)> {
         let node = self.ask(key)?;
-        match &node.value {
-            Value::Text(text) => Some((text, node)),
-            _ => {
-                self.wrong_type(key, node);
-                None
-            }
-        }
+        Some((self.typed(key, node, node.text())?, node))
     }
 
     /// A name; `None` when absent or faulty.
@@ -254,30 +242,21 @@ impl<'a> Section<'a> {
         // Names become folders and groups of recordings.
         let legal =
             !text.is_empty() && text.len() <= 64 && !text.starts_with('.') && text.chars().all(letter);
-        if !legal {
-            self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
-        }
-        legal.then(|| text.to_owned())
+        self.typed(key, node, legal.then(|| text.to_owned()))
     }
 
     /// A text of one line; `None` when absent or faulty.
     pub(super) fn line(&self, key: &'static Key) -> Option<String> {
         let (text, node) = self.text(key)?;
         let legal = !text.chars().any(|c| c.is_control() && c != '\t');
-        if !legal {
-            self.wrong_type(key, node);
-        }
-        legal.then(|| text.to_owned())
+        self.typed(key, node, legal.then(|| text.to_owned()))
     }
 
     /// A path to something to be made; `None` when absent or faulty.
     pub(super) fn output(&self, key: &'static Key) -> Option<PathBuf> {
         let (text, node) = self.text(key)?;
-        if text.is_empty() || text.contains('\0') {
-            self.wrong_type(key, node);
-            return None;
-        }
-        Some(PathBuf::from(text))
+        let legal = !text.is_empty() && !text.contains('\0');
+        self.typed(key, node, legal.then(|| PathBuf::from(text)))
     }
 
     /// Host and port; `None` when faulty, or absent without a default.
@@ -292,46 +271,20 @@ impl<'a> Section<'a> {
                 && !host.contains(char::is_whitespace)
                 && port.parse::<u16>().is_ok_and(|p| p > 0)
         });
-        if !legal {
-            self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
-        }
-        legal.then(|| text.to_owned())
+        self.typed(key, node, legal.then(|| text.to_owned()))
     }
 
     /// Where live navigation comes from; `None` when absent or faulty.
     pub(super) fn origin(&self, key: &'static Key, baud: u32) -> Option<Origin> {
         let (text, node) = self.text(key)?;
-        if let Some(path) = text.strip_prefix("file:").filter(|path| !path.is_empty() && !path.contains('\0'))
-        {
-            let path = self.reader.folder.join(path);
-            if !path.is_file() {
-                self.fault(key, Problem::NoFile { path });
-                return None;
-            }
-            return Some(Origin::File(path));
-        }
-        let at = |scheme: &str| text.strip_prefix(scheme).and_then(|address| address.parse().ok());
-        let port = || {
-            let plain = !text.is_empty()
-                && !text.contains("://")
-                && !text.contains('\0')
-                && !text.starts_with("file:");
-            plain.then(|| Origin::Serial { path: text.into(), baud })
-        };
-        let origin = at("tcp://")
-            .map(Origin::TcpConnect)
-            .or_else(|| at("tcp-listen://").map(Origin::TcpListen))
-            .or_else(|| at("udp://").map(Origin::Udp))
-            .or_else(port);
-        if origin.is_none() {
-            self.wrong_type(key, node);
-        }
-        origin
+        let origin = self.typed(key, node, origin(text, baud))?;
+        let Origin::File(path) = origin else { return Some(origin) };
+        self.existing(key, path).map(Origin::File)
     }
 
-    /// A file that exists; `None` when faulty.
-    pub(super) fn file(&self, key: &'static Key) -> Option<PathBuf> {
-        let path = self.reader.folder.join(self.output(key)?);
+    /// A file beside the scenario that exists.
+    fn existing(&self, key: &'static Key, path: PathBuf) -> Option<PathBuf> {
+        let path = self.reader.folder.join(path);
         if !path.is_file() {
             self.fault(key, Problem::NoFile { path });
             return None;
@@ -339,12 +292,24 @@ impl<'a> Section<'a> {
         Some(path)
     }
 
+    /// A file that exists; `None` when faulty.
+    pub(super) fn file(&self, key: &'static Key) -> Option<PathBuf> {
+        self.existing(key, self.output(key)?)
+    }
+
+    /// Whether a key is written as this word; it is then asked for.
+    fn is_word(&self, key: &'static Key, word: &str) -> bool {
+        let is = self.entry(key.name).is_some_and(|entry| entry.node.text() == Some(word));
+        if is {
+            self.ask(key);
+        }
+        is
+    }
+
     /// The word of the key (`None` within), or a file that exists; `None` when absent or faulty.
     pub(super) fn file_or(&self, key: &'static Key) -> Option<Option<PathBuf>> {
         let Kind::FileOr(word) = key.kind else { return None };
-        if self.entry(key.name).is_some_and(|entry| matches!(&entry.node.value, Value::Text(t) if t == word))
-        {
-            self.ask(key);
+        if self.is_word(key, word) {
             return Some(None);
         }
         let path = self.reader.folder.join(self.output(key)?);
@@ -362,18 +327,13 @@ impl<'a> Section<'a> {
             Value::Text(text) | Value::Time(text) => utc(text),
             _ => None,
         };
-        if time.is_none() {
-            self.wrong_type(key, node);
-        }
-        time
+        self.typed(key, node, time)
     }
 
     /// The word of the key (`None` within), or an instant; `None` when absent or faulty.
     pub(super) fn time_or(&self, key: &'static Key) -> Option<Option<TimeTag>> {
         let Kind::TimeOr(word) = key.kind else { return None };
-        if self.entry(key.name).is_some_and(|entry| matches!(&entry.node.value, Value::Text(t) if t == word))
-        {
-            self.ask(key);
+        if self.is_word(key, word) {
             return Some(None);
         }
         self.time(key).map(Some)
@@ -391,10 +351,7 @@ impl<'a> Section<'a> {
             }
             _ => None,
         };
-        let Some(values) = values else {
-            self.wrong_type(key, node);
-            return None;
-        };
+        let values = self.typed(key, node, values)?;
         if let Some(index) = values.iter().position(|value| !(min..=max).contains(value)) {
             self.out_of_range(key, format!("entry {index}, {},", keys::figure(values[index])));
             return None;
@@ -419,10 +376,7 @@ impl<'a> Section<'a> {
             }
             _ => None,
         };
-        let Some(points) = points else {
-            self.wrong_type(key, node);
-            return None;
-        };
+        let points = self.typed(key, node, points)?;
         let legal = |value: &f64| (-limit..=limit).contains(value);
         if let Some(index) = points.iter().position(|point| !point.iter().all(legal)) {
             self.out_of_range(key, format!("entry {index}, {:?},", points[index]));
@@ -441,29 +395,18 @@ impl<'a> Section<'a> {
         let node = self.ask(key)?;
         let Kind::Words { least, most, .. } = key.kind else { return None };
         let words = match &node.value {
-            Value::Array(items) if (least..=most).contains(&items.len()) => items
-                .iter()
-                .map(|item| match &item.value {
-                    Value::Text(text) => read(text),
-                    _ => None,
-                })
-                .collect(),
+            Value::Array(items) if (least..=most).contains(&items.len()) => {
+                items.iter().map(|item| item.text().and_then(&read)).collect()
+            }
             _ => None,
         };
-        if words.is_none() {
-            self.wrong_type(key, node);
-        }
-        words
+        self.typed(key, node, words)
     }
 
     /// Receive and transmit polarisation; `None` when faulty.
     pub(super) fn polarisations(&self, key: &'static Key) -> Option<[Polarisation; 2]> {
         let (text, node) = self.text(key)?;
-        let pair = polarisation_pair(text);
-        if pair.is_none() {
-            self.fault(key, Problem::Type { found: node.shown(), allowed: key.kind.allowed() });
-        }
-        pair
+        self.typed(key, node, polarisation_pair(text))
     }
 
     /// A table of this table; `None` when absent or faulty.
@@ -471,10 +414,7 @@ impl<'a> Section<'a> {
         let entry_at = self.entry(key.name).map(|entry| entry.at);
         let node = self.ask(key)?;
         let Kind::Section(table) = key.kind else { return None };
-        let Some(entries) = node.table() else {
-            self.wrong_type(key, node);
-            return None;
-        };
+        let entries = self.typed(key, node, node.table())?;
         // A table header is a better place than the value's own.
         let at = entry_at.unwrap_or(node.at);
         Some(Section::new(self.reader, table, self.path_of(key.name), at, entries))
@@ -498,13 +438,10 @@ impl<'a> Section<'a> {
         match self.ask(key) {
             None => Some(matches!(key.absent, Absent::Flag(true)).then(|| on(self.at, &[])).flatten()),
             Some(Node { value: Value::Flag(flag), at }) => Some(if *flag { on(*at, &[]) } else { None }),
-            Some(node) => match node.table() {
-                Some(entries) => Some(on(entry_at.unwrap_or(node.at), entries)),
-                None => {
-                    self.wrong_type(key, node);
-                    None
-                }
-            },
+            Some(node) => {
+                let entries = self.typed(key, node, node.table())?;
+                Some(on(entry_at.unwrap_or(node.at), entries))
+            }
         }
     }
 
@@ -586,79 +523,6 @@ impl<'a> Section<'a> {
                 None => Problem::Unknown { hint: hint(&entry.name, self.table) },
             };
             self.push(entry.at, self.path_of(&entry.name), problem);
-        }
-    }
-}
-
-fn plain_number(node: &Node) -> Option<f64> {
-    match node.value {
-        Value::Number(value) => Some(value),
-        Value::Integer(value) => Some(value as f64),
-        _ => None,
-    }
-}
-
-/// `HV`: receive H, transmit V.
-pub(super) fn polarisation_pair(text: &str) -> Option<[Polarisation; 2]> {
-    let mut letters = text.chars();
-    match (letters.next(), letters.next(), letters.next()) {
-        (Some(rx), Some(tx), None) => Some([Polarisation::from_letter(rx)?, Polarisation::from_letter(tx)?]),
-        _ => None,
-    }
-}
-
-/// One polarisation.
-pub(super) fn polarisation(text: &str) -> Option<Polarisation> {
-    let mut letters = text.chars();
-    match (letters.next(), letters.next()) {
-        (Some(letter), None) => Polarisation::from_letter(letter),
-        _ => None,
-    }
-}
-
-/// A UTC time `YYYY-MM-DD[T ]hh:mm:ss[.f][Z]`; other offsets are refused, not converted.
-fn utc(text: &str) -> Option<TimeTag> {
-    let pattern = b"dddd-dd-ddTdd:dd:dd";
-    let bytes = text.as_bytes();
-    let (whole, rest) = (bytes.get(..pattern.len())?, text.get(pattern.len()..)?);
-    let matches = whole.iter().zip(pattern).all(|(byte, wanted)| match wanted {
-        b'd' => byte.is_ascii_digit(),
-        b'T' => matches!(byte, b'T' | b't' | b' '),
-        other => byte == other,
-    });
-    let rest = rest.strip_suffix(['Z', 'z']).unwrap_or(rest);
-    let fraction = match rest.strip_prefix('.') {
-        Some(digits) => !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()),
-        None => rest.is_empty(),
-    };
-    let year: u32 = text.get(..4)?.parse().ok()?;
-    if !(matches && fraction && (1970..2200).contains(&year)) {
-        return None;
-    }
-    let iso: String = text.chars().map(|c| if matches!(c, ' ' | 't') { 'T' } else { c }).collect();
-    TimeTag::from_iso8601(&iso).ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times() {
-        assert!(utc("2018-05-30T20:15:00.5Z").is_some());
-        assert!(utc("2018-05-30 20:15:00").is_some());
-        for bad in [
-            "2018-05-30T20:15:00+02:00",
-            "2018-13-30T20:15:00Z",
-            "2018-02-30T20:15:00Z",
-            "2018-05-30T24:15:00Z",
-            "1969-05-30T20:15:00Z",
-            "2018-05-30T20:15:00.",
-            "2018-05-30",
-            "",
-            "2018-05-30T20:15:0\u{e9}Z",
-        ] {
-            assert!(utc(bad).is_none(), "{bad}");
         }
     }
 }

@@ -368,26 +368,27 @@ fn a_ring_that_cannot_hold_the_latency_is_said() {
 }
 
 #[test]
-fn a_file_that_is_no_toml_is_told_in_few_lines() {
-    let told = |lines: usize| {
+fn a_file_that_is_no_toml_is_reported_in_few_lines() {
+    let shown = |lines: usize| {
         let text = format!("[scene]\nduration_s = -1\n{}", "Not a scenario.\n".repeat(lines));
         parse(&text, Path::new("bad.toml"), &[]).unwrap_err().to_string()
     };
-    let long = told(300);
+    let long = shown(300);
     assert_eq!(long.lines().filter(|line| line.contains(": not valid TOML: ")).count(), 5, "{long}");
     let found: usize = long.lines().last().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
     // What is wrong with values is reported all the same.
     assert!(long.contains("scene.duration_s: -1 is out of range") && found > 300, "{long}");
     let more = format!("bad.toml: not valid TOML in {} more places", found - (long.lines().count() - 2));
     assert!(long.contains(&more), "{more}: {long}");
-    assert!(!told(2).contains("more places"));
+    assert!(!shown(2).contains("more places"));
 }
 
 #[test]
-fn knobs_without_effect_are_named() {
-    let knobs = [("fidelity.kernel_width", "6"), ("fidelity.doppler", "mean"), ("fidelity.error_db", "-70")];
+fn settings_without_effect_are_named() {
+    let written =
+        [("fidelity.kernel_width", "6"), ("fidelity.doppler", "mean"), ("fidelity.error_db", "-70")];
     let warned = |echo: &[(&str, &str)]| {
-        let run = coastal_with(&[echo, &knobs].concat()).unwrap();
+        let run = coastal_with(&[echo, &written].concat()).unwrap();
         of_scene(&run).iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     let keys =
@@ -630,7 +631,7 @@ fn survives(text: &str) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(crate::rng::cases::proptests(400))]
 
     #[test]
     fn any_text_is_read_or_refused(text in "(?s).{0,200}") {

@@ -21,8 +21,6 @@ use crate::paths::block::NODES;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
-/// Longest spacing of the nodes, pulses.
-pub const LONGEST_SPACING: u64 = NODE_PULSES[0];
 /// Spacings of the nodes, pulses.
 const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
 /// Pulses from gain epoch to gain epoch.
@@ -34,6 +32,9 @@ fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
 }
 
 /// Chooses what is not given.
+///
+/// # Errors
+/// A scene whose tracks end early, or that the fast echo cannot make.
 pub fn choose_settings(
     scene: &Scene,
     generator: &PathGenerator,

@@ -34,24 +34,7 @@ use crate::fidelity::echo_settings::EchoSettings;
 /// Pieces of work.
 pub const PIECES: usize = 13;
 
-/// Names of the pieces.
-pub const NAMES: [&str; PIECES] = [
-    "surface",
-    "shadow",
-    "path",
-    "epoch",
-    "combine",
-    "gain",
-    "factor",
-    "fill",
-    "spread",
-    "transform",
-    "exact",
-    "rest",
-    "points",
-];
-
-/// How often each piece of work is done in a pulse, in the order of [`NAMES`].
+/// How often each piece of work is done in a pulse, in the order of [`CostTable::STAGES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work(pub [f64; PIECES]);
 
@@ -67,19 +50,19 @@ impl CostTable {
 
     /// Stage in which each piece is spent.
     pub const STAGES: [Stage; PIECES] = [
-        Stage::Surface,
-        Stage::Shadow,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::ScattererPaths,
-        Stage::Spread,
-        Stage::Spread,
-        Stage::Transform,
-        Stage::ScattererPaths,
-        Stage::Receive,
-        Stage::Spread,
+        Stage::Surface,        // surface
+        Stage::Shadow,         // shadow
+        Stage::ScattererPaths, // path
+        Stage::ScattererPaths, // epoch
+        Stage::ScattererPaths, // combine
+        Stage::ScattererPaths, // gain
+        Stage::ScattererPaths, // factor
+        Stage::Spread,         // fill
+        Stage::Spread,         // spread
+        Stage::Transform,      // transform
+        Stage::ScattererPaths, // exact
+        Stage::Receive,        // rest
+        Stage::Spread,         // points
     ];
 
     /// Seconds of one worker in a stage for a pulse.
@@ -186,8 +169,8 @@ impl Size {
         let step_of_sidelobe = gain_step(block as usize, sidelobe_gain_pulses(step));
         let [instants, of_sidelobe] =
             [step, step_of_sidelobe].map(|step| gain_instants(block as usize, step).count() as f64);
-        // What all tiles are evaluated for to tell the in the sidelobes ones.
-        let told = if chosen.sidelobe.is_some() { of_sidelobe } else { 0.0 };
+        // What all tiles are evaluated for, to find those in the sidelobes.
+        let sorted = if chosen.sidelobe.is_some() { of_sidelobe } else { 0.0 };
         let either = |close: f64, few: f64| (1.0 - sidelobe) * close + sidelobe * few;
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
@@ -197,7 +180,7 @@ impl Size {
             per_block(again * either(nodes, few) * pairs),
             per_block(again * either(epochs, few_epochs) * pairs),
             per_block(again * either(epochs, few_epochs) * channels),
-            per_block(again * (either(instants, 0.0) + told) * pairs),
+            per_block(again * (either(instants, 0.0) + sorted) * pairs),
             again * facets * pairs,
             per_block(either(3.0, 1.0) * kept * pairs),
             spread,

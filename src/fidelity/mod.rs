@@ -15,8 +15,8 @@
 //!
 //! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse
 //! ([`worst`]) and channel. [`choose::choose_settings`] takes the cheapest settings that keep what is asked
-//! ([`cost`]). What a sample says of flight, waves and beams is held against closed forms: [`path`],
-//! [`waves`], [`gain`].
+//! ([`cost`]). What a sample says of beams is held against a closed form in
+//! `tests/agreement`.
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings
 //! anywhere. Prices are those of a common machine; only their ratios matter.
@@ -33,15 +33,11 @@ pub mod budget;
 pub mod cost;
 pub mod echo_settings;
 pub mod sidelobe;
-pub mod gain;
-pub mod interpolation;
-pub mod path;
 pub mod choose;
 pub mod probe;
 mod search;
 mod synth_choice;
 pub mod turning;
-pub mod waves;
 pub mod worst;
 
 use std::f64::consts::TAU;
@@ -56,6 +52,7 @@ use crate::sea::GRAVITY_MPS2;
 
 /// Why there is no plan.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PlanError {
     /// The instrument or its way through the scene.
     #[error(transparent)]

@@ -137,6 +137,9 @@ impl<'a> Search<'a> {
 
     /// The cheapest plan that keeps the budget, else that of the least error; spacings of the nodes from far
     /// to close, pulses.
+    ///
+    /// # Errors
+    /// Tracks that end early, or settings that the fast echo refuses.
     pub fn best(&self, sampler: &mut ErrorSampler<'_>, spacings: &[u64]) -> Result<Option<Plan>, PlanError> {
         let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, LONGEST)?);
         let nothing = [sampler.nothing()];

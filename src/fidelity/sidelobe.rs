@@ -3,7 +3,7 @@
 //! Far off the beams a tile returns so little that few instants do for it
 //! ([`Tier::Sidelobe`](crate::paths::block::Tier)): of the power of a line source of width `a`, whose two-way
 //! pattern is `sinc^4`, `3.9e-3 / x^3` lies beyond `x = a sin(theta) / lambda`. What is left there is probed
-//! at both tiers, in **bins** of gain between the candidates of a ladder, which fall from candidate 0 on: a
+//! at both tiers, in **bins** of gain between the candidates, which fall from candidate 0 on: a
 //! tile of bin `b` has `b` candidates above it, and is in the sidelobes at candidate `r` where `r < b`.
 //!
 //! ```

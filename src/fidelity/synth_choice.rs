@@ -73,6 +73,9 @@ impl DopplerError {
 
 impl Echoes<'_> {
     /// Chooses what is not given, for blocks of each of these lengths, pulses.
+    ///
+    /// # Errors
+    /// Settings that the fast echo refuses, or tracks that end early.
     pub fn choose(
         &self,
         sampler: &mut ErrorSampler<'_>,

@@ -90,6 +90,9 @@ impl Surroundings<'_> {
     ///
     /// `Aim::Beside` lies on the (curved) mean sea surface and stands still as a scatterer: what moves
     /// is the choice of the point.
+    ///
+    /// # Errors
+    /// An instant that the track of the platform does not cover.
     pub fn aim_point(
         &self,
         aim: &Aim,
@@ -110,6 +113,9 @@ impl Surroundings<'_> {
 
     /// The true antenna frame at time `t` on a platform whose true attitude is given: mount, servo, lag
     /// and bias included.
+    ///
+    /// # Errors
+    /// An instant that a track does not cover.
     pub fn antenna_frame(
         &self,
         mount: &AntennaMount,

@@ -62,11 +62,17 @@ pub struct Report {
 }
 
 /// Reads the reports of a log.
+///
+/// # Errors
+/// A file that cannot be read, and all faults of its lines.
 pub fn load(path: &Path) -> Result<Vec<Report>, NavError> {
     parse(&read_bytes(path)?).map_err(|faults| NavError::Faulty { path: path.to_owned(), faults })
 }
 
 /// Reads the reports in the bytes of a log.
+///
+/// # Errors
+/// All faults of its lines.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Report>, Faults> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut faults = Faults::default();

@@ -1,5 +1,5 @@
 //! Epochs become fixes: a date, a place in the order of time, a height and a heading for each, whether they
-//! come from a file or as a receiver tells them.
+//! come from a file or as a receiver sends them.
 //!
 //! * **Date.** An epoch without a day takes that of its neighbours: the
 //!   [`Assembler`](super::epoch::Assembler) dates it by the epoch before; those before the first date are
@@ -38,8 +38,8 @@
 //!     (epoch.day, epoch.time_of_day_ns) = (Some(17_000), second * 1_000_000_000);
 //!     (epoch.position_deg, epoch.altitude_m) = (Some([53.0, 4.5]), altitude_m);
 //!     epoch.yaw_pitch_roll_rad = Some([0.0; 3]);
-//!     completer.push(epoch, &mut |told| {
-//!         if let Reported::Fix(fix) = told {
+//!     completer.push(epoch, &mut |reported| {
+//!         if let Reported::Fix(fix) = reported {
 //!             let nereus::nav::Place::Geodetic(place) = fix.place else { return };
 //!             heights_m.push(place.h_m);
 //!         }

@@ -73,6 +73,9 @@ const LOCAL_RANGE_M: (f64, f64) = (-1e8, 1e8);
 const UNIX_RANGE_S: (f64, f64) = (-62_135_596_800.0, 253_402_300_799.0);
 
 /// Reads fixes from the bytes of a CSV track.
+///
+/// # Errors
+/// All faults of the file, each with its line.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut faults = Faults::default();

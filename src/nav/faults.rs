@@ -15,6 +15,7 @@ const QUOTED_CHARS: usize = 40;
 
 /// Why a track file gives no fixes.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum NavError {
     /// The file cannot be opened or read.
     #[error("{}: cannot read the track file: {source}", path.display())]
@@ -54,6 +55,7 @@ pub enum NavError {
 
 /// Why a log of a receiver holds no usable fix.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NoFix {
     /// Nothing in the file is an NMEA sentence with a right checksum.
     #[error("no line is an NMEA 0183 sentence with a right checksum")]
@@ -154,6 +156,7 @@ pub struct Fault {
 
 /// What is wrong with a line.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum FaultKind {
     /// A column that the format does not know.
     #[error("unknown column '{name}'; allowed: {allowed}")]

@@ -31,6 +31,9 @@ use crate::nav::load_report::LoadReport;
 use crate::nav::recording::{MAX_FIXES, Recording};
 
 /// Reads fixes from the bytes of a log.
+///
+/// # Errors
+/// All faults of the file, each with its place.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     let (mut decoder, mut assembler) = (Decoder::new(), Assembler::new());
     let (mut fixes, mut faults): (Vec<Fix>, Faults) = Default::default();

@@ -7,7 +7,7 @@
 //! other vessels are read by [`ais`].
 //!
 //! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`]
-//! hears them while a run goes on. [`encode`] writes what a receiver would send of a [`solution`].
+//! reads them while a run goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
 #[doc(hidden)]
 pub mod ais;

@@ -72,6 +72,9 @@ struct Reading<'a> {
 }
 
 /// Reads fixes from the bytes of an NMEA log.
+///
+/// # Errors
+/// All faults of the file, each with its line.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     let mut decoder = Decoder::new();
     let mut reading = Reading {
@@ -85,12 +88,12 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     };
     // Whole pieces, so that a log of too many fixes need not be read to its end.
     for piece in bytes.chunks(PIECE_BYTES) {
-        decoder.push(piece, &mut |message| reading.hear(&message));
+        decoder.push(piece, &mut |message| reading.take(&message));
         if reading.epochs > MAX_FIXES {
             break;
         }
     }
-    decoder.finish(&mut |message| reading.hear(&message));
+    decoder.finish(&mut |message| reading.take(&message));
     reading.end();
     let Reading { completer, epochs, unused, fixes, mut faults, .. } = reading;
     let (counts, completed) = (decoder.counts(), completer.counts());
@@ -126,18 +129,18 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
 }
 
 impl Reading<'_> {
-    fn hear(&mut self, message: &Message) {
+    fn take(&mut self, message: &Message) {
         self.unused += u64::from(matches!(message.content, Content::Vtg(_) | Content::Gst(_)));
         let Self { source, assembler, completer, epochs, fixes, faults, .. } = self;
         assembler.push(message, &mut |epoch| {
             *epochs += 1;
-            completer.push(epoch, &mut |told| note(told, source, fixes, faults));
+            completer.push(epoch, &mut |reported| note(reported, source, fixes, faults));
         });
     }
 
     fn end(&mut self) {
         let Self { source, assembler, completer, epochs, fixes, faults, .. } = self;
-        let mut see = |told| note(told, source, fixes, faults);
+        let mut see = |reported| note(reported, source, fixes, faults);
         if let Some(epoch) = assembler.finish() {
             *epochs += 1;
             completer.push(epoch, &mut see);
@@ -147,8 +150,8 @@ impl Reading<'_> {
 }
 
 /// Keeps a fix; notes what is wrong between an epoch and the one before it.
-fn note(told: Reported, source: &FileSource, fixes: &mut Vec<Fix>, faults: &mut Faults) {
-    match told {
+fn note(reported: Reported, source: &FileSource, fixes: &mut Vec<Fix>, faults: &mut Faults) {
+    match reported {
         Reported::Fix(fix) => fixes.push(fix),
         Reported::Follows { line, time, before } => {
             let gap_s = time.since(before);

@@ -56,6 +56,7 @@ pub struct Stream {
 
 /// Why bytes are no capture that can be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CaptureError {
     /// The file cannot be read.
     #[error(transparent)]
@@ -86,11 +87,17 @@ pub enum CaptureError {
 }
 
 /// Reads the capture in a file.
+///
+/// # Errors
+/// A file that cannot be read, or is no capture.
 pub fn load(path: &Path) -> Result<Capture, CaptureError> {
     parse(&read_bytes(path)?)
 }
 
 /// Reads the capture in some bytes.
+///
+/// # Errors
+/// Bytes that are no capture.
 pub fn parse(bytes: &[u8]) -> Result<Capture, CaptureError> {
     let bytes = unpacked(bytes)?;
     let reader = Reader::of(&bytes)?;

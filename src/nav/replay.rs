@@ -35,6 +35,9 @@ pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// All faults of the file are reported at once, each with its line, value and what is allowed. Fixes come
 /// back with times strictly increasing and no gap longer than `max_gap_s`; positions on Earth have
 /// heights above the WGS-84 ellipsoid, whatever the datum of the file.
+///
+/// # Errors
+/// A file that cannot be read, and all faults of its contents.
 pub fn load(source: &FileSource) -> Result<Recording, NavError> {
     parse(&read_bytes(&source.path)?, source)
 }
@@ -50,6 +53,9 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, NavError> {
 }
 
 /// Reads fixes from the bytes of a file (its path is used in messages only).
+///
+/// # Errors
+/// All faults of the file.
 pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     match source.format {
         FileFormat::Csv => super::csv::parse(bytes, source),

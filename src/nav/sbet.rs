@@ -137,6 +137,9 @@ pub(super) fn records(bytes: &[u8], gps_week: u32, faults: &mut Faults) -> Vec<(
 }
 
 /// Reads fixes from the bytes of a file; `gps_week` is that of the first record.
+///
+/// # Errors
+/// A file that is not made of whole records, and all faults of these.
 pub fn parse(bytes: &[u8], gps_week: u32, source: &FileSource) -> Result<Recording, NavError> {
     let mut faults = Faults::default();
     let records = records(bytes, gps_week, &mut faults);

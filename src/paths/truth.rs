@@ -30,7 +30,7 @@ impl PathGenerator {
         for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
             *slot = navigation(state);
             if let Some(live) = tracks.truth.as_live() {
-                let reported = live.told(t);
+                let reported = live.report(t);
                 (slot.age_s, slot.flags) = (reported.age_s, reported.flags);
                 record.flags |= reported.flags;
                 let earlier =

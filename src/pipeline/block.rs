@@ -4,7 +4,7 @@
 //! the node spacing). The sea comes tile by tile ([`crate::paths::block`]) and is spread at once
 //! ([`crate::echo::synth::lanes`]); targets and the direct path are scatterer paths at the gain instants,
 //! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]). A block that the run
-//! cuts short moves its nodes together. Where pulses hear more than their own emission, where polarisations
+//! cuts short moves its nodes together. Where windows hold more than their own emission, where polarisations
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of its own,
 //! and nothing is interpolated. Where a report is changed by which something is aimed, a block ends
 //! ([`PathGenerator::unbroken`]).
@@ -154,35 +154,38 @@ impl BlockEcho {
     }
 
     /// Fills the record of a pulse and the spectrum of its echo.
+    ///
+    /// # Errors
+    /// A track that ends early, or paths that cannot be followed through the block.
     pub fn make(
         &self,
         generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
-        light: &mut Workspace,
+        memory: &mut Workspace,
         work: &mut BlockWork,
         spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
         if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
             let paths = &mut work.nodes[0];
-            generator.pulse(index, light, paths, pulse)?;
+            generator.pulse(index, memory, paths, pulse)?;
             let start_s = pulse.window_start_s;
             let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             check(found)?;
-            light.costs.lap(Stage::Spread);
-            light.costs.accumulated(found.spread);
+            memory.costs.lap(Stage::Spread);
+            memory.costs.accumulated(found.spread);
             return Ok(());
         }
-        generator.record(index, light, pulse)?;
+        generator.record(index, memory, pulse)?;
         if work.held.is_none_or(|(first, end)| !(first..end).contains(&index)) {
             work.held = None;
-            work.held = Some(self.prepare(generator, index, pulse, light, work)?);
+            work.held = Some(self.prepare(generator, index, pulse, memory, work)?);
         }
         let first = work.held.map_or(index, |(first, _)| first);
         let BlockWork { frame, grids, scratch, .. } = &mut *work;
         self.synth.spectrum_in(frame, grids, (index - first) as usize, scratch, spectrum);
-        light.costs.lap(Stage::Transform);
-        light.costs.accumulated(work.spread);
+        memory.costs.lap(Stage::Transform);
+        memory.costs.accumulated(work.spread);
         Ok(())
     }
 
@@ -197,7 +200,7 @@ impl BlockEcho {
         generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
-        light: &mut Workspace,
+        memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(u64, u64), PulseError> {
         let len = self.block_pulses();
@@ -210,17 +213,17 @@ impl BlockEcho {
         let heard = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.length == 1 || !generator.receives_itself_alone(&heard, light)? {
+        if self.length == 1 || !generator.receives_itself_alone(&heard, memory)? {
             // A pulse by itself: exact scatterer paths, one node.
             let paths = &mut work.nodes[0];
-            generator.pulse(index, light, paths, pulse)?;
+            generator.pulse(index, memory, paths, pulse)?;
             work.windows_s.push(pulse.window_start_s);
             let node = Node { pulse: 0, paths };
             self.synth.fill(&[node], &work.windows_s, &mut work.part)?;
             check(work.part.found())?;
-            light.costs.lap(Stage::Fill);
+            memory.costs.lap(Stage::Fill);
             self.synth.spread(&work.part, &mut work.grids);
-            light.costs.lap(Stage::Spread);
+            memory.costs.lap(Stage::Spread);
             work.spread = work.part.found().spread;
             work.frame.clone_from(work.part.frame());
             return Ok((index, index + 1));
@@ -232,30 +235,30 @@ impl BlockEcho {
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            generator.open_block(tiers, patch, light, tiles, samples)?;
+            generator.open_block(tiers, patch, memory, tiles, samples)?;
         }
-        self.mean_doppler(generator, (first, windows_s), light, samples, nodes, mean_hz)?;
+        self.mean_doppler(generator, (first, windows_s), memory, samples, nodes, mean_hz)?;
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
-        light.costs.lap(Stage::Record);
+        memory.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
         self.synth.clear_for(pulses, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
             self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
             let tally =
-                generator.visit_tiles(patch, samples, self.least_power, tiles, &mut light.costs, |tile| {
+                generator.visit_tiles(patch, samples, self.least_power, tiles, &mut memory.costs, |tile| {
                     self.synth.spread_tile(tile, frame, lanes, grids);
                 });
             let [facets, illuminated, culled] =
                 [tally.facets, tally.illuminated, tally.culled].map(|n| n as usize);
-            light.costs.looked_at(facets, illuminated, culled);
-            light.costs.looked_at_less(tally.sidelobe as usize);
+            memory.costs.looked_at(facets, illuminated, culled);
+            memory.costs.looked_at_less(tally.sidelobe as usize);
             work.spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.point_count() > 0 {
             let step = (NODES - 1) * self.gain_pulses;
             for from in (0..pulses).step_by(step) {
-                self.points(generator, first, from..(from + step).min(pulses), light, work)?;
+                self.points(generator, first, from..(from + step).min(pulses), memory, work)?;
             }
             work.spread += work.part.found().spread;
         }
@@ -268,14 +271,14 @@ impl BlockEcho {
         &self,
         generator: &PathGenerator,
         (first, windows_s): (u64, &[f64]),
-        light: &mut Workspace,
+        memory: &mut Workspace,
         samples: &[Sample],
         points: &mut [ScattererPaths],
         mean_hz: &mut Vec<f64>,
     ) -> Result<(), PulseError> {
         let of_pulses = if generator.point_count() > 0 { &of_points(windows_s.len())[..] } else { &[] };
         for (pulse, points) in of_pulses.iter().zip(points.iter_mut()) {
-            generator.points(first + *pulse as u64, light, points)?;
+            generator.points(first + *pulse as u64, memory, points)?;
         }
         let facets = generator.facets() as f64;
         mean_hz.clear();
@@ -305,13 +308,13 @@ impl BlockEcho {
         generator: &PathGenerator,
         first: u64,
         pulses: Range<usize>,
-        light: &mut Workspace,
+        memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
         let BlockWork { nodes, frame, part, grids, .. } = work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
-            generator.points(first + (pulses.start + place) as u64, light, node)?;
+            generator.points(first + (pulses.start + place) as u64, memory, node)?;
         }
         let mut given = [Node { pulse: 0, paths: &nodes[0] }; NODES];
         for ((node, &pulse), paths) in given.iter_mut().zip(&at).zip(nodes.iter()) {
@@ -319,9 +322,9 @@ impl BlockEcho {
         }
         self.synth.fill_part(&given[..count], frame, pulses, part)?;
         check(part.found())?;
-        light.costs.lap(Stage::Fill);
+        memory.costs.lap(Stage::Fill);
         self.synth.spread_part(part, grids);
-        light.costs.lap(Stage::Spread);
+        memory.costs.lap(Stage::Spread);
         Ok(())
     }
 }

@@ -96,6 +96,9 @@ pub type RunFailure = RunError<PulseError, SinkError>;
 
 /// Makes a run ready: loads tracks, patterns and waveform, checks the outputs. Every fault found is
 /// reported, and nothing has been written when there is one.
+///
+/// # Errors
+/// All faults of the input.
 pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     if run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_))) {
         // Nobody waits for navigation to be reported this.
@@ -135,6 +138,9 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
 
 /// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal
 /// trajectory flown.
+///
+/// # Errors
+/// All faults of the input.
 pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
     let mut faults = given(run, &range);
     let scene = &run.scene;
@@ -173,13 +179,13 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
             });
             if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
                 faults.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
-                let told = |name: &str| {
+                let reported = |name: &str| {
                     errors
                         .0
                         .iter()
                         .any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
                 };
-                let hulls = scene.ships.iter().filter(|ship| !told(&ship.name)).filter_map(|ship| {
+                let hulls = scene.ships.iter().filter(|ship| !reported(&ship.name)).filter_map(|ship| {
                     let source = fleet::hull(ship).err()?;
                     Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
                 });
@@ -313,6 +319,9 @@ impl PulseStream {
     }
 
     /// Runs to the end or until `stop` is set; progress goes to `status`.
+    ///
+    /// # Errors
+    /// Live navigation that does not begin, or an output that cannot be opened. What fails later is in the outcome.
     pub fn run(
         self,
         stop: &Arc<AtomicBool>,
@@ -323,6 +332,9 @@ impl PulseStream {
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
     /// queue of its own.
+    ///
+    /// # Errors
+    /// As of [`Self::run`].
     pub fn tap(
         self,
         stop: &Arc<AtomicBool>,
@@ -331,7 +343,10 @@ impl PulseStream {
         self.start(stop, None, Some(see)).map(|(outcome, _)| outcome)
     }
 
-    /// The same, with progress, and tells what the workers have spent.
+    /// The same, with progress, and reports what the workers have spent.
+    ///
+    /// # Errors
+    /// As of [`Self::run`].
     pub fn measure(
         self,
         stop: &Arc<AtomicBool>,
@@ -433,7 +448,7 @@ fn yield_to_pacer() {
 }
 
 /// Lets every worker make a block before the clock starts, so that it has all the memory it will need, in
-/// runs that are longer than that. What fails here fails again in the run, which tells.
+/// runs that are longer than that. What fails here fails again in the run, which reports it.
 fn warm_up(factory: &PulseFactory, range: &Range<u64>, work: &mut [Workspace]) {
     let block = factory.block_pulses();
     if block <= 1 || (range.end - range.start) / block <= work.len() as u64 {
@@ -473,11 +488,11 @@ fn generate(
             commands.serve(untouched, end);
         }
     };
-    let crew = source.crew(range, work.len()).between(&between);
+    let dispatcher = source.dispatcher(range, work.len()).between(&between);
     work.par_iter_mut().with_max_len(1).try_for_each(|work| {
         // A worker that panics calls the others off as well: its pulses will never come.
-        let _watch = crew.watch();
-        while let Some(mut claim) = crew.claim(|first| first - first % length + length) {
+        let _watch = dispatcher.watch();
+        while let Some(mut claim) = dispatcher.claim(|first| first - first % length + length) {
             let begun = nav.map(|nav| {
                 // A block is made whole, whatever part of it was claimed.
                 let block = claim.first - claim.first % length + length;
@@ -488,12 +503,12 @@ fn generate(
             });
             let pulses = (claim.first..).zip(&mut claim.slots);
             for (index, slot) in pulses {
-                factory.make(index, slot, work).inspect_err(|_| crew.call_off())?;
+                factory.make(index, slot, work).inspect_err(|_| dispatcher.call_off())?;
             }
             if let (Some(nav), Some(begun)) = (nav, begun) {
                 nav.took(begun.elapsed());
             }
-            crew.deliver(claim);
+            dispatcher.deliver(claim);
         }
         Ok(())
     })

@@ -48,6 +48,9 @@ pub(super) fn enter(events: &[Event], changes: Option<&Arc<Changes>>) -> Result<
 }
 
 /// What makes the pulses of a run with its events, by clocks that are right.
+///
+/// # Errors
+/// All faults of the input.
 pub fn factory(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
     let changes = list(run);
     let (both, _) = tracks::tracks(&run.nav, &run.scene)?;

@@ -3,7 +3,7 @@
 //! Whoever holds a [`Control`] asks for a change; it is taken between two claims of the workers
 //! ([`Dispatcher::between`](crate::transport::dispatcher::Dispatcher::between)) and has effect from the first
 //! pulse that no work begun so far asks for. That is the first one that no worker has claimed or, where
-//! windows hear later emissions or flights are longer than an interval, some pulses later. The same change
+//! windows hold later emissions or flights are longer than an interval, some pulses later. The same change
 //! given as an event of the scenario at that pulse makes the same pulses, bit for bit, on any number of
 //! threads.
 //!
@@ -29,6 +29,7 @@ const GLANCE: Duration = Duration::from_millis(20);
 
 /// Why a change is not taken.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ControlError {
     /// What is wrong with it.
     #[error(transparent)]

@@ -3,7 +3,7 @@
 //!
 //! What a plan predicts is a statistic of many facets, and it is the worst pulse that is promised. On a small
 //! patch few facets decide: one that turns away between two nodes, one behind a crest, one in a null of its
-//! scattering. No sample tells which. But such a patch is cheap: so its pulses are made before anything is
+//! scattering. No sample shows which. But such a patch is cheap: so its pulses are made before anything is
 //! promised, and where they miss what is asked, finer settings are tried, then pulses one by one, then f64.
 //!
 //! ```text
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use num_complex::Complex32;
 
-use super::stages::{Echo, PulseFactory};
+use super::stages::{Echo, Mark, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
 use crate::fidelity::budget::{EXACT_DB, Plan};
@@ -47,7 +47,7 @@ const CLOSER_DB: f64 = 3.0;
 /// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions
 /// round otherwise, dB.
 const MORE_DB: f64 = 1.0;
-/// Heavier tails than this say that too few pulses were made to tell.
+/// Heavier tails than this mean that too few pulses were made to know.
 const HEAVIEST_TAIL: f64 = 1.5;
 
 /// The settings of a scene, tried where that costs little.
@@ -189,6 +189,7 @@ impl<'a> Trial<'a> {
             plan: None,
             clocks: None,
             generators: None,
+            mark: Mark::default(),
         };
         let (mut slot, mut work) = (factory.slot(), factory.workspace());
         let mut samples = Vec::with_capacity(self.chosen.pulses.len());
@@ -218,7 +219,7 @@ impl<'a> Trial<'a> {
         of_channel.fold(0.0, f64::max)
     }
 
-    /// A plan with what its pulses have; `tries` tells how many settings were tried with it.
+    /// A plan with what its pulses have; `tries` is how many settings were tried with it.
     fn judged(&self, mut plan: Plan, tries: u32) -> Result<Option<Plan>, BuildErrors> {
         let Some(samples) = self.samples(&plan)? else { return Ok(None) };
         let errors: Vec<f64> = samples.iter().zip(&self.exact).map(|(a, b)| self.error(a, b)).collect();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::dry_run;
 use super::fault::BuildErrors;
-use super::stages::{Echo, PulseFactory};
+use super::stages::{Echo, Mark, PulseFactory};
 use crate::echo::Fidelity;
 use crate::motion::PlatformTracks;
 use crate::paths::PathGenerator;
@@ -19,11 +19,17 @@ use crate::scene::clock::Clocks;
 /// What makes the pulses of a scene whose platforms move on the given tracks.
 ///
 /// This is the way in for a scene built in Rust; see `examples/scene_in_rust.rs`.
+///
+/// # Errors
+/// All faults of the scene.
 pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
     factory_of(scene, tracks, &Fidelity::Reference)
 }
 
 /// The same with a choice of how echoes are made.
+///
+/// # Errors
+/// All faults of the scene.
 pub fn factory_of(
     scene: &Scene,
     tracks: Vec<PlatformTracks>,
@@ -33,6 +39,9 @@ pub fn factory_of(
 }
 
 /// The same with clocks that are wrong.
+///
+/// # Errors
+/// All faults of the scene and its clocks.
 pub fn factory_by(
     scene: &Scene,
     tracks: Vec<PlatformTracks>,
@@ -72,5 +81,6 @@ pub fn factory_by(
         plan,
         clocks,
         generators,
+        mark: Mark::default(),
     })
 }

@@ -20,6 +20,7 @@ use thiserror::Error;
 
 /// Why a run cannot be started. Each entry is one fault of the input.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum BuildError {
     /// A platform's track.
     #[error("platform '{platform}', {role} track: {source}")]
@@ -51,10 +52,10 @@ pub enum BuildError {
         /// Why.
         source: TrackError,
     },
-    /// The sea, told beside faults of other parts.
+    /// The sea, reported beside faults of other parts.
     #[error("sea: {0}")]
     Sea(#[from] RealiseError),
-    /// A ship, told beside faults of other parts.
+    /// A ship, reported beside faults of other parts.
     #[error(transparent)]
     Ship(#[from] FleetError),
     /// The waveform.
@@ -161,7 +162,7 @@ impl From<PulseError> for BuildError {
         match error {
             PulseError::Radar(error) => error.into(),
             PulseError::Echo(error) => error.into(),
-            PulseError::Unplaced { .. } => Self::Pulse(error),
+            PulseError::Unplaced { .. } | PulseError::Workspace => Self::Pulse(error),
         }
     }
 }
@@ -189,6 +190,7 @@ impl From<FleetErrors> for BuildErrors {
 
 /// Why a pulse cannot be made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PulseError {
     /// Its scatterer paths.
     #[error(transparent)]
@@ -205,10 +207,16 @@ pub enum PulseError {
         /// How many.
         unplaced: usize,
     },
+    /// Memory that another factory gave.
+    #[error(
+        "the workspace is another factory's; allowed: one from `workspace()` of the factory that makes the pulse"
+    )]
+    Workspace,
 }
 
-/// Why a run cannot fly by its live navigation.
+/// Why a run cannot use its live navigation.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum LiveFault {
     /// The source.
     #[error(transparent)]

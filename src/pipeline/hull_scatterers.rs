@@ -79,6 +79,9 @@ impl ShipTracks {
 }
 
 /// The scene with the scatterers of its ships among its targets, and no ship that echoes by itself any more.
+///
+/// # Errors
+/// Ships whose hulls cannot be read.
 pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
     if !scene.ships.iter().any(|ship| ship.echo) {
         return Ok(Cow::Borrowed(scene));

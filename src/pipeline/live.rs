@@ -5,7 +5,7 @@
 //! ```
 //!
 //! * **Before the run.** Sources are opened, and the run waits for its first fixes, [`LiveSource::timeout_s`]
-//!   at most. What has to know the whole flight beforehand (`plan`, the outlook) goes by the nominal
+//!   at most. What has to know the whole flight beforehand (`plan`, its adequacy) goes by the nominal
 //!   trajectory of the source, or straight on from the last fix. Pulses begin when the navigation of every
 //!   live platform has reached the emission of the first one: from then on one second of the run is one
 //!   second of navigation.
@@ -35,7 +35,7 @@ use crate::motion::track::live::LiveTrack;
 use crate::nav::Place;
 use crate::nav::TrackSource;
 use crate::nav::live::{Feed, FeedCounts};
-use crate::nav::live::{Heard, LiveSource, Origin};
+use crate::nav::live::{LiveSource, Origin, ReceivedFix};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::time::TimeTag;
 use crate::transport::{Pace, Policy};
@@ -144,13 +144,13 @@ impl LiveNav {
             let bounded = !matches!(source.origin, Origin::File(_));
             let (to, through, ring) = (track.clone(), Arc::clone(&gate), Arc::clone(&bell));
             let mut plausible = MotionGate::new(run.scene.frame, source.bounds);
-            let deliver = move |heard: Heard| {
-                if bounded && through.is_ahead(heard.fix.time) {
+            let deliver = move |received: ReceivedFix| {
+                if bounded && through.is_ahead(received.fix.time) {
                     through.ahead.fetch_add(1, Ordering::Relaxed);
                     return;
                 }
-                let fixes = match plausible.judge(&heard.fix, heard) {
-                    Verdict::Believed(heard) => vec![heard],
+                let fixes = match plausible.judge(&received.fix, received) {
+                    Verdict::Believed(received) => vec![received],
                     Verdict::Refused => {
                         through.implausible.fetch_add(1, Ordering::Relaxed);
                         return;
@@ -163,8 +163,8 @@ impl LiveNav {
                         fixes
                     }
                 };
-                for heard in fixes {
-                    if to.push(&heard.fix, heard.arrived).is_err() {
+                for received in fixes {
+                    if to.push(&received.fix, received.arrived).is_err() {
                         through.unusable.fetch_add(1, Ordering::Relaxed);
                     }
                 }
@@ -189,7 +189,7 @@ impl LiveNav {
     fn await_first(&self) -> Result<(), BuildErrors> {
         let begun = Instant::now();
         loop {
-            let news = self.bell.heard();
+            let news = self.bell.count();
             let silent: Vec<&Flight> =
                 self.flights.iter().filter(|flight| !flight.track.is_ready()).collect();
             if silent.is_empty() {
@@ -231,7 +231,7 @@ impl LiveNav {
                 (None, Some((time, place, velocity))) => TrackSource::Straight {
                     place: Place::Local(place + velocity * first.since(time)),
                     velocity,
-                    attitude: Some(flight.track.told(time).state.attitude),
+                    attitude: Some(flight.track.report(time).state.attitude),
                 },
                 // Its track is that of the nominal trajectory, see [`Track::from_source`].
                 _ => continue,
@@ -264,7 +264,7 @@ impl LiveNav {
     pub(super) fn await_begin(&self, first: TimeTag, stop: &AtomicBool) -> Result<(), BuildErrors> {
         let mut silent_since = vec![(None, Instant::now()); self.flights.len()];
         loop {
-            let news = self.bell.heard();
+            let news = self.bell.count();
             let short = |flight: &Flight| flight.track.last_fix().is_none_or(|last| first.since(last) > 0.0);
             if !self.flights.iter().any(short) || stop.load(Ordering::Acquire) {
                 break;
@@ -299,7 +299,7 @@ impl LiveNav {
         let lead = (2 * self.longest() + LEAST_LEAD).min(latency / 2);
         let until = deadline.checked_sub(lead).unwrap_or(deadline);
         loop {
-            let news = self.bell.heard();
+            let news = self.bell.count();
             let short = |flight: &&Flight| flight.track.end().is_none_or(|end| need.since(end) > 0.0);
             if !self.flights.iter().any(|flight| short(&flight)) {
                 return;
@@ -405,14 +405,14 @@ impl Bell {
         self.candidate.notify_all();
     }
 
-    fn heard(&self) -> u64 {
+    fn count(&self) -> u64 {
         *self.news.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for news after those of number `heard`, at most until an instant.
-    fn wait(&self, heard: u64, until: Instant) {
+    /// Waits for news after those of number `seen`, at most until an instant.
+    fn wait(&self, seen: u64, until: Instant) {
         let mut news = self.news.lock().unwrap_or_else(PoisonError::into_inner);
-        while *news == heard {
+        while *news == seen {
             let left = until.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return;

@@ -46,6 +46,7 @@ pub struct Unheard {
 
 /// Something legal about a run that can hardly be meant.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PhysicsWarning {
     /// Targets beside the window.
     #[error("{}", unheard_text(unheard, *targets))]
@@ -198,7 +199,7 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
             for ends in &ends {
                 let path_m: f64 = ends.iter().map(|end| (*end - place).norm()).sum();
                 let delay_s = path_m / SPEED_OF_LIGHT_MPS;
-                // The window may hear the echo of another emission: the one nearest to its middle.
+                // The window may hold the echo of another emission: the one nearest to its middle.
                 let middle_s = opens_s + 0.5 * (window_s - pulse_s);
                 let delay_s = delay_s + ((middle_s - delay_s) / interval_s).round() * interval_s;
                 let off_s = (opens_s - delay_s).max(delay_s + pulse_s - opens_s - window_s).max(0.0);
@@ -342,11 +343,11 @@ mod tests {
                 peak_lsb,
             }],
         };
-        let told = |report: ConverterReport| {
+        let shown = |report: ConverterReport| {
             report.warnings().iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
         };
-        assert_eq!(told(of(100.0, 0)), "");
-        insta::assert_snapshot!(told(of(1280.0, 50)), @"channel VV: 50 of 1000 samples exceed the full scale of radar.adc, by up to 20.0 dB: a full_scale_dbw of -80.0 would hold all of them");
-        insta::assert_snapshot!(told(of(0.128, 0)), @"the strongest sample is 0.13 of a code: the full scale of radar.adc is above the signal by more than its 8 bits hold; a full_scale_dbw of -160.0 would fill them");
+        assert_eq!(shown(of(100.0, 0)), "");
+        insta::assert_snapshot!(shown(of(1280.0, 50)), @"channel VV: 50 of 1000 samples exceed the full scale of radar.adc, by up to 20.0 dB: a full_scale_dbw of -80.0 would hold all of them");
+        insta::assert_snapshot!(shown(of(0.128, 0)), @"the strongest sample is 0.13 of a code: the full scale of radar.adc is above the signal by more than its 8 bits hold; a full_scale_dbw of -160.0 would fill them");
     }
 }

@@ -19,6 +19,7 @@ pub struct Scenario(pub Run);
 
 /// Why a scenario gives no pulses.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ScenarioError {
     /// The file, with all its faults.
     #[error(transparent)]

@@ -35,9 +35,9 @@ impl SingleEcho {
         self.synth.fft_len()
     }
 
-    pub fn work(&self, pairs: usize, channels: usize, paths: usize) -> SingleWork {
+    pub fn work(&self, paths: ScattererPaths) -> SingleWork {
         SingleWork {
-            paths: ScattererPaths::new(pairs, channels, paths),
+            paths,
             block: self.synth.block(),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
@@ -46,22 +46,25 @@ impl SingleEcho {
     }
 
     /// Fills the record of a pulse and the spectrum of its echo.
+    ///
+    /// # Errors
+    /// A track that ends early, or paths that cannot be placed on the grid.
     pub fn make(
         &self,
         generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
-        light: &mut Workspace,
+        memory: &mut Workspace,
         work: &mut SingleWork,
         spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
         let SingleWork { paths, block, grids, scratch, bands } = work;
-        generator.pulse(index, light, paths, pulse)?;
+        generator.pulse(index, memory, paths, pulse)?;
         if let (Some(band_hz), Some(bands)) = (self.synth.settings().band_hz, bands) {
             let start_s = pulse.window_start_s;
             let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
-            light.costs.lap(Stage::Spread);
-            light.costs.accumulated(found.spread);
+            memory.costs.lap(Stage::Spread);
+            memory.costs.accumulated(found.spread);
             return match found.unplaced {
                 0 => Ok(()),
                 unplaced => Err(PulseError::Unplaced { unplaced }),
@@ -71,12 +74,12 @@ impl SingleEcho {
         if block.found().unplaced > 0 {
             return Err(PulseError::Unplaced { unplaced: block.found().unplaced });
         }
-        light.costs.lap(Stage::Fill);
+        memory.costs.lap(Stage::Fill);
         self.synth.spread(block, grids);
-        light.costs.lap(Stage::Spread);
+        memory.costs.lap(Stage::Spread);
         self.synth.spectrum(block, grids, 0, scratch, spectrum);
-        light.costs.lap(Stage::Transform);
-        light.costs.accumulated(block.found().spread);
+        memory.costs.lap(Stage::Transform);
+        memory.costs.accumulated(block.found().spread);
         Ok(())
     }
 }

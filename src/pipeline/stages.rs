@@ -47,6 +47,18 @@ pub struct PulseFactory {
     pub(crate) plan: Option<Plan>,
     pub(crate) clocks: Option<Arc<RunningClocks>>,
     pub(crate) generators: Option<Generators>,
+    /// Its workspaces bear the same mark.
+    pub(crate) mark: Mark,
+}
+
+/// Tells one factory from another: equal to its clones alone.
+#[derive(Clone, Default)]
+pub(crate) struct Mark(Arc<()>);
+
+impl PartialEq for Mark {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 /// From scatterer paths to spectra.
@@ -58,6 +70,9 @@ pub(crate) enum Echo {
 
 impl Echo {
     /// By a plan for a run of so many pulses, or the reference.
+    ///
+    /// # Errors
+    /// Settings that the fast echo refuses.
     pub fn of(
         plan: Option<&Plan>,
         radar: &Radar,
@@ -90,16 +105,22 @@ impl Echo {
     }
 }
 
-/// What one thread needs to make pulses without allocating.
+/// What one thread needs to make pulses without allocating. Serves the factory that it came from.
 pub struct Workspace {
+    mark: Mark,
     generator: paths::Workspace,
-    paths: ScattererPaths,
-    block: Option<BlockWork>,
-    single: Option<SingleWork>,
+    echo: EchoWork,
     spectrum: Vec<Complex64>,
     receiver: ReceiverScratch,
     clocks: Vec<ChannelClock>,
     generators: GeneratorScratch,
+}
+
+/// What one thread needs for its kind of [`Echo`].
+enum EchoWork {
+    Reference(ScattererPaths),
+    Fast(Box<BlockWork>),
+    Single(Box<SingleWork>),
 }
 
 impl Workspace {
@@ -117,7 +138,9 @@ impl Workspace {
     pub(crate) fn start_anew(&mut self) {
         self.generator.costs = Costs::default();
         self.receiver.reset_levels();
-        self.block.iter_mut().for_each(BlockWork::forget);
+        if let EchoWork::Fast(block) = &mut self.echo {
+            block.forget();
+        }
     }
 }
 
@@ -134,7 +157,7 @@ impl PulseFactory {
         let made = Generators::new(list, radar, &*self.waveform, &self.receiver, clocks)?;
         let layout = Layout { channels: radar.channels.len() + made.count(), ..self.layout };
         let receiver = self.receiver.with_behind(made.count());
-        Ok(Self { receiver, layout, generators: Some(made), ..self })
+        Ok(Self { receiver, layout, generators: Some(made), mark: Mark::default(), ..self })
     }
 
     /// Channels that carry echoes.
@@ -198,25 +221,42 @@ impl PulseFactory {
     }
 
     /// Targets that the earth hides from an antenna at a pulse.
+    ///
+    /// # Errors
+    /// A pulse that the run does not have, or a track that ends before it.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
         self.generator.beyond_horizon(index)
     }
 
-    /// The facets of the sea as a pulse's emission lights them; `None` for a scene without sea.
-    pub fn snapshot(&self, index: u64, work: &mut Workspace) -> Result<Option<Snapshot>, RadarError> {
-        self.generator.snapshot(index, &mut work.generator)
+    /// The facets of the sea as a pulse's emission illuminates them, one snapshot for each of `pulses`; none
+    /// for a scene without sea.
+    ///
+    /// # Errors
+    /// A pulse that the run does not have, or a track that ends before it.
+    pub fn snapshots(&self, pulses: &[u64]) -> Result<Vec<Snapshot>, RadarError> {
+        let mut work = self.generator.workspace();
+        pulses.iter().filter_map(|&index| self.generator.snapshot(index, &mut work).transpose()).collect()
     }
 
-    /// The scatterer paths that the window of a pulse hears, as the reference echo takes them; the rest of
-    /// the pulse but its samples is filled in.
-    pub fn contact_list<'a>(
-        &self,
-        index: u64,
-        pulse: &mut Pulse,
-        work: &'a mut Workspace,
-    ) -> Result<&'a ScattererPaths, RadarError> {
-        self.generator.pulse(index, &mut work.generator, &mut work.paths, pulse)?;
-        Ok(&work.paths)
+    /// The scatterer paths within the receive window of a pulse, as the reference echo takes them, and the
+    /// pulse with everything but its samples.
+    ///
+    /// # Errors
+    /// A pulse that the run does not have, or a track that ends before it.
+    pub fn scatterer_paths(&self, index: u64) -> Result<(Pulse, ScattererPaths), RadarError> {
+        let (mut pulse, mut paths) = (self.slot(), self.path_list());
+        self.generator.pulse(index, &mut self.generator.workspace(), &mut paths, &mut pulse)?;
+        Ok((pulse, paths))
+    }
+
+    /// Room for every facet, target and direct path, of a pulse and of two neighbours.
+    fn path_list(&self) -> ScattererPaths {
+        ScattererPaths::new(self.layout.pairs, self.echo_channels(), self.point_paths() + self.facets())
+    }
+
+    /// Most paths of targets and the direct path, of a pulse and of two neighbours.
+    fn point_paths(&self) -> usize {
+        3 * (self.layout.targets + 1)
     }
 
     /// The pair of each channel, as scatterer paths have them.
@@ -231,21 +271,19 @@ impl PulseFactory {
 
     /// Memory for one thread.
     pub fn workspace(&self) -> Workspace {
-        // Every target and the direct path, of this pulse and of two neighbours, and, where they are listed,
-        // every facet.
-        let points = 3 * (self.layout.targets + 1);
-        let paths = points + self.generator.facets();
         let (pairs, channels) = (self.layout.pairs, self.echo_channels());
-        let (block, single, paths) = match &self.echo {
-            Echo::Reference(_) => (None, None, paths),
-            Echo::Fast(echo) => (Some(echo.work(&self.generator, pairs, channels, points)), None, 0),
-            Echo::Single(echo) => (None, Some(echo.work(pairs, channels, paths)), 0),
+        let echo = match &self.echo {
+            Echo::Reference(_) => EchoWork::Reference(self.path_list()),
+            Echo::Fast(echo) => {
+                let work = echo.work(&self.generator, pairs, channels, self.point_paths());
+                EchoWork::Fast(Box::new(work))
+            }
+            Echo::Single(echo) => EchoWork::Single(Box::new(echo.work(self.path_list()))),
         };
         Workspace {
+            mark: self.mark.clone(),
             generator: self.generator.workspace(),
-            paths: ScattererPaths::new(pairs, channels, paths),
-            block,
-            single,
+            echo,
             spectrum: vec![Complex64::ZERO; channels * self.echo.fft_len()],
             receiver: self.receiver.scratch(),
             clocks: Vec::with_capacity(channels),
@@ -257,26 +295,31 @@ impl PulseFactory {
     }
 
     /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has seen
-    /// the largest scatterer path list. Tracks were checked to cover the run, so an error is a fault of the
-    /// program or a pulse that the run does not have.
+    /// the largest scatterer path list.
+    ///
+    /// # Errors
+    /// A workspace of another factory; a pulse that the run does not have. Tracks were checked to cover the
+    /// run, so any other error is a fault of the program.
     pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { generator, paths, block, single, spectrum, receiver, clocks, generators } = work;
+        let Workspace { mark, generator, echo: of_echo, spectrum, receiver, clocks, generators } = work;
+        if *mark != self.mark {
+            return Err(PulseError::Workspace);
+        }
         generator.costs.begin();
-        match (&self.echo, block, single) {
-            (Echo::Reference(echo), ..) => {
+        match (&self.echo, of_echo) {
+            (Echo::Reference(echo), EchoWork::Reference(paths)) => {
                 self.generator.pulse(index, generator, paths, pulse)?;
                 echo.spectrum(paths, pulse.window_start_s, spectrum);
                 generator.costs.lap(Stage::Spread);
                 generator.costs.accumulated(paths.len() * self.layout.pairs);
             }
-            (Echo::Fast(echo), Some(block), _) => {
-                echo.make(&self.generator, index, pulse, generator, block, spectrum)?;
+            (Echo::Fast(echo), EchoWork::Fast(work)) => {
+                echo.make(&self.generator, index, pulse, generator, work, spectrum)?;
             }
-            (Echo::Single(echo), _, Some(single)) => {
-                echo.make(&self.generator, index, pulse, generator, single, spectrum)?;
+            (Echo::Single(echo), EchoWork::Single(work)) => {
+                echo.make(&self.generator, index, pulse, generator, work, spectrum)?;
             }
-            // A workspace of another factory.
-            (Echo::Fast(_) | Echo::Single(_), ..) => spectrum.fill(Complex64::ZERO),
+            _ => return Err(PulseError::Workspace),
         }
         self.ships.record(pulse);
         if let Some(running) = &self.clocks {

@@ -20,6 +20,9 @@ pub struct TrackNote {
 }
 
 /// Loads the tracks of every platform of a scene. Their faults are collected.
+///
+/// # Errors
+/// The faults of all tracks.
 pub fn tracks(
     nav: &[PlatformNav],
     scene: &Scene,

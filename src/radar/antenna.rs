@@ -63,6 +63,9 @@ pub enum Antenna {
 
 impl Antenna {
     /// The antenna of a description, at a wavelength; reads the file of a measured pattern.
+    ///
+    /// # Errors
+    /// A file of a measured pattern that cannot be read, or its faults.
     pub fn open(pattern: &Pattern, wavelength_m: f64) -> Result<Self, PatternError> {
         Ok(match *pattern {
             Pattern::Isotropic { gain_dbi } => Self::Isotropic { gain: Decibels(gain_dbi).amplitude_ratio() },
@@ -92,21 +95,6 @@ impl Antenna {
             }
         }
     }
-
-    /// Distance from which the far-field pattern holds, `2 D^2 / lambda`, D the largest dimension of the
-    /// aperture, m. `None` for a measured pattern, whose aperture is not known.
-    pub fn far_field_m(&self) -> Option<f64> {
-        match self {
-            Self::Isotropic { .. } => Some(0.0),
-            Self::Rectangle { width_m, height_m, wavelength_m } => {
-                Some(2.0 * (width_m * width_m + height_m * height_m) / wavelength_m)
-            }
-            Self::Ellipse { width_m, height_m, wavelength_m } => {
-                Some(2.0 * width_m.max(*height_m).powi(2) / wavelength_m)
-            }
-            Self::Grid(_) => None,
-        }
-    }
 }
 
 /// `sin x / x`.
@@ -122,12 +110,6 @@ fn jinc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn far_field_of_the_paper_s_antenna() {
-        let antenna = Antenna::Rectangle { width_m: 4.0, height_m: 0.05, wavelength_m: 0.03 };
-        assert!((antenna.far_field_m().unwrap() - 1067.0).abs() < 1.0);
-    }
 
     #[test]
     fn sidelobes_alternate_and_the_back_is_dark() {

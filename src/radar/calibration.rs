@@ -21,7 +21,7 @@
 //! `t_n + w_n + i/fs` is mixed with the receiver's of that same instant, so a clock that both share leaves no
 //! turn at all. An echo left `w_n` earlier, and is turned by what a shared clock does in between
 //! ([`super::clock`]). It is sent when the receiver's own window has been open for `d`, so its place in the
-//! window tells nothing of clocks. Whole turns are taken off before they cost digits: the phase of a tone is
+//! window shows nothing of clocks. Whole turns are taken off before they cost digits: the phase of a tone is
 //! right to 2e-8 turns for any length of run (`df` below 1e8 Hz).
 //!
 //! The transform that makes the loopback has the period of the echo's, so the whole pulse must lie in the
@@ -54,6 +54,7 @@ use crate::time::{PulseTimes, TimeTag};
 
 /// Why a signal cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum CalibrationFault {
     /// A tone that the sample rate cannot hold.
     #[error(

@@ -26,6 +26,7 @@ use crate::time::TimeTag;
 
 /// Why the scatterer paths of a scene cannot be made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RadarError {
     /// The scene does not hang together.
     #[error("the radar cannot be built:{}", listed(.0))]
@@ -79,6 +80,7 @@ fn listed(faults: &[RadarFault]) -> String {
 
 /// One fault of a scene.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RadarFault {
     /// Tracks and platforms do not match.
     #[error("{tracks} tracks for {platforms} platforms")]
@@ -142,6 +144,7 @@ pub enum RadarFault {
 
 /// Why a scene's sea cannot be illuminated.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SeaFault {
     /// It cannot be drawn.
     #[error(transparent)]

@@ -41,6 +41,7 @@ const GAIN_DBI: std::ops::RangeInclusive<f64> = -300.0..=100.0;
 
 /// Why a pattern file cannot be used.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PatternError {
     /// It cannot be read.
     #[error("pattern file {}: {source}", path.display())]
@@ -72,6 +73,7 @@ fn listed(faults: &[PatternFault]) -> String {
 
 /// One fault of a pattern file.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum PatternFault {
     /// The header is not one of the two allowed.
     #[error(
@@ -277,6 +279,9 @@ pub struct GridPattern {
 
 impl GridPattern {
     /// Reads a pattern file; `floor_dbi` is the gain outside its grid.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or its faults.
     pub fn open(path: &Path, floor_dbi: f64) -> Result<Self, PatternError> {
         let read = |source| PatternError::Read { path: path.to_owned(), source };
         let bytes = inputs::read(path, MOST_BYTES).map_err(read)?;
@@ -288,6 +293,9 @@ impl GridPattern {
     }
 
     /// Reads the text of a pattern file.
+    ///
+    /// # Errors
+    /// All faults of the text, each with its line.
     pub fn parse(bytes: &[u8], floor_dbi: f64) -> Result<Self, Vec<PatternFault>> {
         let mut faults = Faults::default();
         let rows = read_rows(bytes, &mut faults);

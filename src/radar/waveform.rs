@@ -74,6 +74,9 @@ pub trait Waveform: Send + Sync {
 }
 
 /// The waveform of a description. Reads the file of a sampled one.
+///
+/// # Errors
+/// A file that cannot be read, or a pulse out of range.
 pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn Waveform>, WaveformError> {
     Ok(match description {
         scene::radar::Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
@@ -85,6 +88,7 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
 
 /// Why there is no such waveform.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum WaveformError {
     /// Swept bandwidth out of range.
     #[error("waveform bandwidth {bandwidth_hz} Hz is not allowed: 0 (no modulation) or more, finite")]
@@ -170,6 +174,7 @@ impl fmt::Display for SampleFaults {
 
 /// One fault of the samples of a waveform. Lines count from 1.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SampleFault {
     /// A line does not have two values.
     #[error("line {line}: '{text}' has {found} value(s), a sample is 're,im'")]

@@ -81,11 +81,17 @@ pub struct SeaState(f64);
 
 impl SeaState {
     /// The sea state of a number, fractions allowed.
+    ///
+    /// # Errors
+    /// A number that the model does not cover.
     pub fn new(number: f64) -> Result<Self, ClutterError> {
         within("sea state", number, SEA_STATES, "").map(|()| Self(number))
     }
 
     /// The sea state that a wind, m/s, raises in time.
+    ///
+    /// # Errors
+    /// A wind that the model does not cover.
     pub fn of_wind(wind_mps: f64) -> Result<Self, ClutterError> {
         let [least_mps, most_mps] = SEA_STATES.map(|number| Self(number).wind_mps());
         if !(least_mps..=most_mps).contains(&wind_mps) {
@@ -125,6 +131,9 @@ pub struct Copolar {
 }
 
 /// Mean `sigma0` of the sea at a carrier, Hz, and a grazing angle, rad.
+///
+/// # Errors
+/// A carrier or an angle that the model does not cover.
 pub fn sigma0(carrier_hz: f64, grazing_rad: f64, sea: SeaState) -> Result<Copolar, ClutterError> {
     let carrier_ghz = carrier_hz * 1e-9;
     within("carrier", carrier_ghz, CARRIERS_GHZ, " GHz")?;

@@ -11,7 +11,7 @@
 //! a_vh = (eps-1) rs sin d / [(ci+ri)(eps cs+rs)]
 //! ```
 //!
-//! [`alphas`] is this form. [`amplitude`] uses the same matrix written without local bases: with unit fields
+//! [`amplitude`] uses the same matrix written without local bases: with unit fields
 //! `e` and `e'` of the incident wave and of the scattered one reversed in time, and the factors
 //! `te = 1/(c+r)`, `tm = 1/(eps c+r)` of each, the fields just inside a plane boundary are (less `2c`)
 //! `E_t = te e_t +- (eps-1) te tm (e.n) k_t` and `E_z = -tm (e.n)` (`k_t`: tangential part of the direction,
@@ -19,8 +19,8 @@
 //!
 //! `ci cs (Rs^T a Ri)_pq = ci cs (eps-1) [E'_t . E_t + eps E'_z E_z]`,
 //!
-//! free of singular cases at nadir (derived from the above with `eps c^2 - r^2 = -(eps-1) sin^2`; tests hold
-//! both together).
+//! free of singular cases at nadir (derived from the above with `eps c^2 - r^2 = -(eps-1) sin^2`; tests compare
+//! it with the above).
 //!
 //! `k` is the radar wave number (rad/m), `Psi` the symmetrised two-sided height spectrum (m^4, its
 //! integral over the whole plane is the height variance): `Psi_sym(K) = [Psi(K) + Psi(-K)]/2`.
@@ -50,28 +50,6 @@ use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
 
 /// Bragg wave number below which the spectrum counts as nothing, rad/m (the forward direction).
 pub const LEAST_BRAGG_RADPM: f64 = 1e-9;
-
-/// Polarisation amplitudes `a[p][q]`, order (v, h), in the bases of the facet. `azimuth` is the cosine and
-/// sine of `d`.
-#[inline]
-pub fn alphas(eps: Complex64, cos_i: f64, cos_s: f64, azimuth: (f64, f64)) -> ScatterMatrix {
-    let (cos_d, sin_d) = azimuth;
-    let contrast = eps - 1.0;
-    if contrast == Complex64::ZERO {
-        return NO_ECHO;
-    }
-    let (ri, rs) = (refracted(eps, cos_i), refracted(eps, cos_s));
-    let sines = ((1.0 - cos_i * cos_i).max(0.0) * (1.0 - cos_s * cos_s).max(0.0)).sqrt();
-    let (tm_i, te_i) = (eps * cos_i + ri, cos_i + ri);
-    let (tm_s, te_s) = (eps * cos_s + rs, cos_s + rs);
-    [
-        [
-            quotient(contrast * (eps * sines - cos_d * ri * rs), tm_i * tm_s),
-            quotient(contrast * rs * sin_d, te_i * tm_s),
-        ],
-        [quotient(contrast * ri * sin_d, tm_i * te_s), quotient(contrast * cos_d, te_i * te_s)],
-    ]
-}
 
 /// Bragg wave vector `k (ks - ki)` on the facet's axes, rad/m.
 #[inline]

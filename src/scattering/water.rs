@@ -76,6 +76,7 @@ use crate::sea::wind::{Wind, WindError};
 
 /// Why water cannot scatter.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum WaterError {
     /// Water or carrier out of range.
     #[error(transparent)]

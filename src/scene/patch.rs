@@ -27,6 +27,7 @@ pub struct Patch {
 
 /// What is wrong with a patch.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PatchError {
     /// Not a length.
     #[error("facet of {facet_m} m: it must be a finite length above 0")]

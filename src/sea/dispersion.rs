@@ -32,6 +32,9 @@ pub struct DepthError {
 
 impl Dispersion {
     /// Checks the depth.
+    ///
+    /// # Errors
+    /// A depth outside the range.
     pub fn check(&self) -> Result<(), DepthError> {
         match self.depth_m {
             Some(depth_m) if !(DEPTH_RANGE_M[0]..=DEPTH_RANGE_M[1]).contains(&depth_m) => {

@@ -61,6 +61,9 @@ impl<T: Real> FacetSurface<T> {
     }
 
     /// The same with the waves of ships, over patches of the size of the given one.
+    ///
+    /// # Errors
+    /// Wakes that cannot be prepared for such facets.
     pub fn with_wakes(mut self, wakes: &[Wake], patch: &Patch) -> Result<Self, WakeError> {
         self.wakes = None;
         if wakes.iter().any(|wake| !wake.nodes().is_empty()) {
@@ -76,6 +79,9 @@ impl<T: Real> FacetSurface<T> {
 
     /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have
     /// been made for as many facets, which with ships are those of the patch that they were given.
+    ///
+    /// # Errors
+    /// Fields of another size, or a time that is out of reach.
     pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
         let grid = &self.grid;
         if patch.facets == [grid.nx(), grid.ny()] {

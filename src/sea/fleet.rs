@@ -83,6 +83,7 @@ pub struct FleetErrors(pub Vec<FleetError>);
 
 /// What is wrong with a ship.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShipError {
     /// Its hull.
     #[error(transparent)]
@@ -105,6 +106,9 @@ pub enum ShipError {
 }
 
 /// The hull of a ship, scaled.
+///
+/// # Errors
+/// A file that cannot be read, or dimensions out of range.
 pub fn hull(ship: &Ship) -> Result<Hull, ShipError> {
     Ok(match (&ship.hull, ship.length_m) {
         (HullGiven::File(path), None) => Hull::load(path)?,
@@ -151,12 +155,18 @@ pub fn short_waves(ships: &[Ship], facet_m: f64, shortest_radpm: f64) -> Result<
 impl Fleet {
     /// Prepares ships for the patch as it lies at some times, s after pulse 0. The faults of all ships are
     /// reported.
+    ///
+    /// # Errors
+    /// The faults of all ships.
     pub fn muster(ships: &[Ship], patches: &[(f64, Patch)]) -> Result<Self, FleetErrors> {
         Self::muster_between(ships, patches, f64::INFINITY, 0.0)
     }
 
     /// The same for a patch that moves from place to place no faster than `patch_mps` and is looked at until
     /// `held_s` after it was there: the less it can stray from these places, the fewer waves a ship needs.
+    ///
+    /// # Errors
+    /// The faults of all ships.
     pub fn muster_between(
         ships: &[Ship],
         patches: &[(f64, Patch)],
@@ -173,6 +183,9 @@ impl Fleet {
     }
 
     /// The waves of all ships alone over a patch at a time, s, in the order of the patch.
+    ///
+    /// # Errors
+    /// A patch of other facets, or a time that is out of reach.
     pub fn waves(&self, patch: &Patch, selection: Selection, time_s: f64) -> Result<Fields<f64>, WakeError> {
         let mut fields = Fields::sized(patch.len(), selection);
         Wakes::new(&self.wakes, patch, MAP_ERROR_DB)?.add(time_s, patch, &mut fields)?;

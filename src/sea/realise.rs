@@ -60,6 +60,7 @@ pub struct Realised {
 
 /// Why a sea cannot be realised.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RealiseError {
     /// The wind.
     #[error(transparent)]
@@ -113,6 +114,9 @@ pub enum RealiseError {
 }
 
 /// Resolves the wind, prepares the spectrum, draws the surface or reads it.
+///
+/// # Errors
+/// A wind, spectrum or surface out of range, or a state that cannot be read.
 pub fn realise(sea: &Sea, seed: u64) -> Result<Realised, RealiseError> {
     let wind = Wind::resolve(&sea.water.wind)?;
     let spectrum = of_water(&sea.water, &wind)?;

@@ -55,6 +55,7 @@ pub struct Wind {
 
 /// What is wrong with a wind.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WindError {
     /// Speed out of range.
     #[error("wind of {speed_mps} m/s: allowed are 0 to {MAX_SPEED_MPS} m/s")]
@@ -90,6 +91,9 @@ pub enum WindError {
 
 impl Wind {
     /// The record that follows from what the user knows.
+    ///
+    /// # Errors
+    /// A wind out of range.
     pub fn resolve(given: &WindGiven) -> Result<Self, WindError> {
         match given.strength {
             WindStrength::FrictionVelocity { ustar_mps } => {
@@ -102,6 +106,9 @@ impl Wind {
     }
 
     /// From the friction velocity of the chosen profile, m/s.
+    ///
+    /// # Errors
+    /// A friction velocity or direction out of range.
     pub fn from_friction_velocity(
         ustar_mps: f64,
         profile: WindProfile,
@@ -122,6 +129,9 @@ impl Wind {
     }
 
     /// From the mean speed (m/s) at a height (m), carried to other heights by the chosen profile.
+    ///
+    /// # Errors
+    /// A speed, height or direction out of range.
     pub fn from_speed(
         speed_mps: f64,
         height_m: f64,

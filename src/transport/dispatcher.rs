@@ -69,7 +69,7 @@ pub struct Claim {
     since: Instant,
 }
 
-/// Calls a crew off when its thread panics.
+/// Calls a dispatcher off when its thread panics.
 pub struct Watch<'a>(&'a AtomicBool);
 
 impl Drop for Watch<'_> {
@@ -234,12 +234,12 @@ mod tests {
                 }
                 seen
             });
-            let crew = Dispatcher::new(&mut producer, 5..end, 3, &worth, &stop, &health);
+            let dispatcher = Dispatcher::new(&mut producer, 5..end, 3, &worth, &stop, &health);
             thread::scope(|scope| {
                 for worker in 0..3u64 {
-                    let crew = &crew;
+                    let dispatcher = &dispatcher;
                     scope.spawn(move || {
-                        while let Some(mut claim) = crew.claim(|first| first / 4 * 4 + 4) {
+                        while let Some(mut claim) = dispatcher.claim(|first| first / 4 * 4 + 4) {
                             // One worker is slow: others deliver before it.
                             if worker == 0 {
                                 thread::sleep(Duration::from_micros(300));
@@ -247,12 +247,12 @@ mod tests {
                             for (slot, index) in claim.slots.iter_mut().zip(claim.first..) {
                                 slot.index = index;
                             }
-                            crew.deliver(claim);
+                            dispatcher.deliver(claim);
                         }
                     });
                 }
             });
-            drop(crew);
+            drop(dispatcher);
             drop(producer);
             assert_eq!(seen.join().unwrap(), pulses.collect::<Vec<_>>());
         });
@@ -263,20 +263,20 @@ mod tests {
     fn a_panic_calls_the_others_off() {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
         let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
-        let crew = Dispatcher::new(&mut producer, 0..10, 2, &worth, &stop, &health);
+        let dispatcher = Dispatcher::new(&mut producer, 0..10, 2, &worth, &stop, &health);
         let (taken, all_taken) = mpsc::channel();
         let ended = thread::scope(|scope| {
-            let crew = &crew;
+            let dispatcher = &dispatcher;
             let fails = scope.spawn(move || {
-                let _watch = crew.watch();
-                let _claim = crew.claim(|first| first + 4).unwrap();
+                let _watch = dispatcher.watch();
+                let _claim = dispatcher.claim(|first| first + 4).unwrap();
                 taken.send(()).unwrap();
                 panic!("as it should");
             });
             // All slots are with the other: this would wait for ever.
             let waits = scope.spawn(move || {
                 all_taken.recv().unwrap();
-                crew.claim(|first| first + 4).is_none()
+                dispatcher.claim(|first| first + 4).is_none()
             });
             (fails.join().is_err(), waits.join().unwrap())
         });
@@ -287,11 +287,11 @@ mod tests {
     fn nobody_claims_once_called_off() {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
         let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
-        let crew = Dispatcher::new(&mut producer, 0..10, 1, &worth, &stop, &health);
+        let dispatcher = Dispatcher::new(&mut producer, 0..10, 1, &worth, &stop, &health);
         // Never more than the ring has, however much is asked.
-        let claim = crew.claim(|first| first + 100).unwrap();
+        let claim = dispatcher.claim(|first| first + 100).unwrap();
         assert_eq!((claim.first, claim.slots.len()), (0, 4));
-        crew.call_off();
-        assert!(crew.claim(|first| first + 1).is_none());
+        dispatcher.call_off();
+        assert!(dispatcher.claim(|first| first + 1).is_none());
     }
 }

@@ -51,6 +51,9 @@ pub struct FanOut {
 }
 
 /// A queue of `slots` pulses for a sink.
+///
+/// # Errors
+/// A queue without slots.
 pub fn outlet(name: &str, slots: usize, layout: &Layout) -> Result<(Outlet, Feed), StreamError> {
     if slots == 0 {
         return Err(StreamError::EmptyQueue { sink: name.to_owned() });
@@ -76,6 +79,9 @@ impl Feed {
     }
 
     /// Waits up to `timeout` for a pulse and hands it to `take`; the slot goes back afterwards.
+    ///
+    /// # Errors
+    /// That of `take`.
     pub fn next<R, E>(
         &mut self,
         timeout: Duration,

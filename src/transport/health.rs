@@ -60,7 +60,7 @@ pub struct Lateness {
     pub mean: f64,
 }
 
-/// From the arrival of navigation to the release of the pulses that fly by it, milliseconds.
+/// From the arrival of navigation to the release of the pulses that rest on it, milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct NavigationLatency {
     /// Shortest.
@@ -167,8 +167,8 @@ impl Health {
         self.held_up.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Counts by what navigation a released pulse flies.
-    pub(crate) fn flown(&self, pulse: &Pulse) {
+    /// Counts what navigation a released pulse rests on.
+    pub(crate) fn navigated(&self, pulse: &Pulse) {
         let set = |bit| u64::from(pulse.flags & bit != 0);
         self.extrapolated.fetch_add(set(flags::NAV_EXTRAPOLATED), Ordering::Relaxed);
         self.stale.fetch_add(set(flags::NAV_STALE), Ordering::Relaxed);

@@ -27,6 +27,7 @@ pub mod stage;
 
 /// Why a stream cannot be set up.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum StreamError {
     /// The ring between generation and pacer has no slot.
     #[error("the ring between generation and pacer has 0 slots; at least 1 is needed")]

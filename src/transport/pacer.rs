@@ -23,7 +23,7 @@
 //!   carries `LATE` and counts as late, with its lateness to the unmoved deadline. The sum of the moves is
 //!   counted.
 //! - `drop`: real time is kept. Every pulse that was not made in time is discarded when it comes; missing
-//!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation is told the
+//!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation learns the
 //!   first index still worth making ([`Worth`]): the one emitted now, so that the full latency is again in
 //!   hand; the pulses between are never made. Under a lasting overload pulses therefore come in runs of about
 //!   a latency's length with gaps between. A run of which not one pulse was released ends with
@@ -70,6 +70,7 @@ const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 /// Why the pacer ended a run.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum PacerError {
     /// Policy `stop`: a pulse was not made in time.
     #[error(
@@ -160,7 +161,7 @@ pub struct Status {
     pub dropped: u64,
 }
 
-/// The first pulse that is still worth making, told by the pacer to the generation.
+/// The first pulse that is still worth making, reported by the pacer to the generation.
 #[derive(Clone, Debug, Default)]
 pub struct Worth(Arc<AtomicU64>);
 
@@ -204,7 +205,7 @@ enum Arrival {
     Ended,
 }
 
-/// What tells a pulse that was made too late from a pacer that is late.
+/// What distinguishes a pulse that was made too late from a pacer that is late.
 struct Judge {
     /// When the stream started.
     start: Instant,
@@ -239,6 +240,10 @@ impl Judge {
 
 impl Pacer {
     /// Runs until the stream ends, `stop` is set, or a sink is gone.
+    ///
+    /// # Errors
+    /// Policy `stop` and a pulse that was not made in time, nothing that could be released, or pulses out of
+    /// order.
     pub fn run(mut self, start: Instant, stop: &AtomicBool) -> Result<(), PacerError> {
         let latency = Duration::try_from_secs_f64(self.settings.latency_s.max(0.0)).unwrap_or(Duration::ZERO);
         let sleeper =
@@ -256,7 +261,7 @@ impl Pacer {
         let begin = Schedule::after(start, latency);
         let mut judge = Judge { start, zero: begin, seen_empty: None, held: Duration::ZERO, held_until: 0 };
         let mut expected = self.schedule.first;
-        let mut told = Instant::now();
+        let mut reported = Instant::now();
         let mut cut_short = false;
         while let Arrival::Pulse { mut pulse, too_late } = self.next(&mut judge, expected, stop)? {
             let index = pulse.index;
@@ -302,7 +307,7 @@ impl Pacer {
                 was_late = late;
             }
             expected = index + 1;
-            self.health.flown(&pulse);
+            self.health.navigated(&pulse);
             let Some(free) = self.fan_out.send(pulse) else {
                 cut_short = true;
                 break;
@@ -312,9 +317,9 @@ impl Pacer {
                 self.health.hold_up();
             }
             self.ring.give_back(free);
-            if self.status.is_some() && told.elapsed() >= STATUS_EVERY {
-                told = Instant::now();
-                self.tell(expected);
+            if self.status.is_some() && reported.elapsed() >= STATUS_EVERY {
+                reported = Instant::now();
+                self.send_status(expected);
             }
         }
         // Pulses at the end that were skipped or came too late are dropped, too.
@@ -323,7 +328,7 @@ impl Pacer {
             self.health.drop_pulses(end.saturating_sub(expected));
             expected = end;
         }
-        self.tell(expected);
+        self.send_status(expected);
         let (released, dropped) = (self.health.released_pulses(), self.health.dropped_pulses());
         if !cut_short && released == 0 && dropped > 0 {
             return Err(PacerError::NothingReleased { pulses: dropped, latency: self.in_hand() });
@@ -391,7 +396,7 @@ impl Pacer {
         InHand { latency_s: self.settings.latency_s, batch_s }
     }
 
-    fn tell(&self, expected: u64) {
+    fn send_status(&self, expected: u64) {
         if let Some(status) = &self.status {
             let _ = status.try_send(Status {
                 passed: expected.saturating_sub(self.schedule.first),

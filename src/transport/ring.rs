@@ -7,7 +7,7 @@
 //! The producer takes a batch of free slots ([`Producer::reserve`]), fills them in any order (in
 //! parallel, for example), and commits the batch in one step: the order in the ring is the order in
 //! the batch, whoever filled it. Where workers go at their own pace, slots are [taken](Producer::take) and
-//! [put](Producer::put) instead, and [`crew`](crate::transport::dispatcher) keeps the order.
+//! [put](Producer::put) instead, and [`dispatcher`](crate::transport::dispatcher) keeps the order.
 //!
 //! No core is burnt while an end waits. The consumer is woken by what is committed (without a lock: a flag,
 //! and a wake-up where it is set), or looks again after [`DOZE`]: where workers take all cores, looking every

@@ -109,6 +109,7 @@ impl Due {
 
 /// Why a run failed. `G` is generation's error, `S` a sink's.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RunError<G, S> {
     /// Generation failed.
     #[error("echo generation: {0}")]
@@ -225,7 +226,7 @@ impl Source {
     }
 
     /// Workers who fill the ring with some pulses, each at its own pace.
-    pub fn crew(&mut self, pulses: Range<u64>, workers: usize) -> Dispatcher<'_> {
+    pub fn dispatcher(&mut self, pulses: Range<u64>, workers: usize) -> Dispatcher<'_> {
         let Self { ring, worth, stop, health, .. } = self;
         Dispatcher::new(ring, pulses, workers, worth, stop, health)
     }
@@ -258,6 +259,9 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
     }
 
     /// Adds a sink: `body` runs in a thread of its own and reads the feed until it has ended.
+    ///
+    /// # Errors
+    /// A queue without slots.
     pub fn sink(
         &mut self,
         name: &str,

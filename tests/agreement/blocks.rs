@@ -77,13 +77,13 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
     for (node, gain, allowed_db) in
         [("1", "1", -75.0), ("8", "4", -72.0), ("12", "4", -66.0), ("16", "4", -58.0), ("12", "8", -25.0)]
     {
-        let knobs = [
+        let written = [
             ("fidelity.node_pulses", node),
             ("fidelity.gain_pulses", gain),
             ("fidelity.kernel_width", "5"),
             ("fidelity.sidelobe_db", "-400"),
         ];
-        let run = scenario("mars-1.toml", &with(&knobs));
+        let run = scenario("mars-1.toml", &with(&written));
         let error_db = worst_db(&samples(&run, range.clone()), &exact);
         println!("mars-1, 64 x 64, nodes {node} pulses apart, gains {gain}: worst {error_db:.1} dB");
         assert!(error_db < allowed_db);
@@ -98,12 +98,12 @@ fn grazing_facets_need_more_epochs_than_the_sea() {
     let range = 240..282;
     let exact = samples(&scenario("mars-4.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
     let of = |epochs| {
-        let knobs = [
+        let written = [
             ("fidelity.node_pulses", "12"),
             ("fidelity.scatter_pulses", epochs),
             ("fidelity.gain_pulses", "3"),
         ];
-        worst_db(&samples(&scenario("mars-4.toml", &with(&knobs)), range.clone()), &exact)
+        worst_db(&samples(&scenario("mars-4.toml", &with(&written)), range.clone()), &exact)
     };
     let (often, seldom) = (of("4"), of("12"));
     println!("mars-4, 64 x 64: epochs 4 pulses apart {often:.1} dB, 12 apart {seldom:.1} dB");
@@ -145,13 +145,13 @@ fn sidelobe_tiles_leave_what_their_gain_allows() {
         |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
     let exact = of(&[("fidelity.echo", "reference")]);
     let [none, far, near, all] = ["-400", "-55", "-35", "0"].map(|sidelobe_db| {
-        let knobs = [
+        let written = [
             ("fidelity.node_pulses", "12"),
             ("fidelity.scatter_pulses", "12"),
             ("fidelity.gain_pulses", "3"),
             ("fidelity.sidelobe_db", sidelobe_db),
         ];
-        let error_db = worst_db(&of(&knobs), &exact);
+        let error_db = worst_db(&of(&written), &exact);
         println!("mars-1, facets of 4 m, sidelobe below {sidelobe_db} dB: worst {error_db:.1} dB");
         error_db
     });

@@ -6,6 +6,7 @@ use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::echo::Fidelity;
 use nereus::pipeline::changing;
+use nereus::pipeline::fault::PulseError;
 use nereus::pulse::Pulse;
 
 /// Coast at 12 m, boat at 9 m and 13 m/s, 64 x 64 facets of 2 m, 2 kHz: updates of the shadows are 40 pulses
@@ -64,4 +65,21 @@ fn a_pulse_does_not_know_how_long_its_run_is() {
     let [short, long] = ["0.035", "0.15"].map(|duration_s| of(duration_s, &Fidelity::Reference));
     assert!(short.samples.as_bytes().iter().any(|byte| *byte != 0));
     assert!(short.samples == long.samples, "pulse 69 of 70 is not pulse 69 of 300");
+}
+
+/// Between kinds of echo it gave silent pulses, within a kind the block that the other factory had made.
+#[test]
+fn a_workspace_of_another_factory_is_refused() {
+    let run = coast(&[("scene.patch_size_m", "[32.0, 32.0]"), ("fidelity.node_pulses", "2")]);
+    let fast = [0, 1].map(|_| changing::factory(&run, &run.fidelity).unwrap());
+    let reference = changing::factory(&run, &Fidelity::Reference).unwrap();
+    let mut slot = fast[0].slot();
+    let mut work = fast[0].workspace();
+    fast[0].make(0, &mut slot, &mut work).unwrap();
+    for other in [&fast[1], &reference] {
+        let refused = other.make(0, &mut slot, &mut work).unwrap_err();
+        assert!(matches!(refused, PulseError::Workspace), "{refused}");
+    }
+    assert!(fast[0].make(0, &mut slot, &mut reference.workspace()).is_err());
+    fast[0].make(1, &mut slot, &mut work).unwrap();
 }

@@ -32,8 +32,7 @@ fn paths(text: &str, settings: &[(&str, &str)]) -> ScattererPaths {
     let run = scene(text, settings);
     let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
-    factory.contact_list(0, &mut slot, &mut work).unwrap().clone()
+    factory.scatterer_paths(0).unwrap().1
 }
 
 fn power(paths: &ScattererPaths) -> f64 {

@@ -1,8 +1,11 @@
 //! Whole pulses against what they must agree with.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+#[path = "../support/cases.rs"]
+mod cases;
 mod blocks;
 mod changes;
+mod closed_forms;
 mod ends;
 mod horizon;
 mod known_errors;

@@ -230,8 +230,8 @@ fn the_least_error_that_may_be_asked() {
 /// What beams that sweep leave, against the Fourier transform of their apertures.
 #[test]
 fn gains_leave_what_the_closed_form_says() {
-    use nereus::fidelity::gain::{error_power, sweep_rad_s};
-    use nereus::fidelity::interpolation::Nodes;
+    use crate::closed_forms::gain::{error_power, sweep_rad_s};
+    use crate::closed_forms::interpolation::Nodes;
     for gain_pulses in [6u32, 8, 10] {
         let settings = [
             ("scene.patch_size_m", "[128, 32]"),

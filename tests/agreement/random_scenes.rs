@@ -5,7 +5,7 @@
 //!
 //! | variable | what it sets | default |
 //! | --- | --- | --- |
-//! | `NEREUS_SCENES` | how many scenes | 12 |
+//! | `NEREUS_SCENES` | how many scenes | 12 times `NEREUS_CASES` |
 //! | `NEREUS_SEED` | seed of the first; the others follow | 1 |
 //! | `NEREUS_SHOW` | a folder that gets `scene-SEED.toml` of each, for `nereus bench FILE --error-pulses all` | none |
 //!
@@ -16,6 +16,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
+use crate::cases::cases;
 use nereus::bench::accuracy::Judge;
 use nereus::config;
 use nereus::pipeline::build;
@@ -85,7 +86,7 @@ fn measure(seed: u64) -> Result<Found, String> {
 
 #[test]
 fn promises_are_kept() {
-    let (first, count) = (variable("NEREUS_SEED", 1), variable("NEREUS_SCENES", 12));
+    let (first, count) = (variable("NEREUS_SEED", 1), variable("NEREUS_SCENES", cases(12).into()));
     let (next, done) = (AtomicU64::new(first), Mutex::new(Vec::new()));
     // Threads of their own: a pool would begin another scene while it waits for the pool of one, and so on.
     thread::scope(|scope| {

@@ -188,7 +188,7 @@ fn anything(near: f64) -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(crate::cases::proptests(96))]
 
     #[test]
     fn nothing_but_finite_comes_out(

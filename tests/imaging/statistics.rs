@@ -90,6 +90,8 @@ fn an_infinite_shape_is_rayleigh() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     #[test]
     fn any_law_gives_numbers(shape in -2.0..9.0f64, scale in -200.0..200.0f64, z in -320.0..308.0f64) {
         let law = KLaw { shape: 10f64.powf(shape), scale: 10f64.powf(scale) };

@@ -119,7 +119,7 @@ fn the_cut_of_a_real_capture() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(256) })]
 
     /// Segments shuffled and sent twice, numbers over their end, make the same stream; a lost one is a hole
     /// of its length.

@@ -205,7 +205,7 @@ fn any_stream() -> impl Strategy<Value = Vec<Vec<u8>>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(256) })]
 
     /// However a stream is cut, and whatever stands in it, the messages and counts are the same.
     #[test]

@@ -29,9 +29,9 @@ fn fix(t_s: f64) -> Fix {
 }
 
 fn away(track: &LiveTrack, t_s: f64) -> f64 {
-    let told = track.told(at(t_s)).state.position;
+    let reported = track.report(at(t_s)).state.position;
     let [x, y, z] = flown(t_s);
-    (told - Point::new(x, y, z)).norm()
+    (reported - Point::new(x, y, z)).norm()
 }
 
 #[test]
@@ -67,9 +67,13 @@ fn bits_are_those_of_a_file() {
             let Some(end) = live.end() else { continue };
             // What is new, at once: it is to stay as it is.
             while end.since(from) >= 0.0 {
-                let (told, known) = (live.told(from), file.state(from).unwrap());
-                assert_eq!((told.state, told.flags, told.age_s), (known, 0, 0.0), "{from} {attitude:?}");
-                assert!(told.arrived.is_some());
+                let (reported, known) = (live.report(from), file.state(from).unwrap());
+                assert_eq!(
+                    (reported.state, reported.flags, reported.age_s),
+                    (known, 0, 0.0),
+                    "{from} {attitude:?}"
+                );
+                assert!(reported.arrived.is_some());
                 compared += 1;
                 from = from.plus(0.00371);
             }
@@ -89,7 +93,7 @@ fn fly(
     late_s: f64,
     silent: std::ops::Range<f64>,
 ) -> Vec<(f64, nereus::motion::track::live::Reported)> {
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let mut next = 0;
     for tick in 0..3000 {
         let t_s = 0.02 * f64::from(tick);
@@ -104,22 +108,22 @@ fn fly(
             continue;
         }
         live.extend(at(t_s));
-        told.push((t_s, live.told(at(t_s))));
+        reported.push((t_s, live.report(at(t_s))));
     }
-    told
+    reported
 }
 
 #[test]
 fn what_was_told_stays_and_is_smooth() {
     for (late_s, silent) in [(0.05, 0.0..0.0), (0.05, 20.0..30.0), (0.4, 20.0..23.0), (-0.5, 20.0..30.0)] {
         let live = LiveTrack::new(SceneFrame::plain(Earth::Flat), AttitudeSource::Recorded, 1.0, 0.5);
-        let told = fly(&live, late_s, silent.clone());
-        assert!(told.len() > 2800);
+        let reported = fly(&live, late_s, silent.clone());
+        assert!(reported.len() > 2800);
         let mut worst_mps2 = 0f64;
-        for pair in told.windows(2) {
+        for pair in reported.windows(2) {
             let ((a_s, a), (b_s, b)) = (pair[0], pair[1]);
-            // Nothing that has been told has changed.
-            assert_eq!(live.told(at(a_s)).state, a.state, "{late_s} {a_s}");
+            // Nothing that has been reported has changed.
+            assert_eq!(live.report(at(a_s)).state, a.state, "{late_s} {a_s}");
             // A path that jumps, or goes where its velocity does not lead, needs an endless acceleration.
             let step_s = b_s - a_s;
             let predicted = a.state.position + a.state.velocity * step_s;
@@ -134,26 +138,26 @@ fn what_was_told_stays_and_is_smooth() {
         // way back lags by 0.6 T times the velocity that is missed.
         let unknown_s = late_s.max(0.0) + 0.2;
         let bound = 10.0 * unknown_s * (unknown_s + 0.6 * 0.3) + 0.5;
-        for (t_s, told) in &told {
+        for (t_s, reported) in &reported {
             let in_silence =
                 t_s - 0.5 - late_s.max(0.0) > silent.start && *t_s < silent.end + late_s.min(0.0);
             if in_silence {
-                assert!(told.flags & NAV_EXTRAPOLATED != 0, "{t_s}");
+                assert!(reported.flags & NAV_EXTRAPOLATED != 0, "{t_s}");
             }
             if in_silence && t_s - silent.start > 0.7 {
-                assert!(told.flags & NAV_STALE != 0, "{t_s}");
+                assert!(reported.flags & NAV_STALE != 0, "{t_s}");
                 let age_s = t_s - (silent.start - 0.1);
-                assert!((told.age_s - age_s).abs() < 0.11, "{t_s} {}", told.age_s);
+                assert!((reported.age_s - age_s).abs() < 0.11, "{t_s} {}", reported.age_s);
             }
             if late_s < 0.0 && (*t_s > 3.0 && *t_s < silent.start - 0.4 || *t_s > silent.end + 25.0) {
-                assert_eq!((told.flags, told.age_s), (0, 0.0), "{t_s}");
+                assert_eq!((reported.flags, reported.age_s), (0, 0.0), "{t_s}");
             }
             if *t_s > 3.0 && *t_s < silent.start - 0.1 {
                 assert!(away(&live, *t_s) < bound, "{t_s} {} {bound}", away(&live, *t_s));
             }
         }
         // 10 s of silence on a circle: 460 m away, and back within sqrt(5.8 460 / 20) = 12 s.
-        let (last_s, last) = told[told.len() - 1];
+        let (last_s, last) = reported[reported.len() - 1];
         if silent.end > silent.start {
             let stray = away(&live, silent.end - 0.2);
             assert!(stray > if silent.end - silent.start > 5.0 { 100.0 } else { 5.0 }, "{stray}");
@@ -169,18 +173,18 @@ fn gaps_are_not_interpolated_in_silence() {
     for k in (0..30).chain(60..100) {
         live.push(&fix(0.1 * f64::from(k)), Instant::now()).unwrap();
     }
-    let flags = |t_s: f64| live.told(at(t_s)).flags;
+    let flags = |t_s: f64| live.report(at(t_s)).flags;
     assert_eq!((flags(1.0), flags(7.0)), (0, 0));
     assert_eq!(flags(4.5), NAV_EXTRAPOLATED);
-    assert!((live.told(at(4.5)).age_s - 1.6).abs() < 1e-9);
+    assert!((live.report(at(4.5)).age_s - 1.6).abs() < 1e-9);
 }
 
 #[test]
 fn unusable_fixes_are_left() {
     let live = LiveTrack::new(SceneFrame::plain(Earth::Flat), AttitudeSource::Recorded, 1.0, 0.5);
     let now = Instant::now();
-    let told = live.told(at(0.0));
-    assert_eq!(told.flags, NAV_EXTRAPOLATED | NAV_STALE);
+    let reported = live.report(at(0.0));
+    assert_eq!(reported.flags, NAV_EXTRAPOLATED | NAV_STALE);
     let mut bare = fix(0.0);
     bare.yaw_pitch_roll_rad = None;
     assert_eq!(live.push(&bare, now), Err(Unusable::NoAttitude));

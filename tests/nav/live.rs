@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use nereus::nav::completion::{Completer, Reported};
 use nereus::nav::encode::{Format, Sentence};
 use nereus::nav::epoch::Epoch;
-use nereus::nav::live::{Ear, Feed, FeedCounts, FeedError, Heard, LiveSource, Origin};
+use nereus::nav::live::{Feed, FeedCounts, FeedError, FixDecoder, LiveSource, Origin, ReceivedFix};
 use nereus::nav::{AttitudeSource, FileFormat, FileSource, Fix, NavError, VerticalDatum, nmea, pcap, replay};
 use nereus::time::TimeTag;
 use proptest::prelude::*;
@@ -40,19 +40,19 @@ fn source(origin: Origin) -> LiveSource {
     }
 }
 
-fn ear(wait_s: f64) -> Ear {
-    Ear::new(VerticalDatum::MeanSeaLevel, 41.0, AttitudeSource::Recorded, wait_s)
+fn decoder(wait_s: f64) -> FixDecoder {
+    FixDecoder::new(VerticalDatum::MeanSeaLevel, 41.0, AttitudeSource::Recorded, wait_s)
 }
 
-/// The fixes of some pieces: those told while they come, and those told at the end.
-fn heard(pieces: &[&[u8]], wait_s: f64) -> (Vec<Fix>, Vec<Fix>) {
-    let mut ear = ear(wait_s);
-    let (mut told, mut last) = (Vec::new(), Vec::new());
+/// The fixes of some pieces: those reported while they come, and those reported at the end.
+fn decoded(pieces: &[&[u8]], wait_s: f64) -> (Vec<Fix>, Vec<Fix>) {
+    let mut decoder = decoder(wait_s);
+    let (mut reported, mut last) = (Vec::new(), Vec::new());
     for piece in pieces {
-        ear.hear(piece, &mut |fix| told.push(fix));
+        decoder.push(piece, &mut |fix| reported.push(fix));
     }
-    ear.finish(&mut |fix| last.push(fix));
-    (told, last)
+    decoder.finish(&mut |fix| last.push(fix));
+    (reported, last)
 }
 
 /// Cuts a stream into pieces of these lengths, over and over.
@@ -110,10 +110,10 @@ fn a_stream_gives_the_fixes_of_its_file() {
         let source = FileSource { format, ..sources::nmea(name) };
         let wanted = replay::parse(&bytes, &source).unwrap().fixes;
         for lengths in [&[1][..], &[7, 1, 300], &[4096]] {
-            let (told, last) = heard(&cut(&bytes, lengths), source.max_gap_s);
+            let (reported, last) = decoded(&cut(&bytes, lengths), source.max_gap_s);
             // The epoch of a sentence waits for the next, a log without headings for as long as it may.
             println!("{name}: {} fixes, {} of them at the end", wanted.len(), last.len());
-            assert!(same(&[told, last].concat(), &wanted), "{name}");
+            assert!(same(&[reported, last].concat(), &wanted), "{name}");
         }
         all += wanted.len();
     }
@@ -123,69 +123,69 @@ fn a_stream_gives_the_fixes_of_its_file() {
 /// INSPVAX is reported with its last byte, an epoch of sentences with the next one.
 #[test]
 fn latency_of_messages() {
-    let mut told = Vec::new();
-    let mut heard = ear(10.0);
-    heard.hear(&epoch(0), &mut |fix| told.push(fix));
-    assert_eq!(seconds(&told), [] as [f64; 0]);
+    let mut reported = Vec::new();
+    let mut received = decoder(10.0);
+    received.push(&epoch(0), &mut |fix| reported.push(fix));
+    assert_eq!(seconds(&reported), [] as [f64; 0]);
     // The first sentence of the next epoch.
     let next = epoch(1);
     let first = next.iter().position(|byte| *byte == b'\n').unwrap() + 1;
-    heard.hear(&next[..first - 1], &mut |fix| told.push(fix));
-    assert_eq!(told.len(), 0);
-    heard.hear(&next[first - 1..first], &mut |fix| told.push(fix));
-    assert_eq!(seconds(&told), [0.0]);
+    received.push(&next[..first - 1], &mut |fix| reported.push(fix));
+    assert_eq!(reported.len(), 0);
+    received.push(&next[first - 1..first], &mut |fix| reported.push(fix));
+    assert_eq!(seconds(&reported), [0.0]);
     let message = inspvax(2);
-    heard.hear(&message[..message.len() - 1], &mut |fix| told.push(fix));
-    heard.hear(&message[message.len() - 1..], &mut |fix| told.push(fix));
-    assert_eq!(seconds(&told), [0.0, 1.0, 2.0]);
+    received.push(&message[..message.len() - 1], &mut |fix| reported.push(fix));
+    received.push(&message[message.len() - 1..], &mut |fix| reported.push(fix));
+    assert_eq!(seconds(&reported), [0.0, 1.0, 2.0]);
 }
 
 /// Who has no height and no heading waits for them once, as long as it may, and then no longer.
 #[test]
 fn what_never_comes_is_not_waited_for_twice() {
     let rmc = |second: u32| said(second, &Format::Nmea(vec![Sentence::Rmc]));
-    let mut ear = ear(3.0);
-    let mut told = Vec::new();
+    let mut decoder = decoder(3.0);
+    let mut reported = Vec::new();
     let mut after = Vec::new();
     for second in 0..8 {
-        ear.hear(&rmc(second), &mut |fix| told.push(fix));
-        after.push(told.len());
+        decoder.push(&rmc(second), &mut |fix| reported.push(fix));
+        after.push(reported.len());
     }
     // Epoch n is closed by n + 1; epoch 4 is the first more than 3 s after epoch 0.
     assert_eq!(after, [0, 0, 0, 0, 0, 5, 6, 7]);
-    assert_eq!((ear.completion().heights_filled, ear.completion().headings_filled), (7, 0));
+    assert_eq!((decoder.completion().heights_filled, decoder.completion().headings_filled), (7, 0));
     // A height comes, and is waited for again.
     for second in 8..10 {
-        ear.hear(&epoch(second), &mut |fix| told.push(fix));
+        decoder.push(&epoch(second), &mut |fix| reported.push(fix));
     }
     for second in 10..12 {
-        ear.hear(&rmc(second), &mut |fix| told.push(fix));
+        decoder.push(&rmc(second), &mut |fix| reported.push(fix));
     }
-    assert_eq!(told.len(), 10);
-    ear.hear(&[epoch(12), epoch(13)].concat(), &mut |fix| told.push(fix));
-    assert_eq!(told.len(), 13);
+    assert_eq!(reported.len(), 10);
+    decoder.push(&[epoch(12), epoch(13)].concat(), &mut |fix| reported.push(fix));
+    assert_eq!(reported.len(), 13);
     // In between: 1246.8 + 41 m is not known at 10 s, but 1 m a second is.
     let height_m = |fix: &Fix| match fix.place {
         nereus::nav::Place::Geodetic(place) => place.h_m,
         place => panic!("{place:?}"),
     };
-    assert_eq!(height_m(&told[7]), 41.0);
+    assert_eq!(height_m(&reported[7]), 41.0);
     // Two digits of 1e-5 m each, and the separation's 1e-4 m.
-    assert!((height_m(&told[10]) - height_m(&told[9]) - 1.0).abs() < 1.5e-4);
-    assert!(told[10].yaw_pitch_roll_rad.is_some() && told[6].yaw_pitch_roll_rad.is_none());
+    assert!((height_m(&reported[10]) - height_m(&reported[9]) - 1.0).abs() < 1.5e-4);
+    assert!(reported[10].yaw_pitch_roll_rad.is_some() && reported[6].yaw_pitch_roll_rad.is_none());
 }
 
 #[test]
 fn clocks_that_step() {
-    let mut ear = ear(10.0);
-    let mut told = Vec::new();
+    let mut decoder = decoder(10.0);
+    let mut reported = Vec::new();
     // Back by 2 and 0 s: out of order. Back by 20 s: steps. 60 s ahead, alone: a step. From 100 on: believed
     // with the second.
     for second in [30, 31, 29, 31, 11, 12, 32, 92, 33, 100, 99, 101, 80, 102] {
-        ear.hear(&inspvax(second), &mut |fix| told.push(fix));
+        decoder.push(&inspvax(second), &mut |fix| reported.push(fix));
     }
-    assert_eq!(seconds(&told), [30.0, 31.0, 32.0, 33.0, 100.0, 101.0, 102.0]);
-    let counts = ear.completion();
+    assert_eq!(seconds(&reported), [30.0, 31.0, 32.0, 33.0, 100.0, 101.0, 102.0]);
+    let counts = decoder.completion();
     // 29, 31 and 99; 11, 12, 92 and 80.
     assert_eq!((counts.out_of_order, counts.clock_steps), (3, 4));
 }
@@ -194,18 +194,18 @@ fn clocks_that_step() {
 #[test]
 fn wrong_stamps_cost_little() {
     let tell = |order: &[u32]| {
-        let mut ear = ear(1.0);
-        let mut told = Vec::new();
-        order.iter().for_each(|second| ear.hear(&inspvax(*second), &mut |fix| told.push(fix)));
-        let counts = ear.completion();
-        (seconds(&told), counts.out_of_order, counts.clock_steps)
+        let mut decoder = decoder(1.0);
+        let mut reported = Vec::new();
+        order.iter().for_each(|second| decoder.push(&inspvax(*second), &mut |fix| reported.push(fix)));
+        let counts = decoder.completion();
+        (seconds(&reported), counts.out_of_order, counts.clock_steps)
     };
     // 3 s ahead, less than two talkers may differ: it is the one that follows that counts.
     assert_eq!(tell(&[30, 31, 34, 32, 33, 34, 35]), (vec![30.0, 31.0, 32.0, 33.0, 34.0, 35.0], 0, 1));
     // Two messages of another hour confirm each other; the third that follows from the old time on is
     // believed again.
-    let told = vec![30.0, 31.0, 91.0, 92.0, 34.0, 35.0];
-    assert_eq!(tell(&[30, 31, 91, 92, 32, 33, 34, 35]), (told, 0, 3));
+    let reported = vec![30.0, 31.0, 91.0, 92.0, 34.0, 35.0];
+    assert_eq!(tell(&[30, 31, 91, 92, 32, 33, 34, 35]), (reported, 0, 3));
 }
 
 /// What waits is bounded by number where it is not by time.
@@ -221,16 +221,16 @@ fn not_more_than_so_many_wait() {
     let completer = || Completer::for_stream(VerticalDatum::Ellipsoid, 0.0, 86_400.0, true);
     let fixes = |completer: &mut Completer, epoch: Epoch| {
         let mut fixes = 0;
-        completer.push(epoch, &mut |told| fixes += u64::from(matches!(told, Reported::Fix(_))));
+        completer.push(epoch, &mut |reported| fixes += u64::from(matches!(reported, Reported::Fix(_))));
         fixes
     };
     // Nobody says a heading.
     let mut headless = completer();
-    let told: Vec<u64> = (0..20_000).map(|n| fixes(&mut headless, at(n, Some(17_000)))).collect();
+    let reported: Vec<u64> = (0..20_000).map(|n| fixes(&mut headless, at(n, Some(17_000)))).collect();
     let full = MOST as usize;
-    assert!(told[..full].iter().all(|fixes| *fixes == 0));
-    assert_eq!(told[full], MOST + 1);
-    assert!(told[full + 1..].iter().all(|fixes| *fixes == 1));
+    assert!(reported[..full].iter().all(|fixes| *fixes == 0));
+    assert_eq!(reported[full], MOST + 1);
+    assert!(reported[full + 1..].iter().all(|fixes| *fixes == 1));
     // Nobody says the date, until one does.
     let mut undated = completer();
     for n in 0..20_000 {
@@ -243,14 +243,14 @@ fn not_more_than_so_many_wait() {
 /// What a feed tells, and the feed.
 struct Listening {
     feed: Feed,
-    from: Receiver<Heard>,
+    from: Receiver<ReceivedFix>,
 }
 
 impl Listening {
     fn open(origin: Origin) -> Self {
         let (to, from) = channel();
-        let deliver = move |heard| {
-            let _ = to.send(heard);
+        let deliver = move |received| {
+            let _ = to.send(received);
         };
         Self { feed: Feed::open(&source(origin), "ship", start(), deliver).unwrap(), from }
     }
@@ -294,7 +294,7 @@ mod terminals {
     #[test]
     fn garbage_and_half_sentences_on_a_port() {
         let (mut to, port_of) = TTYPort::pair().unwrap();
-        let told = Listening::open(port(Path::new(&port_of.name().unwrap())));
+        let reported = Listening::open(port(Path::new(&port_of.name().unwrap())));
         let gga = said(1, &Format::Nmea(vec![Sentence::Gga]));
         let wrong = String::from_utf8(gga.clone()).unwrap().replace("GPGGA,1840", "GPGGA,1849");
         let stream = [
@@ -313,9 +313,9 @@ mod terminals {
         for piece in cut(&stream, &[5, 200, 1]) {
             to.write_all(piece).unwrap();
         }
-        let counts = told.until(|counts| counts.bytes == stream.len() as u64);
-        assert_eq!(told.next(3), [0.0, 1.0, 2.0]);
-        assert!(told.is_silent());
+        let counts = reported.until(|counts| counts.bytes == stream.len() as u64);
+        assert_eq!(reported.next(3), [0.0, 1.0, 2.0]);
+        assert!(reported.is_silent());
         // Three epochs of seven sentences, and INSPVAX.
         assert_eq!((counts.good, counts.fixes), (22, 3));
         // The noise, half a GGA, the other half.
@@ -331,22 +331,22 @@ mod terminals {
         let path = folder.path().join("gps");
         let (mut to, first) = TTYPort::pair().unwrap();
         symlink(first.name().unwrap(), &path).unwrap();
-        let told = Listening::open(port(&path));
+        let reported = Listening::open(port(&path));
         // The second epoch breaks off.
         let begun = [epoch(0), inspvax(1), epoch(2)[..40].to_vec()].concat();
         to.write_all(&begun).unwrap();
-        told.until(|counts| counts.bytes == begun.len() as u64);
-        assert_eq!(told.next(2), [0.0, 1.0]);
+        reported.until(|counts| counts.bytes == begun.len() as u64);
+        assert_eq!(reported.next(2), [0.0, 1.0]);
         std::fs::remove_file(&path).unwrap();
         drop((to, first));
-        let counts = told.until(|counts| counts.vanished == 1);
+        let counts = reported.until(|counts| counts.vanished == 1);
         assert!(!counts.connected && counts.malformed == 1, "{counts:?}");
         let (mut to, second) = TTYPort::pair().unwrap();
         symlink(second.name().unwrap(), &path).unwrap();
-        told.until(|counts| counts.connected);
+        reported.until(|counts| counts.connected);
         to.write_all(&[epoch(3), epoch(4)].concat()).unwrap();
-        assert_eq!(told.next(1), [3.0]);
-        let counts = told.until(|counts| counts.good == 7 + 1 + 14);
+        assert_eq!(reported.next(1), [3.0]);
+        let counts = reported.until(|counts| counts.good == 7 + 1 + 14);
         assert_eq!((counts.vanished, counts.reopened, counts.bad_checksum), (1, 1, 0));
         assert_eq!((counts.malformed, counts.fixes), (1, 3));
     }
@@ -361,10 +361,10 @@ mod terminals {
 /// A read waits 40 ms. Of three tries the shortest, because others use the machine too.
 fn ends_at_once(origin: &Origin) {
     let shortest = (0..3).map(|_| {
-        let told = Listening::open(origin.clone());
+        let reported = Listening::open(origin.clone());
         sleep(Duration::from_millis(10));
         let begun = Instant::now();
-        drop(told.feed);
+        drop(reported.feed);
         begun.elapsed()
     });
     let shortest = shortest.min().unwrap();
@@ -389,54 +389,54 @@ fn every_origin_ends_at_once() {
 fn a_sender_that_closes_and_listens_again() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
-    let told = Listening::open(Origin::TcpConnect(address));
+    let reported = Listening::open(Origin::TcpConnect(address));
     let (mut to, _) = listener.accept().unwrap();
     let begun = [inspvax(0), inspvax(1)[..100].to_vec()].concat();
     to.write_all(&begun).unwrap();
-    assert_eq!(told.next(1), [0.0]);
-    told.until(|counts| counts.bytes == begun.len() as u64);
+    assert_eq!(reported.next(1), [0.0]);
+    reported.until(|counts| counts.bytes == begun.len() as u64);
     drop((to, listener));
-    let counts = told.until(|counts| counts.vanished == 1);
+    let counts = reported.until(|counts| counts.vanished == 1);
     assert!(!counts.connected);
     let listener = TcpListener::bind(address).unwrap();
     let (mut to, _) = listener.accept().unwrap();
     // Whatever was half is gone: the first message is whole.
     to.write_all(&[inspvax(2), inspvax(3)].concat()).unwrap();
-    assert_eq!(told.next(2), [2.0, 3.0]);
-    let counts = told.feed.counts();
+    assert_eq!(reported.next(2), [2.0, 3.0]);
+    let counts = reported.feed.counts();
     assert_eq!((counts.vanished, counts.reopened, counts.good, counts.connected), (1, 1, 3, true));
     // Silence is nothing but silence.
-    assert!(told.is_silent());
-    assert!(told.feed.counts() == counts);
+    assert!(reported.is_silent());
+    assert!(reported.feed.counts() == counts);
 }
 
 #[test]
 fn one_sender_at_a_time() {
     // A port that is free a moment before.
     let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let told = Listening::open(Origin::TcpListen(address));
-    assert!(!told.feed.counts().connected);
+    let reported = Listening::open(Origin::TcpListen(address));
+    assert!(!reported.feed.counts().connected);
     let mut first = TcpStream::connect(address).unwrap();
     first.write_all(&inspvax(0)).unwrap();
-    assert_eq!(told.next(1), [0.0]);
+    assert_eq!(reported.next(1), [0.0]);
     let mut second = TcpStream::connect(address).unwrap();
-    told.until(|counts| counts.refused == 1);
+    reported.until(|counts| counts.refused == 1);
     let _ = second.write_all(&inspvax(7));
     first.write_all(&inspvax(1)).unwrap();
-    assert_eq!(told.next(1), [1.0]);
+    assert_eq!(reported.next(1), [1.0]);
     drop(first);
-    told.until(|counts| counts.vanished == 1);
+    reported.until(|counts| counts.vanished == 1);
     let mut third = TcpStream::connect(address).unwrap();
     third.write_all(&inspvax(2)).unwrap();
-    assert_eq!(told.next(1), [2.0]);
-    let counts = told.feed.counts();
+    assert_eq!(reported.next(1), [2.0]);
+    let counts = reported.feed.counts();
     assert_eq!((counts.reopened, counts.refused, counts.good, counts.malformed), (1, 1, 3, 0));
 }
 
 #[test]
 fn datagrams_are_heard() {
     let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let told = Listening::open(Origin::Udp(address));
+    let reported = Listening::open(Origin::Udp(address));
     let from = UdpSocket::bind("127.0.0.1:0").unwrap();
     let mut sent = 0;
     // A message in two, an empty one, the longest.
@@ -446,8 +446,8 @@ fn datagrams_are_heard() {
         from.send_to(datagram, address).unwrap();
         sent += datagram.len() as u64;
     }
-    assert_eq!(told.next(3), [0.0, 1.0, 2.0]);
-    let counts = told.feed.counts();
+    assert_eq!(reported.next(3), [0.0, 1.0, 2.0]);
+    let counts = reported.feed.counts();
     // 65001 bytes without a line end: 15 whole pieces of 4096 and the rest.
     assert_eq!((counts.bytes, counts.good, counts.malformed), (sent, 3, 16));
 }
@@ -459,19 +459,19 @@ fn a_file_is_replayed_in_time() {
         replay::load(&FileSource { format: FileFormat::Inspvax, ..sources::nmea(path.to_str().unwrap()) });
     let whole = whole.unwrap().fixes;
     let from = TimeTag::from_iso8601("2014-11-24T20:30:34.35Z").unwrap();
-    let (to, told) = channel();
+    let (to, reported) = channel();
     let opened = Instant::now();
-    let feed = Feed::open(&source(Origin::File(path.clone())), "cart", from, move |heard: Heard| {
-        let _ = to.send(heard);
+    let feed = Feed::open(&source(Origin::File(path.clone())), "cart", from, move |received: ReceivedFix| {
+        let _ = to.send(received);
     })
     .unwrap();
     // From 10 s before: 200 at once, of which the last is that of `from`, then ten in half a second.
-    let heard: Vec<Heard> = (0..211).map(|_| told.recv_timeout(PATIENCE).unwrap()).collect();
-    let fixes: Vec<Fix> = heard.iter().map(|heard| heard.fix).collect();
+    let received: Vec<ReceivedFix> = (0..211).map(|_| reported.recv_timeout(PATIENCE).unwrap()).collect();
+    let fixes: Vec<Fix> = received.iter().map(|received| received.fix).collect();
     assert!(same(&fixes, &whole[whole.len() - 211..]));
-    for heard in &heard {
-        let due_s = heard.fix.time.since(from);
-        assert!((heard.arrived - opened).as_secs_f64() >= due_s, "{due_s}");
+    for received in &received {
+        let due_s = received.fix.time.since(from);
+        assert!((received.arrived - opened).as_secs_f64() >= due_s, "{due_s}");
     }
     assert!(opened.elapsed() >= Duration::from_millis(500));
     let ended = Instant::now();
@@ -485,14 +485,14 @@ fn a_file_is_replayed_in_time() {
     let text = serde_json::to_string(&counts).unwrap();
     assert!(text.contains("\"last_fix\":\"2014-11-24T20:30:34.850000Z\""), "{text}");
     // Without a begin its own begin counts.
-    let (to, told) = channel();
-    let feed = Feed::open(&source(Origin::File(path)), "cart", None, move |heard: Heard| {
-        let _ = to.send(heard.fix);
+    let (to, reported) = channel();
+    let feed = Feed::open(&source(Origin::File(path)), "cart", None, move |received: ReceivedFix| {
+        let _ = to.send(received.fix);
     })
     .unwrap();
-    assert!(same(&[told.recv_timeout(PATIENCE).unwrap()], &whole[..1]));
+    assert!(same(&[reported.recv_timeout(PATIENCE).unwrap()], &whole[..1]));
     drop(feed);
-    assert!(told.iter().count() < 250);
+    assert!(reported.iter().count() < 250);
 }
 
 #[test]
@@ -548,22 +548,22 @@ fn any_stream() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(512) })]
 
     /// However it is cut, a stream gives the bits of its file: at once what it can, the rest at the end.
     #[test]
     fn any_stream_gives_the_fixes_of_its_file(stream in any_stream(), lengths in proptest::collection::vec(1usize..200, 1..20)) {
         // Nothing lasts longer than 33 s, so nobody waits too long.
         let source = FileSource { max_gap_s: 60.0, ..sources::nmea("t") };
-        let (told, last) = heard(&cut(&stream, &lengths), source.max_gap_s);
-        let all = [told.clone(), last].concat();
+        let (reported, last) = decoded(&cut(&stream, &lengths), source.max_gap_s);
+        let all = [reported.clone(), last].concat();
         match nmea::parse(&stream, &source) {
             Ok(recording) => prop_assert!(same(&all, &recording.fixes), "{:?} {:?}", all, recording.fixes),
             Err(NavError::NoFix { .. }) => prop_assert!(all.is_empty()),
             Err(_) => prop_assert!(all.len() < 2, "{:?}", all),
         }
-        let (again, _) = heard(&[&stream], source.max_gap_s);
-        prop_assert!(same(&told, &again));
+        let (again, _) = decoded(&[&stream], source.max_gap_s);
+        prop_assert!(same(&reported, &again));
     }
 
     /// Times increase whatever comes, and nothing panics.
@@ -577,8 +577,8 @@ proptest! {
             stream.extend(if second % 3 == 0 { inspvax(second) } else { said(second, &Format::Nmea(vec![Sentence::ALL[second as usize % 7]])) });
             stream.extend(garbage);
         }
-        let (told, last) = heard(&[&stream], wait_s);
-        let all = [told, last].concat();
+        let (reported, last) = decoded(&[&stream], wait_s);
+        let all = [reported, last].concat();
         // In order, but where a clock that stepped is believed.
         let mut steps = all.windows(2).map(|pair| pair[1].time.since(pair[0].time));
         prop_assert!(steps.all(|step_s| !(-5.0..=0.0).contains(&step_s)));

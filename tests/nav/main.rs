@@ -1,6 +1,8 @@
 //! Navigation: files to fixes, fixes to tracks.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+#[path = "../support/cases.rs"]
+mod cases;
 mod captures;
 mod converter;
 mod csv_tracks;

@@ -99,7 +99,7 @@ fn dropouts_come_as_often_and_last_as_long_as_asked() {
     let model = ErrorModel { rate_hz: Some(10.0), dropouts: Some(dropouts), ..ErrorModel::default() };
     let times = PulseTimes::uniform(1.0).unwrap();
     let errors = Errors::new(&model, &of(&times, 100_000)).unwrap();
-    let lost: Vec<bool> = (0..1_000_000).map(|k| errors.heard(f64::from(k) * 0.1).dropout).collect();
+    let lost: Vec<bool> = (0..1_000_000).map(|k| errors.latest(f64::from(k) * 0.1).dropout).collect();
     assert!(!lost[0]);
     let falls = lost.windows(2).filter(|w| !w[0] && w[1]).count() as f64;
     let (down, up) =
@@ -234,7 +234,7 @@ fn an_error_is_a_function_of_its_epoch_alone() {
         for axis in 0..AXES {
             assert_eq!(long.value(axis, k, k as f64 / 100.0), short.value(axis, k, k as f64 / 100.0));
         }
-        assert_eq!(long.heard(k as f64 / 100.0), short.heard(k as f64 / 100.0));
+        assert_eq!(long.latest(k as f64 / 100.0), short.latest(k as f64 / 100.0));
     }
     // Another seed, another platform: other numbers.
     let other = Errors::new(&model, &Circumstances { platform: 0, ..of(&times, 4000) }).unwrap();
@@ -324,10 +324,10 @@ fn jumps_of_the_truth_are_refused() {
         ("an error of the lever arm", |m| m.lever_arm_error = Vector::new(1.0, 0.0, 0.0)),
         ("an error of the velocity (it follows from the position)", |m| m.axes[VELOCITY].bias = 1.0),
     ];
-    for (told, change) in jumpy {
+    for (reported, change) in jumpy {
         let mut model = ErrorModel { recorded: Recorded::Reported, ..ErrorModel::default() };
         change(&mut model);
-        assert_eq!(model.check(), Err(ErrorsFault::NotSmooth { what: told }));
+        assert_eq!(model.check(), Err(ErrorsFault::NotSmooth { what: reported }));
     }
 }
 
@@ -344,7 +344,8 @@ fn series_have_a_limit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(crate::cases::proptests(24))]
+
     #[test]
     fn every_legal_report_is_finite(
         seed: u64, rate in 0.0f64..1e3, latency in 0.0f64..60.0, jitter in 0.0f64..10.0,

@@ -71,7 +71,7 @@ fn any_solution() -> impl Strategy<Value = Solution> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(512) })]
 
     /// To half of the last digit that is written, see the table of the module.
     #[test]

@@ -210,7 +210,7 @@ fn check_smoothness(track: &Track, nodes: &[TimeTag], scale_mps2: f64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(64) })]
 
     #[test]
     fn tracks_are_c2_and_rates_are_theirs(
@@ -294,7 +294,7 @@ fn states_do_not_depend_on_the_epoch() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::cases::proptests(256) })]
 
     /// Whatever the fixes are: a clear error, or a track that is finite everywhere and keeps its bound.
     #[test]

@@ -187,7 +187,8 @@ fn a_platform_that_stands_and_runs_that_do_not_end_are_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(crate::cases::proptests(32))]
+
     #[test]
     fn every_legal_gust_is_finite(
         wind in 0.0f64..100.0, height in 0.0f64..1e5, airspeed in 5.0f64..1e4, cutoff in 0.05f64..5.0,

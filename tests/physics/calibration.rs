@@ -77,6 +77,8 @@ fn the_tone_keeps_level_and_phase_over_a_hundred_thousand_pulses() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     /// Against whole numbers: hertz, and intervals as they are, whole attoseconds.
     #[test]
     fn turns_are_those_of_integers(hz in -50_000_000i64..50_000_000, us in 1u64..100_000, pulse in 0u64..10_000_000_000) {

@@ -284,7 +284,8 @@ fn noise_of_a_shared_clock_is_that_of_the_time_between() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(crate::cases::proptests(32))]
+
     #[test]
     fn every_legal_clock_reads_a_number_or_is_refused(
         offset in -1.0f64..1.0, drift in -1e-3f64..1e-3, ageing in -1e-3f64..1e-3, h in proptest::array::uniform5(0.0f64..1.0),

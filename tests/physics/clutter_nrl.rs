@@ -151,6 +151,8 @@ fn outside_the_measurements_is_an_error_in_words() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     #[test]
     fn every_legal_sea_is_finite_and_rougher_is_brighter(
         carrier_hz in 0.5e9..=35e9f64,

@@ -180,7 +180,7 @@ fn numbers_that_are_no_hull_are_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::cases::proptests(64))]
 
     #[test]
     fn particulars_of_any_hull_are_finite(

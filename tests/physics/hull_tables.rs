@@ -160,7 +160,7 @@ fn many_faults_are_counted() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(crate::cases::proptests(256))]
 
     /// Spoiled tables: a hull or faults, never a panic.
     #[test]

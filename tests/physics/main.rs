@@ -1,6 +1,8 @@
 //! Physics against golden values, closed forms and independent computations.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+#[path = "../support/cases.rs"]
+mod cases;
 mod calibration;
 mod clocks;
 mod clutter_nrl;

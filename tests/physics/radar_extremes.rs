@@ -119,7 +119,7 @@ fn antenna() -> impl Strategy<Value = Pattern> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(crate::cases::proptests(400))]
 
     #[test]
     fn nothing_but_finite_numbers(

@@ -101,6 +101,8 @@ fn odd_files() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     #[test]
     fn any_bytes_are_read_without_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
         let _ = GridPattern::parse(&bytes, -60.0);

@@ -9,6 +9,7 @@ use glam::DVec3;
 use nereus::scattering::kind::clean::Clean;
 use nereus::scattering::kirchhoff::Specular;
 use nereus::scattering::permittivity::{Model, SeaWater};
+use nereus::scattering::splitting::high_pass;
 use nereus::scattering::spm;
 use nereus::scattering::tilt::{Path, Tangent};
 use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
@@ -230,7 +231,7 @@ fn averaged(
     let spectrum = Elfouhaily { wind_10_mps: 10.0, downwind_rad: 0.0 };
     let slopes = sea.moments(0.0).slopes;
     let psi = |kx: f64, ky: f64| match cut {
-        Cut::Smooth => sea.bragg_spectrum(kx, ky, 0.0),
+        Cut::Smooth => high_pass(kx.hypot(ky), cut_radpm) * spectrum.psi(kx, ky),
         Cut::Sharp if kx.hypot(ky) > cut_radpm => spectrum.psi(kx, ky),
         Cut::Sharp => 0.0,
     };

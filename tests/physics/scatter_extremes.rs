@@ -184,7 +184,7 @@ fn directions() -> impl Strategy<Value = DVec3> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases::proptests(48))]
 
     #[test]
     fn every_legal_facet_is_finite(

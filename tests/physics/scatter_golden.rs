@@ -10,6 +10,7 @@ use nereus::scattering::tilt::{Path, Tangent};
 use nereus::units::SPEED_OF_LIGHT_MPS;
 use num_complex::Complex64;
 
+use crate::scatter_laws::alphas;
 use crate::scatter_oracle::{Elfouhaily, Golden};
 
 /// The tables carry 13 digits (5e-13); f64 sums of some 20 terms add less. 1e-9 is the set's own figure.
@@ -79,7 +80,7 @@ fn spm_alpha_rows() {
     for row in &table.rows {
         let eps = Complex64::new(row[er], row[ei]);
         let (sin, cos) = row[d].to_radians().sin_cos();
-        let a = spm::alphas(eps, row[ti].to_radians().cos(), row[ts].to_radians().cos(), (cos, sin));
+        let a = alphas(eps, row[ti].to_radians().cos(), row[ts].to_radians().cos(), (cos, sin));
         let expected = columns.map(|[re, im]| Complex64::new(row[re], row[im]));
         // Entries that vanish by symmetry are rounding residues: measured against the largest of the row.
         let largest = expected.iter().map(|e| e.norm()).fold(0.0, f64::max);

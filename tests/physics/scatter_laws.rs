@@ -16,6 +16,7 @@ use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::cases::cases;
 use crate::scatter_oracle::Elfouhaily;
 
 pub const EPS: Complex64 = Complex64::new(55.062, -37.514);
@@ -60,7 +61,7 @@ fn swapping_the_ends_changes_nothing() {
     let mut worst: f64 = 0.0;
     let settings = Settings { tilt_average: true, gram_charlier: true, ..Settings::default() };
     let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
-    for _ in 0..2000 {
+    for _ in 0..cases(2000) {
         let (from, to) = (upwards(&mut draws, 1.5), upwards(&mut draws, 1.5));
         let slopes = (uniform(&mut draws, -0.4, 0.4), uniform(&mut draws, -0.4, 0.4));
         let cover = uniform(&mut draws, 0.0, 1.0);
@@ -143,6 +144,21 @@ fn monostatic_bragg_is_the_textbook_formula() {
     println!("monostatic Bragg: worst {worst:.1e}");
 }
 
+/// Polarisation amplitudes `a[p][q]`, order (v, h), in the bases of the facet. `azimuth` is the cosine and
+/// sine of `d`.
+pub fn alphas(eps: Complex64, cos_i: f64, cos_s: f64, azimuth: (f64, f64)) -> ScatterMatrix {
+    let (cos_d, sin_d) = azimuth;
+    let contrast = eps - 1.0;
+    let (ri, rs) = (refracted(eps, cos_i), refracted(eps, cos_s));
+    let sines = ((1.0 - cos_i * cos_i).max(0.0) * (1.0 - cos_s * cos_s).max(0.0)).sqrt();
+    let (tm_i, te_i) = (eps * cos_i + ri, cos_i + ri);
+    let (tm_s, te_s) = (eps * cos_s + rs, cos_s + rs);
+    [
+        [(contrast * (eps * sines - cos_d * ri * rs)) / (tm_i * tm_s), contrast * rs * sin_d / (te_i * tm_s)],
+        [contrast * ri * sin_d / (tm_i * te_s), contrast * cos_d / (te_i * te_s)],
+    ]
+}
+
 /// The printed amplitudes rotated by the bases of facet and vertical, as docs/physics.md section 10.3 writes
 /// it.
 fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -> f64) -> ScatterMatrix {
@@ -150,7 +166,7 @@ fn by_local_bases(k: f64, plane: &Tangent, path: &Path, psi: impl Fn(f64, f64) -
     let (kx, ky) = spm::bragg_vector(k, plane, path);
     let Basis { v: vi, h: hi } = Basis::about(path.ki, plane.normal);
     let Basis { v: vs, h: hs } = Basis::about(path.ks, plane.normal);
-    let local = spm::alphas(EPS, ci, cs, (hi.dot(hs), plane.normal.dot(hi.cross(hs))));
+    let local = alphas(EPS, ci, cs, (hi.dot(hs), plane.normal.dot(hi.cross(hs))));
     let scale = 4.0 * PI.sqrt() * k * k * ci * cs * psi(kx, ky).sqrt();
     let into = |q: DVec3| [vi.dot(q), hi.dot(q)];
     let out = |p: DVec3| [vs.dot(p), hs.dot(p)];
@@ -174,7 +190,7 @@ fn bragg_without_bases_is_bragg_with_bases() {
     let k = medium(DVec3::X).wavenumber_radpm();
     let mut draws = ChaCha8Rng::seed_from_u64(2);
     let mut worst: f64 = 0.0;
-    for _ in 0..5000 {
+    for _ in 0..cases(5000) {
         let path = Path::new(-upwards(&mut draws, 1.57), upwards(&mut draws, 1.57));
         let slopes = (uniform(&mut draws, -1.5, 1.5), uniform(&mut draws, -1.5, 1.5));
         let plane = Tangent::from_slopes(slopes.0, slopes.1, DVec3::X);
@@ -200,7 +216,7 @@ fn turning_the_whole_scene_changes_nothing() {
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, tilt_average: true, gram_charlier: true, ..Settings::default() };
         let still = TwoScale::new(settings, medium(DVec3::X), Slick::default(), psi);
-        for _ in 0..20 {
+        for _ in 0..cases(20) {
             let turn = DMat3::from_rotation_z(uniform(&mut draws, 0.0, TAU));
             let turned = TwoScale::new(settings, medium(turn * DVec3::X), Slick::default(), psi);
             for _ in 0..50 {

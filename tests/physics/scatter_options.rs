@@ -18,6 +18,7 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use crate::cases::cases;
 use crate::scatter_laws::{EPS, medium, spectrum, uniform, upwards};
 use crate::scatter_oracle::Elfouhaily;
 use crate::sea_spectrum::every_spectrum;
@@ -50,7 +51,7 @@ fn the_ends_may_be_swapped_in_every_option() {
             let medium = Medium { downwind_rad, ..medium(DVec3::X) };
             let waves = Elfouhaily { downwind_rad, ..spectrum() };
             let sea = TwoScale::new(settings, medium, Slick::default(), |x, y| waves.psi(x, y));
-            for _ in 0..200 {
+            for _ in 0..cases(200) {
                 let (from, to) = (upwards(&mut draws, 1.55), upwards(&mut draws, 1.55));
                 let slopes = (uniform(&mut draws, -0.8, 0.8), uniform(&mut draws, -0.8, 0.8));
                 let cover = uniform(&mut draws, 0.0, 1.0);
@@ -86,7 +87,7 @@ fn wind_and_radar_turn_together_over_level_facets() {
             TwoScale::new(settings, medium, Slick::default(), move |x, y| waves.psi(x, y))
         };
         let still = sea(0.4);
-        for _ in 0..20 {
+        for _ in 0..cases(20) {
             let turn_rad = uniform(&mut draws, 0.0, TAU);
             let turn = glam::DMat3::from_rotation_z(turn_rad);
             let turned = sea(0.4 + turn_rad);
@@ -243,7 +244,7 @@ fn the_density_below_the_cut_is_that_of_its_moments() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases::proptests(64))]
 
     /// Every spectrum that the library has, every wind, water, carrier and choice.
     #[test]

@@ -136,7 +136,7 @@ fn wave_numbers() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(crate::cases::proptests(48))]
 
     #[test]
     fn any_spectrum_of_any_wind_is_finite(

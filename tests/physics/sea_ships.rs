@@ -192,7 +192,8 @@ fn facets_get_the_spectrum_of_the_short_waves() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases::proptests(48))]
+
     #[test]
     fn short_waves_of_any_ship_are_finite(
         length in -1.3..3.0f64,

@@ -211,7 +211,7 @@ fn what_a_grid_holds_is_what_the_spectrum_has() {
         let half_step = std::f64::consts::PI / length_m;
         // Between the circles inscribed in and around the missing square about K = 0; the outer edge of
         // the grid holds less than 0.3 %.
-        let band = |low| Moments::of(&spectrum, [low, grid.nyquist_rad_m()]).variance_m2;
+        let band = |low| Moments::of(&spectrum, [low, 128.0 * std::f64::consts::PI / length_m]).variance_m2;
         let (most, least) = (band(half_step), band(half_step * 2f64.sqrt()));
         let held = surface.expected().variance_m2;
         println!("{length_m} m: {least:.5} <= {held:.5} <= {most:.5}");

@@ -73,6 +73,8 @@ fn out_of_range_is_refused_in_words() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     /// Any legal wind has a finite record that rises with height, and both ways in agree.
     #[test]
     fn any_legal_wind(speed in 0.0..=40.0f64, height in 1.0..100.0f64, wu in any::<bool>(), direction in -7.0..7.0f64) {

@@ -249,7 +249,7 @@ fn weights_of((facets, heights_m, facet_m, [x, y, z], width_rad, rays_per_facet)
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(crate::cases::proptests(2000))]
 
     #[test]
     fn weights_of_any_scene_lie_between_0_and_1(case in case(-1e6..1e6)) {

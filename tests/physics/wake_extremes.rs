@@ -152,7 +152,7 @@ fn errors_and_facets_of_maps() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(crate::cases::proptests(200))]
 
     #[test]
     fn every_legal_wake_is_finite(

@@ -371,7 +371,7 @@ fn waves_across_the_track_are_none() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::cases::proptests(64))]
 
     #[test]
     fn any_hull_at_any_speed_is_finite(

@@ -137,6 +137,8 @@ fn the_spectrum_in_the_strip_is_that_of_a_weaker_wind() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     #[test]
     fn covers_and_factors_are_shares(
         length_log in -3.0..4.0f64, beam_log in -3.0..4.0f64, exponent in 4.0..=5.0f64, decay_log in -3.0..6.0f64,

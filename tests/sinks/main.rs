@@ -2,6 +2,8 @@
 //! sent, and received.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+#[path = "../support/cases.rs"]
+mod cases;
 #[cfg(all(unix, feature = "serial"))]
 mod gpsd;
 #[path = "../support/listing.rs"]

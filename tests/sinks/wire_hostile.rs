@@ -509,6 +509,8 @@ fn nonsense_does_not_keep_a_reception_from_its_end() {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     /// Fields of any packet set to the worst that they can be, in runs that begin again: nothing panics,
     /// counts add up, and what is whole is of the run.
     #[test]

@@ -358,6 +358,8 @@ fn twelve() -> &'static [Vec<u8>] {
 }
 
 proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
+
     /// Order and doubles do not change what arrives, as long as no datagram is later than eight pulses.
     #[test]
     fn shuffled_and_doubled_datagrams_make_the_same_pulses(

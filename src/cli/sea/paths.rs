@@ -18,10 +18,8 @@ pub(super) fn write(
     factory: &PulseFactory,
     index: u64,
 ) -> Result<usize, CliError> {
-    let (mut pulse, mut work) = (factory.slot(), factory.workspace());
-    let paths = factory
-        .contact_list(index, &mut pulse, &mut work)
-        .map_err(|error| BuildErrors::from(BuildError::Radar(error)))?;
+    let (pulse, paths) =
+        factory.scatterer_paths(index).map_err(|error| BuildErrors::from(BuildError::Radar(error)))?;
     let radar = &run.scene.radar;
     let pair = |pair: &crate::scene::radar::Pair| {
         let (tx, rx) = (&radar.transmitters[pair.transmitter].name, &radar.receivers[pair.receiver].name);
@@ -58,7 +56,7 @@ pub(super) fn write(
         pairs: &pairs,
         channels: &channels,
         channel_pairs: factory.channel_pairs(),
-        paths,
+        paths: &paths,
     };
     output.write(|partial| Ok::<_, SeaError>(file.write(partial)?))?;
     Ok(paths.len())

@@ -106,9 +106,9 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
     let [map, list, picture] = outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.force)?;
     let factory = changing::factory(&run, &Fidelity::Reference)?;
-    let made = factory.snapshot(args.pulse, &mut factory.workspace());
+    let made = factory.snapshots(&[args.pulse]);
     // The pulse is in the run and the tracks cover it.
-    let snapshot = made.map_err(|error| fault::BuildErrors::from(fault::BuildError::Radar(error)))?;
+    let snapshot = made.map_err(|error| fault::BuildErrors::from(fault::BuildError::Radar(error)))?.pop();
     let mut report = report(args, &names, snapshot.as_ref());
     if let Some(snapshot) = &snapshot {
         tell(&report);

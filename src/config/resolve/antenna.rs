@@ -16,6 +16,48 @@ pub(super) struct MountKeys {
     pub(super) cross_pol_isolation_db: &'static Key,
 }
 
+/// Those of a table of keys.
+macro_rules! mount_keys {
+    ($table:ident) => {
+        MountKeys {
+            platform: &keys::$table::PLATFORM,
+            lever_arm_m: &keys::$table::LEVER_ARM_M,
+            antenna: &keys::$table::ANTENNA,
+            pointing: &keys::$table::POINTING,
+            cross_pol_isolation_db: &keys::$table::CROSS_POL_ISOLATION_DB,
+        }
+    };
+}
+pub(super) use mount_keys;
+
+/// The keys of an aim point.
+pub(super) struct AimKeys {
+    pub(super) surface: SurfaceKeys,
+    pub(super) velocity_mps: &'static Key,
+    pub(super) platform: &'static Key,
+    pub(super) along_m: &'static Key,
+    pub(super) across_m: &'static Key,
+}
+
+/// Those of a table of keys.
+macro_rules! aim_keys {
+    ($table:ident) => {
+        AimKeys {
+            surface: SurfaceKeys {
+                position_m: &keys::$table::POSITION_M,
+                lat_deg: &keys::$table::LAT_DEG,
+                lon_deg: &keys::$table::LON_DEG,
+                height_m: None,
+            },
+            velocity_mps: &keys::$table::VELOCITY_MPS,
+            platform: &keys::$table::PLATFORM,
+            along_m: &keys::$table::ALONG_M,
+            across_m: &keys::$table::ACROSS_M,
+        }
+    };
+}
+pub(super) use aim_keys;
+
 /// The antenna of a transmitter or receiver.
 pub(super) fn mount(
     section: &Section<'_>,
@@ -84,18 +126,7 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
             })
         }
         Some(kind) => {
-            let keys = AimKeys {
-                surface: SurfaceKeys {
-                    position_m: &k::POSITION_M,
-                    lat_deg: &k::LAT_DEG,
-                    lon_deg: &k::LON_DEG,
-                    height_m: None,
-                },
-                velocity_mps: &k::VELOCITY_MPS,
-                platform: &k::PLATFORM,
-                along_m: &k::ALONG_M,
-                across_m: &k::ACROSS_M,
-            };
+            let keys = aim_keys!(pointing);
             let aim = aim(&section, kind, &keys, ground, platforms);
             let aim_from = aim_from(&section, &k::AIM_FROM);
             let [lag_s, az, el] =
@@ -108,15 +139,6 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
     };
     section.finish();
     pointing
-}
-
-/// The keys of an aim point.
-pub(super) struct AimKeys {
-    pub(super) surface: SurfaceKeys,
-    pub(super) velocity_mps: &'static Key,
-    pub(super) platform: &'static Key,
-    pub(super) along_m: &'static Key,
-    pub(super) across_m: &'static Key,
 }
 
 /// An aim point of kind `at` or `beside`.

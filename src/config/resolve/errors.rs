@@ -1,29 +1,15 @@
 //! What is wrong with the report of a platform, and the air that it flies through.
 
 use crate::config::error::Problem;
-use crate::config::keys::{self, Key};
+use crate::config::keys::{self, Table};
 use crate::config::section::Section;
 use crate::frames::Vector;
 use crate::motion::errors::preset::Class;
 use crate::motion::errors::{ATTITUDE, AxisErrors, Between, Dropouts, ErrorModel, Recorded, VELOCITY};
 use crate::motion::gusts::{Gusts, LEVELS_MPS};
 
-/// Keys of one kind of error.
-struct AxisKeys {
-    bias: &'static Key,
-    bias_sigma: &'static Key,
-    white: &'static Key,
-    walk: &'static Key,
-    gm_sigma: &'static Key,
-    gm_tau_s: &'static Key,
-    sinusoid: &'static Key,
-    sinusoid_hz: &'static Key,
-    sinusoid_deg: &'static Key,
-    step: &'static Key,
-    step_at_s: &'static Key,
-    ramp: &'static Key,
-    quantisation: &'static Key,
-}
+/// When steps and noise have no meaning.
+const SMOOTH: &str = "recorded = \"reported\": the truth must be smooth";
 
 /// `[platform.errors]`; `has_report`: the platform has a track of its own for what it reports; `live`: its
 /// track is live.
@@ -35,17 +21,17 @@ pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Opti
         "reported" => Recorded::Reported,
         _ => Recorded::Truth,
     });
-    let said = recorded == Some(Recorded::Reported);
-    if said && has_report {
+    let from_report = recorded == Some(Recorded::Reported);
+    if from_report && has_report {
         let when = "the platform has a [platform.reported] of its own".to_owned();
         section.fault(&k::RECORDED, Problem::Idle { when });
     }
-    if said && live {
+    if from_report && live {
         // The truth beside it would have to be known before.
         let place = "beside live navigation";
         section.fault(&k::RECORDED, Problem::Live { found: "\"reported\"", place, allowed: "\"truth\"" });
     }
-    if said && preset.is_some() {
+    if from_report && preset.is_some() {
         // Its velocity errors are no motion; what is left of it would not be the class.
         let when = "recorded = \"reported\": give position and attitude".to_owned();
         section.fault(&k::PRESET, Problem::Idle { when });
@@ -61,74 +47,9 @@ pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Opti
     let has_dropouts = section.has(&k::DROPOUTS);
     let dropouts = section.section(&k::DROPOUTS).and_then(dropouts);
     let arm = section.vector(&k::LEVER_ARM_ERROR_M).map(|[x, y, z]| Vector::new(x, y, z));
-    let position = AxisKeys {
-        bias: &keys::error_m::BIAS_M,
-        bias_sigma: &keys::error_m::BIAS_SIGMA_M,
-        white: &keys::error_m::WHITE_M,
-        walk: &keys::error_m::WALK_M_PER_ROOT_S,
-        gm_sigma: &keys::error_m::GM_SIGMA_M,
-        gm_tau_s: &keys::error_m::GM_TAU_S,
-        sinusoid: &keys::error_m::SINUSOID_M,
-        sinusoid_hz: &keys::error_m::SINUSOID_HZ,
-        sinusoid_deg: &keys::error_m::SINUSOID_DEG,
-        step: &keys::error_m::STEP_M,
-        step_at_s: &keys::error_m::STEP_AT_S,
-        ramp: &keys::error_m::RAMP_MPS,
-        quantisation: &keys::error_m::QUANTISATION_M,
-    };
-    let velocity = AxisKeys {
-        bias: &keys::error_mps::BIAS_MPS,
-        bias_sigma: &keys::error_mps::BIAS_SIGMA_MPS,
-        white: &keys::error_mps::WHITE_MPS,
-        walk: &keys::error_mps::WALK_MPS_PER_ROOT_S,
-        gm_sigma: &keys::error_mps::GM_SIGMA_MPS,
-        gm_tau_s: &keys::error_mps::GM_TAU_S,
-        sinusoid: &keys::error_mps::SINUSOID_MPS,
-        sinusoid_hz: &keys::error_mps::SINUSOID_HZ,
-        sinusoid_deg: &keys::error_mps::SINUSOID_DEG,
-        step: &keys::error_mps::STEP_MPS,
-        step_at_s: &keys::error_mps::STEP_AT_S,
-        ramp: &keys::error_mps::RAMP_MPS2,
-        quantisation: &keys::error_mps::QUANTISATION_MPS,
-    };
-    let attitude = AxisKeys {
-        bias: &keys::error_deg::BIAS_DEG,
-        bias_sigma: &keys::error_deg::BIAS_SIGMA_DEG,
-        white: &keys::error_deg::WHITE_DEG,
-        walk: &keys::error_deg::WALK_DEG_PER_ROOT_S,
-        gm_sigma: &keys::error_deg::GM_SIGMA_DEG,
-        gm_tau_s: &keys::error_deg::GM_TAU_S,
-        sinusoid: &keys::error_deg::SINUSOID_AMPLITUDE_DEG,
-        sinusoid_hz: &keys::error_deg::SINUSOID_HZ,
-        sinusoid_deg: &keys::error_deg::SINUSOID_DEG,
-        step: &keys::error_deg::STEP_DEG,
-        step_at_s: &keys::error_deg::STEP_AT_S,
-        ramp: &keys::error_deg::RAMP_DEGPS,
-        quantisation: &keys::error_deg::QUANTISATION_DEG,
-    };
-    let radian = 1f64.to_radians();
-    let kinds = [
-        (&k::POSITION, &position, 0, 1.0),
-        (&k::VELOCITY, &velocity, VELOCITY, 1.0),
-        (&k::ATTITUDE, &attitude, ATTITUDE, radian),
-    ];
-    let mut sound = true;
-    for (kind, (key, keys, first, unit)) in kinds.into_iter().enumerate() {
-        let Some(of_kind) = section.section(key) else {
-            sound &= !section.has(key);
-            continue;
-        };
-        let axes = &mut model.axes[first..first + 3];
-        match axis_errors(of_kind, keys, unit, axes, said) {
-            Some(quantisation) => model.quantisation[kind] = quantisation,
-            None => sound = false,
-        }
-    }
-    if said {
-        section.idle(
-            &[&k::VELOCITY, &k::LEVER_ARM_ERROR_M],
-            "recorded = \"reported\": the truth must be smooth",
-        );
+    let sound = kinds(&section, &mut model, from_report);
+    if from_report {
+        section.idle(&[&k::VELOCITY, &k::LEVER_ARM_ERROR_M], SMOOTH);
     }
     section.finish();
     model.recorded = recorded?;
@@ -137,6 +58,28 @@ pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Opti
     model.dropouts = if has_dropouts { Some(dropouts?) } else { None };
     model.lever_arm_error = arm?;
     sound.then_some(model)
+}
+
+/// Errors of position, velocity and attitude; whether they could be read.
+fn kinds(section: &Section<'_>, model: &mut ErrorModel, smooth: bool) -> bool {
+    use keys::errors as k;
+    let kinds = [
+        (&k::POSITION, &keys::error_m::TABLE, 0, 1.0),
+        (&k::VELOCITY, &keys::error_mps::TABLE, VELOCITY, 1.0),
+        (&k::ATTITUDE, &keys::error_deg::TABLE, ATTITUDE, 1f64.to_radians()),
+    ];
+    let mut sound = true;
+    for (kind, (key, table, first, unit)) in kinds.into_iter().enumerate() {
+        let Some(of_kind) = section.section(key) else {
+            sound &= !section.has(key);
+            continue;
+        };
+        match axis_errors(of_kind, table, unit, &mut model.axes[first..first + 3], smooth) {
+            Some(quantisation) => model.quantisation[kind] = quantisation,
+            None => sound = false,
+        }
+    }
+    sound
 }
 
 fn between(word: &'static str) -> Between {
@@ -154,20 +97,38 @@ fn dropouts(section: Section<'_>) -> Option<Dropouts> {
 /// One kind of error into its three axes, those of a preset where nothing is written; its quantisation.
 fn axis_errors(
     section: Section<'_>,
-    k: &AxisKeys,
+    table: &Table,
     unit: f64,
     axes: &mut [AxisErrors],
-    said: bool,
+    smooth: bool,
 ) -> Option<f64> {
+    let &[
+        bias,
+        bias_sigma,
+        white,
+        walk,
+        gm_sigma,
+        gm_tau_s,
+        sinusoid,
+        sinusoid_hz,
+        sinusoid_deg,
+        step,
+        step_at_s,
+        ramp,
+        quantisation,
+    ] = table.keys
+    else {
+        return None;
+    };
+    if smooth {
+        section.idle(&[white, step, quantisation], SMOOTH);
+    }
     let [bias, bias_sigma, white, walk, gm_sigma, sinusoid, step, ramp] =
-        [k.bias, k.bias_sigma, k.white, k.walk, k.gm_sigma, k.sinusoid, k.step, k.ramp]
+        [bias, bias_sigma, white, walk, gm_sigma, sinusoid, step, ramp]
             .map(|key| (section.has(key), section.vector::<3>(key)));
     let [gm_tau_s, sinusoid_hz, sinusoid_deg, step_at_s, quantisation] =
-        [k.gm_tau_s, k.sinusoid_hz, k.sinusoid_deg, k.step_at_s, k.quantisation]
+        [gm_tau_s, sinusoid_hz, sinusoid_deg, step_at_s, quantisation]
             .map(|key| (section.has(key), section.number(key)));
-    if said {
-        section.idle(&[k.white, k.step, k.quantisation], "recorded = \"reported\": the truth must be smooth");
-    }
     section.finish();
     for (place, axis) in axes.iter_mut().enumerate() {
         let lists = [

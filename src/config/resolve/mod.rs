@@ -121,7 +121,7 @@ impl Names {
         if section.has(key) {
             return self.find(section, key);
         }
-        // Told to be read, for the message about keys that are not.
+        // Counts as read, for the message about keys that are not.
         section.name(key);
         if let [_] = &self.names[..] {
             return Some(0);
@@ -131,28 +131,55 @@ impl Names {
     }
 }
 
+/// Where the tracks of platforms come from, whatever else is wrong with them.
+#[derive(Clone, Copy)]
+struct Sources {
+    live: bool,
+    recorded: bool,
+}
+
+impl Sources {
+    fn of(platforms: &[Section<'_>]) -> Self {
+        use keys::platform::{REPORTED, TRACK};
+        let any =
+            |part, kind| platforms.iter().any(|section| section.has_word_in(part, &keys::track::KIND, kind));
+        Self {
+            live: any(&TRACK, "live"),
+            recorded: [&TRACK, &REPORTED]
+                .into_iter()
+                .any(|part| ["csv", "nmea", "inspvax", "sbet"].into_iter().any(|kind| any(part, kind))),
+        }
+    }
+
+    /// Faults a start that does not go with the tracks.
+    fn check_start(self, section: &Section<'_>, time: &SceneTime, has_ais: bool) {
+        let fault = |problem| section.fault(&keys::scene::START_UTC, problem);
+        match self {
+            Self { recorded: true, .. } if !time.start_written => fault(Problem::NeedsStart),
+            Self { live: true, .. } if !time.start_written => fault(Problem::LiveNeedsStart),
+            _ => {}
+        }
+        let known = match self {
+            Self { live: false, .. } => Some(("without live navigation", "a UTC time")),
+            Self { recorded: true, .. } => {
+                Some(("beside a recorded track", "a UTC time within the recording"))
+            }
+            _ if has_ais => Some(("beside a recorded log", "a UTC time within the log")),
+            _ => None,
+        };
+        if let (true, Some((place, allowed))) = (time.live, known) {
+            fault(Problem::Live { found: "\"live\"", place, allowed });
+        }
+    }
+}
+
 /// Reads a whole scenario.
 pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let scene = root.section(&keys::root::SCENE);
-    let (ground, time) = match &scene {
-        Some(section) => (ground(section), scene_time(section)),
-        None => (
-            no_ground(),
-            SceneTime { start: None, start_written: true, live: false, duration_s: None, seed: None },
-        ),
-    };
+    let (ground, time) =
+        scene.as_ref().map_or((no_ground(), SceneTime::MISSING), |s| (ground(s), scene_time(s)));
     let platform_sections = root.sections(&keys::root::PLATFORM);
-    // Whatever else is wrong with a platform.
-    let live = platform_sections
-        .iter()
-        .any(|section| section.says_in(&keys::platform::TRACK, &keys::track::KIND, "live"));
-    let recorded = platform_sections.iter().any(|section| {
-        let is = |part, kind| section.says_in(part, &keys::track::KIND, kind);
-        let parts = [&keys::platform::TRACK, &keys::platform::REPORTED];
-        parts
-            .into_iter()
-            .any(|part| ["csv", "nmea", "inspvax", "sbet"].into_iter().any(|kind| is(part, kind)))
-    });
+    let sources = Sources::of(&platform_sections);
     let mut platforms = Names::new("platform");
     let nav: Vec<Option<PlatformNav>> = platform_sections
         .into_iter()
@@ -162,23 +189,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         })
         .collect();
     let patch = scene.as_ref().map(|section| {
-        if recorded && !time.start_written {
-            section.fault(&keys::scene::START_UTC, Problem::NeedsStart);
-        } else if live && !time.start_written {
-            section.fault(&keys::scene::START_UTC, Problem::LiveNeedsStart);
-        }
-        let known = if !live {
-            Some(("without live navigation", "a UTC time"))
-        } else if recorded {
-            Some(("beside a recorded track", "a UTC time within the recording"))
-        } else if root.has(&keys::root::AIS) {
-            Some(("beside a recorded log", "a UTC time within the log"))
-        } else {
-            None
-        };
-        if let (true, Some((place, allowed))) = (time.live, known) {
-            section.fault(&keys::scene::START_UTC, Problem::Live { found: "\"live\"", place, allowed });
-        }
+        sources.check_start(section, &time, root.has(&keys::root::AIS));
         patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
     });
     let mut clocks = clock::Given::default();
@@ -208,7 +219,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         radar.as_ref(),
         platforms.names.len(),
         targets.as_ref().map_or(0, Vec::len),
-        live,
+        sources.live,
     );
     let fidelity = stream::fidelity(&root);
     let sinks =
@@ -248,6 +259,12 @@ struct SceneTime {
     live: bool,
     duration_s: Option<f64>,
     seed: Option<u64>,
+}
+
+impl SceneTime {
+    /// Of a scenario without `[scene]`.
+    const MISSING: Self =
+        Self { start: None, start_written: true, live: false, duration_s: None, seed: None };
 }
 
 fn scene_time(section: &Section<'_>) -> SceneTime {

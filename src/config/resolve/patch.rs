@@ -1,6 +1,6 @@
 //! The patch of sea: its facets, and whether it stays.
 
-use super::antenna::{self, AimKeys};
+use super::antenna::{self, AimKeys, aim_keys};
 use super::place::SurfaceKeys;
 use super::{Ground, Names};
 use crate::config::error::Problem;
@@ -102,18 +102,7 @@ fn facets(section: &Section<'_>, size_m: [f64; 2], facet_m: f64, centre_m: [f64;
 
 fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<(Aim, AimFrom)> {
     use keys::patch_follow as k;
-    let keys = AimKeys {
-        surface: SurfaceKeys {
-            position_m: &k::POSITION_M,
-            lat_deg: &k::LAT_DEG,
-            lon_deg: &k::LON_DEG,
-            height_m: None,
-        },
-        velocity_mps: &k::VELOCITY_MPS,
-        platform: &k::PLATFORM,
-        along_m: &k::ALONG_M,
-        across_m: &k::ACROSS_M,
-    };
+    let keys = aim_keys!(patch_follow);
     let kind = section.choice(&k::KIND).map(|kind| if kind == "point" { "at" } else { kind });
     let aim = kind.and_then(|kind| antenna::aim(&section, kind, &keys, ground, platforms));
     let aim_from = antenna::aim_from(&section, &k::AIM_FROM);

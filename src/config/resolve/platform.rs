@@ -14,7 +14,7 @@ use crate::nav::{
 /// One `[[platform]]`; its name has been read.
 pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<PlatformNav> {
     use keys::platform::{ERRORS, REPORTED, TRACK, TURBULENCE};
-    let live = section.says_in(&TRACK, &keys::track::KIND, "live");
+    let live = section.has_word_in(&TRACK, &keys::track::KIND, "live");
     let truth = section.section(&TRACK).map(|section| track(section, ground, Part::Truth));
     let has_report = section.has(&REPORTED);
     let reported = section.section(&REPORTED).map(|section| track(section, ground, Part::Report));

@@ -1,13 +1,14 @@
 //! The instrument.
 
-use super::antenna::{self, AimKeys, MountKeys};
+use super::antenna::{self, AimKeys, MountKeys, aim_keys, mount_keys};
 use super::calibration::{self, Limits};
 use super::clock::Given;
 use super::place::SurfaceKeys;
 use super::{Ground, Names, plausible};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
-use crate::config::section::{Section, polarisation, polarisation_pair};
+use crate::config::scalars::{polarisation, polarisation_pair};
+use crate::config::section::Section;
 use crate::scene::calibration::Calibration;
 use crate::scene::radar::{
     Adc, Channel, Gate, Polarisation, Radar, Receiver, Sweep, Transmitter, TxPolarisation, Waveform, Window,
@@ -120,14 +121,7 @@ fn transmitter(
     use keys::transmitter as k;
     clocks.take(&section, &k::CLOCK, last(names), false);
     let power_w = section.number(&k::POWER_W);
-    let mount_keys = MountKeys {
-        platform: &k::PLATFORM,
-        lever_arm_m: &k::LEVER_ARM_M,
-        antenna: &k::ANTENNA,
-        pointing: &k::POINTING,
-        cross_pol_isolation_db: &k::CROSS_POL_ISOLATION_DB,
-    };
-    let antenna = antenna::mount(&section, &mount_keys, ground, platforms);
+    let antenna = antenna::mount(&section, &mount_keys!(transmitter), ground, platforms);
     section.finish();
     Some(Transmitter { name: last(names)?, power_w: power_w?, antenna: antenna? })
 }
@@ -141,14 +135,7 @@ fn receiver(
 ) -> Option<Receiver> {
     use keys::receiver as k;
     clocks.take(&section, &k::CLOCK, last(names), true);
-    let mount_keys = MountKeys {
-        platform: &k::PLATFORM,
-        lever_arm_m: &k::LEVER_ARM_M,
-        antenna: &k::ANTENNA,
-        pointing: &k::POINTING,
-        cross_pol_isolation_db: &k::CROSS_POL_ISOLATION_DB,
-    };
-    let antenna = antenna::mount(&section, &mount_keys, ground, platforms);
+    let antenna = antenna::mount(&section, &mount_keys!(receiver), ground, platforms);
     section.finish();
     Some(Receiver { name: last(names)?, antenna: antenna? })
 }
@@ -226,18 +213,7 @@ fn window(
 
 fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Gate> {
     use keys::follow as k;
-    let aim_keys = AimKeys {
-        surface: SurfaceKeys {
-            position_m: &k::POSITION_M,
-            lat_deg: &k::LAT_DEG,
-            lon_deg: &k::LON_DEG,
-            height_m: None,
-        },
-        velocity_mps: &k::VELOCITY_MPS,
-        platform: &k::PLATFORM,
-        along_m: &k::ALONG_M,
-        across_m: &k::ACROSS_M,
-    };
+    let aim_keys = aim_keys!(follow);
     let kind = section.choice(&k::KIND);
     let aim = kind.and_then(|kind| antenna::aim(&section, kind, &aim_keys, ground, platforms));
     let lead_us = section.number(&k::LEAD_US);

@@ -116,12 +116,12 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     let fast = echo.is_none_or(|word| word == "fast");
     // Knobs of the fast echo may stand beside "reference", so that one key switches a scenario; they do
     // nothing there.
-    let knobs = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
-    let knobs: Vec<String> = knobs.map(|key| format!("fidelity.{}", key.name)).collect();
+    let written = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
+    let written: Vec<String> = written.map(|key| format!("fidelity.{}", key.name)).collect();
     section.finish();
     if !fast {
-        if !knobs.is_empty() {
-            root.reader().warn(Warning::IdleKnobs { keys: knobs.join(", ") });
+        if !written.is_empty() {
+            root.reader().warn(Warning::IdleSettings { keys: written.join(", ") });
         }
         return Some(Fidelity::Reference);
     }

@@ -124,7 +124,7 @@ ais.0.wake_bragg: has no meaning here (wake = false)
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(crate::rng::cases::proptests(200))]
 
     #[test]
     fn spoiled_logs_never_panic(at in 0usize..600, with in "[-0-9.,:enax#\n ]{0,4}", cut in 0usize..60) {

@@ -16,7 +16,7 @@ fn with(list: &[(&str, &str)]) -> Result<Run, ConfigError> {
     parse(SELFTEST, &in_configs(), &settings(list))
 }
 
-fn told(list: &[(&str, &str)]) -> String {
+fn faults(list: &[(&str, &str)]) -> String {
     with(list).unwrap_err().faults().iter().map(|fault| format!("{fault}\n")).collect()
 }
 
@@ -40,7 +40,7 @@ fn events_become_pulses() {
 fn faults_of_events_name_what_is_allowed() {
     let list = "[{ change = 'clear' }, { pulse = 1110, change = 'clear' }, { pulse = 1, change = 7 }, \
                  { pulse = 1, platform = 'x', change = 'jump' }, { pulse = 1, at_s = 1, change = 'clear', colour = 1 }]";
-    let told = told(&[("event", list)]);
+    let text = faults(&[("event", list)]);
     for part in [
         "event.0",
         "pulse 1110: allowed: before pulse 1110, where the run ends",
@@ -49,7 +49,7 @@ fn faults_of_events_name_what_is_allowed() {
         "'jump': allowed: step, bias, ramp, dropout, latency, clear",
         "event.4.colour",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(text.contains(part), "{part}: {text}");
     }
 }
 
@@ -60,7 +60,7 @@ fn calibration_channels_are_read_and_checked() {
     assert_eq!(tone.signal, Signal::Tone { offset_hz: 10_000_045.5 });
     assert_eq!(loopback.signal, Signal::Loopback { transmitter: 0, delay_s: 1.234e-6 });
     assert!((tone.power_w / 1e-10 - 1.0).abs() < 1e-15 && !tone.noise && loopback.receiver == 0);
-    let told = told(&[
+    let text = faults(&[
         ("radar.calibration.0.offset_hz", "6e7"),
         ("radar.calibration.1.delay_s", "5e-6"),
         ("radar.calibration.1.name", "VV"),
@@ -74,6 +74,6 @@ fn calibration_channels_are_read_and_checked() {
         "there is no receiver \"ear\"; allowed: rx",
         "phase_deg",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(text.contains(part), "{part}: {text}");
     }
 }

@@ -518,7 +518,7 @@ fn presets_are_the_configurations_of_the_paper() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(crate::rng::cases::proptests(300))]
 
     #[test]
     fn a_spoiled_sea_is_read_or_refused(

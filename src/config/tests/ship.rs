@@ -146,7 +146,7 @@ fn a_ship_needs_a_sea_and_its_patch() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(crate::rng::cases::proptests(200))]
 
     #[test]
     fn extreme_numbers_of_a_ship_are_read_or_refused(

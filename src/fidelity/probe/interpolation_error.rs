@@ -17,7 +17,7 @@ use crate::paths::block::{
 use crate::radar::fault::RadarError;
 
 /// What is added to scattering of sidelobe tiles where facets turn away: scattering epochs are so far apart
-/// there that single facets, told late where they do, leave more in the worst pulse than any sample says (12
+/// there that single facets, found late where they do, leave more in the worst pulse than any sample says (12
 /// dB above it, with scattering epochs at both ends alone, in the grazing scene of
 /// `tests/agreement/planned.rs`).
 const OF_TURNING: f64 = 10.0;
@@ -93,6 +93,9 @@ impl ErrorSampler<'_> {
     }
 
     /// What blocks with nodes so many pulses apart leave at the probes of a place.
+    ///
+    /// # Errors
+    /// A track that ends before the place.
     pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Probed, RadarError> {
         let channels = self.radar.channels.len();
         let (share, deviations, sidelobe_epochs) =
@@ -109,7 +112,7 @@ impl ErrorSampler<'_> {
         let probes = self.probes(&nodes[..count]);
         let mut truths = Vec::new();
         for (_, probe) in &probes {
-            truths.push(self.light(first + *probe as u64, Some(&patch), Keep::default())?);
+            truths.push(self.illuminate(first + *probe as u64, Some(&patch), Keep::default())?);
         }
         let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
         let edges = probes.iter().map(|(_, probe)| (*probe).min(pulses - 1 - *probe) as u64).collect();
@@ -226,7 +229,7 @@ impl Interval<'_> {
         let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
         let (first, gain_weights) = gain_weights(&steps, probe);
         for i in lanes {
-            if !truth.heard[i] {
+            if !truth.received[i] {
                 continue;
             }
             // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has

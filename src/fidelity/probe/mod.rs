@@ -5,7 +5,7 @@
 //! [`TILES`] tiles, runs of neighbours from all over the patch, are illuminated at the instants of a block,
 //! with all between interpolated as the echo does it, once as tiles that are evaluated closely and once as in
 //! the sidelobes ones; and at **probes**, pulses between two nodes, as if these were nodes themselves. Sums
-//! are kept by the gain of a run, so that they tell what is left wherever sidelobe tiles begin
+//! are kept by the gain of a run, so that they show what is left wherever sidelobe tiles begin
 //! ([`sidelobe`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the
 //! gains and shadows, `tau` the delay, and a hat for what is interpolated,
 //!
@@ -16,8 +16,8 @@
 //! at the worst probe and place; path and tilt at one and the same. What the worst pulse has more
 //! than the sum says, and what the sample may have missed, is in [`worst`](super::worst).
 //!
-//! The closed forms are in [`path`](super::path), [`waves`](super::waves) and [`gain`](super::gain); a sample
-//! also knows what these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights
+//! Closed forms of flight, waves and gains are in `docs/physics.md` section 15.7; a sample also knows what
+//! these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights
 //! rounded to f32 (those of the nodes and those at a probe, so that once is counted twice).
 //!
 //! Gains are interpolated worst in the first and last interval of a block, where the cubics of path and tilt
@@ -29,7 +29,7 @@
 //!
 //! Targets and direct paths are few: they are followed themselves, in [`points`].
 //!
-//! Limits: [`TILES`] x 256 facets; a beam that lights fewer than some hundred of them is sampled poorly (10 %
+//! Limits: [`TILES`] x 256 facets; a beam that illuminates fewer than some hundred of them is sampled poorly (10 %
 //! of 100). What moves the platforms between the places is not seen.
 
 mod interpolation_error;
@@ -87,7 +87,7 @@ struct Truth {
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
     factor: Row,
-    heard: Vec<bool>,
+    received: Vec<bool>,
     /// Cosines of the local angles, transmitter and receiver.
     cosine: [Row; 2],
 }
@@ -98,7 +98,7 @@ impl Truth {
         self.amplitude.iter().map(|a| square(a, i)).sum::<f64>() * f64::from(self.factor[i]).powi(2)
     }
 
-    /// Power of a facet in the channel that hears most of it.
+    /// Power of a facet in the channel that receives most of it.
     fn strongest(&self, i: usize) -> f64 {
         self.amplitude.iter().map(|a| square(a, i)).fold(0.0, f64::max) * f64::from(self.factor[i]).powi(2)
     }
@@ -112,7 +112,7 @@ pub struct ErrorSampler<'a> {
     /// Resolution cells of a second of delay.
     cells_per_s: f64,
     pulses: u64,
-    light: Workspace,
+    memory: Workspace,
     tiles: Option<Box<TileWork>>,
     places: Vec<Place>,
     /// Channels of each pair.
@@ -146,7 +146,10 @@ pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0
 
 impl<'a> ErrorSampler<'a> {
     /// For a run of so many pulses, with tiles that are in the sidelobes below a gain that is asked, if one
-    /// is; lights the sample once at every place.
+    /// is; illuminates the sample once at every place.
+    ///
+    /// # Errors
+    /// A track that ends before the run.
     pub fn new(
         generator: &'a PathGenerator,
         radar: &'a Radar,
@@ -168,7 +171,7 @@ impl<'a> ErrorSampler<'a> {
             pulse_s: waveform.duration_s(),
             cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
-            light: generator.workspace(),
+            memory: generator.workspace(),
             tiles: generator.tile_work(Variant::fastest(), None),
             places: Vec::new(),
             channels,
@@ -204,14 +207,14 @@ impl<'a> ErrorSampler<'a> {
         Ok(own)
     }
 
-    /// Power over the run; tells the strongest pulse.
+    /// Power over the run; shows the strongest pulse.
     fn profile(&mut self) -> Result<u64, RadarError> {
         let count = PROFILE.min(self.pulses);
         let (mut strongest, mut most) = (self.points.loudest, 0.0);
         for (step, index) in spread_over(self.pulses, count).enumerate() {
             let patch = self.generator.patch_of(index)?;
             // The waves of the first stand for all.
-            let truths = self.light(
+            let truths = self.illuminate(
                 index,
                 patch.as_ref(),
                 Keep { shadows: if step > 0 { Shadows::Keep } else { Shadows::Find }, surface: step > 0 },
@@ -243,7 +246,7 @@ impl<'a> ErrorSampler<'a> {
         let mut cosines = vec![[Cosines::default(); 2]; self.channels.len()];
         for (n, truth) in truths.iter().enumerate() {
             for (of, cosine) in cosines[n % self.channels.len()].iter_mut().zip(&truth.cosine) {
-                (0..truth.count).filter(|i| truth.heard[*i]).for_each(|i| of.add(cosine[i].into()));
+                (0..truth.count).filter(|i| truth.received[*i]).for_each(|i| of.add(cosine[i].into()));
             }
         }
         self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
@@ -279,7 +282,7 @@ impl<'a> ErrorSampler<'a> {
         for (n, truth) in truths.iter().enumerate() {
             for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
                 for (lanes, _) in &truth.runs {
-                    for i in lanes.clone().filter(|i| truth.heard[*i]) {
+                    for i in lanes.clone().filter(|i| truth.received[*i]) {
                         let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
                         sums[*channel].add(w, cells.of(truth.delay_s[i]));
                     }
@@ -364,9 +367,9 @@ impl<'a> ErrorSampler<'a> {
     fn open(&mut self, place: usize) -> Result<(), RadarError> {
         let first = self.places[place].first;
         let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
-        self.interpolates &= self.generator.receives_itself_alone(&heard, &mut self.light)?;
+        self.interpolates &= self.generator.receives_itself_alone(&heard, &mut self.memory)?;
         let patch = self.places[place].patch;
-        let truths = self.light(first, patch.as_ref(), Keep::default())?;
+        let truths = self.illuminate(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
         let mut means_w = vec![0.0; pairs];
         for (n, truth) in truths.iter().enumerate() {
@@ -374,7 +377,7 @@ impl<'a> ErrorSampler<'a> {
             for i in 0..truth.count {
                 let sum = truth.power(i);
                 means_w[pair] += sum;
-                if truth.heard[i] && sum > 0.0 {
+                if truth.received[i] && sum > 0.0 {
                     self.dopplers.push((pair, scale * truth.rate[i], sum));
                     self.fastest = self.fastest.max(truth.rate[i].abs());
                 }
@@ -405,7 +408,7 @@ impl<'a> ErrorSampler<'a> {
                     }
                     for (truth, channels) in tile.iter().zip(&self.channels) {
                         for (a, channel) in truth.amplitude.iter().zip(channels) {
-                            let heard = lost().filter(|i| truth.heard[*i]);
+                            let heard = lost().filter(|i| truth.received[*i]);
                             sums[*channel] +=
                                 heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
                         }
@@ -446,7 +449,7 @@ impl<'a> ErrorSampler<'a> {
     }
 
     /// The sample at a pulse, `[tile x pair]`.
-    fn light(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
+    fn illuminate(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
         let mut truths = Vec::new();
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
         let opens_s = self.generator.window_start_of(at)?;
@@ -463,7 +466,7 @@ impl<'a> ErrorSampler<'a> {
                 rate: node.delay_rate.to_vec(),
                 amplitude: epoch.rows(),
                 factor: heard.of.factor[0],
-                heard: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
+                received: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
                 cosine: epoch.cosine,
             });
         })?;
@@ -481,7 +484,7 @@ impl<'a> ErrorSampler<'a> {
         deviations_of(self.pulses.saturating_mul(self.power.len() as u64))
     }
 
-    /// Resolution cells from the first delay on that the window of a pulse hears.
+    /// Resolution cells from the first delay on that the receive window of a pulse holds.
     fn cells_at(&self, index: u64) -> Result<Cells, RadarError> {
         let from_s = self.generator.window_start_of(index)? - self.pulse_s;
         Ok(Cells { from_s, per_s: self.cells_per_s })

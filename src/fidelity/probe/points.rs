@@ -181,6 +181,9 @@ impl ErrorSampler<'_> {
     }
 
     /// Follows the points through the stretches with gains every so many pulses.
+    ///
+    /// # Errors
+    /// A track that ends before the run.
     pub fn follow_points(&mut self, gain_pulses: &[u64]) -> Result<(), RadarError> {
         let mut swept: Vec<_> = gain_pulses.iter().map(|step| (*step, vec![0.0; self.power.len()])).collect();
         let bounds = [self.deviations(), self.points.coherence];
@@ -205,6 +208,9 @@ impl ErrorSampler<'_> {
 
     /// The most that Doppler within a pulse leaves of points in the worst pulse of blocks of so many pulses
     /// each, over the mean power of all.
+    ///
+    /// # Errors
+    /// A track that ends before the run.
     pub fn doppler_of_points(&mut self, law: &Law, blocks: &[u64]) -> Result<Vec<(u64, f64)>, RadarError> {
         // Of all facets, the mean of the places: power, and its sum with delay rates.
         let share = self.sampled() * self.places.len().max(1) as f64;
@@ -306,7 +312,7 @@ impl ErrorSampler<'_> {
     /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does
     /// not hear at all, and those without a course.
     fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
-        self.generator.points(index, &mut self.light, paths)?;
+        self.generator.points(index, &mut self.memory, paths)?;
         let opens_s = self.generator.window_start_of(index)?;
         let share = |delay_s: f64| self.generator.received_share(index, opens_s, delay_s);
         let rates =

@@ -102,6 +102,9 @@ impl Exact {
 impl ErrorSampler<'_> {
     /// What gains every so many pulses leave of the sample in blocks of a length, and what cubics between
     /// them leave of points. Blocks with less than six instants of gain leave more than long ones.
+    ///
+    /// # Errors
+    /// A track that ends before the run.
     pub fn gains(&mut self, steps: &[u64], block_pulses: u64) -> Result<Sweeps, RadarError> {
         let mut all = steps.to_vec();
         all.extend(steps.iter().map(|step| sidelobe_gain_pulses(*step as usize) as u64));

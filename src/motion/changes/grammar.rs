@@ -28,6 +28,7 @@ const LATEST_MS: f64 = 60_000.0;
 
 /// A text that is no change.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum NotAChange {
     /// Not one of the words.
     #[error("'{word}': allowed: step, bias, ramp, dropout, latency, clear")]
@@ -216,6 +217,8 @@ mod tests {
     }
 
     proptest::proptest! {
+        #![proptest_config(crate::rng::cases::proptests(256))]
+
         /// Whatever is sent is read or refused, and what is read is written as it was meant.
         #[test]
         fn no_text_does_harm(text in "\\PC{0,60}", value in proptest::num::f64::ANY, axis in 0..AXES) {
@@ -231,7 +234,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        let told = |text: &str| text.parse::<Change>().unwrap_err().to_string();
+        let fault = |text: &str| text.parse::<Change>().unwrap_err().to_string();
         insta::assert_snapshot!(
             [
                 "", "jump position.up 5 m", "step", "ramp position.up 5", "bias position.up 5 m m", "step north 5 m",
@@ -239,7 +242,7 @@ mod tests {
                 "ramp position.up 5 m", "step velocity.up 5 m", "dropout 2.5", "dropout -1 s", "dropout inf s",
                 "latency 70000 ms", "latency 1 s", "clear all",
             ]
-            .map(told)
+            .map(fault)
             .join("\n"),
             @r"
         '': allowed: step, bias, ramp, dropout, latency, clear

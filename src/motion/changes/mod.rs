@@ -52,7 +52,7 @@ use crate::pulse::log::{Entry, Log, Origin};
 use crate::time::{PulseTimes, TimeTag};
 
 pub use grammar::{AXIS_NAMES, NotAChange, addressed};
-pub use standing::{Standing, heard, standing};
+pub use standing::{Standing, latest, standing};
 
 /// Most changes of a run.
 pub const MOST_CHANGES: usize = 1024;
@@ -134,6 +134,7 @@ pub struct Given {
 
 /// Why a change is not taken.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ChangeFault {
     /// Too many.
     #[error("more than {MOST_CHANGES} changes; allowed: at most so many in a run")]
@@ -280,13 +281,13 @@ mod tests {
             let event = Event { pulse, platform: 1, change: text.parse().unwrap() };
             changes.enter(&event, Origin::Control).unwrap();
         }
-        let told = changes.of(1).unwrap().read(|given| {
+        let reported = changes.of(1).unwrap().read(|given| {
             given.iter().map(|one| (one.pulse, one.t_s, one.change.to_string())).collect::<Vec<_>>()
         });
-        let text = |n: usize| told[n].2.as_str();
+        let text = |n: usize| reported[n].2.as_str();
         assert_eq!((text(0), text(1), text(2)), ("clear", "dropout 1 s", "latency 2 ms"));
         // A quarter of a second has been added and taken off: 2^-54 s.
-        assert!(told[0].0 == 3 && (told[0].1 - 3.0 / 200.0).abs() < 1e-16);
+        assert!(reported[0].0 == 3 && (reported[0].1 - 3.0 / 200.0).abs() < 1e-16);
         assert!(changes.of(0).unwrap().is_empty() && changes.of(2).is_none());
         assert_eq!(changes.log().entries().len(), 3);
     }
@@ -299,12 +300,14 @@ mod tests {
         assert_eq!(changes.enter(&clear, Origin::Control), Err(ChangeFault::TooMany));
         let unsound = [Change::Step { axis: 9, value: 1.0 }, Change::Ramp { axis: 0, value: f64::NAN }];
         for change in unsound.into_iter().chain([Change::Dropout { seconds: -1.0 }]) {
-            let told = changes.enter(&Event { change, ..clear }, Origin::Control).unwrap_err();
-            assert!(matches!(told, ChangeFault::Unsound { .. }), "{told}");
+            let reported = changes.enter(&Event { change, ..clear }, Origin::Control).unwrap_err();
+            assert!(matches!(reported, ChangeFault::Unsound { .. }), "{reported}");
         }
     }
 
     proptest::proptest! {
+        #![proptest_config(crate::rng::cases::proptests(256))]
+
         /// Whatever was changed, the report at hand is one that was made, and what is added is finite.
         #[test]
         fn any_list_has_a_meaning(
@@ -342,9 +345,9 @@ mod tests {
             given.sort_by_key(|one| one.pulse);
             let begun = given.partition_point(|one| one.pulse <= at);
             let t_s = times.interval_s(0, at);
-            let (in_effect, heard) = heard(&errors, &given[..begun], t_s);
+            let (in_effect, latest) = latest(&errors, &given[..begun], t_s);
             proptest::prop_assert!(in_effect <= begun);
-            let epoch_s = heard.time_s.unwrap_or(t_s);
+            let epoch_s = latest.time_s.unwrap_or(t_s);
             proptest::prop_assert!(epoch_s <= t_s + 1e-6);
             let added = standing(&errors, &given[..in_effect], epoch_s);
             proptest::prop_assert!(added.error.iter().chain(&added.growth).all(|value| value.is_finite()));

@@ -1,7 +1,7 @@
 //! What changes amount to at an instant.
 
 use super::{Change, Given};
-use crate::motion::errors::{ATTITUDE, AXES, Between, Errors, Heard};
+use crate::motion::errors::{ATTITUDE, AXES, Between, Errors, LatestReport};
 
 /// What changes add to the errors of a report.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,7 +27,7 @@ fn si(axis: usize, value: f64) -> f64 {
 /// How many of the changes are in effect at an instant, and the report that is then at hand: `given` are all
 /// that have begun by `t_s` after pulse 0, in their order. During a dropout only those from before it are in
 /// effect.
-pub fn heard(errors: &Errors, given: &[Given], t_s: f64) -> (usize, Heard) {
+pub fn latest(errors: &Errors, given: &[Given], t_s: f64) -> (usize, LatestReport) {
     let mut lost: Option<(usize, f64)> = None;
     for (place, one) in given.iter().enumerate() {
         match one.change {
@@ -67,19 +67,19 @@ pub fn heard(errors: &Errors, given: &[Given], t_s: f64) -> (usize, Heard) {
         let epoch = arrived(begun_s, latency_s, at_hand);
         return (
             in_effect,
-            Heard { epoch, time_s: errors.time_unless_now(epoch, t_s), between, dropout: true },
+            LatestReport { epoch, time_s: errors.time_unless_now(epoch, t_s), between, dropout: true },
         );
     }
-    let mut heard = errors.heard_after(t_s, latency_s);
-    if let Some(held) = at_hand.filter(|held| *held > heard.epoch) {
-        heard = Heard {
+    let mut latest = errors.latest_after(t_s, latency_s);
+    if let Some(held) = at_hand.filter(|held| *held > latest.epoch) {
+        latest = LatestReport {
             epoch: held,
             time_s: errors.time_unless_now(held, t_s),
             between: errors.model().between,
             dropout: false,
         };
     }
-    (in_effect, heard)
+    (in_effect, latest)
 }
 
 /// What changes add to the report of an epoch, `epoch_s` after pulse 0.
@@ -87,7 +87,7 @@ pub fn standing(errors: &Errors, given: &[Given], epoch_s: f64) -> Standing {
     let mut standing = Standing::default();
     let mut ramps = [[0.0; 2]; AXES];
     // What a ramp has grown to when another takes its place.
-    let settle = |ramp: &[f64; 2], to_s: f64| {
+    let grown = |ramp: &[f64; 2], to_s: f64| {
         let [rate, since_s] = *ramp;
         if rate == 0.0 { 0.0 } else { rate * (epoch_s.min(to_s) - since_s).max(0.0) }
     };
@@ -99,7 +99,7 @@ pub fn standing(errors: &Errors, given: &[Given], epoch_s: f64) -> Standing {
                 ramps[axis][1] = one.t_s;
             }
             Change::Ramp { axis, value } => {
-                standing.error[axis] += settle(&ramps[axis], one.t_s);
+                standing.error[axis] += grown(&ramps[axis], one.t_s);
                 ramps[axis] = [si(axis, value), one.t_s];
                 if epoch_s >= one.t_s {
                     standing.growth[axis] = si(axis, value);
@@ -113,7 +113,7 @@ pub fn standing(errors: &Errors, given: &[Given], epoch_s: f64) -> Standing {
         }
     }
     for (error, ramp) in standing.error.iter_mut().zip(&ramps) {
-        *error += settle(ramp, f64::INFINITY);
+        *error += grown(ramp, f64::INFINITY);
     }
     standing
 }

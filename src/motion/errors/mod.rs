@@ -51,7 +51,7 @@ use thiserror::Error;
 
 use crate::frames::{Body, Vector};
 
-pub use series::{Circumstances, Errors, Heard};
+pub use series::{Circumstances, Errors, LatestReport};
 
 /// Axes of an error model: position, velocity, attitude.
 pub const AXES: usize = 9;
@@ -185,6 +185,7 @@ impl AxisErrors {
 
 /// Why there are no errors.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ErrorsFault {
     /// Series that do not fit.
     #[error(

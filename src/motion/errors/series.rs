@@ -100,7 +100,7 @@ impl Epochs {
 
 /// The report that is at hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct LatestReport {
     /// Its epoch.
     pub epoch: i64,
     /// Time of the epoch after pulse 0, s; `None`: the instant itself.
@@ -278,14 +278,14 @@ impl Errors {
     }
 
     /// The report that is at hand `t_s` after pulse 0.
-    pub fn heard(&self, t_s: f64) -> Heard {
-        self.heard_after(t_s, None)
+    pub fn latest(&self, t_s: f64) -> LatestReport {
+        self.latest_after(t_s, None)
     }
 
     /// The report that was at hand just before: a report that is made or arrives at the instant itself is
     /// not.
-    pub fn heard_before(&self, t_s: f64, latency_s: Option<f64>) -> Heard {
-        self.heard_after(t_s - 2.0 * self.epochs.slack_s(), latency_s)
+    pub fn heard_before(&self, t_s: f64, latency_s: Option<f64>) -> LatestReport {
+        self.latest_after(t_s - 2.0 * self.epochs.slack_s(), latency_s)
     }
 
     /// Time of an epoch after pulse 0, s; `None` if that is `t_s` itself.
@@ -297,11 +297,11 @@ impl Errors {
 
     /// The report that is at hand `t_s` after pulse 0 where reports take another time to arrive than the
     /// model says.
-    pub fn heard_after(&self, t_s: f64, latency_s: Option<f64>) -> Heard {
+    pub fn latest_after(&self, t_s: f64, latency_s: Option<f64>) -> LatestReport {
         let Self { model, epochs, .. } = self;
         let (between, dropout) = (model.between, false);
         if self.immediate && latency_s.is_none() {
-            return Heard { epoch: epochs.at_or_before(t_s), time_s: None, between, dropout };
+            return LatestReport { epoch: epochs.at_or_before(t_s), time_s: None, between, dropout };
         }
         let latency_s = latency_s.unwrap_or(model.latency_s);
         let mut epoch = if self.jitter_s.is_empty() {
@@ -320,17 +320,17 @@ impl Errors {
             }
             epoch
         };
-        let mut heard = Heard { epoch, time_s: None, between, dropout };
+        let mut latest = LatestReport { epoch, time_s: None, between, dropout };
         if let Some(dropouts) = &model.dropouts {
             // Lookups beyond the series find its last value.
             let place = self.place(epoch, self.lost.len());
             let back = i64::from(self.lost[place]);
             if back > 0 {
                 epoch = self.first + place as i64 - back;
-                heard = Heard { epoch, time_s: None, between: dropouts.during, dropout: true };
+                latest = LatestReport { epoch, time_s: None, between: dropouts.during, dropout: true };
             }
         }
-        heard.time_s = self.time_unless_now(epoch, t_s);
-        heard
+        latest.time_s = self.time_unless_now(epoch, t_s);
+        latest
     }
 }

@@ -50,6 +50,9 @@ impl Deviation {
 
     /// The truth beside a report that is wrong by a model: less its errors. Random parts are taken at nodes,
     /// twenty to the shortest correlation time, and made smooth in between.
+    ///
+    /// # Errors
+    /// A model with numbers out of range, or with random parts that need more nodes than can be held.
     pub fn short_of(model: &ErrorModel, of: &Circumstances, start: TimeTag) -> Result<Self, ErrorsFault> {
         let random = || model.axes.iter().filter(|axis| axis.is_random());
         let shortest_s = random().fold(WALK_STEP_S * NODES_PER_TAU, |shortest: f64, axis| {
@@ -121,6 +124,9 @@ impl Deviation {
     }
 
     /// A state of the track, moved.
+    ///
+    /// # Errors
+    /// An instant that the track does not cover.
     pub fn moved(&self, state: &State, t: TimeTag) -> Result<State, TrackError> {
         let jets = self.jets_at(t)?;
         let linear = |order: usize| Vector::new(jets[0][order], jets[1][order], jets[2][order]);

@@ -12,6 +12,7 @@ use crate::time::TimeTag;
 
 /// Why there is no track, or no state at an instant.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum TrackError {
     /// The instant lies outside the track.
     #[error(
@@ -208,6 +209,7 @@ impl fmt::Display for Missing {
 
 /// Why a source gives no track.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SourceError {
     /// Its file cannot be used.
     #[error(transparent)]
@@ -237,6 +239,7 @@ pub const MAX_MISFIT_SIGMAS: f64 = 5.0;
 
 /// Why there is no turbulence.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum TurbulenceFault {
     /// A platform that does not fly.
     #[error(

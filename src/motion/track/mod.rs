@@ -141,6 +141,9 @@ impl Track {
     }
 
     /// A smooth track through recorded fixes, as the source asks for it.
+    ///
+    /// # Errors
+    /// Fixes that make no track: too few, gaps, jumps, places that are not in the scene.
     pub fn recorded(
         fixes: &[Fix],
         frame: &SceneFrame,
@@ -166,6 +169,9 @@ impl Track {
     }
 
     /// The track of any source; `start` is the emission of pulse 0. A file is read here.
+    ///
+    /// # Errors
+    /// A file that cannot be read, fixes that make no track, or a place that is not in the scene.
     pub fn from_source(
         source: &TrackSource,
         frame: &SceneFrame,
@@ -342,7 +348,7 @@ impl Track {
         match &self.0 {
             Kind::Reported(reports) => reports.at(t),
             Kind::Live(live) => {
-                let Reported { state, age_s, flags, .. } = live.told(t);
+                let Reported { state, age_s, flags, .. } = live.report(t);
                 Ok(Report { state, age_s, flags })
             }
             _ => self.state(t).map(Report::of),
@@ -350,6 +356,9 @@ impl Track {
     }
 
     /// Whether the track covers a stretch of time, ends included.
+    ///
+    /// # Errors
+    /// The part that is missing.
     pub fn covers(&self, from: TimeTag, to: TimeTag) -> Result<(), TrackError> {
         match self.span() {
             Some((first, last)) if first.since(from) > 0.0 || to.since(last) > 0.0 => {
@@ -360,6 +369,9 @@ impl Track {
     }
 
     /// The state at an instant. Nothing is allocated.
+    ///
+    /// # Errors
+    /// An instant that the track does not cover.
     pub fn state(&self, t: TimeTag) -> Result<State, TrackError> {
         match &self.0 {
             Kind::Straight { position, at, velocity, attitude } => Ok(State {
@@ -372,7 +384,7 @@ impl Track {
             Kind::Recorded { nodes, attitude } => recorded_state(nodes, attitude, t),
             Kind::Moved { base, by } => by.moved(&base.state(t)?, t),
             Kind::Reported(reports) => Ok(reports.at(t)?.state),
-            Kind::Live(live) => Ok(live.told(t).state),
+            Kind::Live(live) => Ok(live.report(t).state),
         }
     }
 }

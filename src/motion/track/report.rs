@@ -50,6 +50,9 @@ pub(super) struct Reports {
 
 impl Reports {
     /// What is said at an instant. Nothing is allocated.
+    ///
+    /// # Errors
+    /// An instant that the reported track does not cover.
     pub fn at(&self, t: TimeTag) -> Result<Report, TrackError> {
         match &self.changes {
             Some(changes) => changes.read(|given| {
@@ -66,14 +69,14 @@ impl Reports {
             return self.base.report(t);
         }
         let t_s = t.since(self.start);
-        let (given, heard) = match given {
-            [] => (given, self.errors.heard(t_s)),
+        let (given, latest) = match given {
+            [] => (given, self.errors.latest(t_s)),
             _ => {
-                let (in_effect, heard) = changes::heard(&self.errors, given, t_s);
-                (&given[..in_effect], heard)
+                let (in_effect, latest) = changes::latest(&self.errors, given, t_s);
+                (&given[..in_effect], latest)
             }
         };
-        let mut epoch = heard.time_s.map_or(t, |time_s| self.start.plus(time_s));
+        let mut epoch = latest.time_s.map_or(t, |time_s| self.start.plus(time_s));
         if let Some((first, _)) = self.base.span()
             && first.since(epoch) > 0.0
         {
@@ -84,17 +87,17 @@ impl Reports {
         let base = self.base.report(epoch)?;
         let mut state = base.state;
         if !self.right || !standing.is_nothing() {
-            state = self.wrong(&state, heard.epoch, epoch_s, &standing);
+            state = self.wrong(&state, latest.epoch, epoch_s, &standing);
         }
         let age_s = t.since(epoch);
         if age_s > 0.0 {
-            if heard.between == Between::Extrapolate {
+            if latest.between == Between::Extrapolate {
                 state.position = state.position + state.velocity * age_s;
             }
             state.acceleration = Vector::ZERO;
             state.angular_rate = Vector::ZERO;
         }
-        let lost = if heard.dropout { flags::REPORT_DROPOUT } else { 0 };
+        let lost = if latest.dropout { flags::REPORT_DROPOUT } else { 0 };
         Ok(Report { state, age_s: age_s + base.age_s, flags: base.flags | lost })
     }
 

@@ -245,7 +245,7 @@ fn binary(
         counts.bad_checksum += 1;
         return SYNC_BYTES;
     }
-    told(novatel::binary(&frame, message), counts, see);
+    report(novatel::binary(&frame, message), counts, see);
     frame.all_bytes()
 }
 
@@ -260,7 +260,7 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
     if let Some(at) = novatel::ascii_start(&rest[..start.unwrap_or(rest.len())]) {
         match novatel::ascii(&rest[at..]) {
             None => counts.bad_checksum += 1,
-            Some(content) => told(content, counts, see),
+            Some(content) => report(content, counts, see),
         }
         return;
     }
@@ -290,7 +290,7 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
             None => counts.bad_checksum += 1,
             Some((at, body)) => {
                 counts.malformed += u64::from(at > 0);
-                told(nmea::sentence(body), counts, see);
+                report(nmea::sentence(body), counts, see);
             }
         }
         // Behind the checksum another sentence may follow.
@@ -303,7 +303,7 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
 }
 
 /// Counts a message and hands it on.
-fn told(content: Result<Content, Unread>, counts: &mut Counts, see: &mut impl FnMut(Message)) {
+fn report(content: Result<Content, Unread>, counts: &mut Counts, see: &mut impl FnMut(Message)) {
     match content {
         Err(Unread::Unknown) => counts.unknown += 1,
         Err(Unread::Malformed) => counts.malformed += 1,

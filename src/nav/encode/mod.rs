@@ -12,7 +12,7 @@
 //! | INSPVAX, ASCII | 1e-11 deg (1e-6 m), 1e-5 m, 1e-6 m/s, 1e-9 deg |
 //! | INSPVAX, binary | f64; undulation and deviations f32, the undulation's rounding is taken up by the height |
 //!
-//! INSPVAX tells milliseconds. A state between two is moved along its velocity to the nearer one, at most 0.5
+//! INSPVAX has milliseconds. A state between two is moved along its velocity to the nearer one, at most 0.5
 //! ms: with an acceleration of 10 m/s^2 that leaves 1e-6 m. Its attitude is left as it is (0.03 deg at 1
 //! rad/s).
 //!
@@ -107,6 +107,7 @@ pub enum Format {
 
 /// Why a state cannot be written.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EncodeError {
     /// INSPVAX has no empty fields.
     #[error("INSPVAX needs a velocity and an attitude; allowed without: nmea")]
@@ -120,6 +121,9 @@ pub enum EncodeError {
 
 impl Format {
     /// Appends the messages of a state.
+    ///
+    /// # Errors
+    /// A state without what the format needs, or outside what it can hold; nothing is appended then.
     pub fn write(&self, solution: &Solution, out: &mut Vec<u8>) -> Result<(), EncodeError> {
         let angles = solution.yaw_pitch_roll_rad.unwrap_or_default();
         let velocity = solution.velocity_mps.unwrap_or_default();
@@ -140,8 +144,8 @@ impl Format {
                 }
                 Ok(())
             }
-            Self::InspvaxAscii => novatel::Said::of(solution).map(|said| said.ascii(out)),
-            Self::InspvaxBinary => novatel::Said::of(solution).map(|said| said.binary(out)),
+            Self::InspvaxAscii => novatel::Values::of(solution).map(|said| said.ascii(out)),
+            Self::InspvaxBinary => novatel::Values::of(solution).map(|said| said.binary(out)),
         }
     }
 }

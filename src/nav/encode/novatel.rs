@@ -18,7 +18,7 @@ const EARTH_A_M: f64 = 6_378_137.0;
 const EARTH_E2: f64 = 6.694_379_990_141_316e-3;
 
 /// The figures of a message.
-pub(super) struct Said {
+pub(super) struct Values {
     week: u32,
     ms: u32,
     lat_deg: f64,
@@ -33,7 +33,11 @@ pub(super) struct Said {
     sigma: [[f32; 3]; 3],
 }
 
-impl Said {
+impl Values {
+    /// The values of a state.
+    ///
+    /// # Errors
+    /// A state without velocity or attitude, or outside what the message can hold.
     pub fn of(solution: &Solution) -> Result<Self, EncodeError> {
         let (Some([east, north, up]), Some(angles)) = (solution.velocity_mps, solution.yaw_pitch_roll_rad)
         else {

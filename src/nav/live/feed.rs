@@ -1,4 +1,4 @@
-//! A thread that hears a receiver and tells its fixes.
+//! A thread that reads a receiver and delivers its fixes.
 //!
 //! [`Feed::open`] opens the [`Origin`] of a [`LiveSource`] and starts the thread; every fix is handed to the
 //! caller with the instant of the read that completed it. Serial ports, listening addresses and files must be
@@ -13,7 +13,7 @@
 //! * **Latency.** That of the receiver and its line; sentences wait for the next epoch, INSPVAX for nothing.
 //! * **A file** is replayed in time: fixes earlier than `from` less 10 s are left out, those before `from`
 //!   are reported at once, later ones when as much time has passed since the feed was opened as lies between
-//!   `from` and them. Without `from` its first fix is told at once. Behind its end it is silent.
+//!   `from` and them. Without `from` its first fix is reported at once. Behind its end it is silent.
 //! * **Memory** is bounded whatever comes in: the decoder holds 32 KiB, at most 16,384 fixes wait.
 //!
 //! ```
@@ -35,7 +35,7 @@
 //! };
 //! let (to, from) = mpsc::channel();
 //! let start = TimeTag::from_iso8601("2014-11-24T20:30:21Z")?;
-//! let feed = Feed::open(&source, "cart", start, move |heard| { let _ = to.send(heard.fix.time); })?;
+//! let feed = Feed::open(&source, "cart", start, move |received| { let _ = to.send(received.fix.time); })?;
 //! assert_eq!(from.recv()?.to_string(), "2014-11-24T20:30:19.900000Z");
 //! assert!(feed.counts().good > 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -55,7 +55,7 @@ use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use super::line::{self, Line, Look};
-use super::{Ear, Heard, LiveSource, Origin};
+use super::{FixDecoder, LiveSource, Origin, ReceivedFix};
 use crate::nav::Fix;
 use crate::time::TimeTag;
 
@@ -66,11 +66,11 @@ const FILE_BYTES: usize = 1 << 12;
 /// How much of a file is reported that lies before the begin, s.
 pub const BEFORE_S: f64 = 10.0;
 
-/// Why nothing can be heard.
+/// Why nothing can be received.
 #[derive(Debug, Error)]
 #[error("live navigation of \"{name}\": cannot open {origin}: {source}")]
 pub struct FeedError {
-    /// Who is to be heard.
+    /// From whom fixes are to come.
     pub name: String,
     /// Where.
     pub origin: Origin,
@@ -78,7 +78,7 @@ pub struct FeedError {
     pub source: io::Error,
 }
 
-/// What was heard.
+/// What was received.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FeedCounts {
     /// Bytes read.
@@ -99,7 +99,7 @@ pub struct FeedCounts {
     pub clock_steps: u64,
     /// Epochs with a position and no date: left.
     pub undated: u64,
-    /// Fixes told.
+    /// Fixes reported.
     pub fixes: u64,
     /// Among all fixes: those without a height of their own.
     pub heights_filled: u64,
@@ -113,7 +113,7 @@ pub struct FeedCounts {
     pub reopened: u64,
     /// Others who wanted to connect.
     pub refused: u64,
-    /// Time of the last fix told.
+    /// Time of the last fix reported.
     #[serde(serialize_with = "as_text")]
     pub last_fix: Option<TimeTag>,
 }
@@ -182,14 +182,14 @@ impl Feed {
         source: &LiveSource,
         name: &str,
         from: impl Into<Option<TimeTag>>,
-        deliver: impl FnMut(Heard) + Send + 'static,
+        deliver: impl FnMut(ReceivedFix) + Send + 'static,
     ) -> Result<Self, FeedError> {
         let refused =
             |error| FeedError { name: name.to_owned(), origin: source.origin.clone(), source: error };
         let shared = Arc::new(Shared { stop: AtomicBool::new(false), counts: Mutex::default() });
-        let teller = Teller {
+        let delivery = Delivery {
             shared: Arc::clone(&shared),
-            ear: Ear::new(source.datum, source.undulation_m, source.attitude, source.max_gap_s),
+            decoder: FixDecoder::new(source.datum, source.undulation_m, source.attitude, source.max_gap_s),
             deliver,
         };
         let builder = thread::Builder::new().name(format!("nav {name}"));
@@ -198,18 +198,18 @@ impl Feed {
                 let file = whole_file(path).map_err(refused)?;
                 shared.count(|counts| counts.connected = true);
                 let replay = Replay { file, from: from.into(), opened: Instant::now() };
-                builder.spawn(move || replay.run(teller))
+                builder.spawn(move || replay.run(delivery))
             }
             origin => {
                 let line = Line::open(origin).map_err(refused)?;
                 shared.count(|counts| counts.connected = line.is_open());
-                builder.spawn(move || listen(line, teller))
+                builder.spawn(move || listen(line, delivery))
             }
         };
         Ok(Self { shared, thread: Some(thread.map_err(refused)?) })
     }
 
-    /// What was heard so far.
+    /// What has come so far.
     pub fn counts(&self) -> FeedCounts {
         *self.shared.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -225,17 +225,17 @@ impl Drop for Feed {
     }
 }
 
-/// Tells what an ear hears.
-struct Teller<F> {
+/// Delivers what a decoder finds.
+struct Delivery<F> {
     shared: Arc<Shared>,
-    ear: Ear,
+    decoder: FixDecoder,
     deliver: F,
 }
 
-impl<F: FnMut(Heard)> Teller<F> {
+impl<F: FnMut(ReceivedFix)> Delivery<F> {
     /// Brings the counts up to date.
     fn count(&self, change: impl FnOnce(&mut FeedCounts)) {
-        let (messages, completion) = (*self.ear.messages(), self.ear.completion());
+        let (messages, completion) = (*self.decoder.messages(), self.decoder.completion());
         self.shared.count(|counts| {
             counts.good = messages.good;
             counts.bad_checksum = messages.bad_checksum;
@@ -252,21 +252,21 @@ impl<F: FnMut(Heard)> Teller<F> {
     }
 
     /// Counts first: whoever is reported a fix finds it in the counts.
-    fn tell(&mut self, fix: Fix, arrived: Instant) {
+    fn report(&mut self, fix: Fix, arrived: Instant) {
         self.shared.count(|counts| {
             counts.fixes += 1;
             counts.last_fix = Some(fix.time);
         });
-        (self.deliver)(Heard { fix, arrived });
+        (self.deliver)(ReceivedFix { fix, arrived });
     }
 }
 
 /// Hears a line until it is stopped.
-fn listen<F: FnMut(Heard)>(mut line: Line, mut teller: Teller<F>) {
+fn listen<F: FnMut(ReceivedFix)>(mut line: Line, mut delivery: Delivery<F>) {
     let mut buffer = vec![0; READ_BYTES];
     let mut fixes = Vec::new();
     let mut had_been_open = line.is_open();
-    let shared = Arc::clone(&teller.shared);
+    let shared = Arc::clone(&delivery.shared);
     while !shared.is_stopped() {
         let look = line.read(&mut buffer, &|| shared.is_stopped());
         let arrived = Instant::now();
@@ -277,7 +277,7 @@ fn listen<F: FnMut(Heard)>(mut line: Line, mut teller: Teller<F>) {
                 continue;
             }
             Look::Opened => {
-                teller.count(|counts| {
+                delivery.count(|counts| {
                     counts.connected = true;
                     counts.reopened += u64::from(had_been_open);
                     counts.refused = refused;
@@ -285,22 +285,22 @@ fn listen<F: FnMut(Heard)>(mut line: Line, mut teller: Teller<F>) {
                 had_been_open = true;
             }
             Look::Bytes(bytes) => {
-                teller.ear.hear(&buffer[..bytes], &mut |fix| fixes.push(fix));
-                teller.count(|counts| {
+                delivery.decoder.push(&buffer[..bytes], &mut |fix| fixes.push(fix));
+                delivery.count(|counts| {
                     counts.bytes += bytes as u64;
                     counts.refused = refused;
                 });
             }
             Look::Vanished => {
-                teller.ear.interrupt(&mut |fix| fixes.push(fix));
-                teller.count(|counts| {
+                delivery.decoder.interrupt(&mut |fix| fixes.push(fix));
+                delivery.count(|counts| {
                     counts.connected = false;
                     counts.vanished += 1;
                 });
             }
         }
         for fix in fixes.drain(..) {
-            teller.tell(fix, arrived);
+            delivery.report(fix, arrived);
         }
     }
 }
@@ -321,11 +321,11 @@ struct Replay {
 }
 
 impl Replay {
-    fn run<F: FnMut(Heard)>(mut self, mut teller: Teller<F>) {
+    fn run<F: FnMut(ReceivedFix)>(mut self, mut delivery: Delivery<F>) {
         let mut buffer = vec![0; FILE_BYTES];
         let mut fixes = VecDeque::new();
         let mut ended = false;
-        while !ended && !teller.shared.is_stopped() {
+        while !ended && !delivery.shared.is_stopped() {
             let bytes = match self.file.read(&mut buffer) {
                 Ok(bytes) => bytes,
                 Err(error) if error.kind() == ErrorKind::Interrupted => continue,
@@ -333,20 +333,20 @@ impl Replay {
             };
             ended = bytes == 0;
             if ended {
-                teller.ear.finish(&mut |fix| fixes.push_back(fix));
+                delivery.decoder.finish(&mut |fix| fixes.push_back(fix));
             } else {
-                teller.ear.hear(&buffer[..bytes], &mut |fix| fixes.push_back(fix));
+                delivery.decoder.push(&buffer[..bytes], &mut |fix| fixes.push_back(fix));
             }
-            teller.count(|counts| counts.bytes += bytes as u64);
+            delivery.count(|counts| counts.bytes += bytes as u64);
             while let Some(fix) = fixes.pop_front() {
-                if self.wait_for(fix.time, &teller.shared) {
-                    teller.tell(fix, Instant::now());
-                } else if teller.shared.is_stopped() {
+                if self.wait_for(fix.time, &delivery.shared) {
+                    delivery.report(fix, Instant::now());
+                } else if delivery.shared.is_stopped() {
                     return;
                 }
             }
         }
-        teller.count(|counts| counts.connected = false);
+        delivery.count(|counts| counts.connected = false);
     }
 
     /// Waits until a time has come; false if it lies too far back, or nobody waits any longer.

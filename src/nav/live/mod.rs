@@ -1,13 +1,13 @@
 //! Live navigation: what a receiver says while the run goes on.
 //!
 //! A [`LiveSource`] says where the bytes come from and what is made of them; its fixes are those that a file
-//! of the same sentences gives. A [`Feed`] hears it, an [`Ear`] makes fixes of the bytes. A run takes them as
+//! of the same sentences gives. A [`Feed`] reads it, a [`FixDecoder`] makes fixes of the bytes. A run takes them as
 //! they come, see `motion::live`.
 //!
 //! Symbols: `max_gap_s` the longest time between two fixes that is interpolated, `max_extrapolation_s` the
-//! longest time after the last fix for which the motion is still told from it; beyond that it is stale.
+//! longest time after the last fix for which the motion is still reported from it; beyond that it is stale.
 
-mod ear;
+mod decoder;
 pub mod feed;
 mod line;
 
@@ -16,7 +16,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Instant;
 
-pub use ear::Ear;
+pub use decoder::FixDecoder;
 pub use feed::{Feed, FeedCounts, FeedError};
 
 use super::{AttitudeSource, Fix, VerticalDatum};
@@ -102,7 +102,7 @@ impl fmt::Display for Origin {
 
 /// A fix of a live source.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct ReceivedFix {
     /// What was said.
     pub fix: Fix,
     /// When its last byte had come.

@@ -60,6 +60,7 @@ const BETWEEN: u64 = 1 << 32;
 
 /// Why clocks cannot be emulated.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ClockFault {
     /// Too much noise to hold.
     #[error(
@@ -240,12 +241,13 @@ impl RunningClocks {
     pub fn apart(&self, transmitter: Option<usize>, receiver: usize, pulse: u64, after_s: f64) -> [f64; 2] {
         let of = |list: &[Option<usize>], place: usize| list.get(place).copied().flatten();
         let [transmitters, receivers] = &self.antennas;
-        let (sends, hears) = (transmitter.and_then(|place| of(transmitters, place)), of(receivers, receiver));
-        if sends == hears {
+        let (sends, receives) =
+            (transmitter.and_then(|place| of(transmitters, place)), of(receivers, receiver));
+        if sends == receives {
             return [0.0; 2];
         }
         let reading = |end: Option<usize>| end.map_or([0.0; 2], |clock| self.reading(clock, pulse));
-        let ([x_t, y_t], [x_r, y_r]) = (reading(sends), reading(hears));
+        let ([x_t, y_t], [x_r, y_r]) = (reading(sends), reading(receives));
         [x_r - x_t + (y_r - y_t) * after_s, y_r - y_t]
     }
 

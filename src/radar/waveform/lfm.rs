@@ -49,6 +49,9 @@ pub struct Lfm {
 
 impl Lfm {
     /// A sweep over `bandwidth_hz >= 0` in `duration_s > 0`.
+    ///
+    /// # Errors
+    /// A bandwidth, a duration or their product out of range.
     pub fn new(bandwidth_hz: f64, duration_s: f64, sweep: Sweep) -> Result<Self, WaveformError> {
         if !(bandwidth_hz >= 0.0 && bandwidth_hz.is_finite()) {
             return Err(WaveformError::Bandwidth { bandwidth_hz });

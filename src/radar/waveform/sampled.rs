@@ -57,6 +57,9 @@ pub struct Sampled {
 
 impl Sampled {
     /// From samples in memory.
+    ///
+    /// # Errors
+    /// No samples, too many, samples that are not finite, or a rate out of range.
     pub fn new(samples: Vec<Complex64>, rate_hz: f64) -> Result<Self, WaveformError> {
         check_rate(rate_hz)?;
         let mut faults = SampleFaults::default();
@@ -94,6 +97,9 @@ impl Sampled {
     }
 
     /// From a CSV file: a line `re,im` for each sample, blank lines and `#` comments between.
+    ///
+    /// # Errors
+    /// A file that cannot be read, lines that are no samples, or what [`Self::new`] refuses.
     pub fn from_file(path: &Path, rate_hz: f64) -> Result<Self, WaveformError> {
         check_rate(rate_hz)?;
         let file = |source| WaveformError::File { path: path.to_owned(), source };
@@ -108,11 +114,6 @@ impl Sampled {
     /// The samples.
     pub fn samples(&self) -> &[Complex64] {
         &self.samples
-    }
-
-    /// Their rate, Hz.
-    pub fn rate_hz(&self) -> f64 {
-        self.rate_hz
     }
 }
 
@@ -269,6 +270,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::rng::cases::proptests(256))]
+
         #[test]
         fn never_panics_on_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
             let _ = parse(&bytes);

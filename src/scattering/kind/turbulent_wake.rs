@@ -26,6 +26,7 @@ const VALUES: usize = 256;
 
 /// What is wrong with a ratio of spectra.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RatioError {
     /// No range.
     #[error(

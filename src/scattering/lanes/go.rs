@@ -143,8 +143,8 @@ impl Batch {
                     };
                     let root = (density[i] * series).sqrt();
                     let weight = root * exponential(-exponent[i].min(SILENT)) * (secant[i] * secant[i]);
-                    let heard = (exponent[i] < SILENT) & (weight > LEAST);
-                    weights[i] = if heard { weight } else { 0.0 };
+                    let counts = (exponent[i] < SILENT) & (weight > LEAST);
+                    weights[i] = if counts { weight } else { 0.0 };
                 }
                 any |= weights.iter().any(|weight| *weight > 0.0);
             }

@@ -29,7 +29,7 @@ pub(super) fn finite(stations_m: &[f64], waterlines_m: &[f64], half_breadths_m: 
     faults
 }
 
-/// What is wrong with offsets that are numbers; those that are not have been told already.
+/// What is wrong with offsets that are numbers; those that are not have been reported already.
 pub(super) fn offsets(stations_m: &[f64], waterlines_m: &[f64], half_breadths_m: &[f64]) -> Vec<HullFault> {
     let mut faults = Vec::new();
     let mut push = |place, what| faults.push(HullFault { place, what });

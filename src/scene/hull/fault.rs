@@ -14,6 +14,7 @@ const LISTED: usize = 50;
 
 /// Why there is no hull.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum HullError {
     /// A file cannot be read.
     #[error("hull {}: cannot be read: {}", path.display(), reason(*kind))]
@@ -104,6 +105,7 @@ impl fmt::Display for Place {
 
 /// What is wrong.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum What {
     /// A file too long.
     #[error("more than {MOST_BYTES} bytes")]

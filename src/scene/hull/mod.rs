@@ -87,6 +87,9 @@ pub struct Scatterer {
 impl Hull {
     /// A hull of `half_breadths_m[station * waterlines + waterline]`. Stations may be measured from anywhere:
     /// they are kept from midship.
+    ///
+    /// # Errors
+    /// A table that is no hull: sizes, order, numbers out of range.
     pub fn new(
         stations_m: &[f64],
         waterlines_m: &[f64],
@@ -127,11 +130,17 @@ impl Hull {
     /// Reads a hull: a description (`.toml`), or an offset table alone (`.csv`).
     ///
     /// All faults are reported at once, each with its file and line.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and all faults of description and table.
     pub fn load(path: &Path) -> Result<Self, HullError> {
         description::load(path)
     }
 
     /// Wigley's parabolic hull, `Y = (B/2) (1 - (2x/L)^2) (1 - (z/T)^2)`, which its table represents exactly.
+    ///
+    /// # Errors
+    /// Dimensions out of range.
     pub fn wigley(length_m: f64, beam_m: f64, draught_m: f64) -> Result<Self, HullError> {
         let [stations, waterlines] = FORMULA_GRID;
         // From -1 to 1 and from -1 to 0, exact at the ends and in the middle.
@@ -149,6 +158,9 @@ impl Hull {
 
     /// The same form at another length. Stated particulars and the places of scatterers are scaled with it;
     /// the radar cross sections of scatterers stay, they are what the file says.
+    ///
+    /// # Errors
+    /// A length out of range.
     pub fn scaled_to_length(&self, length_m: f64) -> Result<Self, HullError> {
         let [least, most] = LENGTH_RANGE_M;
         if !(least..=most).contains(&length_m) {

@@ -34,6 +34,9 @@ const HEADER: &str = "x_m/z_m";
 const QUOTED: usize = 40;
 
 /// Reads a table from text.
+///
+/// # Errors
+/// All faults of the table, each with its line.
 pub fn parse(name: &str, text: &str) -> Result<Hull, HullError> {
     let mut faults = Vec::new();
     let table = read(Path::new(name), text, &mut faults);

@@ -60,6 +60,9 @@ pub fn inverse_wave_age(fetch_m: f64, u10_mps: f64) -> f64 {
 
 impl Elfouhaily {
     /// The spectrum of a wind and a state of development.
+    ///
+    /// # Errors
+    /// An inverse wave age or fetch out of range, or a sea too young for its fetch.
     pub fn new(wind: &Wind, development: Development) -> Result<Self, SpectrumError> {
         let calm = wind.is_calm();
         // Any wind does for a sea that is zero throughout; its parameters are still checked.

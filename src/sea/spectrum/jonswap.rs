@@ -54,6 +54,9 @@ pub struct Jonswap {
 
 impl Jonswap {
     /// The spectrum of a wind and a fetch, m.
+    ///
+    /// # Errors
+    /// A wind or fetch out of range.
     pub fn new(wind: &Wind, fetch_m: f64, spreading: Spreading) -> Result<Self, SpectrumError> {
         if !(FETCH_RANGE_M[0]..=FETCH_RANGE_M[1]).contains(&fetch_m) {
             return Err(SpectrumError::Fetch { fetch_m });

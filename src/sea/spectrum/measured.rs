@@ -36,6 +36,7 @@ const HEADER: &str = "kx_rad_m,ky_rad_m,psi_m4";
 
 /// Why a measured spectrum cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeasuredError {
     /// The file cannot be read.
     #[error("measured spectrum {}: cannot be read: {}", path.display(), inputs::reason(*kind))]
@@ -100,6 +101,7 @@ pub struct Fault {
 
 /// What may be wrong in a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum What {
     /// Longer than allowed.
     #[error("more than {MAX_BYTES} bytes")]
@@ -222,6 +224,9 @@ struct Row {
 
 impl Measured {
     /// Reads a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and all faults of its text.
     pub fn load(path: &Path) -> Result<Self, MeasuredError> {
         let unreadable =
             |error: std::io::Error| MeasuredError::Read { path: path.to_path_buf(), kind: error.kind() };
@@ -230,6 +235,9 @@ impl Measured {
     }
 
     /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// All faults of the text.
     pub fn parse(bytes: &[u8]) -> Result<Self, MeasuredError> {
         Self::read(bytes).map_err(MeasuredError::Text)
     }

@@ -27,6 +27,9 @@ pub struct Mix {
 
 impl Mix {
     /// The spectrum of a wind and a state of development.
+    ///
+    /// # Errors
+    /// An inverse wave age out of range.
     pub fn new(wind: &Wind, development: Development) -> Result<Self, SpectrumError> {
         Ok(Self { omnidirectional: Elfouhaily::new(wind, development)?, spreading: FungLee::new(wind) })
     }

@@ -172,6 +172,7 @@ pub trait Spectrum: Debug + Send + Sync {
 
 /// What is wrong with a spectrum.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SpectrumError {
     /// Inverse wave age out of range.
     #[error("inverse wave age of {inverse_wave_age}: allowed are 0.84 (fully developed) to 5")]
@@ -226,6 +227,9 @@ pub enum SpectrumError {
 }
 
 /// The spectrum of a sea: the wind sea (or the measured one) and every swell train.
+///
+/// # Errors
+/// A parameter out of range, or a file of a measured spectrum that cannot be read.
 pub fn of_water(water: &Water, wind: &Wind) -> Result<Box<dyn Spectrum>, SpectrumError> {
     water.dispersion.check()?;
     let wind_sea = of_kind(&water.spectrum, wind)?;
@@ -240,6 +244,9 @@ pub fn of_water(water: &Water, wind: &Wind) -> Result<Box<dyn Spectrum>, Spectru
 }
 
 /// The spectrum of a wind sea alone (or the measured one).
+///
+/// # Errors
+/// A parameter out of range, or a file of a measured spectrum that cannot be read.
 pub fn of_kind(kind: &SpectrumKind, wind: &Wind) -> Result<Box<dyn Spectrum>, SpectrumError> {
     Ok(match kind {
         SpectrumKind::Elfouhaily { development } => Box::new(Elfouhaily::new(wind, *development)?),

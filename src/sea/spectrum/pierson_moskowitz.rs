@@ -36,6 +36,9 @@ pub struct PiersonMoskowitz {
 
 impl PiersonMoskowitz {
     /// The spectrum of a wind.
+    ///
+    /// # Errors
+    /// A wind out of range.
     pub fn new(wind: &Wind, spreading: Spreading) -> Result<Self, SpectrumError> {
         let calm = wind.is_calm();
         // Any wind does for a sea that is zero throughout.

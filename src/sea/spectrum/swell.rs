@@ -45,6 +45,9 @@ pub struct SwellTrain {
 
 impl SwellTrain {
     /// The train described, in water of the given dispersion.
+    ///
+    /// # Errors
+    /// A height, period, direction or spread out of range.
     pub fn new(swell: &Swell, dispersion: Dispersion) -> Result<Self, SpectrumError> {
         dispersion.check()?;
         let check = |quantity, value: f64, [low, high]: [f64; 2], unit| {

@@ -44,6 +44,9 @@ impl<T: Real> Evaluator<T> {
     }
 
     /// Fills every field that is not empty, at a time in seconds from t = 0.
+    ///
+    /// # Errors
+    /// Fields of another grid, or a time that is not finite.
     pub fn evaluate(&mut self, time_s: f64, fields: &mut Fields<T>) -> Result<(), SurfaceError> {
         self.evaluate_from([0; 2], time_s, fields)
     }

@@ -31,6 +31,9 @@ pub struct Grid {
 
 impl Grid {
     /// `nx` by `ny` facets of side `facet_m`, m.
+    ///
+    /// # Errors
+    /// Sizes or a facet out of range.
     pub fn new(nx: usize, ny: usize, facet_m: f64) -> Result<Self, SurfaceError> {
         let side = 1..=MAX_SIDE;
         if !side.contains(&nx) || !side.contains(&ny) || nx * ny > MAX_FACETS {
@@ -82,11 +85,6 @@ impl Grid {
     /// `dKx` and `dKy`, rad/m.
     pub fn wave_number_step_rad_m(&self) -> [f64; 2] {
         self.period_m().map(|length_m| std::f64::consts::TAU / length_m)
-    }
-
-    /// Largest wave number along an axis that the facets resolve, `pi/dx`, rad/m.
-    pub fn nyquist_rad_m(&self) -> f64 {
-        std::f64::consts::PI / self.facet_m
     }
 
     /// `Kx/dKx` of row `i`; `None` for the Nyquist row.

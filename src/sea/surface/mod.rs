@@ -72,6 +72,7 @@ pub use transform::{Pair, Transform};
 
 /// What is wrong with a surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurfaceError {
     /// Too few or too many facets.
     #[error(
@@ -132,6 +133,9 @@ pub struct Surface {
 
 impl Surface {
     /// Draws the amplitudes of a sea.
+    ///
+    /// # Errors
+    /// A depth out of range.
     pub fn synthesise(
         grid: Grid,
         spectrum: &dyn Spectrum,

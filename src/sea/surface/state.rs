@@ -36,6 +36,7 @@ const MAX_AMPLITUDE_M: f64 = 1e6;
 
 /// Why a state cannot be saved or loaded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StateError {
     /// Reading or writing failed.
     #[error("sea state: {0}")]
@@ -100,6 +101,9 @@ impl Fnv {
 
 impl Surface {
     /// Writes the state.
+    ///
+    /// # Errors
+    /// What the writer fails with.
     pub fn save(&self, out: &mut impl Write) -> Result<(), StateError> {
         let mut flags = 0;
         if self.dispersion.capillary {
@@ -137,6 +141,9 @@ impl Surface {
     }
 
     /// Reads a state back.
+    ///
+    /// # Errors
+    /// What the reader fails with, bytes that are no state, or a state that is damaged.
     pub fn load(input: &mut impl Read) -> Result<Self, StateError> {
         let mut header = [0; HEADER_BYTES];
         input.read_exact(&mut header)?;

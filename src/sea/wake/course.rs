@@ -47,6 +47,9 @@ impl Course {
     }
 
     /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A speed, place or direction out of range.
     pub fn check(&self) -> Result<(), WakeError> {
         if !(0.0..=MAX_SPEED_MPS).contains(&self.speed_mps) {
             return Err(WakeError::Speed { speed_mps: self.speed_mps });

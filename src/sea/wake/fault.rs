@@ -5,6 +5,7 @@ use crate::sea::surface::grid::FACET_RANGE_M;
 
 /// What is wrong with a wake.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WakeError {
     /// Speed out of range.
     #[error("ship at {speed_mps} m/s: allowed are 0 to {MAX_SPEED_MPS} m/s")]

@@ -118,6 +118,9 @@ pub struct Wake {
 impl Wake {
     /// For a ship of a length, m, whose free waves have the amplitude A, m, as a function of
     /// `tan theta >= 0`.
+    ///
+    /// # Errors
+    /// A length, a course or an amplitude out of range.
     pub fn new(
         course: Course,
         length_m: f64,

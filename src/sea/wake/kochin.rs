@@ -82,6 +82,7 @@ pub enum Transom {
 
 /// Why there are no amplitudes, or no resistance.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum KochinError {
     /// A speed out of range.
     #[error("ship's speed of {value_mps} m/s: allowed are 0 to {MOST_SPEED_MPS} m/s")]
@@ -127,6 +128,9 @@ pub struct Kochin {
 
 impl Kochin {
     /// Of a hull at a speed.
+    ///
+    /// # Errors
+    /// A speed out of range.
     pub fn new(hull: &Hull, speed_mps: f64, transom: Transom) -> Result<Self, KochinError> {
         if !(0.0..=MOST_SPEED_MPS).contains(&speed_mps) {
             return Err(KochinError::Speed { value_mps: speed_mps });
@@ -145,11 +149,6 @@ impl Kochin {
             depth_m: hull.depth_m(),
             steps: [blunt(0), transom == Transom::Capped && blunt(stations - 1)],
         })
-    }
-
-    /// Speed, m/s.
-    pub fn speed_mps(&self) -> f64 {
-        self.speed_mps
     }
 
     /// Whether the ship is too slow for waves.
@@ -263,6 +262,9 @@ impl Kochin {
     /// analytic, so the rule is exact to rounding once the step resolves the phase `k0 L sec theta` between
     /// the ends of the hull. The rest beyond the last node is that of |A|^2 going as `t^0` (ends that close)
     /// or `t^2` (steps). Relative error below 1e-6 for hulls whose ends close; with a step 1e-4.
+    ///
+    /// # Errors
+    /// A density out of range, or a ship too slow for the integral.
     pub fn wave_resistance_n(&self, density_kgpm3: f64) -> Result<f64, KochinError> {
         if !(1.0..=1e4).contains(&density_kgpm3) {
             return Err(KochinError::Density { value_kgpm3: density_kgpm3 });

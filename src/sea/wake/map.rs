@@ -67,6 +67,9 @@ impl Pair {
 
 impl<T: Real> Map<T> {
     /// For wakes on the facets of a patch (any patch of that many facets of that side), with an error in dB.
+    ///
+    /// # Errors
+    /// A wake for facets of another side than those of the patch, or an error that no transform keeps.
     pub fn new(wakes: Vec<Wake>, patch: &Patch, error_db: f64) -> Result<Self, WakeError> {
         let [nx, ny] = patch.facets;
         let grid = Grid::new(nx, ny, patch.facet_m)?;
@@ -85,11 +88,6 @@ impl<T: Real> Map<T> {
             amplitudes: Vec::with_capacity(most),
             planes: [plane(), plane(), plane(), plane()],
         })
-    }
-
-    /// Its wakes.
-    pub fn wakes(&self) -> &[Wake] {
-        &self.wakes
     }
 
     /// Adds all wakes at a time, s, to every field that is not empty; `first` is the global key of the

@@ -60,11 +60,17 @@ pub struct TurbulentStrip {
 
 impl TurbulentStrip {
     /// For a ship of a length and a beam, m: exponent 5, decay over 20 lengths.
+    ///
+    /// # Errors
+    /// A length or beam out of range.
     pub fn new(length_m: f64, beam_m: f64) -> Result<Self, WakeError> {
         Self::with(length_m, beam_m, 5.0, 20.0 * length_m)
     }
 
     /// With an exponent `a` and a decay length xd, m, of the caller's.
+    ///
+    /// # Errors
+    /// A length, beam, exponent or decay length out of range.
     pub fn with(length_m: f64, beam_m: f64, exponent: f64, decay_m: f64) -> Result<Self, WakeError> {
         if !(LENGTH_RANGE_M[0]..=LENGTH_RANGE_M[1]).contains(&length_m) {
             return Err(WakeError::Length { length_m });
@@ -114,6 +120,9 @@ impl TurbulentStrip {
 
     /// Joins the cover of a ship at a time, s, to that of a patch's facets, stored as [`Grid::index`] has
     /// them.
+    ///
+    /// # Errors
+    /// A cover of another size, a time that is not finite, or a turn too tight for the strip.
     pub fn join<T: Real>(
         &self,
         course: &Course,

@@ -1,78 +1,22 @@
-//! A trajectory that grows: fixes come while the run goes on.
-//!
-//! What has been told once never changes: the path is a chain of nodes to which more are added and of which
-//! none is altered, joined by quintic segments as in a recorded track ([`crate::motion::track`]).
-//!
-//! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven
-//!   nearest fixes ([`crate::motion::hermite`]); it is reported once the three fixes after it have come (six
-//!   where the attitude follows the motion), and is then, bit for bit, the node of a file with the same
-//!   fixes. The **support** of the interpolant is thus four fixes (seven) after the instant.
-//! * **Extrapolated** ([`LiveTrack::extend`]). Where an instant cannot wait: fixes at hand become nodes with
-//!   derivatives from the three last fixes alone, and beyond the last one the motion goes on,
-//!
-//! ```text
-//! p(t) = R(t) + o(t),   R(t) = p_n + v_n (t - t_n),   o(t_e) = p_e - R(t_e), o'(t_e) = v_e - v_n, ..., o(t_e + T) = 0
-//! ```
-//!
-//!   with `p_n`, `v_n` the last fix and its velocity (as sent; else from the last three fixes), `t_e` the end
-//!   of the path so far, and `o` the quintic that brings what was reported before back to what is known now,
-//!   without a jump in position, velocity or acceleration, within
-//!   `T = max(0.3 s, sqrt(5.8 |o| / A), 4 |o'| / A)`, `A` = 20 m/s^2, and no faster than some 30 deg/s where
-//!   the attitude is off. The attitude is held. When fixes come again the path goes back to them in the same
-//!   way, and what is reported is flagged until it has.
-//! * **Stale**: more than `max_extrapolation_s` after the last fix. The motion still goes on as it was,
-//!   flagged.
-//! * A time between fixes of more than `max_gap_s` is not interpolated: the fixes before it are as at the end
-//!   of a file, those after it as at the begin of another, and what lies between is flagged as extrapolated.
-//!
-//! Instants before the first fix are extrapolated back. The path is kept for [`KEPT_S`] behind its end.
-//!
-//! Feeding and asking are for different threads.
-//!
-//! ```
-//! use std::time::Instant;
-//! use nereus::frames::{Earth, Point, Rotation, SceneFrame};
-//! use nereus::motion::track::live::LiveTrack;
-//! use nereus::nav::{AttitudeSource, Fix, Place};
-//! use nereus::time::TimeTag;
-//!
-//! let level = AttitudeSource::Constant(Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0));
-//! let track = LiveTrack::new(SceneFrame::plain(Earth::Flat), level, 2.0, 1.0);
-//! let at = |k: i32| TimeTag::new(1_000_000, 0.1 * f64::from(k));
-//! for k in 0..10 {
-//!     track.push(&Fix::at(at(k), Place::Local(Point::new(5.0 * f64::from(k), 0.0, 0.0))), Instant::now())?;
-//! }
-//! // Fix 6 has three after it.
-//! assert_eq!(track.end(), Some(at(6)));
-//! assert!((track.told(at(3)).state.velocity.norm() - 50.0).abs() < 1e-9);
-//! # Ok::<(), nereus::motion::track::live::Unusable>(())
-//! ```
+//! The path itself: how fixes become nodes, and what it reports of an instant.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::time::Instant;
 
 use glam::{DVec3, DVec4};
-use thiserror::Error;
 
-use super::fit::{Node, exact_node, position, to_local_axes};
-use crate::frames::{Enu, Point, Rotation, SceneFrame, Vector};
+use super::jets::{Back, Jets, Rests, Step, beside};
+use super::{KEPT_S, Reported, Shared, Unusable, follows_motion};
+use crate::frames::{Enu, Point, Rotation, Vector};
 use crate::motion::attitude::{Turn, turn};
-use crate::motion::hermite::{Basis, STENCIL, stencil};
+use crate::motion::hermite::{STENCIL, stencil};
 use crate::motion::track::State;
+use crate::motion::track::fit::{Node, exact_node, to_local_axes};
 use crate::motion::track::recorded::{NoAttitude, attitude_of, between};
 use crate::nav::{AttitudeSource, Fix};
 use crate::pulse::flags;
 use crate::time::TimeTag;
 
-/// How long the path is kept behind its end, s: more than any servo lag or latency of a report.
-pub const KEPT_S: f64 = 300.0;
-/// Acceleration with which a path goes back to its fixes, m/s^2.
-const REJOIN_MPS2: f64 = 20.0;
-/// Rate at which an attitude does, rad/s.
-const REJOIN_RAD_S: f64 = 0.5;
-/// The shortest time in which it does, s.
-const REJOIN_S: f64 = 0.3;
 /// Fixes whose polynomial gives the derivatives where no more are there.
 const FEW: usize = 3;
 /// Metres, metres per second and parts of a turn that are no way to go.
@@ -82,281 +26,34 @@ const MOST_WAYS: usize = 64;
 /// Fixes that are kept behind the last node.
 const BEHIND: usize = 2 * STENCIL;
 
-/// A fix of which no node can be made.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-pub enum Unusable {
-    /// Latitude and longitude in a scene that lies nowhere on Earth, or numbers that are not finite.
-    #[error("its position is not in the scene")]
-    NoPosition,
-    /// Not later than the one before.
-    #[error("it is not later than the one before")]
-    NotLater,
-    /// No attitude, where it is to be as recorded, and none has come yet.
-    #[error("it has no attitude, and none has come yet")]
-    NoAttitude,
-}
-
-/// Where a platform is at an instant, and what that rests on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reported {
-    /// The state.
-    pub state: State,
-    /// The instant less the time of the fix that it is extrapolated from, s; 0 where it is interpolated.
-    pub age_s: f64,
-    /// [`flags::NAV_EXTRAPOLATED`], [`flags::NAV_STALE`].
-    pub flags: u32,
-    /// When the last fix up to the instant had come.
-    pub arrived: Option<Instant>,
-}
-
-/// A trajectory that grows. Clones are the same trajectory.
-#[derive(Clone, Debug)]
-pub struct LiveTrack(Arc<Shared>);
-
-#[derive(Debug)]
-struct Shared {
-    frame: SceneFrame,
-    /// Where the attitude comes from, once that is known: the first fix decides an automatic choice.
-    attitude: OnceLock<AttitudeSource>,
-    max_gap_s: f64,
-    max_extrapolation_s: f64,
-    grown: RwLock<Grown>,
-}
-
-impl Shared {
-    fn attitude(&self) -> AttitudeSource {
-        self.attitude.get().copied().unwrap_or(AttitudeSource::Recorded)
-    }
-}
-
-/// What a node rests on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Rests {
-    Fixes,
-    Past,
-    Stale,
-}
-
-/// A node of the path.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    node: Node,
-    turn: Turn,
-    rests: Rests,
-    /// Time and arrival of the fix that it is, or is extrapolated from.
-    fix: TimeTag,
-    arrived: Instant,
-    /// Beside what the fixes say.
-    adrift: bool,
-}
-
 /// A fix of the run of fixes at hand.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
-    fix: Fix,
-    p: DVec3,
-    arrived: Instant,
-    node: Option<Node>,
-    q: Option<DVec4>,
+pub(super) struct Entry {
+    pub(super) fix: Fix,
+    pub(super) p: DVec3,
+    pub(super) arrived: Instant,
+    pub(super) node: Option<Node>,
+    pub(super) q: Option<DVec4>,
 }
 
 #[derive(Debug, Default)]
-struct Grown {
-    path: VecDeque<Step>,
+pub(super) struct Grown {
+    pub(super) path: VecDeque<Step>,
     /// Fixes without a gap; the first one has number `base`.
-    run: VecDeque<Entry>,
-    base: usize,
+    pub(super) run: VecDeque<Entry>,
+    pub(super) base: usize,
     /// Nodes and turns that have been made.
-    nodes: usize,
-    turned: usize,
+    pub(super) nodes: usize,
+    pub(super) turned: usize,
     /// A gap lies before the next node.
-    after_gap: bool,
+    pub(super) after_gap: bool,
     /// Steps that wait until the path, adrift, can go back to them.
-    waiting: VecDeque<Step>,
+    pub(super) waiting: VecDeque<Step>,
     /// Ways back that are under way; what is left of each adds up.
-    ways: Vec<Back>,
+    pub(super) ways: Vec<Back>,
     /// Fixes are followed again, beside them by what is left.
-    follows: bool,
-    last_attitude: Option<DVec4>,
-}
-
-/// Value, first and second derivative of position and quaternion.
-#[derive(Clone, Copy, Debug)]
-struct Jets {
-    p: [DVec3; 3],
-    q: [DVec4; 3],
-}
-
-/// The way back from what was reported to what is known.
-#[derive(Clone, Copy, Debug)]
-struct Back {
-    from: TimeTag,
-    span_s: f64,
-    offset: Jets,
-}
-
-impl Jets {
-    fn of(step: &Step) -> Self {
-        let (node, turn) = (&step.node, &step.turn);
-        Self { p: [node.p, node.v, node.a], q: [turn.q, turn.first, turn.second] }
-    }
-
-    fn combined(self, other: Self, sign: f64) -> Self {
-        Self {
-            p: std::array::from_fn(|i| self.p[i] + other.p[i] * sign),
-            q: std::array::from_fn(|i| self.q[i] + other.q[i] * sign),
-        }
-    }
-
-    /// Between two steps.
-    fn between(from: &Step, to: &Step, t: TimeTag) -> Self {
-        let h = to.node.time.since(from.node.time);
-        let rows = Basis::at(t.since(from.node.time) / h, h).rows();
-        let (a, b) = (Self::of(from), Self::of(to));
-        let along = |w: &[f64; 5], a: [DVec3; 3], b: [DVec3; 3]| {
-            (b[0] - a[0]) * w[0] + a[1] * w[1] + b[1] * w[2] + a[2] * w[3] + b[2] * w[4]
-        };
-        let around = |w: &[f64; 5], a: [DVec4; 3], b: [DVec4; 3]| {
-            (b[0] - a[0]) * w[0] + a[1] * w[1] + b[1] * w[2] + a[2] * w[3] + b[2] * w[4]
-        };
-        let mut jets = Self { p: rows.map(|w| along(&w, a.p, b.p)), q: rows.map(|w| around(&w, a.q, b.q)) };
-        jets.p[0] += a.p[0];
-        jets.q[0] += a.q[0];
-        jets
-    }
-}
-
-impl Back {
-    fn of(from: TimeTag, offset: Jets) -> Self {
-        let [away, apart, _] = offset.p.map(DVec3::length);
-        // Of a small turn, the length of the difference of quaternions is half the angle.
-        let turn_rad = 2.0 * offset.q[0].length().min(std::f64::consts::SQRT_2);
-        let span_s = REJOIN_S
-            .max((5.8 * away / REJOIN_MPS2).sqrt())
-            .max(4.0 * apart / REJOIN_MPS2)
-            .max(1.9 * turn_rad / REJOIN_RAD_S);
-        Self { from, span_s, offset }
-    }
-
-    fn is_over(&self, t: TimeTag) -> bool {
-        t.since(self.from) >= self.span_s
-    }
-
-    /// What is left of the offset.
-    fn left(&self, t: TimeTag) -> Jets {
-        let rows = Basis::at(t.since(self.from) / self.span_s, self.span_s).rows();
-        let Jets { p, q } = self.offset;
-        let mut left = Jets {
-            p: rows.map(|w| p[0] * -w[0] + p[1] * w[1] + p[2] * w[3]),
-            q: rows.map(|w| q[0] * -w[0] + q[1] * w[1] + q[2] * w[3]),
-        };
-        left.p[0] += p[0];
-        left.q[0] += q[0];
-        left
-    }
-}
-
-impl LiveTrack {
-    /// A track without fixes, in the frame of a scene.
-    pub fn new(
-        frame: SceneFrame,
-        attitude: AttitudeSource,
-        max_gap_s: f64,
-        max_extrapolation_s: f64,
-    ) -> Self {
-        let grown = RwLock::new(Grown::default());
-        let attitude = match attitude {
-            AttitudeSource::Automatic => OnceLock::new(),
-            chosen => OnceLock::from(chosen),
-        };
-        Self(Arc::new(Shared { frame, attitude, max_gap_s, max_extrapolation_s, grown }))
-    }
-
-    fn read(&self) -> std::sync::RwLockReadGuard<'_, Grown> {
-        self.0.grown.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn write(&self) -> std::sync::RwLockWriteGuard<'_, Grown> {
-        self.0.grown.write().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Takes the next fix.
-    ///
-    /// # Errors
-    /// A fix of which no node can be made; it is left.
-    pub fn push(&self, fix: &Fix, arrived: Instant) -> Result<(), Unusable> {
-        let p = position(fix, &self.0.frame).filter(|p| p.is_finite()).ok_or(Unusable::NoPosition)?;
-        self.0.attitude.get_or_init(|| match fix.yaw_pitch_roll_rad {
-            Some(_) => AttitudeSource::Recorded,
-            None => AttitudeSource::CoordinatedTurn,
-        });
-        self.write().push(&self.0, Entry { fix: *fix, p, arrived, node: None, q: None })
-    }
-
-    /// The fixes that come now are elsewhere than the ones before, and believed: the path goes on without
-    /// them to their first instant, and from there back to them, as after a time without fixes.
-    pub fn jump(&self, at: TimeTag) {
-        self.write().jump(&self.0, at);
-    }
-
-    /// The median time between the fixes at hand, s; `None` before there are two.
-    pub fn interval_s(&self) -> Option<f64> {
-        let grown = self.read();
-        let times = grown.run.iter().map(|entry| entry.fix.time);
-        let mut spans_s: Vec<f64> =
-            times.clone().zip(times.skip(1)).map(|(before, after)| after.since(before)).collect();
-        spans_s.sort_by(f64::total_cmp);
-        spans_s.get(spans_s.len() / 2).copied()
-    }
-
-    /// Fixes after an instant without which it is not interpolated.
-    pub fn support(&self) -> usize {
-        if follows_motion(&self.0) { STENCIL } else { STENCIL / 2 + 1 }
-    }
-
-    /// Whether the attitude is derived from the motion; `None` before the first fix where that decides.
-    pub fn derives_attitude(&self) -> Option<bool> {
-        self.0.attitude.get().map(|_| follows_motion(&self.0))
-    }
-
-    /// The last fix.
-    pub fn last_fix(&self) -> Option<TimeTag> {
-        self.read().run.back().map(|entry| entry.fix.time)
-    }
-
-    /// Position and velocity of the last fix.
-    pub fn last_known(&self) -> Option<(TimeTag, Point<Enu>, Vector<Enu>)> {
-        let grown = self.read();
-        let time = grown.run.back()?.fix.time;
-        let known = grown.known(&self.0, time)?;
-        Some((time, Point::from_raw(known.p[0]), Vector::from_raw(known.p[1])))
-    }
-
-    /// Whether enough is known for a first node.
-    pub fn is_ready(&self) -> bool {
-        !self.read().path.is_empty()
-    }
-
-    /// The first instant that is reported without extrapolation.
-    pub fn begin(&self) -> Option<TimeTag> {
-        self.read().path.front().map(|step| step.node.time)
-    }
-
-    /// The last instant that the path reaches.
-    pub fn end(&self) -> Option<TimeTag> {
-        self.read().path.back().map(|step| step.node.time)
-    }
-
-    /// Extrapolates the path to an instant, unless it reaches that far.
-    pub fn extend(&self, to: TimeTag) {
-        self.write().extend(&self.0, to);
-    }
-
-    /// What is reported of an instant. Nothing is allocated. Beyond the path, which nobody should ask, its
-    /// end goes straight on.
-    pub fn told(&self, t: TimeTag) -> Reported {
-        self.read().told(&self.0, t)
-    }
+    pub(super) follows: bool,
+    pub(super) last_attitude: Option<DVec4>,
 }
 
 impl Grown {
@@ -368,7 +65,7 @@ impl Grown {
         &self.run[number - self.base]
     }
 
-    fn push(&mut self, of: &Shared, mut entry: Entry) -> Result<(), Unusable> {
+    pub(super) fn push(&mut self, of: &Shared, mut entry: Entry) -> Result<(), Unusable> {
         if let Some(before) = self.run.back() {
             let gap_s = entry.fix.time.since(before.fix.time);
             if gap_s <= 0.0 {
@@ -529,7 +226,7 @@ impl Grown {
         }
     }
 
-    fn jump(&mut self, of: &Shared, at: TimeTag) {
+    pub(super) fn jump(&mut self, of: &Shared, at: TimeTag) {
         // Straight on first: a path that led from one place to the other between two fixes would fly at any
         // speed.
         self.extend(of, at);
@@ -618,7 +315,7 @@ impl Grown {
     }
 
     /// What the last fix says of an instant: on from there at constant velocity, the attitude held.
-    fn known(&self, of: &Shared, t: TimeTag) -> Option<Jets> {
+    pub(super) fn known(&self, of: &Shared, t: TimeTag) -> Option<Jets> {
         let last = self.run.back()?;
         let dt = t.since(last.fix.time);
         let sent = last.fix.velocity_mps.map(|[east, north]| {
@@ -637,7 +334,7 @@ impl Grown {
         Some(Jets { p: [last.p + v * dt, v, DVec3::ZERO], q: [q, DVec4::ZERO, DVec4::ZERO] })
     }
 
-    fn extend(&mut self, of: &Shared, to: TimeTag) {
+    pub(super) fn extend(&mut self, of: &Shared, to: TimeTag) {
         let short = |grown: &Self| grown.path.back().is_none_or(|end| to.since(end.node.time) > 0.0);
         if !short(self) {
             return;
@@ -667,7 +364,7 @@ impl Grown {
         self.go_back(of);
     }
 
-    fn told(&self, of: &Shared, t: TimeTag) -> Reported {
+    pub(super) fn report(&self, of: &Shared, t: TimeTag) -> Reported {
         let still = State {
             position: Point::new(0.0, 0.0, 0.0),
             velocity: Vector::ZERO,
@@ -716,32 +413,17 @@ impl Grown {
                 // As it will be when there is a node behind it, to the last bit.
                 let next = Node { time: t.plus(1.0), ..last.node };
                 let turns = constant.map_or(Ok([&last.turn; 2]), Err);
-                return told_of(between(&last.node, &next, turns, t), rest(last.rests, last));
+                return reported(between(&last.node, &next, turns, t), rest(last.rests, last));
             }
             let turns = constant.map_or(Ok([&from.turn, &to.turn]), Err);
             // At a node the segment before it is no matter.
             let rests = if t == from.node.time { from.rests } else { from.rests.max(to.rests) };
             (between(&from.node, &to.node, turns, t), rest(rests, from))
         };
-        told_of(state, rests)
+        reported(state, rests)
     }
 }
 
-fn told_of(state: State, (age_s, flags, arrived): (f64, u32, Option<Instant>)) -> Reported {
+fn reported(state: State, (age_s, flags, arrived): (f64, u32, Option<Instant>)) -> Reported {
     Reported { state, age_s, flags, arrived }
-}
-
-/// The same step elsewhere.
-fn beside(step: Step, jets: Jets) -> Step {
-    let Jets { p, q } = jets;
-    Step {
-        node: Node { time: step.node.time, p: p[0], v: p[1], a: p[2] },
-        turn: Turn { q: q[0], first: q[1], second: q[2] },
-        rests: step.rests.max(Rests::Past),
-        ..step
-    }
-}
-
-fn follows_motion(of: &Shared) -> bool {
-    matches!(of.attitude(), AttitudeSource::CoordinatedTurn | AttitudeSource::Level)
 }

@@ -18,23 +18,14 @@
 //! | --- | --- | --- |
 //! | `S` | omnidirectional spectrum | m^3 |
 //! | `w` | angular frequency | rad/s |
-//!
-//! ```
-//! use nereus::fidelity::{interpolation::Nodes, waves::Waves};
-//! use nereus::scene::water::{Dispersion, WindProfile};
-//! use nereus::sea::{spectrum::FungLee, wind::Wind};
-//! let wind = Wind::from_speed(10.0, 10.0, WindProfile::Cardone, 0.0)?;
-//! // 1 m facets of a 512 m patch.
-//! let waves = Waves::of(&FungLee::new(&wind), &Dispersion::default(), [0.0123, 3.14]);
-//! let nodes = Nodes::evenly(4, 3.0 / 222.0);
-//! // Path within 0.1 micrometre at three pulses from node to node.
-//! assert!(waves.path_power_m2(2.0, &nodes, 1.0 / 222.0).sqrt() < 1e-7);
-//! # Ok::<(), nereus::sea::wind::WindError>(())
-//! ```
 
 use super::interpolation::Nodes;
-use crate::scene::water::Dispersion;
-use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, Spectrum};
+use nereus::scene::water::Dispersion;
+use nereus::scene::water::WindProfile;
+use nereus::sea::GRAVITY_MPS2;
+use nereus::sea::spectrum::{FungLee, moments::Moments};
+use nereus::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, Spectrum};
+use nereus::sea::wind::Wind;
 
 /// Points of the integrals, odd.
 const POINTS: usize = 601;
@@ -97,53 +88,44 @@ impl Waves {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::water::WindProfile;
-    use crate::sea::GRAVITY_MPS2;
-    use crate::sea::spectrum::{FungLee, moments::Moments};
-    use crate::sea::wind::Wind;
+const BAND: [f64; 2] = [std::f64::consts::TAU / 512.0, std::f64::consts::PI];
 
-    const BAND: [f64; 2] = [std::f64::consts::TAU / 512.0, std::f64::consts::PI];
+fn sea() -> FungLee {
+    FungLee::new(&Wind::from_speed(10.0, 10.0, WindProfile::Cardone, 0.0).unwrap())
+}
 
-    fn sea() -> FungLee {
-        FungLee::new(&Wind::from_speed(10.0, 10.0, WindProfile::Cardone, 0.0).unwrap())
+#[test]
+fn moments_are_those_of_the_spectrum() {
+    let waves = Waves::of(&sea(), &Dispersion::default(), BAND);
+    let moments = Moments::of(&sea(), BAND);
+    // Simpson's rule with 601 points against 40001.
+    assert!((waves.moment(0) / moments.variance_m2 - 1.0).abs() < 1e-4);
+    // In deep water w^4 = g^2 K^2.
+    let fourth = GRAVITY_MPS2.powi(2) * moments.mean_square_slope;
+    assert!((waves.moment(4) / fourth - 1.0).abs() < 1e-4, "{} {fourth}", waves.moment(4));
+}
+
+#[test]
+fn four_nodes_leave_the_eighth_moment() {
+    let waves = Waves::of(&sea(), &Dispersion::default(), BAND);
+    // Waves up to 5.5 rad/s, nodes 9 ms apart: the next order is (w h)^2 = 0.3 % off.
+    let (nodes, t_s) = (Nodes::evenly(4, 0.009), 0.0045);
+    let product: f64 = nodes.times_s().iter().map(|node| (t_s - node).abs()).product();
+    let expected = waves.moment(8) * (product / 24.0).powi(2) * 4.0;
+    let found = waves.path_power_m2(2.0, &nodes, t_s);
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+}
+
+#[test]
+fn no_waves_no_error() {
+    let nodes = Nodes::evenly(4, 1.0);
+    for band in [[2.0, 1.0], [0.0, 0.0], [f64::NAN, f64::NAN]] {
+        let waves = Waves::of(&sea(), &Dispersion::default(), band);
+        assert_eq!((waves.path_power_m2(2.0, &nodes, 0.5), waves.slope_power(&nodes, 0.5)), (0.0, 0.0));
     }
-
-    #[test]
-    fn moments_are_those_of_the_spectrum() {
-        let waves = Waves::of(&sea(), &Dispersion::default(), BAND);
-        let moments = Moments::of(&sea(), BAND);
-        // Simpson's rule with 601 points against 40001.
-        assert!((waves.moment(0) / moments.variance_m2 - 1.0).abs() < 1e-4);
-        // In deep water w^4 = g^2 K^2.
-        let fourth = GRAVITY_MPS2.powi(2) * moments.mean_square_slope;
-        assert!((waves.moment(4) / fourth - 1.0).abs() < 1e-4, "{} {fourth}", waves.moment(4));
-    }
-
-    #[test]
-    fn four_nodes_leave_the_eighth_moment() {
-        let waves = Waves::of(&sea(), &Dispersion::default(), BAND);
-        // Waves up to 5.5 rad/s, nodes 9 ms apart: the next order is (w h)^2 = 0.3 % off.
-        let (nodes, t_s) = (Nodes::evenly(4, 0.009), 0.0045);
-        let product: f64 = nodes.times_s().iter().map(|node| (t_s - node).abs()).product();
-        let expected = waves.moment(8) * (product / 24.0).powi(2) * 4.0;
-        let found = waves.path_power_m2(2.0, &nodes, t_s);
-        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
-    }
-
-    #[test]
-    fn no_waves_no_error() {
-        let nodes = Nodes::evenly(4, 1.0);
-        for band in [[2.0, 1.0], [0.0, 0.0], [f64::NAN, f64::NAN]] {
-            let waves = Waves::of(&sea(), &Dispersion::default(), band);
-            assert_eq!((waves.path_power_m2(2.0, &nodes, 0.5), waves.slope_power(&nodes, 0.5)), (0.0, 0.0));
-        }
-        let all = Waves::of(&sea(), &Dispersion::default(), [0.0, f64::INFINITY]);
-        assert!(all.path_power_m2(2.0, &nodes, 0.5).is_finite() && all.slope_power(&nodes, 0.5).is_finite());
-        // Simpson's rule with 601 points over 32 e-folds, 0.05 each, against 40001.
-        let height = Moments::of(&sea(), [1e-6, 1e8]).variance_m2;
-        assert!((all.moment(0) / height - 1.0).abs() < 1e-3, "{} {height}", all.moment(0));
-    }
+    let all = Waves::of(&sea(), &Dispersion::default(), [0.0, f64::INFINITY]);
+    assert!(all.path_power_m2(2.0, &nodes, 0.5).is_finite() && all.slope_power(&nodes, 0.5).is_finite());
+    // Simpson's rule with 601 points over 32 e-folds, 0.05 each, against 40001.
+    let height = Moments::of(&sea(), [1e-6, 1e8]).variance_m2;
+    assert!((all.moment(0) / height - 1.0).abs() < 1e-3, "{} {height}", all.moment(0));
 }

@@ -17,15 +17,6 @@
 //!
 //! Limits: straight flight within a block. Accelerations `a` of a manoeuvre that changes within a block add
 //! `a''' t^5/120` and the like: nothing for aircraft. The water's own motion is in [`super::waves`].
-//!
-//! ```
-//! use nereus::fidelity::path;
-//! // A block of 16 pulses at 222 Hz about its middle, by a quadratic: -67 dB rms at 4243 m, 222 m/s, 3 cm.
-//! let half_s: f64 = 8.0 / 222.0;
-//! let rms_m = path::third_derivative_mps3(4243.0, 222.0) * half_s.powi(3) / 6.0 / 7f64.sqrt();
-//! let db = 20.0 * (std::f64::consts::TAU * rms_m / 0.03).log10();
-//! assert!((db + 67.0).abs() < 1.0, "{db}");
-//! ```
 
 use super::interpolation::Nodes;
 
@@ -63,47 +54,41 @@ pub fn residue_m(range_m: f64, speed_mps: f64, nodes: &Nodes, t_s: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quadratics_over_blocks_as_on_the_physics_page() {
-        // docs/physics.md section 15.7: one leg, X band, 222 m/s, 4243 m, 222 Hz; relative rms over a block
-        // about its middle. Figures are given to a decibel.
-        for (pulses, db) in [(8.0, -86.0), (16.0, -67.0), (32.0, -49.0), (64.0, -31.0)] {
-            let half_s: f64 = 0.5 * pulses / 222.0;
-            let rms_m = third_derivative_mps3(4243.0, 222.0) * half_s.powi(3) / 6.0 / 7f64.sqrt();
-            let found = 20.0 * (std::f64::consts::TAU * rms_m / 0.03).log10();
-            assert!((found - db).abs() <= 1.0, "{pulses}: {found}");
-        }
+#[test]
+fn quadratics_over_blocks_as_on_the_physics_page() {
+    // docs/physics.md section 15.7: one leg, X band, 222 m/s, 4243 m, 222 Hz; relative rms over a block
+    // about its middle. Figures are given to a decibel.
+    for (pulses, db) in [(8.0, -86.0), (16.0, -67.0), (32.0, -49.0), (64.0, -31.0)] {
+        let half_s: f64 = 0.5 * pulses / 222.0;
+        let rms_m = third_derivative_mps3(4243.0, 222.0) * half_s.powi(3) / 6.0 / 7f64.sqrt();
+        let found = 20.0 * (std::f64::consts::TAU * rms_m / 0.03).log10();
+        assert!((found - db).abs() <= 1.0, "{pulses}: {found}");
     }
+}
 
-    #[test]
-    fn residues_are_those_of_the_derivatives() {
-        for (count, spacing_s, bound) in [
-            (3, 0.02, third_derivative_mps3(4243.0, 222.0)),
-            (4, 0.05, fourth_derivative_mps4(4243.0, 222.0)),
-        ] {
-            let nodes = Nodes::evenly(count, spacing_s);
-            let factorial: f64 = (1..=count).map(|i| i as f64).product();
-            let t_s = 0.4 * spacing_s;
-            let product: f64 = nodes.times_s().iter().map(|node| (t_s - node).abs()).product();
-            let expected_m = bound * product / factorial;
-            // R changes by V t / R = 0.4 % over the nodes, and directions are 1/16 apart: 0.1 % of the
-            // largest.
-            let found_m = residue_m(4243.0, 222.0, &nodes, t_s);
-            assert!((found_m / expected_m - 1.0).abs() < 0.03, "{count}: {found_m} {expected_m}");
-        }
+#[test]
+fn residues_are_those_of_the_derivatives() {
+    for (count, spacing_s, bound) in
+        [(3, 0.02, third_derivative_mps3(4243.0, 222.0)), (4, 0.05, fourth_derivative_mps4(4243.0, 222.0))]
+    {
+        let nodes = Nodes::evenly(count, spacing_s);
+        let factorial: f64 = (1..=count).map(|i| i as f64).product();
+        let t_s = 0.4 * spacing_s;
+        let product: f64 = nodes.times_s().iter().map(|node| (t_s - node).abs()).product();
+        let expected_m = bound * product / factorial;
+        // R changes by V t / R = 0.4 % over the nodes, and directions are 1/16 apart: 0.1 % of the
+        // largest.
+        let found_m = residue_m(4243.0, 222.0, &nodes, t_s);
+        assert!((found_m / expected_m - 1.0).abs() < 0.03, "{count}: {found_m} {expected_m}");
     }
+}
 
-    #[test]
-    fn extremes_are_numbers_or_refused() {
-        let nodes = Nodes::evenly(4, 0.1);
-        assert_eq!(residue_m(10.0, 1000.0, &nodes, 0.05), f64::INFINITY);
-        assert_eq!(residue_m(f64::NAN, 1.0, &nodes, 0.05), f64::INFINITY);
-        assert_eq!(residue_m(1e3, 0.0, &nodes, 0.05), 0.0);
-        // From orbit: rounding alone, below a hundredth of a nanometre.
-        assert!(residue_m(8e5, 7.5e3, &Nodes::evenly(4, 1e-6), 5e-7) < 1e-11);
-    }
+#[test]
+fn extremes_are_numbers_or_refused() {
+    let nodes = Nodes::evenly(4, 0.1);
+    assert_eq!(residue_m(10.0, 1000.0, &nodes, 0.05), f64::INFINITY);
+    assert_eq!(residue_m(f64::NAN, 1.0, &nodes, 0.05), f64::INFINITY);
+    assert_eq!(residue_m(1e3, 0.0, &nodes, 0.05), 0.0);
+    // From orbit: rounding alone, below a hundredth of a nanometre.
+    assert!(residue_m(8e5, 7.5e3, &Nodes::evenly(4, 1e-6), 5e-7) < 1e-11);
 }

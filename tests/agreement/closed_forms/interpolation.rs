@@ -17,15 +17,8 @@
 //!
 //! Limits: weights of Lagrange grow with the number of nodes; beyond 8 equally spaced ones they amplify
 //! rounding.
-//!
-//! ```
-//! use nereus::fidelity::interpolation::Nodes;
-//! // Four nodes 10 ms apart, in the middle of the first interval: the remainder is 0.9375 h^4 w^4 / 24.
-//! let nodes = Nodes::evenly(4, 0.01);
-//! let error = nodes.error(5.0, 0.005);
-//! assert!((error / (0.9375 * 0.05f64.powi(4) / 24.0) - 1.0).abs() < 0.01);
-//! ```
 
+use proptest::prelude::*;
 /// Most nodes.
 pub const MOST_NODES: usize = 8;
 /// Most places at which errors are looked for, less one.
@@ -42,11 +35,6 @@ impl Nodes {
     /// So many nodes, 1 to [`MOST_NODES`] (held within), a time apart, from 0 on.
     pub fn evenly(count: usize, spacing_s: f64) -> Self {
         Self { count: count.clamp(1, MOST_NODES), times_s: std::array::from_fn(|i| i as f64 * spacing_s) }
-    }
-
-    /// How many.
-    pub fn count(&self) -> usize {
-        self.count
     }
 
     /// The nodes, s.
@@ -99,60 +87,56 @@ impl Nodes {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn polynomials_are_met_exactly() {
-        for count in 1..=MOST_NODES {
-            let nodes = Nodes::evenly(count, 0.3);
-            let polynomial = |t: f64| (0..count).map(|power| t.powi(power as i32)).sum::<f64>();
-            for t_s in [0.0, 0.1, 0.37, nodes.span_s()] {
-                // Values up to 2.1^7, weights up to some 10, in f64.
-                let left = nodes.residue(t_s.min(nodes.span_s()), polynomial);
-                assert!(left.abs() < 1e-12, "{count} {t_s}: {left}");
-            }
+#[test]
+fn polynomials_are_met_exactly() {
+    for count in 1..=MOST_NODES {
+        let nodes = Nodes::evenly(count, 0.3);
+        let polynomial = |t: f64| (0..count).map(|power| t.powi(power as i32)).sum::<f64>();
+        for t_s in [0.0, 0.1, 0.37, nodes.span_s()] {
+            // Values up to 2.1^7, weights up to some 10, in f64.
+            let left = nodes.residue(t_s.min(nodes.span_s()), polynomial);
+            assert!(left.abs() < 1e-12, "{count} {t_s}: {left}");
         }
     }
+}
+
+#[test]
+fn small_oscillations_follow_the_remainder() {
+    for count in 1..=6 {
+        let nodes = Nodes::evenly(count, 1.0);
+        let t_s = 0.4;
+        let product: f64 = nodes.times_s().iter().map(|node| (t_s - node).abs()).product();
+        let factorial: f64 = (1..=count).map(|i| i as f64).product();
+        let omega: f64 = 1e-2;
+        let remainder = omega.powi(count as i32) * product / factorial;
+        // The next term is n + 1 times w t_span / (n + 1) = 0.05 smaller at most.
+        assert!((nodes.error(omega, t_s) / remainder - 1.0).abs() < 0.05, "{count}");
+    }
+}
+
+#[test]
+fn places_are_pulses_from_end_to_end() {
+    let of = |count, pulses: f64| Nodes::evenly(count, pulses * 0.25).places_s(0.25).collect::<Vec<_>>();
+    assert_eq!(of(4, 1.0), [0.0, 0.25, 0.5, 0.75]);
+    assert_eq!(of(1, 5.0), [0.0]);
+    let many = of(4, 1000.0);
+    assert_eq!((many.len(), many[0], many[MOST_PLACES]), (MOST_PLACES + 1, 0.0, 750.0));
+    assert!(many.iter().all(|t| (t / 0.25).fract() == 0.0) && many.is_sorted_by(|a, b| a < b));
+}
+
+proptest! {
+    #![proptest_config(crate::cases::proptests(256))]
 
     #[test]
-    fn small_oscillations_follow_the_remainder() {
-        for count in 1..=6 {
-            let nodes = Nodes::evenly(count, 1.0);
-            let t_s = 0.4;
-            let product: f64 = nodes.times_s().iter().map(|node| (t_s - node).abs()).product();
-            let factorial: f64 = (1..=count).map(|i| i as f64).product();
-            let omega: f64 = 1e-2;
-            let remainder = omega.powi(count as i32) * product / factorial;
-            // The next term is n + 1 times w t_span / (n + 1) = 0.05 smaller at most.
-            assert!((nodes.error(omega, t_s) / remainder - 1.0).abs() < 0.05, "{count}");
-        }
-    }
-
-    #[test]
-    fn places_are_pulses_from_end_to_end() {
-        let of = |count, pulses: f64| Nodes::evenly(count, pulses * 0.25).places_s(0.25).collect::<Vec<_>>();
-        assert_eq!(of(4, 1.0), [0.0, 0.25, 0.5, 0.75]);
-        assert_eq!(of(1, 5.0), [0.0]);
-        let many = of(4, 1000.0);
-        assert_eq!((many.len(), many[0], many[MOST_PLACES]), (MOST_PLACES + 1, 0.0, 750.0));
-        assert!(many.iter().all(|t| (t / 0.25).fract() == 0.0) && many.is_sorted_by(|a, b| a < b));
-    }
-
-    proptest! {
-        #[test]
-        fn errors_are_bounded_and_vanish_at_nodes(
-            count in 1usize..=MOST_NODES, spacing in 1e-6f64..10.0, omega in 0.0f64..1e6, share in 0.0f64..1.0,
-        ) {
-            let nodes = Nodes::evenly(count, spacing);
-            let error = nodes.error(omega, share * nodes.span_s());
-            let weights: f64 = nodes.weights(share * nodes.span_s()).iter().map(|w| w.abs()).sum();
-            prop_assert!(error.is_finite() && error <= 1.0 + weights + 1e-9);
-            for node_s in nodes.times_s() {
-                prop_assert!(nodes.error(omega, *node_s) < 1e-12);
-            }
+    fn errors_are_bounded_and_vanish_at_nodes(
+        count in 1usize..=MOST_NODES, spacing in 1e-6f64..10.0, omega in 0.0f64..1e6, share in 0.0f64..1.0,
+    ) {
+        let nodes = Nodes::evenly(count, spacing);
+        let error = nodes.error(omega, share * nodes.span_s());
+        let weights: f64 = nodes.weights(share * nodes.span_s()).iter().map(|w| w.abs()).sum();
+        prop_assert!(error.is_finite() && error <= 1.0 + weights + 1e-9);
+        for node_s in nodes.times_s() {
+            prop_assert!(nodes.error(omega, *node_s) < 1e-12);
         }
     }
 }

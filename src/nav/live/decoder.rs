@@ -9,15 +9,15 @@
 //! none is waited for.
 //!
 //! ```
-//! use nereus::nav::live::Ear;
+//! use nereus::nav::live::FixDecoder;
 //! use nereus::nav::{AttitudeSource, VerticalDatum};
 //!
-//! let mut ear = Ear::new(VerticalDatum::MeanSeaLevel, 43.0, AttitudeSource::Level, 5.0);
+//! let mut decoder = FixDecoder::new(VerticalDatum::MeanSeaLevel, 43.0, AttitudeSource::Level, 5.0);
 //! let mut fixes = Vec::new();
-//! ear.hear(b"$GPRMC,195719,A,5310.8115,N,00525.7025,E,0.0,0.0,160414,0.7,E,A*10\r\n$GPGGA,195719,53", &mut |fix| fixes.push(fix));
-//! ear.hear(b"10.8115,N,00525.7025,E,8,10,0.9,-2.0,M,43.0,M,,*61\r\n", &mut |fix| fixes.push(fix));
+//! decoder.push(b"$GPRMC,195719,A,5310.8115,N,00525.7025,E,0.0,0.0,160414,0.7,E,A*10\r\n$GPGGA,195719,53", &mut |fix| fixes.push(fix));
+//! decoder.push(b"10.8115,N,00525.7025,E,8,10,0.9,-2.0,M,43.0,M,,*61\r\n", &mut |fix| fixes.push(fix));
 //! assert!(fixes.is_empty());
-//! ear.finish(&mut |fix| fixes.push(fix));
+//! decoder.finish(&mut |fix| fixes.push(fix));
 //! assert_eq!(fixes[0].time.to_string(), "2014-04-16T19:57:19.000000Z");
 //! ```
 
@@ -28,14 +28,14 @@ use crate::nav::{AttitudeSource, Fix, VerticalDatum};
 
 /// Makes fixes of bytes.
 #[derive(Clone, Debug)]
-pub struct Ear {
+pub struct FixDecoder {
     decoder: Decoder,
     assembler: Assembler,
     completer: Completer,
 }
 
-impl Ear {
-    /// An ear that has heard nothing. A fix waits for what it lacks for `max_gap_s` of its own time at most.
+impl FixDecoder {
+    /// A decoder that has read nothing. A fix waits for what it lacks for `max_gap_s` of its own time at most.
     pub fn new(datum: VerticalDatum, undulation_m: f64, attitude: AttitudeSource, max_gap_s: f64) -> Self {
         let headings = matches!(attitude, AttitudeSource::Recorded | AttitudeSource::Automatic);
         Self {
@@ -46,10 +46,10 @@ impl Ear {
     }
 
     /// Takes the next bytes and calls with the fixes that they complete, in the order of their times.
-    pub fn hear(&mut self, bytes: &[u8], see: &mut impl FnMut(Fix)) {
+    pub fn push(&mut self, bytes: &[u8], see: &mut impl FnMut(Fix)) {
         let Self { decoder, assembler, completer } = self;
         decoder.push(bytes, &mut |message| {
-            assembler.push(&message, &mut |epoch| completer.push(epoch, &mut |told| fix(told, see)));
+            assembler.push(&message, &mut |epoch| completer.push(epoch, &mut |reported| fix(reported, see)));
         });
     }
 
@@ -58,7 +58,7 @@ impl Ear {
     pub fn interrupt(&mut self, see: &mut impl FnMut(Fix)) {
         let Self { decoder, assembler, completer } = self;
         decoder.finish(&mut |message| {
-            assembler.push(&message, &mut |epoch| completer.push(epoch, &mut |told| fix(told, see)));
+            assembler.push(&message, &mut |epoch| completer.push(epoch, &mut |reported| fix(reported, see)));
         });
     }
 
@@ -67,9 +67,9 @@ impl Ear {
         self.interrupt(see);
         let Self { assembler, completer, .. } = self;
         if let Some(epoch) = assembler.finish() {
-            completer.push(epoch, &mut |told| fix(told, see));
+            completer.push(epoch, &mut |reported| fix(reported, see));
         }
-        completer.finish(&mut |told| fix(told, see));
+        completer.finish(&mut |reported| fix(reported, see));
     }
 
     /// What was found among the bytes.
@@ -83,8 +83,8 @@ impl Ear {
     }
 }
 
-fn fix(told: Reported, see: &mut impl FnMut(Fix)) {
-    if let Reported::Fix(fix) = told {
+fn fix(reported: Reported, see: &mut impl FnMut(Fix)) {
+    if let Reported::Fix(fix) = reported {
         see(fix);
     }
 }

@@ -1,0 +1,70 @@
+//! The instrument: `[radar]` and what stands below it.
+
+use super::*;
+
+tables! {
+    radar "[radar]" "The instrument." {
+        CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Required, "Carrier frequency.";
+        SAMPLE_RATE_HZ "sample_rate_hz", number("Hz", 1e3, 1e11), Required, "Complex sample rate; not below the bandwidth.";
+        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Pulse repetition frequency. Exactly one of prf_hz and pri_us. A pulse ends before the next one begins.";
+        PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: MOST_PRI, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Pulse repetition intervals, repeated in turn.";
+        WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What is radiated.";
+        WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
+        TX_POLARISATION "tx_polarisation", Choice(&["simultaneous", "alternating"]), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse, or one after the other.";
+        TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
+        CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every transmitter and receiver, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
+        CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
+        LOSSES_DB "losses_db", number("dB", 0.0, 300.0), default(0.0), "System losses; a gain belongs to the antennas.";
+        ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
+        NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure at 290 K.";
+        ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
+        CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
+        DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
+    }
+    waveform "[radar.waveform]" "What is radiated, at unit amplitude." {
+        KIND "kind", Choice(&["lfm", "file"]), Required, "Linear frequency modulation, or samples from a file.";
+        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm: swept bandwidth.";
+        PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm: pulse length.";
+        SWEEP "sweep", Choice(&["up", "down"]), Word("up"), "lfm: direction of the sweep.";
+        PATH "path", File, Required, "file: CSV lines re,im without a header.";
+        RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
+    }
+    window "[radar.window]" "The receive window. Exactly one of start_us and follow." {
+        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel; not shorter than the pulse.";
+        START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
+        FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
+    }
+    follow "[radar.window.follow]" "A window that follows the echo of an aim point." {
+        KIND "kind", Choice(&["at", "beside"]), Required, "A point of the scene, or one beside a platform.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "at: East, North, height above the sea, at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "at: latitude; the point lies on the sea.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "at: longitude.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "at: velocity East, North, up.";
+        PLATFORM "platform", Name, Required, "beside: the platform.";
+        ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
+        ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
+        LEAD_US "lead_us", number("us", 0.0, 1e6), Required, "How much earlier than the echo of the aim point the window opens.";
+        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "Which tracks steer the opening of the receive window.";
+    }
+    adc "[radar.adc]" "Analogue-to-digital converter: mid-rise, I and Q separately, saturating." {
+        BITS "bits", count(1, 16), Required, "Bits.";
+        FULL_SCALE_DBW "full_scale_dbw", number("dBW", -400.0, 200.0), Required, "Full scale of I and of Q: 20 log10 of the amplitude in sqrt(W).";
+    }
+    channel "[[radar.channel]]" "One recorded channel." {
+        POLARISATION "polarisation", PolarisationPair, Required, "Receive then transmit polarisation, e.g. \"HV\".";
+        TRANSMITTER "transmitter", Name, Means("the only transmitter"), "Its transmitter.";
+        RECEIVER "receiver", Name, Means("the only receiver"), "Its receiver.";
+        NAME "name", Name, Means("the polarisation pair, with the names of the antennas where there are several"), "Its name in recordings.";
+    }
+    calibration "[[radar.calibration]]" "A channel that carries a signal known in closed form in place of an echo (docs/calibration.md)." {
+        NAME "name", Name, Required, "Its name in recordings, unique among channels.";
+        KIND "kind", Choice(&["tone", "loopback"]), Required, "A continuous tone, or the transmitted pulse after the receive filter.";
+        RECEIVER "receiver", Name, Means("the only receiver"), "The receiver that takes it, with its clock.";
+        TRANSMITTER "transmitter", Name, Means("the only transmitter"), "loopback: the transmitter, with its clock.";
+        POWER_DBW "power_dbw", number("dBW", -400.0, 200.0), Required, "Power of the signal; of a loopback, that of a pulse of unit amplitude.";
+        PHASE_DEG "phase_deg", number("deg", -360.0, 360.0), default(0.0), "Its phase: of a tone at the emission of pulse 0.";
+        OFFSET_HZ "offset_hz", number("Hz", -5e10, 5e10), Required, "tone: frequency above the carrier, at most half the sample rate either way.";
+        DELAY_S "delay_s", number("s", 0.0, 100.0), Required, "loopback: from the first sample of every window to the begin of the pulse; the whole pulse must lie in the window.";
+        NOISE "noise", Kind::Flag, Flag(false), "Whether the receiver's noise is added.";
+    }
+}

@@ -1,0 +1,39 @@
+//! Point targets, and changes of what platforms report.
+
+use super::*;
+
+tables! {
+    target "[[target]]" "A point target on a straight course. Its strength is one of rcs_m2, rcs_dbsm, or a scattering matrix." {
+        NAME "name", Name, Means("target-<number>, counted from 0"), "Its name, unique among targets.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "East, North, height above the sea, at pulse 0.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude.";
+        HEIGHT_M "height_m", number("m", -11_000.0, FAR_M), default(0.0), "With lat_deg and lon_deg: height above the sea.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
+        RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("another strength is given"), "Radar cross section of a sphere or trihedral: HH and VV equal, no HV.";
+        RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("another strength is given"), "The same in dB over 1 m^2.";
+        S_VV "s_vv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, [re, im], receive then transmit; |S|^2 is the radar cross section.";
+        S_VH "s_vh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received V, transmitted H.";
+        S_HV "s_hv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received H, transmitted V.";
+        S_HH "s_hh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, HH.";
+        CONVENTION "convention", Choice(&["fsa", "bsa"]), Word("fsa"), "Scattering matrix: forward-scatter alignment, or back-scatter alignment (the received basis seen from the antenna, a sphere is the unit matrix). S_fsa = diag(1, -1) S_bsa in the order v, h.";
+    }
+    target_grid "[[target_grid]]" "A field of equal point targets, named <name>-<east>-<north>." {
+        NAME "name", Name, Means("grid-<number>, counted from 0"), "First part of the names.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "Centre: East, North, height above the sea.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude of the centre.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude of the centre.";
+        HEIGHT_M "height_m", number("m", -11_000.0, FAR_M), default(0.0), "With lat_deg and lon_deg: height above the sea.";
+        COUNT "count", Kind::Numbers { unit: "", least: 2, most: 2, min: 1.0, max: 1000.0 }, Required, "Targets eastward and northward, whole numbers.";
+        SPACING_M "spacing_m", vector("m", 2, 1e6), Required, "Distance between neighbours, eastward and northward.";
+        VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
+        RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("rcs_dbsm is given"), "Radar cross section of each.";
+        RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("rcs_m2 is given"), "The same in dB over 1 m^2.";
+    }
+    event "[[event]]" "A change of what a platform reports, from a pulse on (docs/control.md). Exactly one of pulse and at_s." {
+        PULSE "pulse", count(0, u64::MAX), Means("at_s is given"), "The first pulse that has it.";
+        AT_S "at_s", number("s", 0.0, 1e7), Means("pulse is given"), "After pulse 0: the first pulse emitted then or later has it.";
+        PLATFORM "platform", Name, Means("the only platform"), "Whose report.";
+        CHANGE "change", Kind::Line, Required, "What changes, in the words of a control line: \"step position.up 5 m\", \"bias attitude.heading 0.3 deg\", \"ramp position.east 0.5 m/s\", \"dropout 2.5 s\", \"latency 250 ms\", \"clear\".";
+    }
+}

@@ -1,0 +1,42 @@
+//! Ships and their wakes.
+
+use super::*;
+
+tables! {
+    ship "[[ship]]" "A ship on a straight course at constant speed through water at rest: its waves, the water that it stirs. Exactly one direction." {
+        NAME "name", Name, Means("ship-<number>, counted from 0"), "Its name, unique among ships.";
+        HULL "hull", FileOr("wigley"), Required, "A description (.toml) or an offset table (.csv), see hulls/README.md; or the parabolic hull of Wigley.";
+        LENGTH_M "length_m", number("m", 0.05, 1000.0), Means("that of the hull's file; required with \"wigley\""), "Length on the waterline to which the hull is scaled.";
+        BEAM_M "beam_m", above("m", 0.0, 1000.0), Required, "wigley: beam, from a ten-thousandth of the length to the length.";
+        DRAUGHT_M "draught_m", above("m", 0.0, 1000.0), Required, "wigley: draught, within the same bounds.";
+        POSITION_M "position_m", vector("m", 2, FAR_M), Means("lat_deg and lon_deg are given"), "Midship at pulse 0, East and North.";
+        LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude of midship at pulse 0.";
+        LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude.";
+        HEADING_DEG "heading_deg", number("deg", -360.0, 360.0), Means("towards_deg is given"), "Direction in which it sails, clockwise from the North of the scene, as a compass has it.";
+        TOWARDS_DEG "towards_deg", number("deg", -360.0, 360.0), Means("heading_deg is given"), "The same, counter-clockwise from East.";
+        SPEED_MPS "speed_mps", number("m/s", 0.0, 100.0), Required, "Speed through the water.";
+        WAKE "wake", Kind::Flag, Flag(true), "Whether it raises waves.";
+        BAND_LIMIT_RADPM "band_limit_radpm", above("rad/m", 0.0, 1e6), Means("0.7 pi / facet_m"), "With wake: wave number above which its waves are left out.";
+        WAKE_BRAGG "wake_bragg", Kind::Flag, Means("true below a carrier of 6 GHz"), "With wake: whether its waves above the band limit scatter by Bragg within facets, in a narrow V about its track.";
+        TURBULENT "turbulent", Switched(&turbulent::TABLE), Flag(true), "Its turbulent wake, in which small waves are damped.";
+        ECHO "echo", Kind::Flag, Flag(false), "Whether the scatterers of its hull's file return an echo.";
+    }
+    ais "[[ais]]" "Ships of a recorded AIS log, named mmsi-<number>: each sails straight on with the course and speed of its report nearest to the start. A log is a CSV with the columns Time (UTC), MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots, and if it has them Length_metres, Beam_metres, Draught_metres. Needs an origin." {
+        LOG "log", File, Required, "The log.";
+        MMSI "mmsi", Kind::Numbers { unit: "", least: 1, most: 1000, min: 0.0, max: 999_999_999.0 }, Means("all vessels"), "Only these vessels; all of them must be in the log.";
+        START_UTC "start_utc", Time, Means("scene.start_utc"), "Instant of the log at which pulse 0 is emitted.";
+        HULL "hull", FileOr("wigley"), Means("\"wigley\""), "Hull of all of them, as in [[ship]].";
+        LENGTH_M "length_m", number("m", 0.05, 1000.0), default(60.0), "Length of ships for which the log has none. Beam and draught of a Wigley hull are those of the log, or 0.134 and 0.043 of the length, as those of DTMB 5415.";
+        MOST_AGE_S "most_age_s", number("s", 0.0, 1e6), default(180.0), "Vessels without a report so near to the start are left out.";
+        LEAST_SPEED_MPS "least_speed_mps", number("m/s", 0.0, 100.0), default(0.5), "Slower vessels are left out: a ship at anchor raises no waves.";
+        WITHIN_M "within_m", above("m", 0.0, FAR_M), default(20_000.0), "Vessels further from the origin at the start are left out.";
+        WAKE "wake", Kind::Flag, Flag(true), "As in [[ship]].";
+        WAKE_BRAGG "wake_bragg", Kind::Flag, Means("true below a carrier of 6 GHz"), "As in [[ship]].";
+        TURBULENT "turbulent", Switched(&turbulent::TABLE), Flag(true), "As in [[ship]].";
+    }
+    turbulent "[ship.turbulent]" "The dark V behind a ship: width 4 B (x / 4 L)^(1/a) at a distance x from the stern, with length L and beam B." {
+        SPREAD_EXPONENT "spread_exponent", number("", 4.0, 5.0), default(5.0), "Exponent a of the width.";
+        DECAY_LENGTHS "decay_lengths", number("", 0.01, 1e4), default(20.0), "Distance over which the damping falls by a factor of e, in lengths of the ship.";
+        WIND_RATIO "wind_ratio", number("", 0.0, 1.0), default(0.4), "Wind that raises the small waves in the middle of the wake, over the wind outside.";
+    }
+}

@@ -1,0 +1,17 @@
+//! How many cases a randomised test has.
+
+use proptest::prelude::ProptestConfig;
+
+/// `n` cases, scaled by the factor in `NEREUS_CASES` (1 without it): at least one.
+pub fn cases(n: u32) -> u32 {
+    let factor = std::env::var("NEREUS_CASES").map_or(1.0, |text| {
+        let factor = text.parse().ok().filter(|factor: &f64| factor.is_finite() && *factor > 0.0);
+        factor.unwrap_or_else(|| panic!("NEREUS_CASES: {text}; allowed: a factor above 0, such as 0.1 or 10"))
+    });
+    (f64::from(n) * factor).round().max(1.0) as u32
+}
+
+/// The settings of a `proptest!` with so many [`cases`].
+pub fn proptests(n: u32) -> ProptestConfig {
+    ProptestConfig::with_cases(cases(n))
+}
