@@ -24,14 +24,14 @@
 //! use nereus::files::{Draft, FileFault, Holding};
 //! let path = std::env::temp_dir().join(format!("nereus-files-{}.txt", std::process::id()));
 //! let (draft, _file) = Draft::file(&path)?;
-//! draft.finish(false, &|_| None)?;
+//! draft.finish(false, &|_| Err("text of mine"))?;
 //! // The name is taken now; what is there is not replaced, and by force only where it is recognised.
 //! let (mut second, _file) = Draft::file(&path)?;
 //! assert!(matches!(second.place(), Err(FileFault::Exists { .. })));
-//! let Err(FileFault::Kept { why, at, .. }) = second.finish(true, &|_| None) else { panic!() };
+//! let Err(FileFault::Kept { why, at, .. }) = second.finish(true, &|_| Err("text of mine")) else { panic!() };
 //! assert!(matches!(*why, FileFault::Foreign { .. }) && at.exists());
 //! let (third, _file) = Draft::file(&path)?;
-//! third.finish(true, &|_| Some(Holding::File))?;
+//! third.finish(true, &|_| Ok(Holding::File))?;
 //! # std::fs::remove_file(at).unwrap();
 //! # std::fs::remove_file(path).unwrap();
 //! # Ok::<(), FileFault>(())
@@ -54,6 +54,7 @@ pub use presence::is_at;
 
 /// Why an output cannot be made or put in place.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileFault {
     /// It is there already.
     #[error("{}: exists already; choose another name, or overwrite it with --force", path.display())]
@@ -62,13 +63,15 @@ pub enum FileFault {
         path: PathBuf,
     },
     /// Something else is there.
-    #[error("{}: not overwritten, because it is no output of this kind", path.display())]
+    #[error("{}: not overwritten, because it is no {kind}", path.display())]
     Foreign {
         /// What is there.
         path: PathBuf,
+        /// What may be overwritten.
+        kind: &'static str,
     },
     /// Another program has it open, or has just changed it.
-    #[error("{}: not overwritten, because another program uses it", path.display())]
+    #[error("{}: not overwritten, because a run is writing it or another program reads it", path.display())]
     InUse {
         /// The output.
         path: PathBuf,
@@ -124,10 +127,25 @@ pub enum FileFault {
 }
 
 impl FileFault {
-    /// What the system said of a file.
+    /// What the system reported of a file.
     pub fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { path, action, source }
+    }
+
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            Self::Exists { .. } | Self::Foreign { .. } | Self::InUse { .. } | Self::NoFolder { .. } => true,
+            Self::Removed { .. } | Self::Moved { .. } | Self::Kept { .. } => false,
+            Self::Io { source, .. } => matches!(
+                source.kind(),
+                io::ErrorKind::NotFound
+                    | io::ErrorKind::NotADirectory
+                    | io::ErrorKind::IsADirectory
+                    | io::ErrorKind::PermissionDenied
+            ),
+        }
     }
 }
 
@@ -140,8 +158,11 @@ pub enum Holding {
     Folder(Vec<PathBuf>),
 }
 
-/// Looks at what stands in the place of an output: what it holds if it is one of the same kind.
-pub type Recognise<'a> = &'a dyn Fn(&Path) -> Option<Holding>;
+/// What stands in the place of an output holds; of what is no output of the kind, the name of the kind.
+pub type Recognised = Result<Holding, &'static str>;
+
+/// Looks at what stands in the place of an output.
+pub type Recognise<'a> = &'a dyn Fn(&Path) -> Recognised;
 
 /// Which file or folder, whatever its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -57,6 +57,14 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The first bytes of a file, at most so many; none of what is no file. Links are not followed.
+pub fn beginning(path: &Path, bytes: u64) -> Option<Vec<u8>> {
+    let is_file = std::fs::symlink_metadata(path).is_ok_and(|data| data.is_file());
+    let mut start = Vec::new();
+    is_file.then(|| open(path).ok()?.take(bytes).read_to_end(&mut start).ok())??;
+    Some(start)
+}
+
 /// Whether a character does something to a terminal instead of standing there, or turns text around.
 pub fn acts(c: char) -> bool {
     c.is_control()

@@ -132,10 +132,8 @@ impl CliError {
             | Self::Speckle(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.
-            Self::Receive(ReceiveError::Record(
-                SinkError::Io { .. } | SinkError::Hdf5 { .. } | SinkError::Lost(_),
-            ))
-            | Self::Receive(ReceiveError::Socket { .. }) => 1,
+            Self::Receive(ReceiveError::Record(error)) if !error.is_wrong_input() => 1,
+            Self::Receive(ReceiveError::Socket { .. }) => 1,
             Self::Receive(_) => 2,
             Self::Nav(error) => error.exit_code(),
             Self::Focus(error) => error.exit_code(),
@@ -146,9 +144,7 @@ impl CliError {
             Self::MergeNeedsHdf5 => 2,
             // A full disk is not wrong input.
             #[cfg(feature = "hdf5")]
-            Self::Merge(MergeError::File(
-                SinkError::Io { .. } | SinkError::Hdf5 { .. } | SinkError::Lost(_),
-            )) => 1,
+            Self::Merge(MergeError::File(error)) if !error.is_wrong_input() => 1,
             #[cfg(feature = "hdf5")]
             Self::Merge(_) => 2,
         }

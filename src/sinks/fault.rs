@@ -8,42 +8,17 @@ use crate::files::FileFault;
 
 /// Why a sink cannot be opened or has failed.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SinkError {
-    /// The output is there already.
-    #[error("{path}: exists already; choose another name, or overwrite it with --force")]
-    Exists {
-        /// The output.
-        path: PathBuf,
-    },
-    /// Asked to overwrite something else than an output of the same kind.
-    #[error(
-        "{path}: not overwritten, because it is no output of this kind (an HDF5 file whose attribute format is nereus, a folder that holds a plain recording and nothing else, a file of the same navigation format)"
-    )]
-    NotARecording {
-        /// What is there.
-        path: PathBuf,
-    },
-    /// Asked to overwrite a recording that is open.
-    #[error("{path}: not overwritten, because a run is writing it or a program reads it")]
-    InUse {
-        /// The recording.
-        path: PathBuf,
-    },
-    /// The output is to be made in something that is no folder.
-    #[error("{path}: is no folder; outputs are made in folders that exist")]
-    NoFolder {
-        /// What is there.
-        path: PathBuf,
-    },
+    /// What is there already, or what the system reported.
+    #[error(transparent)]
+    File(#[from] FileFault),
     /// Two sinks have the same output.
     #[error("{path}: is the output of two sinks; each needs its own")]
     Twice {
         /// The output.
         path: PathBuf,
     },
-    /// An output that is complete and not in its place, or that another program has removed or moved.
-    #[error(transparent)]
-    Lost(FileFault),
     /// The header cannot be recorded.
     #[error("recording header, {field}: {found}; allowed: {allowed}")]
     Header {
@@ -71,16 +46,6 @@ pub enum SinkError {
         found: usize,
         /// Values announced.
         expected: usize,
-    },
-    /// The system refused a file operation.
-    #[error("{path}: {action}: {source}")]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the system said.
-        source: std::io::Error,
     },
     /// A port cannot be opened.
     #[error("{device}: cannot open the port: {source}")]
@@ -134,24 +99,18 @@ pub enum SinkError {
 }
 
 impl SinkError {
-    /// What the system said of a file.
-    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::Io { path, action, source }
-    }
-}
-
-impl From<FileFault> for SinkError {
-    fn from(fault: FileFault) -> Self {
-        match fault {
-            FileFault::Exists { path } => Self::Exists { path },
-            FileFault::Foreign { path } => Self::NotARecording { path },
-            FileFault::InUse { path } => Self::InUse { path },
-            FileFault::NoFolder { path } => Self::NoFolder { path },
-            fault @ (FileFault::Removed { .. } | FileFault::Moved { .. } | FileFault::Kept { .. }) => {
-                Self::Lost(fault)
-            }
-            FileFault::Io { path, action, source } => Self::Io { path, action, source },
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            Self::File(fault) => fault.is_wrong_input(),
+            Self::Hdf5 { .. } => false,
+            _ => true,
         }
+    }
+
+    /// What the system reported of a file.
+    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
+        let fault = FileFault::io(path, action);
+        move |source| fault(source).into()
     }
 }

@@ -25,7 +25,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 
-use crate::files::{self, Draft, FileFault, Holding};
+use crate::files::{self, Draft, FileFault, Holding, Recognised};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Element, Rows, columns};
@@ -82,7 +82,11 @@ const META_BYTES: u64 = 256 << 20;
 
 /// The files of a plain recording, if a folder holds one and nothing else. An empty folder holds nothing that
 /// is lost.
-fn recognise(path: &Path) -> Option<Holding> {
+fn recognise(path: &Path) -> Recognised {
+    held(path).ok_or("folder that holds a plain recording and nothing else")
+}
+
+fn held(path: &Path) -> Option<Holding> {
     let (found, folders) = tree(path)?;
     if found.is_empty() {
         // Folders in it, even empty ones, are none that a recording has made.
@@ -276,7 +280,7 @@ impl Sink for PlainSink {
         }
         if let Some((place, source)) = failed {
             let path = self.place_of(&self.files[place].column);
-            return Err(SinkError::Io { path, action: "writing", source });
+            return Err(SinkError::io(&path, "writing")(source));
         }
         self.buffered_bytes = 0;
         self.flushed = Instant::now();

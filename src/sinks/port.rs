@@ -26,7 +26,7 @@
 //! ```
 
 use std::fs::{self, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Write};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -34,7 +34,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::files::{Draft, FileFault, Holding};
+use crate::files::{Draft, FileFault, Holding, Recognised};
+use crate::inputs;
 
 /// Bytes that wait for a port.
 const HELD_BYTES: usize = 4096;
@@ -251,20 +252,17 @@ fn is_regular_or_new(path: &Path) -> bool {
 }
 
 /// A file that may be replaced by one of messages: it is empty, or begins with a message of navigation.
-pub fn recognise(path: &Path) -> Option<Holding> {
-    let mut start = Vec::new();
-    fs::symlink_metadata(path).ok().filter(|data| data.is_file())?;
-    fs::File::open(path).ok()?.take(16).read_to_end(&mut start).ok()?;
-    let talks = |rest: &[u8]| {
+pub fn recognise(path: &Path) -> Recognised {
+    let is_message = |rest: &[u8]| {
         let name = rest.iter().position(|byte| *byte == b',').map(|end| &rest[..end]);
         name.is_some_and(|name| name.len() >= 5 && name.iter().all(u8::is_ascii_alphanumeric))
     };
-    let is_ours = match start.as_slice() {
+    let is_ours = inputs::beginning(path, 16).is_some_and(|start| match start.as_slice() {
         [] | [0xAA, 0x44, 0x12 | 0x13, ..] => true,
-        [b'$' | b'!' | b'#', rest @ ..] => talks(rest),
+        [b'$' | b'!' | b'#', rest @ ..] => is_message(rest),
         _ => false,
-    };
-    is_ours.then_some(Holding::File)
+    });
+    is_ours.then_some(Holding::File).ok_or("file of navigation messages")
 }
 
 /// Something that takes bytes.

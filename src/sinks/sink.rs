@@ -10,7 +10,7 @@ use num_complex::Complex32;
 use serde::Serialize;
 
 use super::port::PortCounts;
-use crate::files::{self, Draft, FileFault, Holding};
+use crate::files::{self, Draft, FileFault, Recognised};
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat};
 use crate::scene::radar::Polarisation;
@@ -70,7 +70,7 @@ pub struct Closed {
     pub(super) force: bool,
     /// Older parts beyond those of this run: segments, recordings of further runs.
     pub(super) surplus: Vec<PathBuf>,
-    pub(super) recognise: Option<fn(&Path) -> Option<Holding>>,
+    pub(super) recognise: Option<fn(&Path) -> Recognised>,
 }
 
 impl Closed {
@@ -87,7 +87,7 @@ impl Closed {
     /// The first fault, after all has been tried; the report says where everything is.
     pub fn place(self, whole: bool) -> Result<SinkReport, Box<Unplaced>> {
         let Self { mut report, drafts, force, surplus, recognise } = self;
-        let recognise = |path: &Path| recognise.and_then(|recognise| recognise(path));
+        let recognise = |path: &Path| recognise.map_or(Err("output"), |recognise| recognise(path));
         let mut names =
             if drafts.is_empty() { Vec::new() } else { std::mem::take(&mut report.files) }.into_iter();
         let mut error = None;

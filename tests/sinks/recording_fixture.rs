@@ -231,8 +231,8 @@ pub fn verified(path: &Path) -> Verdict {
 pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
     for _ in 0..200 {
         match make() {
-            Err(SinkError::InUse { .. }) => {}
-            Err(SinkError::Lost(FileFault::Kept { why, at, .. }))
+            Err(SinkError::File(FileFault::InUse { .. })) => {}
+            Err(SinkError::File(FileFault::Kept { why, at, .. }))
                 if matches!(*why, FileFault::InUse { .. }) =>
             {
                 std::fs::remove_file(at).unwrap();

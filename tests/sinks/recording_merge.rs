@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 use hdf5::{Dataset, File, Group};
 
+use nereus::files::FileFault;
 use nereus::pulse::{SampleFormat, flags};
 use nereus::sinks::hdf5::Hdf5Sink;
 use nereus::sinks::merge::{MergeError, merge};
@@ -93,7 +94,7 @@ fn shards_and_segments_become_the_whole_run() {
             }
         }
         let again = merge(&shards, &whole, false);
-        assert!(matches!(again, Err(MergeError::File(SinkError::Exists { .. }))));
+        assert!(matches!(again, Err(MergeError::File(SinkError::File(FileFault::Exists { .. })))));
         unlocked(|| match merge(&shards, &whole, true) {
             Err(MergeError::File(fault)) => Err(fault),
             merged => Ok(merged.unwrap()),

@@ -156,8 +156,8 @@ impl FocusError {
     /// Exit code: 2 when the input is wrong, 1 otherwise.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Output(OutputError::Io { .. } | OutputError::Lost(_))
-            | Self::Image(ImageFileError::Hdf5 { .. }) => 1,
+            Self::Output(error) if !error.is_wrong_input() => 1,
+            Self::Image(ImageFileError::Hdf5 { .. }) => 1,
             _ => 2,
         }
     }

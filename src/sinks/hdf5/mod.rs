@@ -27,7 +27,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::files::{self, Draft, Holding};
+use crate::files::{self, Draft, Holding, Recognised};
 use crate::pulse::Pulse;
 
 use super::columns::{Column, Rows, columns};
@@ -97,8 +97,8 @@ fn segment_path(path: &Path, segment: u64) -> PathBuf {
 }
 
 /// What an older recording is: a file.
-pub(super) fn recognise(path: &Path) -> Option<Holding> {
-    file::is_recording(path).then_some(Holding::File)
+pub(super) fn recognise(path: &Path) -> Recognised {
+    file::is_recording(path).then_some(Holding::File).ok_or("HDF5 file whose attribute format is nereus")
 }
 
 /// What has the name of a segment, with its number. That does not make it one: `rec_20180509.h5` may be any
