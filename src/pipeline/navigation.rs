@@ -4,8 +4,8 @@ use crate::frames::{Earth, Geodetic, Point, Rotation, SceneFrame, Vector};
 use crate::nav::encode::{Format, Sentence};
 use crate::nav::solution::Solution;
 use crate::pulse::PlatformRecord;
+use crate::recording::header::Header;
 use crate::sinks::nav::{Speech, Words};
-use crate::sinks::sink::Header;
 use crate::time::TimeTag;
 
 /// Says where a platform of the scene reports to be.

@@ -7,12 +7,11 @@ use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::motion::changes::Changes;
 use crate::pipeline::fault::PulseError;
+use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
-use crate::sinks::sink::{
-    AdcRow, ChannelRow, Closed, Header, Origin, PairRow, Sink, SinkError, SinkReport, Unplaced,
-};
+use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport, Unplaced};
 use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError};

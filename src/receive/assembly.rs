@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use crate::pulse::{Pulse, SampleFormat, flags};
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 use super::context::State;

@@ -44,7 +44,7 @@ use std::collections::hash_map::Entry;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::pulse::Pulse;
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 use assembly::{Assembly, Taken};

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::pulse::{Layout, SampleFormat};
-use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin};
+use crate::recording::header::{AdcRow, ChannelRow, Header, Origin};
 use crate::time::TimeTag;
 
 use super::context::{ChannelDescription, Context, Extension, Format, RunDescription};

@@ -7,7 +7,7 @@
 //! or late datagrams never lead away, many do not lead away for long, and a sender that begins again is found
 //! again after a bounded number of datagrams, whoever else sends.
 
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 use super::packet::SECOND_PS;

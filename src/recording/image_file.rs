@@ -100,8 +100,8 @@ impl ImageFile<'_> {
     }
 
     #[cfg(feature = "hdf5")]
-    fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::fault::Fault> {
-        use crate::sinks::hdf5::attributes::{attribute, list, text};
+    fn fill(&self, path: &Path) -> Result<(), crate::recording::hdf5::fault::Fault> {
+        use crate::recording::hdf5::attributes::{attribute, list, text};
         let file = super::map_file::create(path, "nereus-image", VERSION, self.attributes)?;
         let names = self.channels.iter().map(|name| text(name)).collect::<Result<Vec<_>, _>>()?;
         list(&file, "channels", &names)?;

@@ -135,8 +135,8 @@ impl MapFile<'_> {
     }
 
     #[cfg(feature = "hdf5")]
-    fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::fault::Fault> {
-        use crate::sinks::hdf5::attributes::{attribute, list, text};
+    fn fill(&self, path: &Path) -> Result<(), crate::recording::hdf5::fault::Fault> {
+        use crate::recording::hdf5::attributes::{attribute, list, text};
         let file = create(path, self.format, VERSION, self.attributes)?;
         for (axis, name, meaning) in
             [(0, "x_m", "centres of the facets, East"), (1, "y_m", "centres of the facets, North")]
@@ -170,11 +170,11 @@ pub(super) fn create(
     format: &str,
     version: u32,
     attributes: &[(&str, Attribute)],
-) -> Result<::hdf5::File, crate::sinks::hdf5::fault::Fault> {
+) -> Result<::hdf5::File, crate::recording::hdf5::fault::Fault> {
     use ::hdf5::File;
     use ::hdf5::file::LibraryVersion;
 
-    use crate::sinks::hdf5::attributes::{attribute, text};
+    use crate::recording::hdf5::attributes::{attribute, text};
     let file = File::with_options()
         .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
         .create_excl(path)?;

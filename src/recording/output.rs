@@ -78,7 +78,7 @@ impl FileKind {
 /// What an HDF5 file says it is.
 #[cfg(feature = "hdf5")]
 fn format(path: &Path) -> Vec<u8> {
-    crate::sinks::hdf5::file::format_of(path).unwrap_or_default()
+    crate::recording::hdf5::file::format_of(path).unwrap_or_default()
 }
 
 /// Nothing that this build could have made.

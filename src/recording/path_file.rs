@@ -134,9 +134,9 @@ impl PathFile<'_> {
     }
 
     #[cfg(feature = "hdf5")]
-    fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::fault::Fault> {
+    fn fill(&self, path: &Path) -> Result<(), crate::recording::hdf5::fault::Fault> {
         use super::map_file::create;
-        use crate::sinks::hdf5::attributes::{list, text};
+        use crate::recording::hdf5::attributes::{list, text};
         let file = create(path, "nereus-paths", VERSION, self.attributes)?;
         for (name, values) in [("channels", self.channels), ("pairs", self.pairs)] {
             let values = values.iter().map(|value| text(value)).collect::<Result<Vec<_>, _>>()?;
@@ -171,8 +171,8 @@ fn columns<T: ::hdf5::H5Type>(
     values: &[T],
     unit: &str,
     meaning: &str,
-) -> Result<(), crate::sinks::hdf5::fault::Fault> {
-    use crate::sinks::hdf5::attributes::{attribute, text};
+) -> Result<(), crate::recording::hdf5::fault::Fault> {
+    use crate::recording::hdf5::attributes::{attribute, text};
     let dataset = file.new_dataset::<T>().shape(shape).create(name)?;
     if !values.is_empty() {
         dataset.write_raw(values)?;

@@ -1,7 +1,7 @@
 //! Whether a recording is whole: everything in it is read once and held against what a recording promises.
 //!
 //! - The header is complete and sizes agree with names
-//!   ([`Header::check`](crate::sinks::sink::Header::check)).
+//!   ([`Header::check`](crate::recording::header::Header::check)).
 //! - Every column has as many rows as `/pulse/index`, and every row can be read. In HDF5 the library checks
 //!   the Fletcher-32 checksum of every chunk meanwhile (recordings of earlier versions have none: then a
 //!   damaged sample is not seen, which is noted).
@@ -25,11 +25,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::{RecordingError, Source};
+use super::columns::{Column, INDEX, Rows, columns};
+use super::fault::{READING, RecordingError};
+use super::source::Source;
+use crate::files::FileFault;
 use crate::inputs;
 use crate::pulse::flags::AFTER_GAP;
-use crate::sinks::columns::{Column, INDEX, Rows, columns};
-use crate::sinks::sink::SinkError;
 
 /// Rows are read in parts of about so many bytes.
 const BLOCK_BYTES: usize = 4 << 20;
@@ -143,7 +144,7 @@ fn ending(path: &Path) -> Ending {
 
 /// Reads all of a recording. The error is for what cannot be looked at; what is damaged is in the verdict.
 pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
-    fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
+    fs::metadata(path).map_err(FileFault::io(path, READING))?;
     let ending = ending(path);
     let mut verdict = Verdict {
         path: path.to_owned(),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::files::FileFault;
+use crate::recording::RecordingError;
 
 /// Why a sink cannot be opened or has failed.
 #[derive(Debug, Error)]
@@ -13,39 +14,20 @@ pub enum SinkError {
     /// What is there already, or what the system reported.
     #[error(transparent)]
     File(#[from] FileFault),
+    /// A recording cannot be made or written.
+    #[error(transparent)]
+    Recording(RecordingError),
     /// Two sinks have the same output.
     #[error("{path}: is the output of two sinks; each needs its own")]
     Twice {
         /// The output.
         path: PathBuf,
     },
-    /// The header cannot be recorded.
-    #[error("recording header, {field}: {found}; allowed: {allowed}")]
-    Header {
-        /// Which part.
-        field: &'static str,
-        /// What it holds.
-        found: String,
-        /// What it may hold.
-        allowed: &'static str,
-    },
     /// A segment length that cannot be kept.
     #[error("segment_s = {segment_s}: allowed: a finite length above 0 s")]
     Segment {
         /// What was asked.
         segment_s: f64,
-    },
-    /// A pulse does not have the sizes announced.
-    #[error("pulse {index}: {column} has {found} values where the header announced {expected}")]
-    Pulse {
-        /// Which pulse.
-        index: u64,
-        /// Which part of it.
-        column: String,
-        /// Values found.
-        found: usize,
-        /// Values announced.
-        expected: usize,
     },
     /// A port cannot be opened.
     #[error("{device}: cannot open the port: {source}")]
@@ -58,16 +40,6 @@ pub enum SinkError {
     /// States that cannot be reported, because the scene lies nowhere on Earth.
     #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     Nowhere,
-    /// The HDF5 library refused.
-    #[error("{path}: {action}: {detail}")]
-    Hdf5 {
-        /// The file.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the library said.
-        detail: String,
-    },
     /// An address of the network.
     #[error("{address}: {action}: {source}; allowed: host:port of a machine that can be reached")]
     Address {
@@ -103,7 +75,7 @@ impl SinkError {
     pub fn is_wrong_input(&self) -> bool {
         match self {
             Self::File(fault) => fault.is_wrong_input(),
-            Self::Hdf5 { .. } => false,
+            Self::Recording(error) => error.is_wrong_input(),
             _ => true,
         }
     }
@@ -112,5 +84,14 @@ impl SinkError {
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let fault = FileFault::io(path, action);
         move |source| fault(source).into()
+    }
+}
+
+impl From<RecordingError> for SinkError {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::File(fault) => Self::File(fault),
+            error => Self::Recording(error),
+        }
     }
 }

@@ -12,8 +12,9 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::port::{self, Device, Port, PortFault};
-use super::sink::{Closed, Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, Sink, SinkError, SinkReport};
 use crate::pulse::{PlatformRecord, Pulse};
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 /// How long the last bytes may take.

@@ -9,9 +9,10 @@ use serde_json::Value;
 
 use nereus::pulse::SampleFormat;
 use nereus::pulse::log::{Entry, Log, Origin};
-use nereus::sinks::descriptions::{DESCRIPTIONS, Description};
+use nereus::recording::descriptions::{DESCRIPTIONS, Description};
+use nereus::recording::header::Header;
 use nereus::sinks::plain::PlainSink;
-use nereus::sinks::sink::{Header, Sink};
+use nereus::sinks::sink::Sink;
 
 use crate::recording_fixture::{header, pulse, python};
 
@@ -74,8 +75,8 @@ fn the_page_has_the_table_of_the_code() {
     let want: Vec<String> = DESCRIPTIONS
         .iter()
         .map(|of| {
-            let Description { path, element, axes, unit, frame, description } = of;
-            format!("| `/{path}` | {element} | {axes} | {unit} | {frame} | {description} |")
+            let Description { path, axes, unit, frame, description, .. } = of;
+            format!("| `/{path}` | {} | {axes} | {unit} | {frame} | {description} |")
         })
         .collect();
     let page = page();
@@ -129,7 +130,7 @@ mod hdf5_files {
     use crate::recording_hdf5::record;
     use hdf5::types::VarLenUnicode;
     use hdf5::{Dataset, File, Group};
-    use nereus::sinks::merge::merge;
+    use nereus::recording::merge::merge;
 
     fn datasets(group: &Group, list: &mut Vec<Dataset>) {
         list.extend(group.datasets().unwrap());

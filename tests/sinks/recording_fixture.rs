@@ -8,9 +8,10 @@ use num_complex::Complex32;
 
 use nereus::files::FileFault;
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
+use nereus::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
 #[cfg(feature = "hdf5")]
 use nereus::recording::verify::{Ending, Verdict, verify};
-use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, SinkError};
+use nereus::sinks::sink::SinkError;
 use nereus::time::{PulseTimes, TimeTag};
 
 pub const PRF_HZ: f64 = 333.3;

@@ -5,8 +5,10 @@ use num_complex::{Complex, Complex32};
 
 use nereus::files::FileFault;
 use nereus::pulse::{Layout, SampleFormat, Samples};
+use nereus::recording::RecordingError;
+use nereus::recording::header::Header;
 use nereus::sinks::hdf5::{CHUNK_PULSES, Hdf5Sink};
-use nereus::sinks::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
+use nereus::sinks::sink::{FLUSH_INTERVAL, Sink, SinkError, SinkReport};
 
 use crate::recording_fixture::{header, pulse, python, unlocked};
 
@@ -246,5 +248,8 @@ fn what_cannot_be_made_leaves_nothing() {
     wrong.antennas.pop();
     let mut sink = Hdf5Sink::create(&dir.path().join("b.h5"), None, false, &header).unwrap();
     let error = sink.write(&wrong).unwrap_err();
-    assert!(matches!(error, SinkError::Pulse { expected: 3, found: 0, .. }), "{error}");
+    assert!(
+        matches!(error, SinkError::Recording(RecordingError::Pulse { expected: 3, found: 0, .. })),
+        "{error}"
+    );
 }

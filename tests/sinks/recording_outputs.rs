@@ -3,7 +3,8 @@ use std::path::PathBuf;
 
 use nereus::files::FileFault;
 use nereus::pulse::SampleFormat;
-use nereus::sinks::sink::{Header, SinkError};
+use nereus::recording::header::Header;
+use nereus::sinks::sink::SinkError;
 use nereus::sinks::{Kind, Settings, preflight};
 
 use crate::recording_fixture::header;

@@ -145,9 +145,10 @@ fn what_is_received_without_pulses_replaces_nothing() {
 
 #[cfg(feature = "hdf5")]
 mod hdf5 {
+    use nereus::recording::RecordingError;
+    use nereus::recording::merge::{MergeError, merge};
     use nereus::recording::verify::verify;
     use nereus::sinks::hdf5::Hdf5Sink;
-    use nereus::sinks::merge::{MergeError, merge};
     use nereus::sinks::sink::Unplaced;
 
     use super::*;
@@ -386,7 +387,7 @@ mod hdf5 {
                 merging.join().unwrap()
             });
             match merged {
-                Err(MergeError::File(SinkError::File(FileFault::Kept { why, at, .. }))) => {
+                Err(MergeError::Recording(RecordingError::File(FileFault::Kept { why, at, .. }))) => {
                     assert!(matches!(*why, FileFault::Exists { .. }), "{why}");
                     assert_eq!((pulses(&at), fs::metadata(&out).unwrap().len()), (400, 0));
                     return;

@@ -130,9 +130,10 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
 
 #[cfg(feature = "hdf5")]
 mod hdf5 {
+    use nereus::recording::RecordingError;
+    use nereus::recording::merge::{MergeError, merge};
     use nereus::recording::verify::{Ending, verify};
     use nereus::sinks::hdf5::Hdf5Sink;
-    use nereus::sinks::merge::{MergeError, merge};
 
     use super::*;
     use crate::recording_fixture::{unlocked, verified};
@@ -194,17 +195,23 @@ mod hdf5 {
         let out = at("out.h5");
         fs::write(&out, "a thesis").unwrap();
         let refused = merge(&shards, &out, true).unwrap_err();
-        assert!(matches!(refused, MergeError::File(SinkError::File(FileFault::Foreign { .. }))), "{refused}");
+        assert!(
+            matches!(refused, MergeError::Recording(RecordingError::File(FileFault::Foreign { .. }))),
+            "{refused}"
+        );
         assert_eq!(fs::read_to_string(&out).unwrap(), "a thesis");
         fs::remove_file(&out).unwrap();
         let mut growing = Box::new(Hdf5Sink::create(&out, None, false, &header).unwrap());
         growing.write(&pulse(&header, 0)).unwrap();
         let refused = merge(&shards, &out, true).unwrap_err();
-        assert!(matches!(refused, MergeError::File(SinkError::File(FileFault::InUse { .. }))), "{refused}");
+        assert!(
+            matches!(refused, MergeError::Recording(RecordingError::File(FileFault::InUse { .. }))),
+            "{refused}"
+        );
         growing.finish().unwrap();
         assert_eq!(pulses(&out), 1);
         unlocked(|| match merge(&shards, &out, true) {
-            Err(MergeError::File(fault)) => Err(fault),
+            Err(MergeError::Recording(fault)) => Err(fault.into()),
             merged => Ok(merged.unwrap()),
         });
         assert_eq!((pulses(&out), listing(dir.path()).len()), (40, 3));

@@ -39,11 +39,11 @@ use crate::processor::range_compress::{
 };
 use crate::processor::taper::Taper;
 use crate::recording::ground::Ground;
+use crate::recording::header::Header;
 use crate::recording::image_file::ImageFile;
 use crate::recording::map_file::Attribute;
 use crate::recording::output::{FileKind, Output};
 use crate::recording::{Recording, RecordingError};
-use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
 pub use gating::DopplerBand;
 use scenario::Scenario;

@@ -62,7 +62,9 @@ mod stamp;
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
-use super::sink::{Closed, Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, Sink, SinkError, SinkReport};
+use crate::recording::RecordingError;
+use crate::recording::header::Header;
 use datagram::{Datagram, PROLOGUE, TRAILER, Type};
 use link::Link;
 use packets::{CHANNEL_STREAM, Globe, Part};
@@ -248,7 +250,7 @@ impl Vita49Sink {
     }
 
     /// Whether a pulse has the sizes announced.
-    fn check(&self, pulse: &Pulse) -> Result<(), SinkError> {
+    fn check(&self, pulse: &Pulse) -> Result<(), RecordingError> {
         let layout = &self.header.layout;
         let samples = match (&pulse.samples, layout.format) {
             (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
@@ -261,7 +263,7 @@ impl Vita49Sink {
         ] {
             if found != expected {
                 let column = column.to_owned();
-                return Err(SinkError::Pulse { index: pulse.index, column, found, expected });
+                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
             }
         }
         Ok(())

@@ -6,7 +6,8 @@ use super::datagram::{Datagram, EXTENSION_PROLOGUE, OUI, Type, text_bytes};
 use super::stamp::Stamp;
 use crate::frames::{Body, Earth, Ecef, Enu, Geodetic, Point, Rotation, SceneFrame, Vector};
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
-use crate::sinks::sink::{ChannelRow, Header, Origin, SinkError};
+use crate::recording::RecordingError;
+use crate::recording::header::{ChannelRow, Header, Origin};
 
 /// Stream of channel 0; the others follow.
 pub(super) const CHANNEL_STREAM: u32 = 0x1000_0000;
@@ -196,20 +197,20 @@ pub(super) fn run_description<'a>(
 }
 
 /// Whether every description fits a datagram.
-pub(super) fn check(header: &Header, room: usize) -> Result<(), SinkError> {
+pub(super) fn check(header: &Header, room: usize) -> Result<(), RecordingError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
     let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
     let longest = channels.chain(platforms).chain([104 + texts(&[&header.software])]).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {
-        return Err(SinkError::Header {
+        return Err(RecordingError::Header {
             field: "names",
             found: format!("a description of {} bytes", EXTENSION_PROLOGUE + longest),
             allowed: "names that fit one datagram (mtu_bytes)",
         });
     }
     if !(1.0..=1e12).contains(&header.sample_rate_hz) {
-        return Err(SinkError::Header {
+        return Err(RecordingError::Header {
             field: "sample_rate_hz",
             found: header.sample_rate_hz.to_string(),
             allowed: "1 to 1e12 Hz on the wire",

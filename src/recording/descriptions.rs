@@ -4,7 +4,7 @@
 //! `meta.json`. Their table in `docs/recording.md` is this one, which a test checks.
 //!
 //! ```
-//! use nereus::sinks::descriptions::{DESCRIPTIONS, named};
+//! use nereus::recording::descriptions::{DESCRIPTIONS, named};
 //! let delay = named("truth/delay_s").unwrap();
 //! assert_eq!((delay.unit, delay.axes), ("s", "pulse, pair, target"));
 //! assert!(DESCRIPTIONS.iter().all(|of| !of.description.is_empty()));
@@ -13,7 +13,7 @@
 use serde::Serialize;
 
 use super::columns::{Column, Element};
-use super::sink::Header;
+use super::header::Header;
 
 /// The words for one dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -8,7 +8,7 @@ use ::hdf5::Dataset;
 use ::hdf5::dataset::Layout;
 use ::hdf5::filters::Filter;
 
-use crate::sinks::hdf5::fault::Fault;
+use super::fault::Fault;
 
 /// Deflate makes nothing smaller than this part of it.
 const MOST_DEFLATED: u64 = 1032;

@@ -2,20 +2,18 @@
 
 // `repr(C)` below: the library reads these rows by the offsets of their fields.
 
-use super::attributes::{attribute, checked, list, optional, string, strings, text, texts, value};
-
 use ::hdf5::types::VarLenUnicode;
 use ::hdf5::{Dataset, File, H5Type};
 use num_complex::{Complex, Complex32};
 
-use crate::pulse::{Layout, SampleFormat};
-use crate::sinks::columns::Column;
-use crate::sinks::descriptions::{self, Description};
-use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
-use crate::time::TimeTag;
-
+use super::attributes::{attribute, checked, list, optional, string, strings, text, texts, value};
+use super::fault::Fault;
 use super::{changes, sizes};
-use crate::sinks::hdf5::fault::Fault;
+use crate::pulse::{Layout, SampleFormat};
+use crate::recording::columns::Column;
+use crate::recording::descriptions::{self, Description};
+use crate::recording::header::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
+use crate::time::TimeTag;
 
 #[derive(Clone, H5Type)]
 #[repr(C)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use crate::sinks::sink::SinkError;
+use crate::recording::fault::RecordingError;
 
 /// What the library said; becomes an error that names the file.
 #[derive(Debug, Error)]
@@ -28,8 +28,8 @@ fn one_line(error: &::hdf5::Error) -> String {
 }
 
 impl Fault {
-    pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(Self) -> SinkError {
+    pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(Self) -> RecordingError {
         let path = path.to_owned();
-        move |fault| SinkError::Hdf5 { path, action, detail: fault.to_string() }
+        move |fault| RecordingError::Hdf5 { path, action, detail: fault.to_string() }
     }
 }

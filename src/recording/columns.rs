@@ -9,7 +9,8 @@ use num_complex::{Complex, Complex32};
 
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat, Samples};
 
-use super::sink::{Header, SinkError};
+use super::fault::RecordingError;
+use super::header::Header;
 
 /// Path of the column that is written last: what it covers is complete.
 pub const INDEX: &str = "pulse/index";
@@ -283,7 +284,7 @@ impl Column {
     }
 
     /// Whether a pulse has the values that this column needs.
-    pub fn check(&self, pulse: &Pulse) -> Result<(), SinkError> {
+    pub fn check(&self, pulse: &Pulse) -> Result<(), RecordingError> {
         let found = match (self.from, self.element, &pulse.samples) {
             (From::Iq, Element::Cf32, Samples::Cf32(v)) => v.len(),
             (From::Iq, Element::Ci16, Samples::Ci16(v)) => v.len(),
@@ -299,7 +300,7 @@ impl Column {
         if found == expected {
             Ok(())
         } else {
-            Err(SinkError::Pulse { index: pulse.index, column: self.path.clone(), found, expected })
+            Err(RecordingError::Pulse { index: pulse.index, column: self.path.clone(), found, expected })
         }
     }
 }
