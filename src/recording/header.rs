@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use num_complex::Complex32;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fault::RecordingError;
 use crate::pulse::log::Log;
@@ -22,7 +22,7 @@ const MOST_SAMPLES: usize = 1 << 24;
 const MOST_IN_ALL: usize = 1 << 32;
 
 /// A row of the channel table.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelRow {
     /// Name, such as `HV`.
     pub name: String,
@@ -34,8 +34,10 @@ pub struct ChannelRow {
     pub polarisations: String,
     /// Polarisation basis of the transmitter ([`crate::scene::radar::PolarisationBasis::name`]); empty where
     /// it is not known, as in older recordings, and of calibration channels.
+    #[serde(default)]
     pub transmit_basis: String,
     /// That of the receiver.
+    #[serde(default)]
     pub receive_basis: String,
 }
 
@@ -48,7 +50,7 @@ impl ChannelRow {
 }
 
 /// A transmitter-receiver pair of the truth record.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairRow {
     /// Name of the transmitter.
     pub transmitter: String,
@@ -77,7 +79,7 @@ pub struct AdcRow {
 }
 
 /// What is known before the first pulse: every sink and every recording begins with it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
     /// Name and version of the program.
     pub software: String,
@@ -131,8 +133,59 @@ pub struct Header {
     pub changes: Option<Arc<Log>>,
 }
 
+/// A value of the header that files keep as it is.
+pub(super) enum Field<'a> {
+    Text(&'a mut String),
+    Real(&'a mut f64),
+    Whole(&'a mut u64),
+    Names(&'a mut Vec<String>),
+}
+
 impl Header {
+    /// The values that both kinds of recordings keep under these names.
+    pub(super) fn fields(&mut self) -> [(&'static str, Field<'_>); 13] {
+        use Field::{Names, Real, Text, Whole};
+        [
+            ("software", Text(&mut self.software)),
+            ("carrier_hz", Real(&mut self.carrier_hz)),
+            ("sample_rate_hz", Real(&mut self.sample_rate_hz)),
+            ("bandwidth_hz", Real(&mut self.bandwidth_hz)),
+            ("pulse_s", Real(&mut self.pulse_s)),
+            ("prf_hz", Real(&mut self.prf_hz)),
+            ("seed", Whole(&mut self.seed)),
+            ("config", Text(&mut self.config)),
+            ("first_pulse", Whole(&mut self.first_pulse)),
+            ("pulses", Whole(&mut self.pulses)),
+            ("platforms", Names(&mut self.platforms)),
+            ("transmitters", Names(&mut self.transmitters)),
+            ("receivers", Names(&mut self.receivers)),
+        ]
+    }
+
+    /// Names of what the truth is recorded of.
+    pub(super) fn truth_names(&mut self) -> [(&'static str, &mut Vec<String>); 3] {
+        [("targets", &mut self.targets), ("ships", &mut self.ships), ("clocks", &mut self.clocks)]
+    }
+
+    /// Sizes of every pulse: as many of each as have names.
+    pub(super) fn count(&mut self, samples: usize, format: SampleFormat) {
+        self.layout = Layout {
+            channels: self.channels.len(),
+            samples,
+            format,
+            platforms: self.platforms.len(),
+            antennas: self.transmitters.len() + self.receivers.len(),
+            targets: self.targets.len(),
+            pairs: self.pairs.len(),
+            ships: self.ships.len(),
+            clocks: self.clocks.len(),
+        };
+    }
+
     /// Whether a recording can hold this: sizes agree with names, names can be names of groups.
+    ///
+    /// # Errors
+    /// The first part that cannot be recorded.
     pub fn check(&self) -> Result<(), RecordingError> {
         let refuse = |field, found: String, allowed| Err(RecordingError::Header { field, found, allowed });
         let sizes = [

@@ -40,6 +40,7 @@ pub mod output;
 pub mod path_file;
 #[doc(hidden)]
 pub mod plain;
+mod rows;
 mod source;
 mod unwritten;
 pub mod verify;

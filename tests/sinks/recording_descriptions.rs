@@ -76,7 +76,7 @@ fn the_page_has_the_table_of_the_code() {
         .iter()
         .map(|of| {
             let Description { path, axes, unit, frame, description, .. } = of;
-            format!("| `/{path}` | {} | {axes} | {unit} | {frame} | {description} |")
+            format!("| `/{path}` | {} | {axes} | {unit} | {frame} | {description} |", of.type_name())
         })
         .collect();
     let page = page();
@@ -158,7 +158,7 @@ mod hdf5_files {
             let of = row(&name, words.each_ref().map(String::as_str));
             assert_eq!(of.axes.split(", ").count(), dataset.ndim(), "{name}");
             let dtype = format!("{:?}", dataset.dtype().unwrap().to_descriptor().unwrap());
-            let want = match of.element {
+            let want = match of.type_name() {
                 "uint8" => "Unsigned(U1)",
                 "uint32" => "Unsigned(U4)",
                 "uint64" => "Unsigned(U8)",
@@ -167,7 +167,7 @@ mod hdf5_files {
                 "text" => "VarLenUnicode",
                 _ => "Compound",
             };
-            assert!(dtype.starts_with(want), "{name} is {dtype}, not {}", of.element);
+            assert!(dtype.starts_with(want), "{name} is {dtype}, not {}", of.type_name());
             let mut others = dataset.attr_names().unwrap();
             others.retain(|attribute| !NAMES.contains(&attribute.as_str()));
             others.sort();

@@ -12,6 +12,7 @@ use super::{header, sizes, superblock};
 use crate::files::Draft;
 use crate::recording::columns::{Column, Element, INDEX, Rows, columns};
 use crate::recording::header::Header;
+use crate::recording::rows::rows_of;
 
 /// Bytes that are read at a time where nothing is kept of them.
 const BLOCK_BYTES: usize = 1 << 20;
@@ -151,16 +152,7 @@ impl Reader {
             let array = file.dataset(&column.path)?.read_slice::<T, _, IxDyn>(slab(column, from, to))?;
             Ok(array.into_raw_vec_and_offset().0)
         }
-        let file = &self.file;
-        Ok(match column.element {
-            Element::U8 => Rows::U8(get(file, column, from, to)?),
-            Element::U32 => Rows::U32(get(file, column, from, to)?),
-            Element::U64 => Rows::U64(get(file, column, from, to)?),
-            Element::I64 => Rows::I64(get(file, column, from, to)?),
-            Element::F64 => Rows::F64(get(file, column, from, to)?),
-            Element::Cf32 => Rows::Cf32(get(file, column, from, to)?),
-            Element::Ci16 => Rows::Ci16(get(file, column, from, to)?),
-        })
+        Ok(rows_of!(column.element, get(&self.file, column, from, to)?))
     }
 
     /// Reads all there is and keeps nothing of it. A fault does not end it: others read on behind one, too.

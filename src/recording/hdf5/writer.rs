@@ -18,6 +18,7 @@ use super::header;
 use crate::files::{Draft, FileFault, Holding};
 use crate::recording::columns::{Column, Element, Rows, columns};
 use crate::recording::header::Header;
+use crate::recording::rows::with_values;
 
 /// Fewest pulses in a chunk of any dataset.
 pub const CHUNK_PULSES: usize = 16;
@@ -242,13 +243,5 @@ fn append_rows(dataset: &Dataset, column: &Column, at: usize, rows: &Rows) -> Re
             .map_err(|e| Fault::Text(e.to_string()))?;
         Ok(dataset.write_slice(view, slab(column, at, at + rows))?)
     }
-    match rows {
-        Rows::U8(v) => put(dataset, column, at, v),
-        Rows::U32(v) => put(dataset, column, at, v),
-        Rows::U64(v) => put(dataset, column, at, v),
-        Rows::I64(v) => put(dataset, column, at, v),
-        Rows::F64(v) => put(dataset, column, at, v),
-        Rows::Cf32(v) => put(dataset, column, at, v),
-        Rows::Ci16(v) => put(dataset, column, at, v),
-    }
+    with_values!(rows, values => put(dataset, column, at, values))
 }

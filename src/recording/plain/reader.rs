@@ -5,8 +5,6 @@ use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use num_complex::Complex;
-
 use super::header::{described, values};
 use super::{META, MOST_BYTES, REPLICA, file_of, place};
 use crate::files::FileFault;
@@ -14,6 +12,7 @@ use crate::inputs;
 use crate::recording::columns::{Column, Element, INDEX, Rows};
 use crate::recording::fault::{READING, RecordingError};
 use crate::recording::header::Header;
+use crate::recording::rows::rows_of;
 
 /// A file of a recording and its length.
 fn regular(path: &Path) -> Result<(File, u64), FileFault> {
@@ -74,15 +73,7 @@ impl Reader {
             let detail = format!("{}.bin ends before pulse {}", column.path, rows.end);
             return Err(RecordingError::Foreign { path: path.to_owned(), detail });
         }
-        Ok(match column.element {
-            Element::U8 => Rows::U8(bytes),
-            Element::U32 => Rows::U32(values(&bytes)),
-            Element::U64 => Rows::U64(values(&bytes)),
-            Element::I64 => Rows::I64(values(&bytes)),
-            Element::F64 => Rows::F64(values(&bytes)),
-            Element::Cf32 => Rows::Cf32(values(&bytes)),
-            Element::Ci16 => Rows::Ci16(values::<Complex<i16>>(&bytes)),
-        })
+        Ok(rows_of!(column.element, values(&bytes)))
     }
 
     /// Whether a column is long enough for these rows.
