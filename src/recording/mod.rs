@@ -23,6 +23,8 @@ pub mod columns;
 #[doc(hidden)]
 pub mod descriptions;
 mod fault;
+#[doc(hidden)]
+pub mod field_file;
 pub mod ground;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]

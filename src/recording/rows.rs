@@ -73,7 +73,9 @@ macro_rules! with_values {
     };
 }
 
-pub(super) use {rows_of, with_values};
+pub(super) use rows_of;
+#[cfg(feature = "hdf5")]
+pub(super) use with_values;
 
 impl Element {
     /// numpy's name of the type in this machine's byte order.

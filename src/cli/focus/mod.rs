@@ -38,10 +38,10 @@ use crate::processor::range_compress::{
     Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
 use crate::processor::taper::Taper;
+use crate::recording::field_file::Attribute;
 use crate::recording::ground::Ground;
 use crate::recording::header::Header;
 use crate::recording::image_file::ImageFile;
-use crate::recording::map_file::Attribute;
 use crate::recording::output::{FileKind, Output};
 use crate::recording::{Recording, RecordingError};
 use crate::transport::pacer::Status;
