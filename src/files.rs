@@ -121,7 +121,7 @@ pub enum FileFault {
         path: PathBuf,
         /// What was tried.
         action: &'static str,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
 }
@@ -208,6 +208,9 @@ pub fn folder(path: &Path) -> &Path {
 }
 
 /// The folder in which an output is to be made must be there.
+///
+/// # Errors
+/// It is missing, or no folder.
 pub fn folder_exists(path: &Path) -> Result<(), FileFault> {
     let folder = folder(path);
     let data = fs::metadata(folder).map_err(FileFault::io(folder, "the folder of the output"))?;
@@ -215,6 +218,9 @@ pub fn folder_exists(path: &Path) -> Result<(), FileFault> {
 }
 
 /// Whether an output may be made here; nothing is changed.
+///
+/// # Errors
+/// What is there already and may not be replaced, and a folder that is missing.
 pub fn preflight(path: &Path, force: bool, recognise: Recognise) -> Result<(), FileFault> {
     let path = &resolved(path);
     if fs::symlink_metadata(path).is_err() {
@@ -269,7 +275,7 @@ fn sync(path: &Path) -> Result<(), FileFault> {
 }
 
 impl Draft {
-    /// An output that the caller makes at [`Self::path`], where nothing is yet, and tells by [`Self::made`].
+    /// An output that the caller makes at [`Self::path`], where nothing is yet, and reports by [`Self::made`].
     pub fn named(target: &Path) -> Self {
         let target = resolved(target);
         let at = private_name(&target);
@@ -277,6 +283,9 @@ impl Draft {
     }
 
     /// An empty file under the name of this process, and its handle.
+    ///
+    /// # Errors
+    /// A folder that is missing, and what the system refuses.
     pub fn file(target: &Path) -> Result<(Self, fs::File), FileFault> {
         folder_exists(target)?;
         let mut draft = Self::named(target);
@@ -301,6 +310,9 @@ impl Draft {
     }
 
     /// Notes that what is at [`Self::path`] was made by this process.
+    ///
+    /// # Errors
+    /// Nothing is there.
     pub fn made(&mut self, holding: Holding) -> Result<(), FileFault> {
         let identity = Identity::of(&self.at).map_err(FileFault::io(&self.at, "making the output"))?;
         self.made = Some((identity, holding));
@@ -315,6 +327,9 @@ impl Draft {
     }
 
     /// Gives it its own name, if nothing has that.
+    ///
+    /// # Errors
+    /// Something has the name, and what the system refuses.
     pub fn place(&mut self) -> Result<(), FileFault> {
         if self.is_in_place() {
             return Ok(());
@@ -333,6 +348,9 @@ impl Draft {
 
     /// The same at the start of an output that grows; with force it may also stay beside its place until it
     /// is complete.
+    ///
+    /// # Errors
+    /// As [`Self::place`]; with force not that something has the name.
     pub fn place_early(&mut self, force: bool) -> Result<(), FileFault> {
         match self.place() {
             Err(FileFault::Exists { .. }) if force => Ok(()),
@@ -344,6 +362,9 @@ impl Draft {
     /// is exchanged for what stands there, which is then removed. When that fails, it stays where it is.
     ///
     /// `None` if it was handed on ([`Self::hand_on`]) and is no longer there.
+    ///
+    /// # Errors
+    /// [`FileFault::Kept`] where it is complete and not in its place; it was removed or moved.
     pub fn finish(mut self, force: bool, recognise: Recognise) -> Result<Option<PathBuf>, FileFault> {
         self.finish_here(force, recognise).map_err(|why| self.kept(why))
     }
@@ -391,7 +412,7 @@ impl Draft {
         }
     }
 
-    /// Says of a complete output that is not in its place where it is.
+    /// Of a complete output that is not in its place: where it is.
     fn kept(&self, why: FileFault) -> FileFault {
         let is_ours = |made: &(Identity, Holding)| Identity::of(&self.at).is_ok_and(|found| found == made.0);
         if self.is_in_place() || !self.made.as_ref().is_some_and(is_ours) {

@@ -1,7 +1,7 @@
 //! Files that a command is given to read.
 //!
 //! Opening a pipe waits for who writes into it, and a device may never end, so what is no regular file is
-//! refused before it is opened. Folders can be opened; reading them fails with the system's own words.
+//! refused before it is opened. Folders can be opened; reading them fails with the system's own text.
 //!
 //! ```
 //! use nereus::inputs;
@@ -26,7 +26,7 @@ fn regular(data: &Metadata) -> io::Result<()> {
     if data.is_file() || data.is_dir() { Ok(()) } else { Err(io::Error::new(REFUSED, WHY)) }
 }
 
-/// The words of an error of which its kind alone was kept.
+/// The text of an error of which its kind alone was kept.
 pub fn reason(kind: ErrorKind) -> String {
     if kind == REFUSED { WHY.to_owned() } else { kind.to_string() }
 }

@@ -105,6 +105,9 @@ pub(super) fn remove(path: &Path, holding: &Holding) -> io::Result<()> {
 }
 
 /// Removes an older output that the new one replaces without one of its own in the same place.
+///
+/// # Errors
+/// What is not recognised, in use, or cannot be removed.
 pub fn remove_recognised(path: &Path, recognise: Recognise) -> Result<(), FileFault> {
     if fs::symlink_metadata(path).is_err() {
         return Ok(());

@@ -66,8 +66,8 @@ fn of<'a, T>(part: Option<&'a T>, values: fn(&'a T) -> Values<'a>) -> Values<'a>
     part.map_or(Values::Reals(&[]), values)
 }
 
-const fn row(path: &'static str, words: [&'static str; 4], content: Content) -> Description {
-    let [axes, unit, frame, description] = words;
+const fn row(path: &'static str, labels: [&'static str; 4], content: Content) -> Description {
+    let [axes, unit, frame, description] = labels;
     Description { path, content, axes, unit, frame, description }
 }
 

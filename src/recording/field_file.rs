@@ -18,6 +18,7 @@ pub const VERSION: u32 = 1;
 
 /// Value of a root attribute.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Attribute<'a> {
     /// Text.
     Text(&'a str),

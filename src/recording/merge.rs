@@ -121,7 +121,7 @@ struct Shard {
     last: u64,
     /// Last pulse of the segment before it, if it is a later segment of a run.
     after: Option<u64>,
-    /// Whether its first pulse says that pulses before it were dropped.
+    /// Whether its first pulse is flagged: pulses before it were dropped.
     after_gap: bool,
 }
 

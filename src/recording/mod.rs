@@ -150,12 +150,18 @@ fn samples(
 
 impl Recording {
     /// Reads the pulses of a recording (by their numbers), or all of them, in all channels.
+    ///
+    /// # Errors
+    /// A recording that cannot be read, is damaged, or has none of the pulses.
     pub fn open(path: &Path, pulses: Option<Range<u64>>) -> Result<Self, RecordingError> {
         Self::open_channels(path, pulses, None, |header| Ok((0..header.channels.len()).collect()))
     }
 
-    /// The same with the samples of some channels only, which the header may tell, as long as they take no
-    /// more bytes than that.
+    /// The same with the samples of some channels only, chosen by the header, as long as they take no more than
+    /// `most_bytes`.
+    ///
+    /// # Errors
+    /// As [`Self::open`], what `choose` reports, and samples that need more memory.
     pub fn open_channels<E: From<RecordingError>>(
         path: &Path,
         pulses: Option<Range<u64>>,
@@ -280,24 +286,33 @@ impl Recording {
         self.samples.get(at..at + samples).unwrap_or_default()
     }
 
-    /// Whether what left with a pulse is what a channel listens to.
-    pub fn is_lit(&self, pulse: usize, channel: usize) -> bool {
+    /// Whether a pulse was radiated in the polarisation of a channel.
+    pub fn is_illuminated(&self, pulse: usize, channel: usize) -> bool {
         let radiated = self.tx_pol[pulse];
         let letter = self.header.channels.get(channel).and_then(|c| c.polarisations.chars().nth(1));
         radiated == 0 || letter.and_then(Polarisation::from_letter).is_none_or(|p| p.code() == radiated)
     }
 
     /// Path of an antenna's true phase centre.
+    ///
+    /// # Errors
+    /// An antenna without that column, or positions that make no path.
     pub fn true_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
         self.phase_path(self.points(&format!("nav/{antenna}/phase_centre_m"))?)
     }
 
     /// Path of an antenna's phase centre as its platform reports it.
+    ///
+    /// # Errors
+    /// An antenna without that column, or positions that make no path.
     pub fn reported_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
         self.phase_path(self.points(&format!("nav/{antenna}/reported_phase_centre_m"))?)
     }
 
-    /// Where an antenna truly looks in each pulse in use: unit vectors, ENU.
+    /// True boresight of an antenna in each pulse in use: unit vectors, ENU.
+    ///
+    /// # Errors
+    /// An antenna without that column.
     pub fn boresights(&self, antenna: &str) -> Result<Vec<[f64; 3]>, RecordingError> {
         let (_, axes) = self.column(&format!("nav/{antenna}/boresight_quat"))?;
         let ahead = |q: &[f64; 4]| {
@@ -309,6 +324,9 @@ impl Recording {
     }
 
     /// Position and velocity that a platform reports at a pulse in use, ENU, m and m/s.
+    ///
+    /// # Errors
+    /// A platform without those columns.
     pub fn reported_state(
         &self,
         platform: &str,

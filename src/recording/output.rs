@@ -4,7 +4,7 @@
 //!
 //! The rule is that of [`crate::files`]: what is there already stays, unless it may be overwritten; then too
 //! only a file of the same kind is exchanged for the new one when that is complete, and none that another
-//! program has locked. HDF5 files say by their attribute `format` that this program made them, pictures and
+//! program has locked. The attribute `format` of HDF5 files names this program, pictures and
 //! tables begin as those of their kind; an empty file holds nothing that is lost.
 //!
 //! ```
@@ -31,6 +31,7 @@ use crate::inputs;
 
 /// Kinds of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FileKind {
     /// A picture.
     Png,
@@ -75,7 +76,7 @@ impl FileKind {
     }
 }
 
-/// What an HDF5 file says it is.
+/// The attribute `format` of an HDF5 file.
 #[cfg(feature = "hdf5")]
 fn format(path: &Path) -> Vec<u8> {
     crate::recording::hdf5::file::format_of(path).unwrap_or_default()
@@ -89,6 +90,7 @@ fn format(_: &Path) -> Vec<u8> {
 
 /// Why a file cannot be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OutputError {
     /// What is there already, or what the system reported.
     #[error(transparent)]
@@ -127,6 +129,9 @@ pub struct Output {
 
 impl Output {
     /// Checks that it may be made; nothing is changed.
+    ///
+    /// # Errors
+    /// What is there already and may not be replaced, and a folder that is missing.
     pub fn plan(path: &Path, kind: FileKind, force: bool) -> Result<Self, OutputError> {
         files::preflight(path, force, &|path| kind.recognise(path))?;
         if path.file_name().is_none() {
@@ -141,6 +146,9 @@ impl Output {
     }
 
     /// Has the file written under another name, and gives it its own.
+    ///
+    /// # Errors
+    /// What `fill` reports, and a file that cannot be put in its place.
     pub fn write<E: From<OutputError>>(self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
         let mut draft = Draft::named(&self.path);
         let filled = fill(draft.path());
@@ -157,6 +165,9 @@ impl Output {
 }
 
 /// Refuses outputs of the same name.
+///
+/// # Errors
+/// The first that has the place of another.
 pub fn apart<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> Result<(), OutputError> {
     let mut seen = Vec::new();
     for output in outputs {

@@ -7,6 +7,7 @@ use crate::pulse::SampleFormat;
 
 /// Type of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Element {
     /// Unsigned byte.
     U8,
@@ -26,6 +27,7 @@ pub enum Element {
 
 /// Rows of one column.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Rows {
     /// See [`Element::U8`].
     U8(Vec<u8>),

@@ -5,7 +5,7 @@
 //! - Every column has as many rows as `/pulse/index`, and every row can be read. In HDF5 the library checks
 //!   the Fletcher-32 checksum of every chunk meanwhile (recordings of earlier versions have none: then a
 //!   damaged sample is not seen, which is noted).
-//! - Pulse numbers ascend; where some are missing, the pulse after the gap says so (`AFTER_GAP`).
+//! - Pulse numbers ascend; where some are missing, the pulse after the gap is flagged (`AFTER_GAP`).
 //! - Emission times ascend. Samples, times and states are finite numbers.
 //! - The writer has closed the file: not so while it grows and after its writer was killed.
 //!
@@ -55,6 +55,7 @@ pub struct Finding {
 /// How a recording ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Ending {
     /// Its writer has closed it, as far as can be known.
     Closed,
@@ -79,7 +80,7 @@ pub struct Verdict {
     pub first: Option<u64>,
     /// Last pulse.
     pub last: Option<u64>,
-    /// Pulses that the run dropped in real time, and said so.
+    /// Pulses that the run dropped in real time, and flagged.
     pub dropped: u64,
     /// Pulses that the run was to have.
     pub asked: u64,
@@ -143,6 +144,9 @@ fn ending(path: &Path) -> Ending {
 }
 
 /// Reads all of a recording. The error is for what cannot be looked at; what is damaged is in the verdict.
+///
+/// # Errors
+/// A path where nothing can be read, and HDF5 in a build without it.
 pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
     fs::metadata(path).map_err(FileFault::io(path, READING))?;
     let ending = ending(path);

@@ -34,12 +34,12 @@ pub enum SinkError {
     Port {
         /// The device.
         device: String,
-        /// What the system said.
+        /// What the system reported.
         source: std::io::Error,
     },
-    /// States that cannot be reported, because the scene lies nowhere on Earth.
+    /// States that cannot be reported, because the scene is not georeferenced.
     #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
-    Nowhere,
+    NoOrigin,
     /// An address of the network.
     #[error("{address}: {action}: {source}; allowed: host:port of a machine that can be reached")]
     Address {
@@ -47,7 +47,7 @@ pub enum SinkError {
         address: String,
         /// What was tried.
         action: &'static str,
-        /// What the system said.
+        /// What the system reported.
         source: std::io::Error,
     },
     /// Two sinks send to the same address.

@@ -93,8 +93,8 @@ fn segment_at(since_start_s: f64, segment_s: f64) -> u64 {
     ((since_start_s + 0.5e-9) / segment_s).floor().max(0.0) as u64
 }
 
-/// Looks at everything that has the name of a segment of this run, as far as its mean PRF says how many there
-/// will be.
+/// Looks at everything that has the name of a segment of this run, as far as its mean PRF predicts how many
+/// there will be.
 fn reached(path: &Path, segment_s: f64, force: bool, header: &Header) -> Result<(), SinkError> {
     if header.pulses == 0 {
         return Ok(());
@@ -123,6 +123,9 @@ pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Res
 
 impl Hdf5Sink {
     /// Makes the file (the first of its segments); nothing is left of it when that fails.
+    ///
+    /// # Errors
+    /// A header that cannot be recorded, what is there already, and what system or library refuses.
     pub fn create(
         path: &Path,
         segment_s: Option<f64>,
@@ -167,7 +170,7 @@ impl Hdf5Sink {
             drafts: Vec::new(),
             closed_pulses: 0,
         };
-        // Without segments the file is there from the start; with them the first pulse says which.
+        // Without segments the file is there from the start; with them the first pulse decides which.
         if segment_s.is_none() {
             sink.open(path.to_owned())?;
         }

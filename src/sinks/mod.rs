@@ -1,7 +1,7 @@
 //! Where pulses go.
 //!
 //! A sink implements [`sink::Sink`] and runs in a thread of its own ([`sink::drain`]). [`preflight`]
-//! says everything that is wrong with the outputs asked for before anything is made.
+//! reports everything that is wrong with the outputs asked for before anything is made.
 //!
 //! ```
 //! use nereus::sinks::{Kind, Settings, preflight};
@@ -48,6 +48,7 @@ pub struct Settings {
 
 /// Kinds of sinks.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Kind {
     /// HDF5 recording.
     Hdf5 {

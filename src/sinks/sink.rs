@@ -70,7 +70,7 @@ impl Closed {
     /// asked for all pulses and has come to its end.
     ///
     /// # Errors
-    /// The first fault, after all has been tried; the report says where everything is.
+    /// The first fault, after all has been tried; the report has where everything is.
     pub fn place(self, whole: bool) -> Result<SinkReport, Box<Unplaced>> {
         let Self { mut report, drafts, force, surplus, recognise } = self;
         let recognise = |path: &Path| recognise.map_or(Err("output"), |recognise| recognise(path));
@@ -129,7 +129,7 @@ impl Closed {
         self.drafts.iter_mut().for_each(Draft::hand_on);
     }
 
-    /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor
+    /// Leaves everything where it is, and reports where that is: what a failed run has recorded is not lost, nor
     /// does it replace anything.
     pub fn keep(mut self) -> SinkReport {
         if self.drafts.is_empty() {
@@ -150,6 +150,7 @@ impl Closed {
 
 /// Why older outputs stay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Keeping {
     /// Nothing was written.
     Empty,
@@ -162,8 +163,8 @@ pub enum Keeping {
 }
 
 impl Keeping {
-    /// For people.
-    fn words(self) -> &'static str {
+    /// As the report prints it.
+    fn text(self) -> &'static str {
         match self {
             Self::Empty => "not overwritten, because this run has written nothing",
             Self::Part => "older, not removed, because the run was stopped or was a part of its pulses",
@@ -216,7 +217,7 @@ pub struct SinkReport {
 impl SinkReport {
     /// What the user should know of older outputs, and of files that are no longer there.
     pub fn notes(&self) -> Vec<String> {
-        let kept = self.kept_because.map_or("older, not removed", Keeping::words);
+        let kept = self.kept_because.map_or("older, not removed", Keeping::text);
         let of = |files: &[PathBuf], what: &str| match files {
             [] => None,
             [file] => Some(format!("{}: {what}", file.display())),
@@ -232,6 +233,9 @@ impl SinkReport {
 /// The body of a sink's thread: takes pulses until the stream ends, then closes.
 ///
 /// When something fails, the pulses that the feed counts as written become those that a reader finds.
+///
+/// # Errors
+/// The first fault of the sink.
 pub fn drain(mut sink: Box<dyn Sink>, mut feed: Feed) -> Result<Closed, SinkError> {
     let done = take_all(sink.as_mut(), &mut feed);
     if done.is_err()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nereus::files::FileFault;
 use nereus::pulse::SampleFormat;
-use nereus::sinks::nav::{NavSettings, Words};
+use nereus::sinks::nav::{Messages, NavSettings};
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::port::{Device, Port};
 use nereus::sinks::sink::{Sink, SinkError, SinkReport};
@@ -106,7 +106,7 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
         let settings = NavSettings {
             device: device.clone(),
             platform: 0,
-            words: Words::Nmea(vec!["GGA"]),
+            messages: Messages::Nmea(vec!["GGA"]),
             rate_hz: 1.0,
             latency_s: 0.0,
             force,

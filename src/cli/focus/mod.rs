@@ -396,7 +396,8 @@ fn aperture<'a>(
     [transmitter, receiver]: [&'a PhasePath; 2],
     channel: usize,
 ) -> Result<Aperture<'a>, FocusError> {
-    let illuminated: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
+    let illuminated: Vec<usize> =
+        (0..recording.pulses()).filter(|p| recording.is_illuminated(*p, channel)).collect();
     if illuminated.is_empty() {
         return Err(FocusError::Dark { channel: recording.header.channels[channel].name.clone() });
     }

@@ -91,11 +91,12 @@ pub(super) fn regular(path: &Path) -> Result<u64, Fault> {
 
 /// Whether a file was refused for its writer's mark alone.
 fn is_marked(error: &::hdf5::Error) -> bool {
-    let said = |text: &str| text.contains("already open for write");
+    let is_mark = |text: &str| text.contains("already open for write");
     let frames = error.stack();
-    said(&error.to_string())
-        || frames
-            .is_some_and(|stack| stack.iter().any(|frame| said(frame.desc()) || said(frame.description())))
+    is_mark(&error.to_string())
+        || frames.is_some_and(|stack| {
+            stack.iter().any(|frame| is_mark(frame.desc()) || is_mark(frame.description()))
+        })
 }
 
 /// Rows of a column in its dataset.

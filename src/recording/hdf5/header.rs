@@ -115,7 +115,7 @@ pub(super) fn describe<'a>(
     let write = |dataset: &Dataset, of: &Description| {
         [("description", of.description), ("unit", of.unit), ("axes", of.axes), ("frame", of.frame)]
             .into_iter()
-            .try_for_each(|(name, words)| attribute(dataset, name, &text(words)?))
+            .try_for_each(|(name, value)| attribute(dataset, name, &text(value)?))
     };
     for (column, dataset) in columns {
         write(dataset, column.description)?;

@@ -9,7 +9,7 @@
 //! and the per-pulse datasets of [`super::descriptions`].
 //!
 //! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
-//! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
+//! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` have the value of a code.
 //!
 //! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`; to look again, `refresh()`
 //! `/pulse/index`, take its length n, then `refresh()` the other datasets: their first n rows are complete.

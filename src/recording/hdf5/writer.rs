@@ -2,7 +2,7 @@
 //!
 //! Every per-pulse dataset is chunked along the pulse axis, at least [`CHUNK_PULSES`] pulses a chunk,
 //! and unlimited there. `/pulse/index` is written last at every flush, after all others have been
-//! handed to the system, so its length says how many pulses are complete whatever happened to the
+//! handed to the system, so its length is the number of complete pulses whatever happened to the
 //! writer.
 
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Recordings as folders of plain files, for machines without HDF5.
 //!
-//! `meta.json` holds the header and, under `columns`, the type, row shape and words ([`super::descriptions`])
-//! of every per-pulse file; under `descriptions` the words for what is there once. Column `a/b` is the file
+//! `meta.json` holds the header and, under `columns`, the type, row shape and description
+//! ([`super::descriptions`]) of every per-pulse file; under `descriptions` that of what is there once. Column `a/b` is the file
 //! `a/b.bin`: rows one after the other in C order, without any header, so
 //!
 //! ```python

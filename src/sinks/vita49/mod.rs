@@ -146,6 +146,9 @@ pub(super) fn preflight(settings: &Settings) -> Result<(), SinkError> {
 
 impl Vita49Sink {
     /// Binds a socket and allocates everything; nothing is sent yet.
+    ///
+    /// # Errors
+    /// An address that cannot be reached, and sizes that do not fit datagrams.
     pub fn open(settings: &Settings, header: &Header) -> Result<Self, SinkError> {
         header.check()?;
         let to = resolve(&settings.address)?;
@@ -206,7 +209,7 @@ impl Vita49Sink {
         }
     }
 
-    /// Where every platform says that it is.
+    /// Reported position of every platform.
     fn send_states(&mut self, pulse: &Pulse, at: Stamp) {
         let Self { link, globe, datagram, bytes, .. } = self;
         let mut send = |packet: &[u8]| {

@@ -57,7 +57,7 @@ impl Part {
     }
 }
 
-/// The trailer: time calibrated, data valid, reference locked, over-range told, place in the sample frame.
+/// The trailer: time calibrated, data valid, reference locked, over-range reported, place in the sample frame.
 pub(super) fn trailer(part: Part, saturated: bool) -> u32 {
     let enabled = 0b1110_0010 << 24 | 0b11 << 22;
     enabled | 0b111 << 17 | u32::from(saturated) << 13 | part.code() << 10
@@ -181,8 +181,8 @@ pub(super) fn run_description<'a>(
     count: u8,
     at: Stamp,
 ) -> &'a [u8] {
-    let nowhere = Origin { lat_deg: f64::NAN, lon_deg: f64::NAN, h_m: f64::NAN };
-    let origin = header.origin.unwrap_or(nowhere);
+    let none = Origin { lat_deg: f64::NAN, lon_deg: f64::NAN, h_m: f64::NAN };
+    let origin = header.origin.unwrap_or(none);
     datagram
         .begin(Type::Extension(RUN), RUN_STREAM, count, at)
         .f64s(&[origin.lat_deg, origin.lon_deg, origin.h_m])
@@ -238,7 +238,7 @@ pub(super) struct EcefState {
 }
 
 impl Globe {
-    /// `None` for an origin that lies nowhere.
+    /// `None` for a scene that is not georeferenced.
     pub(super) fn new(origin: Option<Origin>) -> Option<Self> {
         let origin = origin?;
         let frame =
@@ -283,7 +283,7 @@ pub(super) fn ephemeris<'a>(
     datagram
         .begin(Type::Context, PLATFORM_STREAM + platform as u32, count, at)
         .u32(1 << 31 | 1 << 12)
-        // UTC, real time, and who says so.
+        // UTC, real time, and by which clock.
         .u32(1 << 26 | 2 << 24 | OUI)
         .u32(at.seconds)
         .u64(at.picoseconds);
