@@ -11,7 +11,8 @@ use std::time::Instant;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nereus::pulse::{Layout, Pulse, SampleFormat};
 use nereus::receive::Receiver;
-use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, Sink};
+use nereus::recording::header::{AdcRow, ChannelRow, Header, Origin};
+use nereus::sinks::sink::Sink;
 use nereus::sinks::vita49::{Settings, Vita49Sink};
 use nereus::time::{PulseTimes, TimeTag};
 

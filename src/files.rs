@@ -24,14 +24,14 @@
 //! use nereus::files::{Draft, FileFault, Holding};
 //! let path = std::env::temp_dir().join(format!("nereus-files-{}.txt", std::process::id()));
 //! let (draft, _file) = Draft::file(&path)?;
-//! draft.finish(false, &|_| None)?;
+//! draft.finish(false, &|_| Err("text of mine"))?;
 //! // The name is taken now; what is there is not replaced, and by force only where it is recognised.
 //! let (mut second, _file) = Draft::file(&path)?;
 //! assert!(matches!(second.place(), Err(FileFault::Exists { .. })));
-//! let Err(FileFault::Kept { why, at, .. }) = second.finish(true, &|_| None) else { panic!() };
+//! let Err(FileFault::Kept { why, at, .. }) = second.finish(true, &|_| Err("text of mine")) else { panic!() };
 //! assert!(matches!(*why, FileFault::Foreign { .. }) && at.exists());
 //! let (third, _file) = Draft::file(&path)?;
-//! third.finish(true, &|_| Some(Holding::File))?;
+//! third.finish(true, &|_| Ok(Holding::File))?;
 //! # std::fs::remove_file(at).unwrap();
 //! # std::fs::remove_file(path).unwrap();
 //! # Ok::<(), FileFault>(())
@@ -54,6 +54,7 @@ pub use presence::is_at;
 
 /// Why an output cannot be made or put in place.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileFault {
     /// It is there already.
     #[error("{}: exists already; choose another name, or overwrite it with --force", path.display())]
@@ -62,13 +63,15 @@ pub enum FileFault {
         path: PathBuf,
     },
     /// Something else is there.
-    #[error("{}: not overwritten, because it is no output of this kind", path.display())]
+    #[error("{}: not overwritten, because it is no {kind}", path.display())]
     Foreign {
         /// What is there.
         path: PathBuf,
+        /// What may be overwritten.
+        kind: &'static str,
     },
     /// Another program has it open, or has just changed it.
-    #[error("{}: not overwritten, because another program uses it", path.display())]
+    #[error("{}: not overwritten, because a run is writing it or another program reads it", path.display())]
     InUse {
         /// The output.
         path: PathBuf,
@@ -118,16 +121,31 @@ pub enum FileFault {
         path: PathBuf,
         /// What was tried.
         action: &'static str,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
 }
 
 impl FileFault {
-    /// What the system said of a file.
+    /// What the system reported of a file.
     pub fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { path, action, source }
+    }
+
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            Self::Exists { .. } | Self::Foreign { .. } | Self::InUse { .. } | Self::NoFolder { .. } => true,
+            Self::Removed { .. } | Self::Moved { .. } | Self::Kept { .. } => false,
+            Self::Io { source, .. } => matches!(
+                source.kind(),
+                io::ErrorKind::NotFound
+                    | io::ErrorKind::NotADirectory
+                    | io::ErrorKind::IsADirectory
+                    | io::ErrorKind::PermissionDenied
+            ),
+        }
     }
 }
 
@@ -140,8 +158,11 @@ pub enum Holding {
     Folder(Vec<PathBuf>),
 }
 
-/// Looks at what stands in the place of an output: what it holds if it is one of the same kind.
-pub type Recognise<'a> = &'a dyn Fn(&Path) -> Option<Holding>;
+/// What stands in the place of an output holds; of what is no output of the kind, the name of the kind.
+pub type Recognised = Result<Holding, &'static str>;
+
+/// Looks at what stands in the place of an output.
+pub type Recognise<'a> = &'a dyn Fn(&Path) -> Recognised;
 
 /// Which file or folder, whatever its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,6 +208,9 @@ pub fn folder(path: &Path) -> &Path {
 }
 
 /// The folder in which an output is to be made must be there.
+///
+/// # Errors
+/// It is missing, or no folder.
 pub fn folder_exists(path: &Path) -> Result<(), FileFault> {
     let folder = folder(path);
     let data = fs::metadata(folder).map_err(FileFault::io(folder, "the folder of the output"))?;
@@ -194,6 +218,9 @@ pub fn folder_exists(path: &Path) -> Result<(), FileFault> {
 }
 
 /// Whether an output may be made here; nothing is changed.
+///
+/// # Errors
+/// What is there already and may not be replaced, and a folder that is missing.
 pub fn preflight(path: &Path, force: bool, recognise: Recognise) -> Result<(), FileFault> {
     let path = &resolved(path);
     if fs::symlink_metadata(path).is_err() {
@@ -248,7 +275,7 @@ fn sync(path: &Path) -> Result<(), FileFault> {
 }
 
 impl Draft {
-    /// An output that the caller makes at [`Self::path`], where nothing is yet, and tells by [`Self::made`].
+    /// An output that the caller makes at [`Self::path`], where nothing is yet, and reports by [`Self::made`].
     pub fn named(target: &Path) -> Self {
         let target = resolved(target);
         let at = private_name(&target);
@@ -256,6 +283,9 @@ impl Draft {
     }
 
     /// An empty file under the name of this process, and its handle.
+    ///
+    /// # Errors
+    /// A folder that is missing, and what the system refuses.
     pub fn file(target: &Path) -> Result<(Self, fs::File), FileFault> {
         folder_exists(target)?;
         let mut draft = Self::named(target);
@@ -280,6 +310,9 @@ impl Draft {
     }
 
     /// Notes that what is at [`Self::path`] was made by this process.
+    ///
+    /// # Errors
+    /// Nothing is there.
     pub fn made(&mut self, holding: Holding) -> Result<(), FileFault> {
         let identity = Identity::of(&self.at).map_err(FileFault::io(&self.at, "making the output"))?;
         self.made = Some((identity, holding));
@@ -294,6 +327,9 @@ impl Draft {
     }
 
     /// Gives it its own name, if nothing has that.
+    ///
+    /// # Errors
+    /// Something has the name, and what the system refuses.
     pub fn place(&mut self) -> Result<(), FileFault> {
         if self.is_in_place() {
             return Ok(());
@@ -312,6 +348,9 @@ impl Draft {
 
     /// The same at the start of an output that grows; with force it may also stay beside its place until it
     /// is complete.
+    ///
+    /// # Errors
+    /// As [`Self::place`]; with force not that something has the name.
     pub fn place_early(&mut self, force: bool) -> Result<(), FileFault> {
         match self.place() {
             Err(FileFault::Exists { .. }) if force => Ok(()),
@@ -323,6 +362,9 @@ impl Draft {
     /// is exchanged for what stands there, which is then removed. When that fails, it stays where it is.
     ///
     /// `None` if it was handed on ([`Self::hand_on`]) and is no longer there.
+    ///
+    /// # Errors
+    /// [`FileFault::Kept`] where it is complete and not in its place; it was removed or moved.
     pub fn finish(mut self, force: bool, recognise: Recognise) -> Result<Option<PathBuf>, FileFault> {
         self.finish_here(force, recognise).map_err(|why| self.kept(why))
     }
@@ -370,7 +412,7 @@ impl Draft {
         }
     }
 
-    /// Says of a complete output that is not in its place where it is.
+    /// Of a complete output that is not in its place: where it is.
     fn kept(&self, why: FileFault) -> FileFault {
         let is_ours = |made: &(Identity, Holding)| Identity::of(&self.at).is_ok_and(|found| found == made.0);
         if self.is_in_place() || !self.made.as_ref().is_some_and(is_ours) {

@@ -1,7 +1,7 @@
 //! Files that a command is given to read.
 //!
 //! Opening a pipe waits for who writes into it, and a device may never end, so what is no regular file is
-//! refused before it is opened. Folders can be opened; reading them fails with the system's own words.
+//! refused before it is opened. Folders can be opened; reading them fails with the system's own text.
 //!
 //! ```
 //! use nereus::inputs;
@@ -26,7 +26,7 @@ fn regular(data: &Metadata) -> io::Result<()> {
     if data.is_file() || data.is_dir() { Ok(()) } else { Err(io::Error::new(REFUSED, WHY)) }
 }
 
-/// The words of an error of which its kind alone was kept.
+/// The text of an error of which its kind alone was kept.
 pub fn reason(kind: ErrorKind) -> String {
     if kind == REFUSED { WHY.to_owned() } else { kind.to_string() }
 }
@@ -55,6 +55,14 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     Ok(bytes)
+}
+
+/// The first bytes of a file, at most so many; none of what is no file. Links are not followed.
+pub fn beginning(path: &Path, bytes: u64) -> Option<Vec<u8>> {
+    let is_file = std::fs::symlink_metadata(path).is_ok_and(|data| data.is_file());
+    let mut start = Vec::new();
+    is_file.then(|| open(path).ok()?.take(bytes).read_to_end(&mut start).ok())??;
+    Some(start)
 }
 
 /// Whether a character does something to a terminal instead of standing there, or turns text around.

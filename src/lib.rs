@@ -41,8 +41,8 @@
 //! | [`paths`] | every scatterer's path of a pulse: exact, and by block |
 //! | [`echo`] | scatterer paths to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
+//! | [`recording`] | files of pulses, maps and images, written and read |
 //! | [`sinks`] | where pulses go |
-//! | [`recording`] | files of pulses, maps and images, read |
 //! | [`receive`] | a reference receiver of what the network sink sends |
 //! | [`plot`] | pictures of maps and curves |
 //! | [`processor`] | what a processor makes of pulses: compression, back-projection, point targets |
@@ -85,8 +85,8 @@ pub mod paths;
 #[doc(hidden)]
 pub mod echo;
 pub mod transport;
-pub mod sinks;
 pub mod recording;
+pub mod sinks;
 #[doc(hidden)]
 pub mod receive;
 #[doc(hidden)]

@@ -35,7 +35,7 @@ pub mod flags {
 }
 
 /// Sizes of every field of a pulse.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Channels recorded.
     pub channels: usize,
@@ -58,9 +58,10 @@ pub struct Layout {
 }
 
 /// How a complex sample is held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SampleFormat {
     /// Two f32, sqrt(W).
+    #[default]
     Cf32,
     /// Two i16, ADC codes.
     Ci16,

@@ -11,7 +11,8 @@ use libfuzzer_sys::fuzz_target;
 use nereus::recording::Recording;
 use nereus::pulse::{Layout, Pulse, SampleFormat};
 use nereus::sinks::hdf5::Hdf5Sink;
-use nereus::sinks::sink::{ChannelRow, Header, PairRow, Sink};
+use nereus::recording::header::{ChannelRow, Header, PairRow};
+use nereus::sinks::sink::Sink;
 use nereus::time::{PulseTimes, TimeTag};
 
 struct Seed {

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use nereus::recording::plain_header;
-use nereus::sinks::columns::columns;
+use nereus::recording::columns::columns;
 
 fuzz_target!(|bytes: &[u8]| {
     let at = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());

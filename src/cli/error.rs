@@ -20,8 +20,7 @@ use crate::radar::pattern::PatternError;
 use crate::receive::ReceiveError;
 use crate::recording::RecordingError;
 #[cfg(feature = "hdf5")]
-use crate::sinks::merge::MergeError;
-use crate::sinks::sink::SinkError;
+use crate::recording::merge::MergeError;
 
 /// Why a command ends early.
 #[derive(Debug, Error)]
@@ -47,7 +46,7 @@ pub enum CliError {
     Examine(#[from] ExamineError),
     /// A recording that cannot be read.
     #[error(transparent)]
-    Recording(#[from] SinkError),
+    Recording(#[from] RecordingError),
     /// Joining asked of a build without HDF5.
     #[cfg(not(feature = "hdf5"))]
     #[error("`nereus merge` joins HDF5 recordings, and this build has no HDF5 (feature `hdf5`)")]
@@ -93,9 +92,6 @@ pub enum CliError {
     /// No image of a recording.
     #[error(transparent)]
     Focus(#[from] FocusError),
-    /// A recording that cannot be looked at.
-    #[error(transparent)]
-    Verify(RecordingError),
     /// A recording that is not whole.
     #[error("{}: not whole: {faults} {}", super::escape::path(path), if *faults == 1 { "fault" } else { "faults" })]
     NotWhole {
@@ -128,14 +124,11 @@ impl CliError {
             | Self::Examine(_)
             | Self::Recording(_)
             | Self::Table(_)
-            | Self::Verify(_)
             | Self::Speckle(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.
-            Self::Receive(ReceiveError::Record(
-                SinkError::Io { .. } | SinkError::Hdf5 { .. } | SinkError::Lost(_),
-            ))
-            | Self::Receive(ReceiveError::Socket { .. }) => 1,
+            Self::Receive(ReceiveError::Record(error)) if !error.is_wrong_input() => 1,
+            Self::Receive(ReceiveError::Socket { .. }) => 1,
             Self::Receive(_) => 2,
             Self::Nav(error) => error.exit_code(),
             Self::Focus(error) => error.exit_code(),
@@ -146,9 +139,7 @@ impl CliError {
             Self::MergeNeedsHdf5 => 2,
             // A full disk is not wrong input.
             #[cfg(feature = "hdf5")]
-            Self::Merge(MergeError::File(
-                SinkError::Io { .. } | SinkError::Hdf5 { .. } | SinkError::Lost(_),
-            )) => 1,
+            Self::Merge(MergeError::Recording(error)) if !error.is_wrong_input() => 1,
             #[cfg(feature = "hdf5")]
             Self::Merge(_) => 2,
         }

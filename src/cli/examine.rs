@@ -126,7 +126,7 @@ fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<ExitStatus>> {
 pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
     let length = std::fs::metadata(&args.recording).map_or(0, |data| data.len());
     limit(length);
-    crate::sinks::hdf5::read_through(&args.recording)?;
+    crate::recording::hdf5::read_through(&args.recording)?;
     Ok(())
 }
 

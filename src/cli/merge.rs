@@ -31,7 +31,7 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
     for shard in &args.shards {
         super::examine::examine(shard)?;
     }
-    let mut report = crate::sinks::merge::merge(&args.shards, &args.out, args.force)?;
+    let mut report = crate::recording::merge::merge(&args.shards, &args.out, args.force)?;
     if args.json {
         report.out = json::legible(&report.out);
         report.shards = json::all_legible(&report.shards);

@@ -128,9 +128,9 @@ fn parts(path: &Path) -> Vec<PathBuf> {
 fn is_received(path: &Path) -> bool {
     #[cfg(feature = "hdf5")]
     if names_hdf5(path) {
-        return sinks::hdf5::is_received(path);
+        return crate::recording::hdf5::file::is_received(path);
     }
-    sinks::plain::is_received(path)
+    crate::recording::plain::is_received(path)
 }
 
 /// What makes the recordings of further runs.

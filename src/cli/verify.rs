@@ -29,7 +29,7 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
         Ok(()) | Err(ExamineError::Refused { .. }) => {}
         Err(fatal) => return Err(fatal.into()),
     }
-    let verdict = look(&args.recording).map_err(CliError::Verify)?;
+    let verdict = look(&args.recording)?;
     if args.json {
         let shown = Verdict { path: json::legible(&verdict.path), ..verdict.clone() };
         json::print(&shown, out)?;

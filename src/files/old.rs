@@ -49,10 +49,10 @@ pub(super) fn folders_of(holding: &Holding) -> BTreeSet<&Path> {
 /// What stands here, if it may be replaced.
 pub(super) fn replaceable(path: &Path, recognise: Recognise) -> Result<Old, FileFault> {
     let data = fs::symlink_metadata(path).map_err(FileFault::io(path, "looking at what is there"))?;
-    let foreign = || FileFault::Foreign { path: path.to_owned() };
+    let foreign = |kind| FileFault::Foreign { path: path.to_owned(), kind };
     // A pipe or a device is not even opened.
     if !(data.is_file() || data.is_dir()) {
-        return Err(foreign());
+        return Err(foreign("regular file or folder"));
     }
     let identity = Identity::of(path).map_err(FileFault::io(path, "looking at what is there"))?;
     let locked = |file: &fs::File| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock));
@@ -60,7 +60,7 @@ pub(super) fn replaceable(path: &Path, recognise: Recognise) -> Result<Old, File
     if data.is_file() && fs::File::open(path).is_ok_and(|file| locked(&file)) {
         return Err(FileFault::InUse { path: path.to_owned() });
     }
-    let holding = recognise(path).ok_or_else(foreign)?;
+    let holding = recognise(path).map_err(foreign)?;
     let lock = lock_file(path, &holding).ok();
     if lock.as_ref().is_some_and(locked) {
         return Err(FileFault::InUse { path: path.to_owned() });
@@ -105,6 +105,9 @@ pub(super) fn remove(path: &Path, holding: &Holding) -> io::Result<()> {
 }
 
 /// Removes an older output that the new one replaces without one of its own in the same place.
+///
+/// # Errors
+/// What is not recognised, in use, or cannot be removed.
 pub fn remove_recognised(path: &Path, recognise: Recognise) -> Result<(), FileFault> {
     if fs::symlink_metadata(path).is_err() {
         return Ok(());

@@ -53,7 +53,7 @@ fn is_removed(_: &fs::File) -> bool {
     false
 }
 
-/// The name of what is open, where the system says it.
+/// The name of what is open, where the system reports it.
 #[cfg(target_os = "linux")]
 fn name_of(file: &fs::File) -> Option<PathBuf> {
     use std::os::fd::AsRawFd;

@@ -24,7 +24,10 @@ fn kept(finished: Result<Option<PathBuf>, FileFault>) -> (FileFault, PathBuf) {
     }
 }
 
-const OURS: Recognise = &|path| fs::read(path).is_ok_and(|b| b.starts_with(b"ours")).then_some(Holding::File);
+const OURS: Recognise = &|path| {
+    let is_ours = fs::read(path).is_ok_and(|bytes| bytes.starts_with(b"ours"));
+    is_ours.then_some(Holding::File).ok_or("file of ours")
+};
 
 #[test]
 fn what_is_there_is_exchanged_only_complete_and_only_if_recognised() {
@@ -206,7 +209,7 @@ fn a_folder_that_cannot_be_removed_is_left_whole() {
         println!("skipped: this user may write everywhere");
         return;
     }
-    let whole: Recognise = &|_| Some(Holding::Folder(["a.bin", "nav/b.bin"].map(PathBuf::from).into()));
+    let whole: Recognise = &|_| Ok(Holding::Folder(["a.bin", "nav/b.bin"].map(PathBuf::from).into()));
     let refused = preflight(&path, true, whole).unwrap_err();
     assert!(
         refused.to_string().contains("nav: not overwritten, because nothing in it can be removed"),

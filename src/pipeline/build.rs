@@ -31,10 +31,11 @@ use crate::pulse::converter::Level;
 use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
 use crate::radar::fault::{RadarError, RadarFault};
+use crate::recording::header::Header;
 use crate::sea::fleet::{self, FleetError};
 use crate::sea::realise::realise;
 use crate::sinks;
-use crate::sinks::sink::{Header, SinkError, SinkReport, drain};
+use crate::sinks::sink::{SinkError, SinkReport, drain};
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
@@ -204,7 +205,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
     let scene = hull_scatterers::with_scatterers(scene)?;
     let header = header(run, &scene, &factory, &schedule, changes.as_ref());
-    header.check()?;
+    header.check().map_err(SinkError::from)?;
     // Every worker has a block in hand while one waits to be released.
     let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
     let layout = factory.layout();

@@ -4,8 +4,8 @@ use crate::frames::{Earth, Geodetic, Point, Rotation, SceneFrame, Vector};
 use crate::nav::encode::{Format, Sentence};
 use crate::nav::solution::Solution;
 use crate::pulse::PlatformRecord;
-use crate::sinks::nav::{Speech, Words};
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
+use crate::sinks::nav::{Encoder, Messages};
 use crate::time::TimeTag;
 
 /// Says where a platform of the scene reports to be.
@@ -15,19 +15,21 @@ struct Reports {
 }
 
 /// What speaks these words in the scene of a run; `None` if that lies nowhere on Earth.
-pub(super) fn speech(words: &Words, header: &Header) -> Option<Box<dyn Speech>> {
+pub(super) fn encoder(messages: &Messages, header: &Header) -> Option<Box<dyn Encoder>> {
     let origin = header.origin?;
     let frame = SceneFrame::at(Geodetic::from_deg(origin.lat_deg, origin.lon_deg, origin.h_m), Earth::Flat);
-    let format = match words {
-        Words::Nmea(names) => Format::Nmea(names.iter().filter_map(|name| Sentence::named(name)).collect()),
-        Words::InspvaxAscii => Format::InspvaxAscii,
-        Words::InspvaxBinary => Format::InspvaxBinary,
+    let format = match messages {
+        Messages::Nmea(names) => {
+            Format::Nmea(names.iter().filter_map(|name| Sentence::named(name)).collect())
+        }
+        Messages::InspvaxAscii => Format::InspvaxAscii,
+        Messages::InspvaxBinary => Format::InspvaxBinary,
     };
     Some(Box::new(Reports { frame, format }))
 }
 
-impl Speech for Reports {
-    fn say(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool {
+impl Encoder for Reports {
+    fn encode(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool {
         let [x, y, z] = record.position_m;
         let [e, n, u] = record.velocity_mps;
         let [qw, qx, qy, qz] = record.attitude_quat;

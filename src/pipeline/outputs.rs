@@ -1,4 +1,4 @@
-//! Opens where pulses go, and says there what the run is.
+//! Opens where pulses go, and describes the run there.
 
 use std::sync::Arc;
 
@@ -7,12 +7,11 @@ use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::motion::changes::Changes;
 use crate::pipeline::fault::PulseError;
+use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
-use crate::sinks::sink::{
-    AdcRow, ChannelRow, Closed, Header, Origin, PairRow, Sink, SinkError, SinkReport, Unplaced,
-};
+use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport, Unplaced};
 use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError};
@@ -116,8 +115,8 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
         Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
         Kind::Nav(settings) => {
-            let speech = navigation::speech(&settings.words, header).ok_or(SinkError::Nowhere)?;
-            Box::new(sinks::nav::NavSink::open(settings, speech, header)?)
+            let encoder = navigation::encoder(&settings.messages, header).ok_or(SinkError::NoOrigin)?;
+            Box::new(sinks::nav::NavSink::open(settings, encoder, header)?)
         }
         Kind::Null => Box::new(sinks::null::NullSink::new()),
     })

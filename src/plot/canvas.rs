@@ -240,6 +240,9 @@ impl Canvas {
     }
 
     /// Writes the picture as PNG, 8 bit RGB.
+    ///
+    /// # Errors
+    /// What `out` refuses.
     pub fn write_png(&self, out: impl Write) -> Result<(), PngError> {
         // Sides are at most MAX_SIDE.
         let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);

@@ -34,6 +34,7 @@ const TICK: i64 = 5;
 
 /// How numbers are put along an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Spacing {
     /// Evenly.
     #[default]
@@ -69,6 +70,7 @@ pub struct PlotAxis<'a> {
 
 /// How points are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Mark {
     /// By the line through them.
     #[default]
@@ -82,7 +84,7 @@ pub enum Mark {
 /// One curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curve<'a> {
-    /// What the legend says; nothing for a curve that it does not name.
+    /// Text of the legend; nothing for a curve that it does not name.
     pub name: &'a str,
     /// Points (x, y) in their order.
     pub points: &'a [[f64; 2]],
@@ -179,6 +181,9 @@ fn colour(index: usize) -> Colour {
 
 impl Plot<'_> {
     /// Draws it.
+    ///
+    /// # Errors
+    /// Axes without a finite extent.
     pub fn draw(&self) -> Result<Canvas, PlotError> {
         let [width, height] = self.size_px.map(|side| side.clamp(SIZE_RANGE_PX[0], SIZE_RANGE_PX[1]) as i64);
         let values = |i: usize| self.curves.iter().flat_map(|c| c.points).map(move |point| point[i]);

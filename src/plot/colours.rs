@@ -69,6 +69,7 @@ const GREY: [[f64; 3]; 2] = [[0.25, 0.0, 0.0], [1.0, 0.0, 0.0]];
 
 /// A colour map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ColourMap {
     /// Dark violet over green to light yellow, for amounts.
     #[default]

@@ -1,6 +1,6 @@
 //! Round numbers along an axis.
 //!
-//! Steps are 1, 2 or 5 times a power of ten, as fine as the room allows. Labels have the digits that tell
+//! Steps are 1, 2 or 5 times a power of ten, as fine as the room allows. Labels have the digits that set
 //! neighbours apart, and an exponent where plain digits would be many. Over two decades or more a logarithmic
 //! axis bears powers of ten, with 2 and 5 between them where there is room.
 //!
@@ -15,7 +15,7 @@
 /// Numbers beyond are drawn as if they were infinite.
 pub const LARGEST: f64 = 1e150;
 
-/// Least length of an axis against its ends: f64 still tells a thousand ticks apart.
+/// Least length of an axis against its ends: f64 still separates a thousand ticks.
 const LEAST_SHARE: f64 = 1e-12;
 
 /// A place on an axis.

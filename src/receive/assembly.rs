@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use crate::pulse::{Pulse, SampleFormat, flags};
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 use super::context::State;
@@ -22,7 +22,7 @@ const OPEN_PULSES: usize = 8;
 const OPEN_SAMPLES: usize = 1 << 25;
 /// Closed pulses that are remembered, to know doubles when they come.
 const CLOSED_PULSES: usize = 64;
-/// Signal packets that may wait for a pulse that nothing has told of yet.
+/// Signal packets that may wait for a pulse that nothing has announced yet.
 const WAITING: usize = 64;
 /// How far a stamp may lie outside the run as it was described: the farthest window, and runs that slip a
 /// little.
@@ -79,7 +79,7 @@ pub(super) struct Pulses {
     pub(super) strays: u64,
 }
 
-/// Samples that came before anything told of their pulse.
+/// Samples that came before anything announced their pulse.
 #[derive(Debug)]
 struct Early {
     channel: usize,
@@ -133,7 +133,7 @@ fn span_ps(header: &Header) -> (i128, i128) {
     // Conversions of what is too large, or no number, end at the limits.
     let after =
         |pulse: u64| (pulse as f64 / header.prf_hz * (1.0 + SLIP) + BESIDE_S).min(1e15) * SECOND_PS as f64;
-    // A run that does not say how long it is may be as long as it likes.
+    // A run without a stated length may have any.
     let pulses = if header.pulses == 0 { u64::MAX } else { header.pulses };
     let end = header.first_pulse.saturating_add(pulses);
     (start_ps - (BESIDE_S * SECOND_PS as f64) as i128, start_ps + after(end) as i128)
@@ -241,7 +241,7 @@ impl Assembly {
         }
     }
 
-    /// A state: the pulse that it tells of is opened, or named.
+    /// A state: its pulse is opened, or named.
     pub(super) fn state(
         &mut self,
         time_ps: i128,
@@ -431,7 +431,7 @@ impl Assembly {
         }
     }
 
-    /// Remembers the number of a pulse of which only states came: it is not missing, but says nothing of
+    /// Remembers the number of a pulse of which only states came: it is not missing, but no evidence of
     /// others.
     fn note_unsound(&mut self, open: &Open) {
         if open.known && self.unsound.len() < CLOSED_PULSES {

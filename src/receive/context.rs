@@ -1,4 +1,4 @@
-//! What context packets say: the fields of the first context indicator of VITA 49.2 (section 9), and the
+//! Contents of context packets: the fields of the first context indicator of VITA 49.2 (section 9), and the
 //! extension contexts of `docs/wire.md`.
 
 use serde::Serialize;
@@ -14,6 +14,7 @@ const INFORMATION_CLASS: u16 = 1;
 /// How a complex sample is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Format {
     /// Two 32-bit floats.
     Cf32,
@@ -81,6 +82,9 @@ fn format(first: u32, second: u32) -> Option<Format> {
 impl Context {
     /// Reads the payload of a context packet. `None` when its fields have attributes (CIF 7), which is legal
     /// but not understood here.
+    ///
+    /// # Errors
+    /// A payload that ends early, or has values that are not allowed.
     pub fn parse(payload: &[u8]) -> Result<Option<Self>, Malformed> {
         let mut words = Words::new(payload, "context indicators");
         let fields = words.u32()?;
@@ -138,7 +142,7 @@ impl Context {
 /// The run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunDescription {
-    /// Latitude (deg), longitude (deg) and height (m) of the scene's origin; NaN where it lies nowhere.
+    /// Latitude (deg), longitude (deg) and height (m) of the scene's origin; NaN where it is not georeferenced.
     pub origin: [f64; 3],
     /// Carrier, Hz.
     pub carrier_hz: f64,
@@ -177,7 +181,7 @@ pub struct ChannelDescription {
     pub bases: [String; 2],
 }
 
-/// What a platform said at a pulse, and what else is known of the pulse.
+/// What a platform reported at a pulse, and what else is known of the pulse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// Number of the pulse.
@@ -202,7 +206,7 @@ pub struct State {
     pub velocity_mps: [f64; 3],
     /// Body to ENU.
     pub attitude_quat: [f64; 4],
-    /// Position, ECEF, metres; NaN where the scene lies nowhere.
+    /// Position, ECEF, metres; NaN where the scene is not georeferenced.
     pub ecef_position_m: [f64; 3],
     /// Velocity, ECEF, m/s.
     pub ecef_velocity_mps: [f64; 3],
@@ -219,6 +223,7 @@ impl State {
 
 /// An extension context.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Extension {
     /// A platform's state.
     State(Box<State>),
@@ -249,6 +254,9 @@ fn text(words: &mut Words<'_>) -> Result<String, Malformed> {
 
 impl Extension {
     /// Reads the body of an extension context; `None` for one of another organisation or kind.
+    ///
+    /// # Errors
+    /// A payload that ends early, or has values that are not allowed.
     pub fn parse(class: Class, body: &[u8]) -> Result<Option<Self>, Malformed> {
         if class.oui != OUI || class.information != INFORMATION_CLASS {
             return Ok(None);

@@ -41,13 +41,14 @@ pub struct Until {
 
 /// Why nothing is received.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ReceiveError {
     /// The address.
     #[error("cannot listen at {address}: {source}; allowed: host:port of this machine with a free port")]
     Listen {
         /// What was asked.
         address: String,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
     /// The sender.
@@ -55,7 +56,7 @@ pub enum ReceiveError {
     From {
         /// What was asked.
         address: String,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
     /// The socket.
@@ -63,7 +64,7 @@ pub enum ReceiveError {
     Socket {
         /// Where.
         address: String,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
     /// The recording.
@@ -92,7 +93,7 @@ pub struct Listener {
     senders: Senders,
 }
 
-/// What to do about senders: whom to hear, and what when one begins again.
+/// What to do about senders: whose datagrams are taken, and what when one begins again.
 #[derive(Default)]
 pub struct Senders {
     /// Only these, a port of 0 for any; all, if none is named.
@@ -119,7 +120,7 @@ impl std::fmt::Debug for Senders {
 
 impl Senders {
     /// Whether a sender is listened to.
-    fn hears(&self, sender: &SocketAddr) -> bool {
+    fn accepts(&self, sender: &SocketAddr) -> bool {
         self.from.as_ref().is_none_or(|from| {
             from.iter().any(|one| {
                 one.ip().to_canonical() == sender.ip().to_canonical()
@@ -157,13 +158,16 @@ fn kernel_drops(address: &SocketAddr) -> Option<u64> {
 
 impl Listener {
     /// Binds a socket.
+    ///
+    /// # Errors
+    /// An address at which the system does not let it listen.
     pub fn bind(address: &str) -> Result<Self, ReceiveError> {
         let fault = |source| ReceiveError::Listen { address: address.to_owned(), source };
         let mut found = address.to_socket_addrs().map_err(fault)?;
         let to = found.next().ok_or_else(|| fault(ErrorKind::NotFound.into()))?;
         let socket = UdpSocket::bind(to).map_err(fault)?;
         let options = SockRef::from(&socket);
-        // A system that gives less says so below.
+        // A system may give less: what it gave is read below.
         let _ = options.set_recv_buffer_size(RECEIVE_BUFFER);
         let buffer_bytes = options.recv_buffer_size().unwrap_or(0);
         socket.set_read_timeout(Some(GLANCE)).map_err(fault)?;
@@ -217,7 +221,7 @@ impl Listener {
                 break;
             }
             match self.socket.recv_from(&mut datagram) {
-                Ok((_, sender)) if !self.senders.hears(&sender) => strangers = strangers.saturating_add(1),
+                Ok((_, sender)) if !self.senders.accepts(&sender) => strangers = strangers.saturating_add(1),
                 Ok((length, _)) => {
                     let (arrival, refused) = (Instant::now(), receiver.refused());
                     let packet = datagram.get(..length).unwrap_or(&[]);

@@ -44,7 +44,7 @@ use std::collections::hash_map::Entry;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::pulse::Pulse;
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 use assembly::{Assembly, Taken};
@@ -184,7 +184,7 @@ impl Receiver {
     }
 
     fn close_run(&mut self, outlet: &mut impl Outlet) {
-        self.settle(outlet);
+        self.close_pulses(outlet);
         self.assembly = None;
         self.forget_streams();
         self.other = None;
@@ -261,12 +261,12 @@ impl Receiver {
                 if self.is_new(stream, &packet) {
                     self.note(stream, packet.kind, packet.count, packet.time_ps, true);
                 }
-                // Heard even when it comes again: a forged one may have had the same count and time.
+                // Learned even when it comes again: a forged one may have had the same count and time.
                 let anew = self.whole_pulses() == 0;
                 if anew && !self.roster.agrees(stream, &context) {
                     self.close_run(outlet);
                 }
-                self.roster.hear(stream, context, anew);
+                self.roster.learn_context(stream, context, anew);
                 self.look_ready();
             }
             Kind::ExtensionContext => {
@@ -324,7 +324,7 @@ impl Receiver {
         !double
     }
 
-    /// Notes what was taken, and what had waited for it. What is refused, strays or waits says nothing of
+    /// Notes what was taken, and what had waited for it. What is refused, strays or waits is no evidence of
     /// what is missing.
     fn note_taken(&mut self, stream: u32, packet: &Packet<'_>, taken: Option<Taken>) {
         if let Some(taken) = taken.filter(|taken| taken.is_of_run()) {
@@ -431,7 +431,7 @@ impl Receiver {
     }
 
     /// Gives up what is open, and adds the counts of this run to those before.
-    fn settle(&mut self, outlet: &mut impl Outlet) {
+    fn close_pulses(&mut self, outlet: &mut impl Outlet) {
         let Some(assembly) = &mut self.assembly else { return };
         assembly.finish(outlet);
         let pulses = assembly.pulses;
@@ -453,7 +453,7 @@ impl Receiver {
     /// The end: gives up what is open, and reports.
     pub fn finish(mut self, outlet: &mut impl Outlet) -> Report {
         self.forget_streams();
-        self.settle(outlet);
+        self.close_pulses(outlet);
         if let Some(known) = self.roster.known() {
             self.report.contexts =
                 known.streams.iter().filter_map(|stream| self.roster.context(*stream).copied()).collect();

@@ -3,7 +3,7 @@
 use num_complex::Complex32;
 
 use crate::pulse::{PlatformRecord, Pulse, Samples};
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 
 use super::context::State;
 

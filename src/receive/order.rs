@@ -1,7 +1,7 @@
 //! Packet counts: what was lost, doubled or overtaken in a stream.
 //!
-//! A count has four bits, so it alone cannot tell nine lost packets from seven that were overtaken; the time
-//! stamp does.
+//! A count has four bits, so nine lost packets look like seven that were overtaken; the time stamp
+//! distinguishes them.
 
 /// The packets of one type in one stream.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub(super) struct Stream {
     missing: u64,
 }
 
-/// What a packet's count says.
+/// Order of a packet by its count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
     /// In order; some before it may be missing.

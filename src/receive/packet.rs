@@ -5,15 +5,16 @@ use thiserror::Error;
 
 /// What is wrong with a datagram.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Malformed {
     /// Too short for what it announces.
     #[error("the packet ends within its {0}")]
     Short(&'static str),
     /// The size of the header is not that of the datagram.
-    #[error("the header says {said} bytes, the datagram has {found}")]
+    #[error("the header announces {announced} bytes, the datagram has {found}")]
     Size {
         /// Bytes announced.
-        said: usize,
+        announced: usize,
         /// Bytes received.
         found: usize,
     },
@@ -27,6 +28,7 @@ pub enum Malformed {
 
 /// What a packet is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Kind {
     /// Signal data.
     Signal,
@@ -53,6 +55,7 @@ pub struct Class {
 
 /// Where a signal packet stands in its sample frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Frame {
     /// The frame is one packet, or there are no frames.
     Only,
@@ -149,12 +152,15 @@ pub(super) const SECOND_PS: i128 = 1_000_000_000_000;
 
 impl<'a> Packet<'a> {
     /// Takes a datagram apart.
+    ///
+    /// # Errors
+    /// Bytes that are no packet.
     pub fn parse(datagram: &'a [u8]) -> Result<Self, Malformed> {
         let mut words = Words::new(datagram, "header");
         let header = words.u32()?;
-        let said = 4 * (header & 0xffff) as usize;
-        if said != datagram.len() {
-            return Err(Malformed::Size { said, found: datagram.len() });
+        let announced = 4 * (header & 0xffff) as usize;
+        if announced != datagram.len() {
+            return Err(Malformed::Size { announced, found: datagram.len() });
         }
         let code = (header >> 28) as u8;
         let (kind, has_stream) = match code {
@@ -202,7 +208,7 @@ impl<'a> Packet<'a> {
         Ok(Self { kind, count: (header >> 16 & 15) as u8, stream, class, time_ps, payload, trailer })
     }
 
-    /// Its place in the sample frame; `None` where the trailer does not say.
+    /// Its place in the sample frame; `None` where the trailer does not have it.
     pub fn frame(&self) -> Option<Frame> {
         let trailer = self.trailer.filter(|trailer| trailer >> 22 & 3 == 3)?;
         Some(match trailer >> 10 & 3 {

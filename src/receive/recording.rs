@@ -13,8 +13,9 @@ use std::thread;
 use crossbeam_channel::{Receiver as Inbox, RecvTimeoutError, Sender, TrySendError, bounded};
 
 use crate::pulse::Pulse;
+use crate::recording::header::Header;
 use crate::sinks;
-use crate::sinks::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError};
+use crate::sinks::sink::{Closed, FLUSH_INTERVAL, Sink, SinkError};
 
 /// Whole pulses that may wait to be recorded, and samples that they may have together.
 const WAITING: usize = 512;

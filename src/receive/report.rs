@@ -1,4 +1,4 @@
-//! What a receiver has to say in the end.
+//! The report of a receiver.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ pub struct Report {
     pub listen: String,
     /// Room for datagrams that wait to be read, bytes.
     pub receive_buffer_bytes: usize,
-    /// Datagrams that the system dropped for want of that room, where it says so.
+    /// Datagrams that the system dropped for want of that room, where it reports that.
     pub kernel_drops: Option<u64>,
     /// Datagrams received.
     pub datagrams: u64,
@@ -66,9 +66,9 @@ pub struct Report {
     pub arrival_span_s: f64,
     /// Arrivals against time stamps; none where the stream was not sent in real time.
     pub lateness: Option<Lateness>,
-    /// What the standard contexts of the channels say, by channel.
+    /// The standard contexts of the channels, by channel.
     pub contexts: Vec<Context>,
-    /// Where each platform said that it was last.
+    /// Last reported state of each platform.
     pub platforms: Vec<Platform>,
     /// What was recorded, where it is.
     pub out: Vec<PathBuf>,
@@ -110,7 +110,7 @@ pub struct Lateness {
     pub max_us: f64,
 }
 
-/// What a platform said last.
+/// Last reported state of a platform.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Platform {
     /// Its name.
@@ -123,7 +123,7 @@ pub struct Platform {
     pub velocity_mps: [f64; 3],
     /// Body to ENU.
     pub attitude_quat: [f64; 4],
-    /// Position, ECEF, metres; null where the scene lies nowhere.
+    /// Position, ECEF, metres; null where the scene is not georeferenced.
     pub ecef_position_m: [f64; 3],
     /// Velocity, ECEF, m/s.
     pub ecef_velocity_mps: [f64; 3],

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::pulse::{Layout, SampleFormat};
-use crate::sinks::sink::{AdcRow, ChannelRow, Header, Origin};
+use crate::recording::header::{AdcRow, ChannelRow, Header, Origin};
 use crate::time::TimeTag;
 
 use super::context::{ChannelDescription, Context, Extension, Format, RunDescription};
@@ -40,7 +40,7 @@ pub(super) fn belongs(stream: u32, extension: &Extension) -> bool {
 #[derive(Debug, Default)]
 pub(super) struct Roster {
     run: Option<RunDescription>,
-    /// By number: the stream, and what it says of itself.
+    /// By number: the stream, and its description.
     channels: Vec<Option<(u32, ChannelDescription)>>,
     platforms: Vec<Option<String>>,
     /// By stream.
@@ -136,7 +136,7 @@ impl Roster {
 
     /// Takes the standard context of a stream. One that contradicts what is known is counted, and left unless
     /// all is to be learned anew.
-    pub(super) fn hear(&mut self, stream: u32, context: Context, anew: bool) {
+    pub(super) fn learn_context(&mut self, stream: u32, context: Context, anew: bool) {
         if !self.agrees(stream, &context) {
             self.contradictions += 1;
             if !anew {
@@ -231,7 +231,7 @@ impl Roster {
     }
 }
 
-/// Whether a standard context says of its samples what a run has.
+/// Whether a standard context describes the samples of a run.
 fn is_of(context: &Context, format: SampleFormat, sample_rate_hz: f64) -> bool {
     let same_format = match context.format {
         Some(Format::Cf32) => format == SampleFormat::Cf32,

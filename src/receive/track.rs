@@ -1,4 +1,4 @@
-//! Where in time and number the stream is. What one datagram says is not believed; what a majority says is.
+//! Where in time and number the stream is. One datagram is not believed; a majority is.
 //!
 //! States are counted, by their emission: the stamps of samples step back at every channel. Those that lie
 //! elsewhere, far ahead or before what has been closed, propose that the stream is there. A proposal gains a
@@ -7,7 +7,7 @@
 //! or late datagrams never lead away, many do not lead away for long, and a sender that begins again is found
 //! again after a bounded number of datagrams, whoever else sends.
 
-use crate::sinks::sink::Header;
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 use super::packet::SECOND_PS;

@@ -43,6 +43,9 @@ pub struct Ground {
 
 impl Ground {
     /// A map about a centre (ENU, m): x to the East, y to the North. Sides are rounded to whole pixels.
+    ///
+    /// # Errors
+    /// Sizes that are not finite, or too many pixels.
     pub fn map(centre_m: [f64; 3], size_m: [f64; 2], pixel_m: f64) -> Result<Self, GroundError> {
         let fault = GroundError { centre_m, size_m, pixel_m };
         let counts = size_m.map(|side| (side / pixel_m).round());

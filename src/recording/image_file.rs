@@ -13,19 +13,18 @@
 //! use nereus::recording::image_file::ImageFile;
 //! let ground = Ground::map([0.0; 3], [4.0, 2.0], 1.0)?;
 //! let file = ImageFile { attributes: &[], channels: &["VV".to_owned()], ground: &ground, images: &[vec![]] };
-//! assert!(file.check().is_err());
+//! assert!(file.write("never.h5".as_ref()).is_err());
 //! # Ok::<(), nereus::recording::ground::GroundError>(())
 //! ```
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use num_complex::Complex32;
 
-use super::map_file::Attribute;
-use crate::recording::ground::Ground;
-
-/// Version of the structure.
-pub const VERSION: u32 = 1;
+use super::field_file::{self, Attribute, FieldFileError, Fields};
+#[cfg(feature = "hdf5")]
+use super::field_file::{Fault, list, put, texts};
+use super::ground::Ground;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug)]
@@ -40,89 +39,44 @@ pub struct ImageFile<'a> {
     pub images: &'a [Vec<Complex32>],
 }
 
-/// Why an image cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum ImageFileError {
-    /// Not so many values as pixels.
-    #[error(
-        "{channels} channels of {pixels} pixels are named; {images} images, the shortest of {least} pixels, are given"
-    )]
-    Size {
-        /// Channels named.
-        channels: usize,
-        /// Pixels of the ground.
-        pixels: usize,
-        /// Images given.
-        images: usize,
-        /// Pixels of the smallest.
-        least: usize,
-    },
-    /// The HDF5 library refused.
-    #[error("{}: {detail}", path.display())]
-    Hdf5 {
-        /// The file.
-        path: PathBuf,
-        /// What the library said.
-        detail: String,
-    },
-    /// Built without HDF5.
-    #[error("{}: this build has no HDF5 (feature `hdf5`)", path.display())]
-    NoHdf5 {
-        /// The file asked for.
-        path: PathBuf,
-    },
+impl ImageFile<'_> {
+    /// Writes the file, which must not exist.
+    ///
+    /// # Errors
+    /// Images that do not fill the ground, and what the library refuses.
+    pub fn write(&self, path: &Path) -> Result<(), FieldFileError> {
+        field_file::write(self, path)
+    }
 }
 
-impl ImageFile<'_> {
-    /// Whether names, pixels and images agree.
-    pub fn check(&self) -> Result<(), ImageFileError> {
+impl Fields for ImageFile<'_> {
+    fn root(&self) -> (&str, &[(&str, Attribute<'_>)]) {
+        ("nereus-image", self.attributes)
+    }
+
+    fn check(&self) -> Result<(), FieldFileError> {
         let pixels = self.ground.len();
         if self.images.len() == self.channels.len() && self.images.iter().all(|image| image.len() == pixels) {
             return Ok(());
         }
         let least = self.images.iter().map(Vec::len).min().unwrap_or(0);
-        Err(ImageFileError::Size { channels: self.channels.len(), pixels, images: self.images.len(), least })
-    }
-
-    /// Writes the file, which must not exist.
-    #[cfg(feature = "hdf5")]
-    pub fn write(&self, path: &Path) -> Result<(), ImageFileError> {
-        self.check()?;
-        self.fill(path)
-            .map_err(|fault| ImageFileError::Hdf5 { path: path.to_owned(), detail: fault.to_string() })
-    }
-
-    /// Says that this build has no HDF5.
-    #[cfg(not(feature = "hdf5"))]
-    pub fn write(&self, path: &Path) -> Result<(), ImageFileError> {
-        self.check()?;
-        Err(ImageFileError::NoHdf5 { path: path.to_owned() })
+        let (channels, images) = (self.channels.len(), self.images.len());
+        Err(FieldFileError::Pixels { channels, pixels, images, least })
     }
 
     #[cfg(feature = "hdf5")]
-    fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::fault::Fault> {
-        use crate::sinks::hdf5::attributes::{attribute, list, text};
-        let file = super::map_file::create(path, "nereus-image", VERSION, self.attributes)?;
-        let names = self.channels.iter().map(|name| text(name)).collect::<Result<Vec<_>, _>>()?;
-        list(&file, "channels", &names)?;
+    fn fill(&self, file: &::hdf5::File) -> Result<(), Fault> {
+        list(file, "channels", &texts(self.channels)?)?;
         for (axis, name, meaning) in
             [(0, "x_m", "middles of the pixels, East"), (1, "y_m", "middles of the pixels, North")]
         {
             let middles: Vec<f64> = (0..self.ground.pixels[axis])
                 .map(|i| self.ground.point_m(i as f64, i as f64)[axis])
                 .collect();
-            let dataset = file.new_dataset_builder().with_data(&middles).create(name)?;
-            attribute(&dataset, "unit", &text("m")?)?;
-            attribute(&dataset, "meaning", &text(meaning)?)?;
+            put(file, name, (middles.len(),), &middles, "m", meaning)?;
         }
         let [columns, rows] = self.ground.pixels;
-        let image =
-            file.new_dataset::<Complex32>().shape((self.channels.len(), rows, columns)).create("image")?;
-        image.write_raw(&self.images.concat())?;
-        attribute(&image, "unit", &text("sqrt(W)")?)?;
-        attribute(&image, "meaning", &text("echo of a point at rest")?)?;
-        // A full disk shows when the file is closed.
-        file.flush()?;
-        Ok(file.close()?)
+        let shape = (self.channels.len(), rows, columns);
+        put(file, "image", shape, &self.images.concat(), "sqrt(W)", "echo of a point at rest").map(drop)
     }
 }

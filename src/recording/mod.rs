@@ -1,4 +1,7 @@
-//! Reads recordings for processing: HDF5 files and plain folders ([`crate::sinks`]).
+//! Files of pulses, maps and images: HDF5 and plain folders, written and read by the same description.
+//!
+//! [`header`] holds for a whole recording, [`descriptions`] lists its datasets, `hdf5` and [`plain`] write and
+//! read the files. [`Recording`] reads a part of one for processing.
 //!
 //! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before
 //! the first and after the last pulse of a part. Samples are read in blocks of rows, and only the channels
@@ -15,17 +18,36 @@
 //! # Ok::<(), nereus::recording::RecordingError>(())
 //! ```
 
+#[doc(hidden)]
+pub mod columns;
+#[doc(hidden)]
+pub mod descriptions;
+mod fault;
+#[doc(hidden)]
+pub mod field_file;
 pub mod ground;
+#[cfg(feature = "hdf5")]
+#[doc(hidden)]
+pub mod hdf5;
+pub mod header;
 pub mod image_file;
 #[doc(hidden)]
 pub mod map_file;
+#[cfg(feature = "hdf5")]
+#[doc(hidden)]
+pub mod merge;
 #[doc(hidden)]
 pub mod output;
 #[doc(hidden)]
 pub mod path_file;
-mod plain;
+#[doc(hidden)]
+pub mod plain;
+mod rows;
+mod source;
+mod unwritten;
 pub mod verify;
 
+pub use fault::RecordingError;
 pub use plain::plain_header;
 
 use std::collections::BTreeMap;
@@ -35,11 +57,11 @@ use std::path::{Path, PathBuf};
 use glam::{DQuat, DVec3};
 use num_complex::Complex32;
 
-use crate::geometry::phase_path::{PhasePath, PhasePathError};
-use crate::inputs::one_line;
+use crate::geometry::phase_path::PhasePath;
 use crate::scene::radar::Polarisation;
-use crate::sinks::columns::{Column, Rows, columns};
-use crate::sinks::sink::{Header, SinkError};
+use columns::{Column, Rows, columns};
+use header::Header;
+use source::Source;
 
 /// Rows read beyond those asked for.
 const AROUND: usize = 64;
@@ -47,74 +69,6 @@ const AROUND: usize = 64;
 const LONGEST_S: f64 = 1e8;
 /// Samples of all channels that are read at a time, bytes in the file.
 const BLOCK_BYTES: usize = 4 << 20;
-
-/// Why a recording cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordingError {
-    /// It cannot be read.
-    #[error(transparent)]
-    File(#[from] SinkError),
-    /// An HDF5 file asked of a build without HDF5.
-    #[error("{}: this build has no HDF5 (feature `hdf5`) and reads plain folders only", path.display())]
-    NoHdf5 {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Not a recording of this program.
-    #[error("{}: {}", path.display(), one_line(detail))]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        detail: String,
-    },
-    /// No pulse asked for is there.
-    #[error("{}: holds pulses {first}..{end}, none of {}..{}", path.display(), asked.start, asked.end)]
-    NoPulses {
-        /// The recording.
-        path: PathBuf,
-        /// First pulse there.
-        first: u64,
-        /// One past the last.
-        end: u64,
-        /// Pulses asked for.
-        asked: Range<u64>,
-    },
-    /// Samples that do not fit in memory.
-    #[error(
-        "{}: {channels} channels of {pulses} pulses are {needed_mib} MiB of samples, {available_mib} MiB are free; \
-         fewer channels or pulses (--channel, --pulses)",
-        path.display()
-    )]
-    Memory {
-        /// The recording.
-        path: PathBuf,
-        /// Channels asked for.
-        channels: usize,
-        /// Pulses asked for.
-        pulses: usize,
-        /// What their samples take.
-        needed_mib: u64,
-        /// What may be taken.
-        available_mib: u64,
-    },
-    /// A column that is not there.
-    #[error("{}: /{} is not in the recording", path.display(), one_line(column))]
-    Missing {
-        /// The recording.
-        path: PathBuf,
-        /// The column.
-        column: String,
-    },
-    /// Positions or times that are none.
-    #[error("{}: {source}", path.display())]
-    Path {
-        /// The recording.
-        path: PathBuf,
-        /// What is wrong.
-        source: PhasePathError,
-    },
-}
 
 /// A part of a recording in memory.
 pub struct Recording {
@@ -137,104 +91,6 @@ pub struct Recording {
     /// Channels whose samples are held.
     channels: Vec<usize>,
     samples: Vec<Complex32>,
-}
-
-/// Where rows come from.
-enum Source {
-    #[cfg(feature = "hdf5")]
-    Hdf5(crate::sinks::hdf5::file::Recorded),
-    Plain(plain::Plain),
-}
-
-impl Source {
-    fn open(path: &Path) -> Result<Self, RecordingError> {
-        if path.is_dir() {
-            return plain::Plain::open(path).map(Self::Plain);
-        }
-        let data = std::fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
-        if !data.is_file() {
-            let detail = "is no regular file; recordings are files or folders".to_owned();
-            return Err(RecordingError::Foreign { path: path.to_owned(), detail });
-        }
-        #[cfg(feature = "hdf5")]
-        {
-            use crate::sinks::hdf5::fault::Fault;
-            use crate::sinks::hdf5::file::Recorded;
-            let recorded = Recorded::open(path).map_err(Fault::at(path, "reading the recording"))?;
-            Ok(Self::Hdf5(recorded))
-        }
-        #[cfg(not(feature = "hdf5"))]
-        Err(RecordingError::NoHdf5 { path: path.to_owned() })
-    }
-
-    fn header(&self) -> &Header {
-        match self {
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(recorded) => &recorded.header,
-            Self::Plain(plain) => &plain.header,
-        }
-    }
-
-    fn pulses(&self) -> usize {
-        match self {
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(recorded) => recorded.pulses,
-            Self::Plain(plain) => plain.pulses,
-        }
-    }
-
-    fn has(&self, column: &Column) -> bool {
-        match self {
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(recorded) => recorded.has(column),
-            Self::Plain(plain) => plain.has(column),
-        }
-    }
-
-    /// Whole rows of a column, and bytes beyond them.
-    fn length(&self, column: &Column) -> Result<(u64, u64), RecordingError> {
-        match self {
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(recorded) => {
-                use crate::sinks::hdf5::fault::Fault;
-                let rows =
-                    recorded.length(column).map_err(Fault::at(column.path.as_ref(), "reading its size"))?;
-                Ok((rows, 0))
-            }
-            Self::Plain(plain) => plain.length(column),
-        }
-    }
-
-    /// Whether a changed byte is seen.
-    fn has_checksums(&self) -> bool {
-        match self {
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(recorded) => recorded.has_checksums(),
-            Self::Plain(_) => false,
-        }
-    }
-
-    /// Whether these rows of a column are there, before anything is allocated for them.
-    fn holds(&self, path: &Path, column: &Column, rows: &Range<usize>) -> Result<(), RecordingError> {
-        match self {
-            // Looked at when it was opened.
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(_) => Ok(()),
-            Self::Plain(plain) => plain.holds(path, column, rows),
-        }
-    }
-
-    fn rows(&self, path: &Path, column: &Column, rows: Range<usize>) -> Result<Rows, RecordingError> {
-        match self {
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(recorded) => {
-                use crate::sinks::hdf5::fault::Fault;
-                let read = recorded.column(column, rows.start, rows.end);
-                Ok(read.map_err(Fault::at(path, "reading the recording"))?)
-            }
-            Self::Plain(plain) => plain.rows(path, column, rows),
-        }
-    }
 }
 
 /// Samples of some channels, pulse by pulse.
@@ -294,12 +150,18 @@ fn samples(
 
 impl Recording {
     /// Reads the pulses of a recording (by their numbers), or all of them, in all channels.
+    ///
+    /// # Errors
+    /// A recording that cannot be read, is damaged, or has none of the pulses.
     pub fn open(path: &Path, pulses: Option<Range<u64>>) -> Result<Self, RecordingError> {
         Self::open_channels(path, pulses, None, |header| Ok((0..header.channels.len()).collect()))
     }
 
-    /// The same with the samples of some channels only, which the header may tell, as long as they take no
-    /// more bytes than that.
+    /// The same with the samples of some channels only, chosen by the header, as long as they take no more than
+    /// `most_bytes`.
+    ///
+    /// # Errors
+    /// As [`Self::open`], what `choose` reports, and samples that need more memory.
     pub fn open_channels<E: From<RecordingError>>(
         path: &Path,
         pulses: Option<Range<u64>>,
@@ -424,24 +286,33 @@ impl Recording {
         self.samples.get(at..at + samples).unwrap_or_default()
     }
 
-    /// Whether what left with a pulse is what a channel listens to.
-    pub fn is_lit(&self, pulse: usize, channel: usize) -> bool {
+    /// Whether a pulse was radiated in the polarisation of a channel.
+    pub fn is_illuminated(&self, pulse: usize, channel: usize) -> bool {
         let radiated = self.tx_pol[pulse];
         let letter = self.header.channels.get(channel).and_then(|c| c.polarisations.chars().nth(1));
         radiated == 0 || letter.and_then(Polarisation::from_letter).is_none_or(|p| p.code() == radiated)
     }
 
     /// Path of an antenna's true phase centre.
+    ///
+    /// # Errors
+    /// An antenna without that column, or positions that make no path.
     pub fn true_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
         self.phase_path(self.points(&format!("nav/{antenna}/phase_centre_m"))?)
     }
 
     /// Path of an antenna's phase centre as its platform reports it.
+    ///
+    /// # Errors
+    /// An antenna without that column, or positions that make no path.
     pub fn reported_path(&self, antenna: &str) -> Result<PhasePath, RecordingError> {
         self.phase_path(self.points(&format!("nav/{antenna}/reported_phase_centre_m"))?)
     }
 
-    /// Where an antenna truly looks in each pulse in use: unit vectors, ENU.
+    /// True boresight of an antenna in each pulse in use: unit vectors, ENU.
+    ///
+    /// # Errors
+    /// An antenna without that column.
     pub fn boresights(&self, antenna: &str) -> Result<Vec<[f64; 3]>, RecordingError> {
         let (_, axes) = self.column(&format!("nav/{antenna}/boresight_quat"))?;
         let ahead = |q: &[f64; 4]| {
@@ -453,6 +324,9 @@ impl Recording {
     }
 
     /// Position and velocity that a platform reports at a pulse in use, ENU, m and m/s.
+    ///
+    /// # Errors
+    /// A platform without those columns.
     pub fn reported_state(
         &self,
         platform: &str,

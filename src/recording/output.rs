@@ -4,7 +4,7 @@
 //!
 //! The rule is that of [`crate::files`]: what is there already stays, unless it may be overwritten; then too
 //! only a file of the same kind is exchanged for the new one when that is complete, and none that another
-//! program has locked. HDF5 files say by their attribute `format` that this program made them, pictures and
+//! program has locked. The attribute `format` of HDF5 files names this program, pictures and
 //! tables begin as those of their kind; an empty file holds nothing that is lost.
 //!
 //! ```
@@ -15,20 +15,23 @@
 //! output.write(|partial| {
 //!     std::fs::write(partial, b"\x89PNG\r\n\x1a\n").map_err(OutputError::io(partial, "writing"))
 //! })?;
-//! assert!(matches!(Output::plan(&path, FileKind::Png, false), Err(OutputError::Exists { .. })));
-//! assert!(matches!(Output::plan(&path, FileKind::SeaState, true), Err(OutputError::Foreign { .. })));
+//! let refused = Output::plan(&path, FileKind::Png, false).unwrap_err();
+//! assert!(refused.to_string().contains("exists already"));
+//! let refused = Output::plan(&path, FileKind::SeaState, true).unwrap_err();
+//! assert!(refused.to_string().ends_with("because it is no saved sea"));
 //! # std::fs::remove_file(&path).unwrap();
 //! # Ok::<(), OutputError>(())
 //! ```
 
-use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::files::{self, Draft, FileFault, Holding};
+use crate::files::{self, Draft, FileFault, Holding, Recognised};
+use crate::inputs;
 
 /// Kinds of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FileKind {
     /// A picture.
     Png,
@@ -54,14 +57,12 @@ impl FileKind {
     }
 
     /// Whether what is there is a file of this kind, or empty.
-    fn recognise(self, path: &Path) -> Option<Holding> {
-        // A pipe, a device or a folder is not even opened.
-        fs::symlink_metadata(path).ok().filter(|data| data.is_file())?;
-        let mut start = Vec::new();
-        fs::File::open(path).ok()?.take(8).read_to_end(&mut start).ok()?;
-        let is_ours = start.is_empty()
-            || start == self.signature() && (self != Self::Hdf5 || format(path).starts_with(b"nereus"));
-        is_ours.then_some(Holding::File)
+    fn recognise(self, path: &Path) -> Recognised {
+        let is_ours = inputs::beginning(path, 8).is_some_and(|start| {
+            start.is_empty()
+                || start == self.signature() && (self != Self::Hdf5 || format(path).starts_with(b"nereus"))
+        });
+        is_ours.then_some(Holding::File).ok_or(self.name())
     }
 
     fn name(self) -> &'static str {
@@ -75,10 +76,10 @@ impl FileKind {
     }
 }
 
-/// What an HDF5 file says it is.
+/// The attribute `format` of an HDF5 file.
 #[cfg(feature = "hdf5")]
 fn format(path: &Path) -> Vec<u8> {
-    crate::sinks::hdf5::file::format_of(path).unwrap_or_default()
+    crate::recording::hdf5::file::format_of(path).unwrap_or_default()
 }
 
 /// Nothing that this build could have made.
@@ -89,67 +90,31 @@ fn format(_: &Path) -> Vec<u8> {
 
 /// Why a file cannot be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OutputError {
-    /// It is there already.
-    #[error("{path}: exists already; choose another name, or overwrite it with --force", path = path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Something else is there.
-    #[error("{path}: not overwritten, because it is no {kind}", path = path.display())]
-    Foreign {
-        /// What is there.
-        path: PathBuf,
-        /// What was to be written.
-        kind: &'static str,
-    },
-    /// Another program has it open.
-    #[error("{path}: not overwritten, because another program uses it", path = path.display())]
-    InUse {
-        /// The file.
-        path: PathBuf,
-    },
-    /// It is complete and not in its place.
+    /// What is there already, or what the system reported.
     #[error(transparent)]
-    Lost(FileFault),
+    File(#[from] FileFault),
     /// Two outputs have one name.
     #[error("{path}: named twice", path = path.display())]
     Twice {
         /// The file.
         path: PathBuf,
     },
-    /// The system refused.
-    #[error("{path}: {action}: {source}", path = path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the system said.
-        source: io::Error,
-    },
 }
 
 impl OutputError {
-    /// What the system said of a file.
+    /// What the system reported of a file.
     pub fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::Io { path, action, source }
+        let fault = FileFault::io(path, action);
+        move |source| fault(source).into()
     }
 
     /// Whether what was asked for is wrong, rather than the machine short of something.
     pub fn is_wrong_input(&self) -> bool {
         match self {
-            Self::Exists { .. } | Self::Foreign { .. } | Self::InUse { .. } | Self::Twice { .. } => true,
-            Self::Lost(_) => false,
-            Self::Io { source, .. } => matches!(
-                source.kind(),
-                io::ErrorKind::NotFound
-                    | io::ErrorKind::NotADirectory
-                    | io::ErrorKind::IsADirectory
-                    | io::ErrorKind::PermissionDenied
-            ),
+            Self::File(fault) => fault.is_wrong_input(),
+            Self::Twice { .. } => true,
         }
     }
 }
@@ -164,20 +129,15 @@ pub struct Output {
 
 impl Output {
     /// Checks that it may be made; nothing is changed.
+    ///
+    /// # Errors
+    /// What is there already and may not be replaced, and a folder that is missing.
     pub fn plan(path: &Path, kind: FileKind, force: bool) -> Result<Self, OutputError> {
-        let output = Self { path: path.to_owned(), kind, force };
-        files::preflight(path, force, &|path| kind.recognise(path)).map_err(|fault| output.fault(fault))?;
-        let folder = output.folder();
-        let data = fs::metadata(folder).map_err(OutputError::io(folder, "the folder of the output"))?;
-        if !data.is_dir() || path.file_name().is_none() {
-            let source = io::Error::from(io::ErrorKind::NotADirectory);
-            return Err(OutputError::Io {
-                path: folder.to_owned(),
-                action: "the folder of the output",
-                source,
-            });
+        files::preflight(path, force, &|path| kind.recognise(path))?;
+        if path.file_name().is_none() {
+            return Err(FileFault::NoFolder { path: path.to_owned() }.into());
         }
-        Ok(output)
+        Ok(Self { path: path.to_owned(), kind, force })
     }
 
     /// Where it will be.
@@ -185,32 +145,10 @@ impl Output {
         &self.path
     }
 
-    fn folder(&self) -> &Path {
-        match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        }
-    }
-
-    /// What the system or the rule for outputs said.
-    fn fault(&self, fault: FileFault) -> OutputError {
-        match fault {
-            FileFault::Exists { path } => OutputError::Exists { path },
-            FileFault::Foreign { path } => OutputError::Foreign { path, kind: self.kind.name() },
-            FileFault::InUse { path } => OutputError::InUse { path },
-            fault @ (FileFault::Removed { .. } | FileFault::Moved { .. } | FileFault::Kept { .. }) => {
-                OutputError::Lost(fault)
-            }
-            FileFault::NoFolder { path } => OutputError::Io {
-                path,
-                action: "the folder of the output",
-                source: io::ErrorKind::NotADirectory.into(),
-            },
-            FileFault::Io { path, action, source } => OutputError::Io { path, action, source },
-        }
-    }
-
     /// Has the file written under another name, and gives it its own.
+    ///
+    /// # Errors
+    /// What `fill` reports, and a file that cannot be put in its place.
     pub fn write<E: From<OutputError>>(self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
         let mut draft = Draft::named(&self.path);
         let filled = fill(draft.path());
@@ -222,11 +160,14 @@ impl Output {
         }
         let recognise = |path: &Path| self.kind.recognise(path);
         let done = draft.made(Holding::File).and_then(|()| draft.finish(self.force, &recognise));
-        done.map(|_| ()).map_err(|fault| self.fault(fault).into())
+        done.map(|_| ()).map_err(|fault| OutputError::File(fault).into())
     }
 }
 
 /// Refuses outputs of the same name.
+///
+/// # Errors
+/// The first that has the place of another.
 pub fn apart<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> Result<(), OutputError> {
     let mut seen = Vec::new();
     for output in outputs {
@@ -241,6 +182,8 @@ pub fn apart<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> Result<(), Ou
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn listing(folder: &Path) -> Vec<String> {
@@ -279,10 +222,10 @@ mod tests {
         fs::write(folder.path().join("thesis.h5"), "chapter 1").unwrap();
         fs::write(folder.path().join("empty.h5"), "").unwrap();
         fs::create_dir(folder.path().join("folder.h5")).unwrap();
-        assert!(matches!(plan("thesis.h5", false), Err(OutputError::Exists { .. })));
-        assert!(matches!(plan("thesis.h5", true), Err(OutputError::Foreign { .. })));
-        assert!(matches!(plan("folder.h5", true), Err(OutputError::Foreign { .. })));
-        assert!(matches!(plan("no/such/folder.h5", false), Err(OutputError::Io { .. })));
+        assert!(matches!(plan("thesis.h5", false), Err(OutputError::File(FileFault::Exists { .. }))));
+        assert!(matches!(plan("thesis.h5", true), Err(OutputError::File(FileFault::Foreign { .. }))));
+        assert!(matches!(plan("folder.h5", true), Err(OutputError::File(FileFault::Foreign { .. }))));
+        assert!(matches!(plan("no/such/folder.h5", false), Err(OutputError::File(FileFault::Io { .. }))));
         assert!(plan("empty.h5", true).is_ok() && plan("..", true).is_err());
         let (a, b) = (plan("a.h5", false).unwrap(), plan("./a.h5", false).unwrap());
         assert!(matches!(apart([&a, &b]), Err(OutputError::Twice { .. })));
@@ -292,7 +235,7 @@ mod tests {
             fs::write(folder.path().join("a.h5"), "mine").unwrap();
             Ok(())
         });
-        let Err(OutputError::Lost(FileFault::Kept { why, at, .. })) = late else { panic!("{late:?}") };
+        let Err(OutputError::File(FileFault::Kept { why, at, .. })) = late else { panic!("{late:?}") };
         assert!(matches!(*why, FileFault::Exists { .. }) && at.exists());
         assert_eq!(fs::read(folder.path().join("a.h5")).unwrap(), b"mine");
     }

@@ -29,20 +29,19 @@
 //!     attributes: &[],
 //!     pairs: &["tx/rx".to_owned()],
 //!     channels: &["VV".to_owned()],
-//!     channel_pairs: &[0],
+//!     channel_pairs: &[1],
 //!     paths: &paths,
 //! };
-//! file.check()?;
-//! # Ok::<(), nereus::recording::path_file::PathFileError>(())
+//! let refused = file.write("never.h5".as_ref()).unwrap_err();
+//! assert_eq!(refused.to_string(), "channel 0 lies on pair 1; there are 1");
 //! ```
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::map_file::Attribute;
+use super::field_file::{self, Attribute, FieldFileError, Fields};
+#[cfg(feature = "hdf5")]
+use super::field_file::{Fault, list, put, texts};
 use crate::paths::list::ScattererPaths;
-
-/// Version of the structure.
-pub const VERSION: u32 = 1;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug)]
@@ -59,48 +58,22 @@ pub struct PathFile<'a> {
     pub paths: &'a ScattererPaths,
 }
 
-/// Why scatterer paths cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PathFileError {
-    /// Names that are not those of the list.
-    #[error("{names} {what} are named; the path list has {columns}")]
-    Names {
-        /// Pairs or channels.
-        what: &'static str,
-        /// So many names.
-        names: usize,
-        /// So many columns.
-        columns: usize,
-    },
-    /// A channel on a pair that is not there.
-    #[error("channel {channel} lies on pair {pair}; there are {pairs}")]
-    Pair {
-        /// The channel.
-        channel: usize,
-        /// Its pair.
-        pair: usize,
-        /// Pairs of the list.
-        pairs: usize,
-    },
-    /// The HDF5 library refused.
-    #[error("{}: {detail}", path.display())]
-    Hdf5 {
-        /// The file.
-        path: PathBuf,
-        /// What the library said.
-        detail: String,
-    },
-    /// Built without HDF5.
-    #[error("{}: this build has no HDF5 (feature `hdf5`)", path.display())]
-    NoHdf5 {
-        /// The file asked for.
-        path: PathBuf,
-    },
+impl PathFile<'_> {
+    /// Writes the file, which must not exist.
+    ///
+    /// # Errors
+    /// Names that are not those of the list, and what the library refuses.
+    pub fn write(&self, path: &Path) -> Result<(), FieldFileError> {
+        field_file::write(self, path)
+    }
 }
 
-impl PathFile<'_> {
-    /// Whether names and list agree.
-    pub fn check(&self) -> Result<(), PathFileError> {
+impl Fields for PathFile<'_> {
+    fn root(&self) -> (&str, &[(&str, Attribute<'_>)]) {
+        ("nereus-paths", self.attributes)
+    }
+
+    fn check(&self) -> Result<(), FieldFileError> {
         let pairs = self.paths.delay_s.len();
         let tables = [
             ("pairs", self.pairs.len(), pairs),
@@ -109,76 +82,35 @@ impl PathFile<'_> {
         ];
         for (what, names, columns) in tables {
             if names != columns {
-                return Err(PathFileError::Names { what, names, columns });
+                return Err(FieldFileError::Names { what, names, columns });
             }
         }
         match self.channel_pairs.iter().position(|pair| *pair >= pairs) {
-            Some(channel) => Err(PathFileError::Pair { channel, pair: self.channel_pairs[channel], pairs }),
+            Some(channel) => Err(FieldFileError::Pair { channel, pair: self.channel_pairs[channel], pairs }),
             None => Ok(()),
         }
     }
 
-    /// Writes the file, which must not exist.
     #[cfg(feature = "hdf5")]
-    pub fn write(&self, path: &Path) -> Result<(), PathFileError> {
-        self.check()?;
-        self.fill(path)
-            .map_err(|fault| PathFileError::Hdf5 { path: path.to_owned(), detail: fault.to_string() })
-    }
-
-    /// Says that this build has no HDF5.
-    #[cfg(not(feature = "hdf5"))]
-    pub fn write(&self, path: &Path) -> Result<(), PathFileError> {
-        self.check()?;
-        Err(PathFileError::NoHdf5 { path: path.to_owned() })
-    }
-
-    #[cfg(feature = "hdf5")]
-    fn fill(&self, path: &Path) -> Result<(), crate::sinks::hdf5::fault::Fault> {
-        use super::map_file::create;
-        use crate::sinks::hdf5::attributes::{list, text};
-        let file = create(path, "nereus-paths", VERSION, self.attributes)?;
+    fn fill(&self, file: &::hdf5::File) -> Result<(), Fault> {
         for (name, values) in [("channels", self.channels), ("pairs", self.pairs)] {
-            let values = values.iter().map(|value| text(value)).collect::<Result<Vec<_>, _>>()?;
             if !values.is_empty() {
-                list(&file, name, &values)?;
+                list(file, name, &texts(values)?)?;
             }
         }
         let Self { paths, channel_pairs, .. } = self;
         let n = paths.len();
         let offset_meaning = "emission of the path after that of the pulse";
-        columns(&file, "emission_offset_s", (n,), &paths.emission_offset_s, "s", offset_meaning)?;
+        put(file, "emission_offset_s", (n,), &paths.emission_offset_s, "s", offset_meaning)?;
         let (delay_s, rate) = (paths.delay_s.concat(), paths.delay_rate.concat());
         let shape = (paths.delay_s.len(), n);
-        columns(&file, "delay_s", shape, &delay_s, "s", "delay after the emission of the path")?;
-        columns(&file, "delay_rate", shape, &rate, "1", "rate of the delay, negative when closing")?;
+        put(file, "delay_s", shape, &delay_s, "s", "delay after the emission of the path")?;
+        put(file, "delay_rate", shape, &rate, "1", "rate of the delay, negative when closing")?;
         let (shape, meaning) = ((paths.amplitude.len(), n), "amplitude without carrier phase");
-        columns(&file, "amplitude", shape, &paths.amplitude.concat(), "sqrt(W)", meaning)?;
+        put(file, "amplitude", shape, &paths.amplitude.concat(), "sqrt(W)", meaning)?;
         let pairs: Vec<u64> = channel_pairs.iter().map(|pair| *pair as u64).collect();
-        columns(&file, "channel_pair", (pairs.len(),), &pairs, "1", "row of delay_s of each channel")?;
-        // A full disk shows when the file is closed.
-        file.flush()?;
-        Ok(file.close()?)
+        put(file, "channel_pair", (pairs.len(),), &pairs, "1", "row of delay_s of each channel").map(drop)
     }
-}
-
-/// A dataset with its unit and meaning.
-#[cfg(feature = "hdf5")]
-fn columns<T: ::hdf5::H5Type>(
-    file: &::hdf5::File,
-    name: &str,
-    shape: impl Into<::hdf5::Extents>,
-    values: &[T],
-    unit: &str,
-    meaning: &str,
-) -> Result<(), crate::sinks::hdf5::fault::Fault> {
-    use crate::sinks::hdf5::attributes::{attribute, text};
-    let dataset = file.new_dataset::<T>().shape(shape).create(name)?;
-    if !values.is_empty() {
-        dataset.write_raw(values)?;
-    }
-    attribute(&dataset, "unit", &text(unit)?)?;
-    attribute(&dataset, "meaning", &text(meaning)?)
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Whether a recording is whole: everything in it is read once and held against what a recording promises.
 //!
 //! - The header is complete and sizes agree with names
-//!   ([`Header::check`](crate::sinks::sink::Header::check)).
+//!   ([`Header::check`](crate::recording::header::Header::check)).
 //! - Every column has as many rows as `/pulse/index`, and every row can be read. In HDF5 the library checks
 //!   the Fletcher-32 checksum of every chunk meanwhile (recordings of earlier versions have none: then a
 //!   damaged sample is not seen, which is noted).
-//! - Pulse numbers ascend; where some are missing, the pulse after the gap says so (`AFTER_GAP`).
+//! - Pulse numbers ascend; where some are missing, the pulse after the gap is flagged (`AFTER_GAP`).
 //! - Emission times ascend. Samples, times and states are finite numbers.
 //! - The writer has closed the file: not so while it grows and after its writer was killed.
 //!
@@ -25,11 +25,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::{RecordingError, Source};
+use super::columns::{Column, INDEX, Rows, columns};
+use super::fault::{READING, RecordingError};
+use super::source::Source;
+use crate::files::FileFault;
 use crate::inputs;
 use crate::pulse::flags::AFTER_GAP;
-use crate::sinks::columns::{Column, INDEX, Rows, columns};
-use crate::sinks::sink::SinkError;
 
 /// Rows are read in parts of about so many bytes.
 const BLOCK_BYTES: usize = 4 << 20;
@@ -54,6 +55,7 @@ pub struct Finding {
 /// How a recording ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Ending {
     /// Its writer has closed it, as far as can be known.
     Closed,
@@ -78,7 +80,7 @@ pub struct Verdict {
     pub first: Option<u64>,
     /// Last pulse.
     pub last: Option<u64>,
-    /// Pulses that the run dropped in real time, and said so.
+    /// Pulses that the run dropped in real time, and flagged.
     pub dropped: u64,
     /// Pulses that the run was to have.
     pub asked: u64,
@@ -142,8 +144,11 @@ fn ending(path: &Path) -> Ending {
 }
 
 /// Reads all of a recording. The error is for what cannot be looked at; what is damaged is in the verdict.
+///
+/// # Errors
+/// A path where nothing can be read, and HDF5 in a build without it.
 pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
-    fs::metadata(path).map_err(SinkError::io(path, "reading the recording"))?;
+    fs::metadata(path).map_err(FileFault::io(path, READING))?;
     let ending = ending(path);
     let mut verdict = Verdict {
         path: path.to_owned(),

@@ -1,7 +1,7 @@
 //! Where pulses go.
 //!
 //! A sink implements [`sink::Sink`] and runs in a thread of its own ([`sink::drain`]). [`preflight`]
-//! says everything that is wrong with the outputs asked for before anything is made.
+//! reports everything that is wrong with the outputs asked for before anything is made.
 //!
 //! ```
 //! use nereus::sinks::{Kind, Settings, preflight};
@@ -18,14 +18,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::files;
+use crate::recording::plain::recognise;
 use sink::SinkError;
 
 mod fault;
 pub mod sink;
-#[doc(hidden)]
-pub mod columns;
-#[doc(hidden)]
-pub mod descriptions;
 #[doc(hidden)]
 pub mod port;
 #[doc(hidden)]
@@ -34,15 +31,11 @@ pub mod nav;
 pub mod null;
 #[doc(hidden)]
 pub mod plain;
-mod unwritten;
 #[doc(hidden)]
 pub mod vita49;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod hdf5;
-#[cfg(feature = "hdf5")]
-#[doc(hidden)]
-pub mod merge;
 
 /// A place where pulses go.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +48,7 @@ pub struct Settings {
 
 /// Kinds of sinks.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Kind {
     /// HDF5 recording.
     Hdf5 {
@@ -110,7 +104,9 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                     continue;
                 }
             },
-            Kind::Plain { path, force } => (path.as_path(), false, plain::preflight(path, *force)),
+            Kind::Plain { path, force } => {
+                (path.as_path(), false, files::preflight(path, *force, &recognise).map_err(SinkError::from))
+            }
             Kind::Hdf5 { path, segment_s, force } => {
                 (path.as_path(), segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))
             }

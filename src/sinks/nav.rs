@@ -1,19 +1,19 @@
 //! Navigation out: what a platform reports, on a port, in step with the pulses.
 //!
-//! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it tells the
-//! reported state at the first pulse at or after the tick, and bears the emission time of that pulse. With
+//! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it holds the
+//! state reported at the first pulse at or after the tick, and bears the emission time of that pulse. With
 //! `latency_s` it leaves with the first pulse emitted that much later, as from a receiver that thinks for a
 //! while. With a rate above the PRF there is one message a pulse.
 //!
-//! The sink does not wait for its port ([`Port`]). What a message says is the business of a [`Speech`]; rooms
-//! above give it.
+//! The sink does not wait for its port ([`Port`]). An [`Encoder`] of the modules above turns states into messages.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::port::{self, Device, Port, PortFault};
-use super::sink::{Closed, Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, Sink, SinkError, SinkReport};
 use crate::pulse::{PlatformRecord, Pulse};
+use crate::recording::header::Header;
 use crate::time::TimeTag;
 
 /// How long the last bytes may take.
@@ -23,7 +23,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Which messages are sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Words {
+#[non_exhaustive]
+pub enum Messages {
     /// NMEA 0183 sentences of these names, in this order.
     Nmea(Vec<&'static str>),
     /// NovAtel INSPVAX, ASCII.
@@ -40,7 +41,7 @@ pub struct NavSettings {
     /// Place of the platform in the navigation record.
     pub platform: usize,
     /// Messages.
-    pub words: Words,
+    pub messages: Messages,
     /// Messages a second.
     pub rate_hz: f64,
     /// Delay of a message in emission time, s.
@@ -50,16 +51,16 @@ pub struct NavSettings {
 }
 
 /// Turns states into messages.
-pub trait Speech: Send {
-    /// Appends what is said of a state; false if there are no words for it.
-    fn say(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool;
+pub trait Encoder: Send {
+    /// Appends the messages of a state; false if it has none.
+    fn encode(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool;
 }
 
 /// Sends what a platform reports.
 pub struct NavSink {
     settings: NavSettings,
     port: Port,
-    speech: Box<dyn Speech>,
+    encoder: Box<dyn Encoder>,
     start: TimeTag,
     interval_s: f64,
     /// The last tick that has passed.
@@ -73,7 +74,14 @@ pub struct NavSink {
 
 impl NavSink {
     /// Opens the port.
-    pub fn open(settings: &NavSettings, speech: Box<dyn Speech>, header: &Header) -> Result<Self, SinkError> {
+    ///
+    /// # Errors
+    /// A port that cannot be opened, and a file that may not be replaced.
+    pub fn open(
+        settings: &NavSettings,
+        encoder: Box<dyn Encoder>,
+        header: &Header,
+    ) -> Result<Self, SinkError> {
         let device = settings.device.clone();
         let port = Port::open(device, settings.force).map_err(|fault| match fault {
             PortFault::System(source) => SinkError::Port { device: settings.device.to_string(), source },
@@ -82,7 +90,7 @@ impl NavSink {
         Ok(Self {
             settings: settings.clone(),
             port,
-            speech,
+            encoder,
             start: header.start,
             interval_s: header.prf_hz.recip(),
             tick: None,
@@ -137,11 +145,11 @@ impl Sink for NavSink {
             && let Some(record) = pulse.nav_reported.get(self.settings.platform)
         {
             self.message.clear();
-            if self.speech.say(pulse.time, record, &mut self.message) {
+            if self.encoder.encode(pulse.time, record, &mut self.message) {
                 self.due.push_back((pulse.time.plus(self.settings.latency_s), self.message.len()));
                 self.waiting.extend(&self.message);
             } else {
-                self.port.unsaid();
+                self.port.count_lost();
             }
         }
         self.release(Some(pulse.time));

@@ -11,7 +11,7 @@
 //! next message; a message for which there is no room is lost as a whole and counted, so nobody reads half of
 //! one. A port that vanishes is counted and opened again, at most twice a second; until then messages are
 //! lost. A **file** that cannot be written (a full disk) is a fault, not a port that vanishes: it ends with
-//! the last whole message, and [`Port::fault`] says why.
+//! the last whole message, and [`Port::fault`] is why.
 //!
 //! ```
 //! use nereus::sinks::port::{Device, Port};
@@ -26,7 +26,7 @@
 //! ```
 
 use std::fs::{self, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Write};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -34,7 +34,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::files::{Draft, FileFault, Holding};
+use crate::files::{Draft, FileFault, Holding, Recognised};
+use crate::inputs;
 
 /// Bytes that wait for a port.
 const HELD_BYTES: usize = 4096;
@@ -45,6 +46,7 @@ const CONNECT: Duration = Duration::from_millis(200);
 
 /// Where a port is.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Device {
     /// A serial port or a pseudo terminal.
     Serial {
@@ -73,6 +75,9 @@ pub struct NotADevice {
 
 impl Device {
     /// The device of a text; the baud rate is that of a serial port.
+    ///
+    /// # Errors
+    /// A text that is no device.
     pub fn of(text: &str, baud: u32) -> Result<Self, NotADevice> {
         let bad = || NotADevice { text: text.to_owned() };
         if let Some(path) = text.strip_prefix("file:") {
@@ -217,6 +222,7 @@ pub struct PortCounts {
 
 /// Why a port cannot be opened.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PortFault {
     /// The system refused.
     #[error(transparent)]
@@ -237,6 +243,9 @@ struct Made {
 }
 
 /// Whether a file may be made, or replaced, here.
+///
+/// # Errors
+/// What is there already and may not be replaced, and a folder that is missing.
 pub fn preflight(path: &Path, force: bool) -> Result<(), FileFault> {
     match is_regular_or_new(path) {
         true => crate::files::preflight(path, force, &recognise),
@@ -251,20 +260,17 @@ fn is_regular_or_new(path: &Path) -> bool {
 }
 
 /// A file that may be replaced by one of messages: it is empty, or begins with a message of navigation.
-pub fn recognise(path: &Path) -> Option<Holding> {
-    let mut start = Vec::new();
-    fs::symlink_metadata(path).ok().filter(|data| data.is_file())?;
-    fs::File::open(path).ok()?.take(16).read_to_end(&mut start).ok()?;
-    let talks = |rest: &[u8]| {
+pub fn recognise(path: &Path) -> Recognised {
+    let is_message = |rest: &[u8]| {
         let name = rest.iter().position(|byte| *byte == b',').map(|end| &rest[..end]);
         name.is_some_and(|name| name.len() >= 5 && name.iter().all(u8::is_ascii_alphanumeric))
     };
-    let is_ours = match start.as_slice() {
+    let is_ours = inputs::beginning(path, 16).is_some_and(|start| match start.as_slice() {
         [] | [0xAA, 0x44, 0x12 | 0x13, ..] => true,
-        [b'$' | b'!' | b'#', rest @ ..] => talks(rest),
+        [b'$' | b'!' | b'#', rest @ ..] => is_message(rest),
         _ => false,
-    };
-    is_ours.then_some(Holding::File)
+    });
+    is_ours.then_some(Holding::File).ok_or("file of navigation messages")
 }
 
 /// Something that takes bytes.
@@ -287,6 +293,9 @@ impl std::fmt::Debug for Port {
 
 impl Port {
     /// Opens a device; with `force` a file of messages that exists is replaced at the end.
+    ///
+    /// # Errors
+    /// What the system refuses, and a file that may not be replaced.
     pub fn open(device: Device, force: bool) -> Result<Self, PortFault> {
         let Some(path) = device.file().filter(|path| is_regular_or_new(path)) else {
             if let Some(path) = device.file() {
@@ -330,7 +339,7 @@ impl Port {
     }
 
     /// Counts a message that could not be made.
-    pub fn unsaid(&mut self) {
+    pub fn count_lost(&mut self) {
         self.counts.lost_messages += 1;
     }
 
@@ -395,6 +404,9 @@ impl Port {
     }
 
     /// Waits some time for what is left, then counts it as lost. A file is put in its place.
+    ///
+    /// # Errors
+    /// A file that could not be written, or cannot be put in its place.
     pub fn finish(mut self, timeout: Duration) -> Result<PortCounts, PortFault> {
         self.wait(timeout);
         if let Some(fault) = self.fault {

@@ -1,36 +1,22 @@
-//! What every sink is, and what it is reported before the first pulse.
+//! What every sink is.
 
-use super::vita49::WireReport;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Duration;
 
-use num_complex::Complex32;
 use serde::Serialize;
 
-use super::port::PortCounts;
-use crate::files::{self, Draft, FileFault, Holding};
-use crate::pulse::log::Log;
-use crate::pulse::{Layout, Pulse, SampleFormat};
-use crate::scene::radar::Polarisation;
-use crate::time::TimeTag;
+use crate::files::{self, Draft, FileFault, Recognised};
+use crate::pulse::Pulse;
 use crate::transport::fanout::{Fed, Feed};
 
-pub use super::fault::SinkError;
+use super::port::PortCounts;
+use super::vita49::WireReport;
 
-/// Version of the recordings' structure (HDF5 and plain), attribute `version`.
-pub const FORMAT_VERSION: u32 = 1;
+pub use super::fault::SinkError;
 
 /// What a reader may count on after a kill: everything older than this was handed to the system.
 /// Recordings flush when a pulse finds the last flush older than this, or when none came for as long.
 pub const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
-
-/// Latest second of an instant: some 35,000 years.
-const MOST_SECONDS: u64 = 1 << 40;
-/// Most samples of a channel, and of a pulse.
-const MOST_SAMPLES: usize = 1 << 24;
-const MOST_IN_ALL: usize = 1 << 32;
 
 /// A place where pulses go. A sink runs in a thread of its own and may wait; see [`drain`].
 pub trait Sink: Send {
@@ -70,7 +56,7 @@ pub struct Closed {
     pub(super) force: bool,
     /// Older parts beyond those of this run: segments, recordings of further runs.
     pub(super) surplus: Vec<PathBuf>,
-    pub(super) recognise: Option<fn(&Path) -> Option<Holding>>,
+    pub(super) recognise: Option<fn(&Path) -> Recognised>,
 }
 
 impl Closed {
@@ -84,10 +70,10 @@ impl Closed {
     /// asked for all pulses and has come to its end.
     ///
     /// # Errors
-    /// The first fault, after all has been tried; the report says where everything is.
+    /// The first fault, after all has been tried; the report has where everything is.
     pub fn place(self, whole: bool) -> Result<SinkReport, Box<Unplaced>> {
         let Self { mut report, drafts, force, surplus, recognise } = self;
-        let recognise = |path: &Path| recognise.and_then(|recognise| recognise(path));
+        let recognise = |path: &Path| recognise.map_or(Err("output"), |recognise| recognise(path));
         let mut names =
             if drafts.is_empty() { Vec::new() } else { std::mem::take(&mut report.files) }.into_iter();
         let mut error = None;
@@ -143,7 +129,7 @@ impl Closed {
         self.drafts.iter_mut().for_each(Draft::hand_on);
     }
 
-    /// Leaves everything where it is, and says where that is: what a failed run has recorded is not lost, nor
+    /// Leaves everything where it is, and reports where that is: what a failed run has recorded is not lost, nor
     /// does it replace anything.
     pub fn keep(mut self) -> SinkReport {
         if self.drafts.is_empty() {
@@ -164,6 +150,7 @@ impl Closed {
 
 /// Why older outputs stay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Keeping {
     /// Nothing was written.
     Empty,
@@ -176,8 +163,8 @@ pub enum Keeping {
 }
 
 impl Keeping {
-    /// For people.
-    fn words(self) -> &'static str {
+    /// As the report prints it.
+    fn text(self) -> &'static str {
         match self {
             Self::Empty => "not overwritten, because this run has written nothing",
             Self::Part => "older, not removed, because the run was stopped or was a part of its pulses",
@@ -230,7 +217,7 @@ pub struct SinkReport {
 impl SinkReport {
     /// What the user should know of older outputs, and of files that are no longer there.
     pub fn notes(&self) -> Vec<String> {
-        let kept = self.kept_because.map_or("older, not removed", Keeping::words);
+        let kept = self.kept_because.map_or("older, not removed", Keeping::text);
         let of = |files: &[PathBuf], what: &str| match files {
             [] => None,
             [file] => Some(format!("{}: {what}", file.display())),
@@ -243,263 +230,12 @@ impl SinkReport {
     }
 }
 
-/// A row of the channel table.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct ChannelRow {
-    /// Name, such as `HV`.
-    pub name: String,
-    /// Name of the transmitter.
-    pub transmitter: String,
-    /// Name of the receiver.
-    pub receiver: String,
-    /// Receive letter, then transmit letter; of a calibration channel `tone` or `loopback`.
-    pub polarisations: String,
-    /// Polarisation basis of the transmitter ([`crate::scene::radar::PolarisationBasis::name`]); empty where
-    /// it is not known, as in older recordings, and of calibration channels.
-    pub transmit_basis: String,
-    /// That of the receiver.
-    pub receive_basis: String,
-}
-
-impl ChannelRow {
-    /// Whether it carries echoes, not a signal of calibration.
-    pub fn is_of_echoes(&self) -> bool {
-        self.polarisations.chars().count() == 2
-            && self.polarisations.chars().all(|letter| Polarisation::from_letter(letter).is_some())
-    }
-}
-
-/// A transmitter-receiver pair of the truth record.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct PairRow {
-    /// Name of the transmitter.
-    pub transmitter: String,
-    /// Name of the receiver.
-    pub receiver: String,
-}
-
-/// The origin of the ENU frame on the ellipsoid (WGS-84).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Origin {
-    /// Geodetic latitude, degrees.
-    pub lat_deg: f64,
-    /// Longitude, degrees.
-    pub lon_deg: f64,
-    /// Height above the ellipsoid, metres.
-    pub h_m: f64,
-}
-
-/// The converter whose codes are recorded.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct AdcRow {
-    /// Bits per component.
-    pub bits: u32,
-    /// sqrt(W) per code: sample = (code + 1/2) step for a mid-rise converter.
-    pub step: f64,
-}
-
-/// Everything that a sink is reported before the first pulse.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Header {
-    /// Name and version of the program.
-    pub software: String,
-    /// Carrier, Hz.
-    pub carrier_hz: f64,
-    /// Complex sample rate, Hz.
-    pub sample_rate_hz: f64,
-    /// Bandwidth of the waveform, Hz.
-    pub bandwidth_hz: f64,
-    /// Length of the waveform, seconds.
-    pub pulse_s: f64,
-    /// Mean pulse repetition frequency, Hz.
-    pub prf_hz: f64,
-    /// Channels, in the order of the samples.
-    pub channels: Vec<ChannelRow>,
-    /// Transmitter-receiver pairs, in the order of the truth record.
-    pub pairs: Vec<PairRow>,
-    /// Origin of the ENU frame; none for a plain local frame.
-    pub origin: Option<Origin>,
-    /// Seed of every random stream.
-    pub seed: u64,
-    /// The scenario as written (TOML).
-    pub config: String,
-    /// Transmitted pulse after the receive filter, at the sample rate.
-    pub replica: Vec<Complex32>,
-    /// Platforms, in the order of the navigation record.
-    pub platforms: Vec<String>,
-    /// Transmitters: the first phase centres.
-    pub transmitters: Vec<String>,
-    /// Receivers: the phase centres after those of the transmitters.
-    pub receivers: Vec<String>,
-    /// Targets, in the order of the truth record.
-    pub targets: Vec<String>,
-    /// Ships, in the order of the truth record.
-    pub ships: Vec<String>,
-    /// Antennas whose clocks are wrong, in the order of the truth record.
-    pub clocks: Vec<String>,
-    /// Sizes of every pulse.
-    pub layout: Layout,
-    /// The converter, when samples are its codes.
-    pub adc: Option<AdcRow>,
-    /// Emission time of pulse 0.
-    pub start: TimeTag,
-    /// First pulse of this run (not 0 for a shard).
-    pub first_pulse: u64,
-    /// Pulses of this run.
-    pub pulses: u64,
-    /// Whether the true motion is recorded; what was received over the wire has the reported one only.
-    pub truth: bool,
-    /// What is changed while the run goes on; `None` where nothing may be.
-    pub changes: Option<Arc<Log>>,
-}
-
-impl Header {
-    /// Whether a recording can hold this: sizes agree with names, names can be names of groups.
-    pub fn check(&self) -> Result<(), SinkError> {
-        let refuse = |field, found: String, allowed| Err(SinkError::Header { field, found, allowed });
-        let sizes = [
-            ("channels", self.channels.len(), self.layout.channels),
-            ("platforms", self.platforms.len(), self.layout.platforms),
-            (
-                "transmitters and receivers",
-                self.transmitters.len() + self.receivers.len(),
-                self.layout.antennas,
-            ),
-            ("targets", self.targets.len(), self.layout.targets),
-            ("pairs", self.pairs.len(), self.layout.pairs),
-            ("ships", self.ships.len(), self.layout.ships),
-            ("clocks", self.clocks.len(), self.layout.clocks),
-        ];
-        for (field, names, slots) in sizes {
-            if names != slots {
-                return refuse(field, format!("{names} names for {slots} in the layout"), "a name for each");
-            }
-        }
-        if self.layout.channels == 0 || self.layout.samples == 0 {
-            let found = format!("{} channels of {} samples", self.layout.channels, self.layout.samples);
-            return refuse("layout", found, "at least 1 channel of 1 sample");
-        }
-        if (self.layout.format == SampleFormat::Ci16) != self.adc.is_some() {
-            return refuse("adc", format!("{:?}", self.adc), "one if samples are codes, none otherwise");
-        }
-        self.check_values()?;
-        let antennas = || self.transmitters.iter().chain(&self.receivers);
-        for (field, names) in [
-            ("platforms", self.platforms.iter().collect::<Vec<_>>()),
-            ("transmitters and receivers", antennas().collect()),
-        ] {
-            let mut seen = BTreeSet::new();
-            for name in names {
-                let dots = name == "." || name == "..";
-                if name.is_empty() || name.len() > 200 || dots || name.contains(['/', '\\', '\0']) {
-                    return refuse(
-                        field,
-                        format!("'{}'", name.escape_debug()),
-                        "1 to 200 bytes without / \\ NUL, not . or ..",
-                    );
-                }
-                if !seen.insert(name) {
-                    return refuse(field, format!("'{}' twice", name.escape_debug()), "each name once");
-                }
-            }
-        }
-        let texts = [&self.config, &self.software]
-            .into_iter()
-            .chain(&self.targets)
-            .chain(&self.ships)
-            .chain(&self.clocks);
-        for text in texts.chain(
-            self.channels
-                .iter()
-                .flat_map(|c| [&c.name, &c.polarisations, &c.transmit_basis, &c.receive_basis]),
-        ) {
-            if text.contains('\0') {
-                return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the figures are those of a radar, and sizes can be counted with.
-    fn check_values(&self) -> Result<(), SinkError> {
-        let refuse = |field, found: String, allowed| Err(SinkError::Header { field, found, allowed });
-        let hertz = "a number above 0, at most 1e12 Hz";
-        let seconds = "a number from 0 to 1e6 s";
-        for (field, value, least, most, allowed) in [
-            ("carrier_hz", self.carrier_hz, f64::MIN_POSITIVE, 1e12, hertz),
-            ("sample_rate_hz", self.sample_rate_hz, f64::MIN_POSITIVE, 1e12, hertz),
-            ("bandwidth_hz", self.bandwidth_hz, 0.0, 1e12, "a number from 0 to 1e12 Hz"),
-            ("pulse_s", self.pulse_s, 0.0, 1e6, seconds),
-            ("prf_hz", self.prf_hz, 1e-6, 1e9, "a number from 1e-6 to 1e9 Hz"),
-        ] {
-            if !(least..=most).contains(&value) {
-                return refuse(field, value.to_string(), allowed);
-            }
-        }
-        if let Some(Origin { lat_deg, lon_deg, h_m }) = self.origin
-            && !(lat_deg.abs() <= 90.0 && lon_deg.abs() <= 360.0 && h_m.abs() <= 1e9)
-        {
-            let allowed = "latitude -90 to 90, longitude -360 to 360 degrees, height within 1e9 m";
-            return refuse("origin", format!("{lat_deg}, {lon_deg} degrees, {h_m} m"), allowed);
-        }
-        if let Some(AdcRow { bits, step }) = self.adc
-            && !((1..=64).contains(&bits) && step > 0.0 && step.is_finite())
-        {
-            return refuse("adc", format!("{bits} bits, step {step}"), "1 to 64 bits, a finite step above 0");
-        }
-        if self.start.seconds().unsigned_abs() > MOST_SECONDS
-            || !(0.0..1.0).contains(&self.start.fraction_s())
-        {
-            let found = format!("{} s and {} s", self.start.seconds(), self.start.fraction_s());
-            return refuse("start time", found, "within 2^40 s of 1970, the fraction from 0 to 1 s");
-        }
-        let Layout { channels, samples, .. } = self.layout;
-        if samples > MOST_SAMPLES || channels.checked_mul(samples).is_none_or(|all| all > MOST_IN_ALL) {
-            let found = format!("{channels} channels of {samples} samples");
-            return refuse("layout", found, "at most 2^24 samples a channel and 2^32 in all channels");
-        }
-        Ok(())
-    }
-
-    /// The first part in which two headers of one run differ; range of pulses aside.
-    pub fn difference(&self, other: &Self) -> Option<&'static str> {
-        [
-            ("config", self.config == other.config),
-            ("seed", self.seed == other.seed),
-            ("software", self.software == other.software),
-            ("carrier_hz", self.carrier_hz == other.carrier_hz),
-            ("sample_rate_hz", self.sample_rate_hz == other.sample_rate_hz),
-            ("bandwidth_hz", self.bandwidth_hz == other.bandwidth_hz),
-            ("pulse_s", self.pulse_s == other.pulse_s),
-            ("prf_hz", self.prf_hz == other.prf_hz),
-            ("channel", self.channels == other.channels),
-            ("truth/pairs", self.pairs == other.pairs),
-            ("origin", self.origin == other.origin),
-            ("replica", self.replica == other.replica),
-            ("platforms", self.platforms == other.platforms),
-            ("transmitters", self.transmitters == other.transmitters),
-            ("receivers", self.receivers == other.receivers),
-            ("truth/targets", self.targets == other.targets),
-            ("truth/ships", self.ships == other.ships),
-            ("truth/clocks", self.clocks == other.clocks),
-            ("layout", self.layout == other.layout),
-            ("adc", self.adc == other.adc),
-            ("start time", self.start == other.start),
-            ("truth", self.truth == other.truth),
-        ]
-        .into_iter()
-        .find_map(|(field, same)| (!same).then_some(field))
-    }
-
-    /// Names of the antennas in the order of the phase centres.
-    pub fn antennas(&self) -> impl Iterator<Item = &str> {
-        self.transmitters.iter().chain(&self.receivers).map(String::as_str)
-    }
-}
-
 /// The body of a sink's thread: takes pulses until the stream ends, then closes.
 ///
 /// When something fails, the pulses that the feed counts as written become those that a reader finds.
+///
+/// # Errors
+/// The first fault of the sink.
 pub fn drain(mut sink: Box<dyn Sink>, mut feed: Feed) -> Result<Closed, SinkError> {
     let done = take_all(sink.as_mut(), &mut feed);
     if done.is_err()

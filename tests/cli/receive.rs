@@ -126,7 +126,7 @@ fn same(sent: &Path, got: &Path) {
     );
     drop((a, b));
     let again = got.with_file_name("again.h5");
-    let report = nereus::sinks::merge::merge(&[got.to_owned()], &again, false).unwrap();
+    let report = nereus::recording::merge::merge(&[got.to_owned()], &again, false).unwrap();
     assert_eq!((report.pulses, report.dropped), (222, 0));
 }
 

@@ -204,7 +204,7 @@ pub fn aperture<'a>(
         transmitter,
         receiver,
         pulses: (0..recording.pulses())
-            .filter(|pulse| recording.is_lit(*pulse, channel))
+            .filter(|pulse| recording.is_illuminated(*pulse, channel))
             .map(|pulse| PulseEcho {
                 emission_s: recording.emission_s[pulse],
                 window_start_s: recording.window_start_s[pulse],

@@ -14,7 +14,7 @@ use nereus::nav::Sigma;
 use nereus::nav::encode::{Format, Sentence};
 use nereus::nav::solution::Solution;
 use nereus::pulse::{PlatformRecord, Pulse, SampleFormat};
-use nereus::sinks::nav::{NavSettings, NavSink, Speech, Words};
+use nereus::sinks::nav::{Encoder, Messages, NavSettings, NavSink};
 use nereus::sinks::port::Device;
 use nereus::sinks::sink::Sink;
 use nereus::time::{PulseTimes, TimeTag};
@@ -33,8 +33,8 @@ fn place(time: TimeTag, start: TimeTag) -> Geodetic {
 
 struct Boat(TimeTag, Format);
 
-impl Speech for Boat {
-    fn say(&mut self, time: TimeTag, _: &PlatformRecord, out: &mut Vec<u8>) -> bool {
+impl Encoder for Boat {
+    fn encode(&mut self, time: TimeTag, _: &PlatformRecord, out: &mut Vec<u8>) -> bool {
         let said = Solution {
             time,
             place: place(time, self.0),
@@ -110,7 +110,7 @@ fn gpsd_reads_a_terminal_as_a_live_receiver() {
     let settings = NavSettings {
         device: Device::of(&sink_end.name().unwrap(), 38_400).unwrap(),
         platform: 1,
-        words: Words::Nmea(vec!["GGA", "RMC"]),
+        messages: Messages::Nmea(vec!["GGA", "RMC"]),
         rate_hz: RATE_HZ,
         latency_s: 0.0,
         force: false,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nereus::pulse::{PlatformRecord, Pulse, SampleFormat};
-use nereus::sinks::nav::{NavSettings, NavSink, Speech, Words};
+use nereus::sinks::nav::{Encoder, Messages, NavSettings, NavSink};
 use nereus::sinks::port::Device;
 use nereus::sinks::sink::{Sink, SinkReport};
 use nereus::sinks::{Kind, Settings, preflight};
@@ -14,8 +14,8 @@ use crate::recording_fixture::header;
 /// Says the time after `start`, in nanoseconds, and the easting.
 struct Plain(TimeTag);
 
-impl Speech for Plain {
-    fn say(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool {
+impl Encoder for Plain {
+    fn encode(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool {
         let ns = (time.since(self.0) * 1e9).round();
         out.extend(format!("{ns} {}\n", record.position_m[0]).bytes());
         true
@@ -26,7 +26,7 @@ fn settings(device: &str, rate_hz: f64, latency_s: f64) -> NavSettings {
     NavSettings {
         device: Device::of(device, 115_200).unwrap(),
         platform: 1,
-        words: Words::Nmea(vec!["GGA"]),
+        messages: Messages::Nmea(vec!["GGA"]),
         rate_hz,
         latency_s,
         force: false,

@@ -8,10 +8,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use nereus::pulse::SampleFormat;
+use nereus::recording::header::Header;
+use nereus::recording::merge::merge;
 use nereus::sinks::hdf5::Hdf5Sink;
-use nereus::sinks::merge::merge;
 use nereus::sinks::plain::PlainSink;
-use nereus::sinks::sink::{Header, Sink, drain};
+use nereus::sinks::sink::{Sink, drain};
 use nereus::time::PulseTimes;
 use nereus::transport::schedule::Schedule;
 use nereus::transport::stage::Stream;

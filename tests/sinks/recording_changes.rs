@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use nereus::pulse::SampleFormat;
 use nereus::pulse::log::{Entry, Log, Origin};
+use nereus::recording::header::Header;
 use nereus::sinks::plain::PlainSink;
-use nereus::sinks::sink::{Header, Sink};
+use nereus::sinks::sink::Sink;
 use nereus::time::{PulseTimes, TimeTag};
 
 use crate::recording_fixture::{PRF_HZ, header, pulse};
@@ -78,8 +79,8 @@ mod files {
 
     use hdf5::types::FixedUnicode;
     use hdf5::{File, H5Type};
+    use nereus::recording::merge::merge;
     use nereus::sinks::hdf5::Hdf5Sink;
-    use nereus::sinks::merge::merge;
 
     use super::*;
 

@@ -9,9 +9,10 @@ use serde_json::Value;
 
 use nereus::pulse::SampleFormat;
 use nereus::pulse::log::{Entry, Log, Origin};
-use nereus::sinks::descriptions::{DESCRIPTIONS, Description};
+use nereus::recording::descriptions::{DESCRIPTIONS, Description};
+use nereus::recording::header::Header;
 use nereus::sinks::plain::PlainSink;
-use nereus::sinks::sink::{Header, Sink};
+use nereus::sinks::sink::Sink;
 
 use crate::recording_fixture::{header, pulse, python};
 
@@ -74,8 +75,8 @@ fn the_page_has_the_table_of_the_code() {
     let want: Vec<String> = DESCRIPTIONS
         .iter()
         .map(|of| {
-            let Description { path, element, axes, unit, frame, description } = of;
-            format!("| `/{path}` | {element} | {axes} | {unit} | {frame} | {description} |")
+            let Description { path, axes, unit, frame, description, .. } = of;
+            format!("| `/{path}` | {} | {axes} | {unit} | {frame} | {description} |", of.type_name())
         })
         .collect();
     let page = page();
@@ -129,7 +130,7 @@ mod hdf5_files {
     use crate::recording_hdf5::record;
     use hdf5::types::VarLenUnicode;
     use hdf5::{Dataset, File, Group};
-    use nereus::sinks::merge::merge;
+    use nereus::recording::merge::merge;
 
     fn datasets(group: &Group, list: &mut Vec<Dataset>) {
         list.extend(group.datasets().unwrap());
@@ -157,7 +158,7 @@ mod hdf5_files {
             let of = row(&name, words.each_ref().map(String::as_str));
             assert_eq!(of.axes.split(", ").count(), dataset.ndim(), "{name}");
             let dtype = format!("{:?}", dataset.dtype().unwrap().to_descriptor().unwrap());
-            let want = match of.element {
+            let want = match of.type_name() {
                 "uint8" => "Unsigned(U1)",
                 "uint32" => "Unsigned(U4)",
                 "uint64" => "Unsigned(U8)",
@@ -166,7 +167,7 @@ mod hdf5_files {
                 "text" => "VarLenUnicode",
                 _ => "Compound",
             };
-            assert!(dtype.starts_with(want), "{name} is {dtype}, not {}", of.element);
+            assert!(dtype.starts_with(want), "{name} is {dtype}, not {}", of.type_name());
             let mut others = dataset.attr_names().unwrap();
             others.retain(|attribute| !NAMES.contains(&attribute.as_str()));
             others.sort();

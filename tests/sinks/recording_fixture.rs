@@ -8,9 +8,10 @@ use num_complex::Complex32;
 
 use nereus::files::FileFault;
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
+use nereus::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
 #[cfg(feature = "hdf5")]
 use nereus::recording::verify::{Ending, Verdict, verify};
-use nereus::sinks::sink::{AdcRow, ChannelRow, Header, Origin, PairRow, SinkError};
+use nereus::sinks::sink::SinkError;
 use nereus::time::{PulseTimes, TimeTag};
 
 pub const PRF_HZ: f64 = 333.3;
@@ -231,8 +232,8 @@ pub fn verified(path: &Path) -> Verdict {
 pub fn unlocked<R>(mut make: impl FnMut() -> Result<R, SinkError>) -> R {
     for _ in 0..200 {
         match make() {
-            Err(SinkError::InUse { .. }) => {}
-            Err(SinkError::Lost(FileFault::Kept { why, at, .. }))
+            Err(SinkError::File(FileFault::InUse { .. })) => {}
+            Err(SinkError::File(FileFault::Kept { why, at, .. }))
                 if matches!(*why, FileFault::InUse { .. }) =>
             {
                 std::fs::remove_file(at).unwrap();

@@ -3,9 +3,12 @@ use std::path::{Path, PathBuf};
 use hdf5::File;
 use num_complex::{Complex, Complex32};
 
+use nereus::files::FileFault;
 use nereus::pulse::{Layout, SampleFormat, Samples};
+use nereus::recording::RecordingError;
+use nereus::recording::header::Header;
 use nereus::sinks::hdf5::{CHUNK_PULSES, Hdf5Sink};
-use nereus::sinks::sink::{FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
+use nereus::sinks::sink::{FLUSH_INTERVAL, Sink, SinkError, SinkReport};
 
 use crate::recording_fixture::{header, pulse, python, unlocked};
 
@@ -220,7 +223,7 @@ fn segments_open_alone() {
     }
     // A shorter run with force leaves no segment of the longer one.
     let sink = Hdf5Sink::create(&path, Some(0.1), false, &header);
-    assert!(matches!(sink, Err(SinkError::Exists { .. })));
+    assert!(matches!(sink, Err(SinkError::File(FileFault::Exists { .. }))));
     let mut sink = Box::new(unlocked(|| Hdf5Sink::create(&path, Some(0.1), true, &header)));
     sink.write(&pulse(&header, 0)).unwrap();
     assert_eq!(sink.finish().unwrap().files, names[..1]);
@@ -234,13 +237,19 @@ fn what_cannot_be_made_leaves_nothing() {
     let path = dir.path().join("rec.h5");
     std::fs::write(&path, "mine").unwrap();
     let refused = Hdf5Sink::create(&path, None, false, &header).unwrap_err();
-    assert!(matches!(refused, SinkError::Exists { .. }));
+    assert!(matches!(refused, SinkError::File(FileFault::Exists { .. })));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
     let lost = dir.path().join("none/rec.h5");
-    assert!(matches!(Hdf5Sink::create(&lost, None, false, &header), Err(SinkError::Io { .. })));
+    assert!(matches!(
+        Hdf5Sink::create(&lost, None, false, &header),
+        Err(SinkError::File(FileFault::Io { .. }))
+    ));
     let mut wrong = pulse(&header, 0);
     wrong.antennas.pop();
     let mut sink = Hdf5Sink::create(&dir.path().join("b.h5"), None, false, &header).unwrap();
     let error = sink.write(&wrong).unwrap_err();
-    assert!(matches!(error, SinkError::Pulse { expected: 3, found: 0, .. }), "{error}");
+    assert!(
+        matches!(error, SinkError::Recording(RecordingError::Pulse { expected: 3, found: 0, .. })),
+        "{error}"
+    );
 }

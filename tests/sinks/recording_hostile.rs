@@ -5,10 +5,12 @@ use std::fs;
 use std::path::Path;
 
 use nereus::pulse::{Pulse, SampleFormat, Samples};
+use nereus::recording::hdf5::read_through;
+use nereus::recording::header::Header;
 use nereus::recording::{Recording, RecordingError};
-use nereus::sinks::hdf5::{Hdf5Sink, read_through};
+use nereus::sinks::hdf5::Hdf5Sink;
 use nereus::sinks::plain::PlainSink;
-use nereus::sinks::sink::{Header, Sink};
+use nereus::sinks::sink::Sink;
 use nereus::time::PulseTimes;
 
 use crate::recording_fixture::{PRF_HZ, header};

@@ -3,10 +3,13 @@ use std::path::{Path, PathBuf};
 
 use hdf5::{Dataset, File, Group};
 
+use nereus::files::FileFault;
 use nereus::pulse::{SampleFormat, flags};
+use nereus::recording::RecordingError;
+use nereus::recording::header::Header;
+use nereus::recording::merge::{MergeError, merge};
 use nereus::sinks::hdf5::Hdf5Sink;
-use nereus::sinks::merge::{MergeError, merge};
-use nereus::sinks::sink::{Header, Sink, SinkError};
+use nereus::sinks::sink::Sink;
 
 use crate::recording_fixture::{header, pulse, unlocked};
 use crate::recording_hdf5::record;
@@ -93,9 +96,9 @@ fn shards_and_segments_become_the_whole_run() {
             }
         }
         let again = merge(&shards, &whole, false);
-        assert!(matches!(again, Err(MergeError::File(SinkError::Exists { .. }))));
+        assert!(matches!(again, Err(MergeError::Recording(RecordingError::File(FileFault::Exists { .. })))));
         unlocked(|| match merge(&shards, &whole, true) {
-            Err(MergeError::File(fault)) => Err(fault),
+            Err(MergeError::Recording(fault)) => Err(fault.into()),
             merged => Ok(merged.unwrap()),
         });
         let leftovers = fs::read_dir(dir.path()).unwrap().flatten();
@@ -131,7 +134,7 @@ fn what_does_not_fit_together_is_refused() {
         fs::write(&junk, bytes).unwrap();
         assert!(matches!(
             merge(std::slice::from_ref(&junk), &out, false),
-            Err(MergeError::File(SinkError::Hdf5 { .. }))
+            Err(MergeError::Recording(RecordingError::Hdf5 { .. }))
         ));
     }
 }

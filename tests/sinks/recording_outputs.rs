@@ -1,8 +1,10 @@
 use std::fs;
 use std::path::PathBuf;
 
+use nereus::files::FileFault;
 use nereus::pulse::SampleFormat;
-use nereus::sinks::sink::{Header, SinkError};
+use nereus::recording::header::Header;
+use nereus::sinks::sink::SinkError;
 use nereus::sinks::{Kind, Settings, preflight};
 
 use crate::recording_fixture::header;
@@ -28,7 +30,7 @@ fn every_fault_is_told_before_anything_is_made() {
     assert!(
         matches!(
             faults.as_slice(),
-            [SinkError::Exists { path }, SinkError::Twice { path: second }, SinkError::Io { .. }]
+            [SinkError::File(FileFault::Exists { path }), SinkError::Twice { path: second }, SinkError::File(FileFault::Io { .. })]
                 if *path == there && *second == twice
         ),
         "{faults:?}"
@@ -102,10 +104,10 @@ fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
     fs::create_dir(dir.path().join("folder.h5")).unwrap();
     for name in ["scenario.toml", "folder.h5"] {
         let faults = preflight(&[hdf5(name, None, true)]);
-        assert!(matches!(faults.as_slice(), [SinkError::NotARecording { .. }]), "{faults:?}");
+        assert!(matches!(faults.as_slice(), [SinkError::File(FileFault::Foreign { .. })]), "{faults:?}");
     }
     let faults = preflight(&[hdf5("scenario.toml/x.h5", None, false)]);
-    assert!(matches!(faults.as_slice(), [SinkError::NoFolder { .. }]), "{faults:?}");
+    assert!(matches!(faults.as_slice(), [SinkError::File(FileFault::NoFolder { .. })]), "{faults:?}");
 }
 
 #[cfg(not(feature = "hdf5"))]

@@ -1,5 +1,6 @@
 use std::fs;
 
+use nereus::files::FileFault;
 use nereus::pulse::SampleFormat;
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::{FLUSH_INTERVAL, Sink, SinkError};
@@ -63,7 +64,10 @@ fn a_folder_is_replaced_only_with_force_and_only_if_it_is_a_recording() {
     let mut sink = Box::new(PlainSink::create(&path, false, &header).unwrap());
     sink.write(&pulse(&header, 0)).unwrap();
     sink.finish().unwrap();
-    assert!(matches!(PlainSink::create(&path, false, &header), Err(SinkError::Exists { .. })));
+    assert!(matches!(
+        PlainSink::create(&path, false, &header),
+        Err(SinkError::File(FileFault::Exists { .. }))
+    ));
     let mut sink = Box::new(PlainSink::create(&path, true, &header).unwrap());
     (0..2).for_each(|n| sink.write(&pulse(&header, n)).unwrap());
     sink.finish().unwrap();
@@ -72,6 +76,9 @@ fn a_folder_is_replaced_only_with_force_and_only_if_it_is_a_recording() {
     let other = dir.path().join("letters");
     fs::create_dir(&other).unwrap();
     fs::write(other.join("diary.txt"), "dear").unwrap();
-    assert!(matches!(PlainSink::create(&other, true, &header), Err(SinkError::NotARecording { .. })));
+    assert!(matches!(
+        PlainSink::create(&other, true, &header),
+        Err(SinkError::File(FileFault::Foreign { .. }))
+    ));
     assert_eq!(fs::read_to_string(other.join("diary.txt")).unwrap(), "dear");
 }

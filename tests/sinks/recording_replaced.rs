@@ -53,14 +53,14 @@ fn folders_of_somebody_are_no_recording() {
     fs::create_dir_all(path.join("2025/plans")).unwrap();
     let header = header(SampleFormat::Cf32);
     let refused = PlainSink::create(&path, true, &header).unwrap_err();
-    assert!(matches!(refused, SinkError::NotARecording { .. }), "{refused}");
+    assert!(matches!(refused, SinkError::File(FileFault::Foreign { .. })), "{refused}");
     assert!(path.join("2025/plans").is_dir());
     assert_eq!(listing(dir.path()), ["rec"]);
     fs::remove_dir_all(&path).unwrap();
     plain(&path, false, 3).finish().unwrap();
     fs::create_dir(path.join("nav/plans")).unwrap();
     let refused = PlainSink::create(&path, true, &header).unwrap_err();
-    assert!(matches!(refused, SinkError::NotARecording { .. }), "{refused}");
+    assert!(matches!(refused, SinkError::File(FileFault::Foreign { .. })), "{refused}");
     assert_eq!((indices(&path), path.join("nav/plans").is_dir()), (3, true));
     // An empty folder holds nothing.
     let empty = dir.path().join("empty");
@@ -79,7 +79,7 @@ fn what_cannot_be_put_in_its_place_is_kept_and_named() {
     let reader = fs::File::open(path.join("meta.json")).unwrap();
     reader.lock_shared().unwrap();
     let unplaced = new.close().unwrap().place(true).unwrap_err();
-    let SinkError::Lost(FileFault::Kept { why, at, .. }) = &unplaced.error else { panic!("{unplaced:?}") };
+    let SinkError::File(FileFault::Kept { why, at, .. }) = &unplaced.error else { panic!("{unplaced:?}") };
     assert!(matches!(**why, FileFault::InUse { .. }), "{why}");
     assert_eq!(unplaced.report.files, std::slice::from_ref(at));
     assert_eq!((indices(at), indices(&path)), (3, 7));
@@ -95,7 +95,7 @@ fn a_plain_recording_that_is_removed_is_no_success() {
     let mut sink = plain(&path, false, 3);
     fs::remove_dir_all(&path).unwrap();
     let removed = sink.close().unwrap_err();
-    assert!(matches!(&removed, SinkError::Lost(FileFault::Removed { path: at }) if *at == path), "{removed}");
+    assert!(matches!(&removed, SinkError::File(FileFault::Removed { path: at }) if *at == path), "{removed}");
     assert_eq!(sink.readable(), Some(0));
     // One of its files.
     let mut sink = plain(&path, false, 3);
@@ -145,9 +145,10 @@ fn what_is_received_without_pulses_replaces_nothing() {
 
 #[cfg(feature = "hdf5")]
 mod hdf5 {
+    use nereus::recording::RecordingError;
+    use nereus::recording::merge::{MergeError, merge};
     use nereus::recording::verify::verify;
     use nereus::sinks::hdf5::Hdf5Sink;
-    use nereus::sinks::merge::{MergeError, merge};
     use nereus::sinks::sink::Unplaced;
 
     use super::*;
@@ -221,7 +222,10 @@ mod hdf5 {
         let there = dir.path().join("rec_0002.h5");
         fs::rename(&flight, &there).unwrap();
         let refused = Hdf5Sink::create(&path, Some(0.1), false, &header).unwrap_err();
-        assert!(matches!(&refused, SinkError::Exists { path } if *path == there), "{refused}");
+        assert!(
+            matches!(&refused, SinkError::File(FileFault::Exists { path }) if *path == there),
+            "{refused}"
+        );
     }
 
     /// Before: it was refused when all new segments were in place, and the run failed.
@@ -265,7 +269,7 @@ mod hdf5 {
         let reader = fs::File::open(&names[1]).unwrap();
         reader.lock_shared().unwrap();
         let Unplaced { report, error } = *new.close().unwrap().place(true).unwrap_err();
-        let SinkError::Lost(FileFault::Kept { at, path: of, .. }) = &error else { panic!("{error}") };
+        let SinkError::File(FileFault::Kept { at, path: of, .. }) = &error else { panic!("{error}") };
         assert_eq!(of, &names[1]);
         assert_eq!(report.files, [names[0].clone(), at.clone(), names[2].clone()]);
         assert_eq!(report.kept, names[3..]);
@@ -284,7 +288,7 @@ mod hdf5 {
         fs::remove_file(&path).unwrap();
         let removed = sink.close().unwrap_err();
         assert!(
-            matches!(&removed, SinkError::Lost(FileFault::Removed { path: at }) if *at == path),
+            matches!(&removed, SinkError::File(FileFault::Removed { path: at }) if *at == path),
             "{removed}"
         );
         assert_eq!(sink.readable(), Some(0));
@@ -293,7 +297,7 @@ mod hdf5 {
         let closed = sink.close().unwrap();
         fs::remove_file(&path).unwrap();
         let unplaced = closed.place(true).unwrap_err();
-        assert!(matches!(unplaced.error, SinkError::Lost(FileFault::Removed { .. })), "{unplaced:?}");
+        assert!(matches!(unplaced.error, SinkError::File(FileFault::Removed { .. })), "{unplaced:?}");
         assert!(unplaced.report.files.is_empty(), "{unplaced:?}");
         if cfg!(target_os = "linux") {
             let sink = opened(&path, None, 20);
@@ -303,7 +307,7 @@ mod hdf5 {
             let sink = opened(&path, None, 20);
             fs::rename(&path, &stored).unwrap();
             fs::write(&path, "a letter").unwrap();
-            let Err(SinkError::Lost(moved)) = sink.finish() else { panic!("moved, and its name taken") };
+            let Err(SinkError::File(moved)) = sink.finish() else { panic!("moved, and its name taken") };
             assert!(matches!(&moved, FileFault::Moved { now: Some(now), .. } if *now == stored), "{moved}");
             assert_eq!(fs::read_to_string(&path).unwrap(), "a letter");
         }
@@ -383,7 +387,7 @@ mod hdf5 {
                 merging.join().unwrap()
             });
             match merged {
-                Err(MergeError::File(SinkError::Lost(FileFault::Kept { why, at, .. }))) => {
+                Err(MergeError::Recording(RecordingError::File(FileFault::Kept { why, at, .. }))) => {
                     assert!(matches!(*why, FileFault::Exists { .. }), "{why}");
                     assert_eq!((pulses(&at), fs::metadata(&out).unwrap().len()), (400, 0));
                     return;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nereus::files::FileFault;
 use nereus::pulse::SampleFormat;
-use nereus::sinks::nav::{NavSettings, Words};
+use nereus::sinks::nav::{Messages, NavSettings};
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::port::{Device, Port};
 use nereus::sinks::sink::{Sink, SinkError, SinkReport};
@@ -24,7 +24,7 @@ fn plain(path: &Path, force: bool, pulses: u64) -> Box<PlainSink> {
 /// Why a complete recording is not in its place, and where it is.
 fn kept(finished: Result<SinkReport, SinkError>) -> (FileFault, PathBuf) {
     match finished {
-        Err(SinkError::Lost(FileFault::Kept { why, at, .. })) => (*why, at),
+        Err(SinkError::File(FileFault::Kept { why, at, .. })) => (*why, at),
         other => panic!("{other:?}"),
     }
 }
@@ -53,8 +53,14 @@ fn a_plain_recording_is_replaced_only_when_the_new_one_is_complete() {
     // Two that want the same free name: one gets it.
     let (first, second) = (dir.path().join("a"), header(SampleFormat::Cf32));
     let holder = plain(&first, false, 1);
-    assert!(matches!(PlainSink::create(&first, false, &second), Err(SinkError::Exists { .. })));
-    assert!(matches!(PlainSink::create(&first, true, &second), Err(SinkError::InUse { .. })));
+    assert!(matches!(
+        PlainSink::create(&first, false, &second),
+        Err(SinkError::File(FileFault::Exists { .. }))
+    ));
+    assert!(matches!(
+        PlainSink::create(&first, true, &second),
+        Err(SinkError::File(FileFault::InUse { .. }))
+    ));
     holder.finish().unwrap();
 }
 
@@ -66,7 +72,10 @@ fn a_folder_with_somebodys_files_is_no_recording_to_overwrite() {
     plain(&path, false, 7).finish().unwrap();
     for notes in ["notes.txt", "nav/notes.txt"] {
         fs::write(path.join(notes), "dear diary").unwrap();
-        assert!(matches!(PlainSink::create(&path, true, &header), Err(SinkError::NotARecording { .. })));
+        assert!(matches!(
+            PlainSink::create(&path, true, &header),
+            Err(SinkError::File(FileFault::Foreign { .. }))
+        ));
         assert_eq!(fs::read_to_string(path.join(notes)).unwrap(), "dear diary");
         fs::remove_file(path.join(notes)).unwrap();
     }
@@ -97,7 +106,7 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
         let settings = NavSettings {
             device: device.clone(),
             platform: 0,
-            words: Words::Nmea(vec!["GGA"]),
+            messages: Messages::Nmea(vec!["GGA"]),
             rate_hz: 1.0,
             latency_s: 0.0,
             force,
@@ -105,11 +114,11 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
         preflight(&[Settings { kind: Kind::Nav(settings), queue_pulses: 1 }])
     };
     fs::write(&path, "a thesis").unwrap();
-    assert!(matches!(look(true)[..], [SinkError::NotARecording { .. }]));
+    assert!(matches!(look(true)[..], [SinkError::File(FileFault::Foreign { .. })]));
     assert!(Port::open(device.clone(), true).is_err());
     assert_eq!(fs::read_to_string(&path).unwrap(), "a thesis");
     fs::write(&path, "$GPGGA,old*00\r\n").unwrap();
-    assert!(look(true).is_empty() && matches!(look(false)[..], [SinkError::Exists { .. }]));
+    assert!(look(true).is_empty() && matches!(look(false)[..], [SinkError::File(FileFault::Exists { .. })]));
     let mut port = Port::open(device, true).unwrap();
     port.send(b"$GPHDT,274.5,T*37\r\n");
     // Not before it is complete.
@@ -121,9 +130,10 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
 
 #[cfg(feature = "hdf5")]
 mod hdf5 {
+    use nereus::recording::RecordingError;
+    use nereus::recording::merge::{MergeError, merge};
     use nereus::recording::verify::{Ending, verify};
     use nereus::sinks::hdf5::Hdf5Sink;
-    use nereus::sinks::merge::{MergeError, merge};
 
     use super::*;
     use crate::recording_fixture::{unlocked, verified};
@@ -142,7 +152,10 @@ mod hdf5 {
         let stranger = dir.path().join("rec_0001.h5");
         fs::write(&stranger, "a thesis").unwrap();
         let refused = sink.write(&pulse(&header, 34)).unwrap_err();
-        assert!(matches!(&refused, SinkError::Exists { path } if *path == stranger), "{refused}");
+        assert!(
+            matches!(&refused, SinkError::File(FileFault::Exists { path }) if *path == stranger),
+            "{refused}"
+        );
         assert_eq!(fs::read_to_string(&stranger).unwrap(), "a thesis");
         assert_eq!(sink.readable(), Some(34));
         assert_eq!(listing(dir.path()), ["rec_0000.h5", "rec_0001.h5"]);
@@ -182,17 +195,23 @@ mod hdf5 {
         let out = at("out.h5");
         fs::write(&out, "a thesis").unwrap();
         let refused = merge(&shards, &out, true).unwrap_err();
-        assert!(matches!(refused, MergeError::File(SinkError::NotARecording { .. })), "{refused}");
+        assert!(
+            matches!(refused, MergeError::Recording(RecordingError::File(FileFault::Foreign { .. }))),
+            "{refused}"
+        );
         assert_eq!(fs::read_to_string(&out).unwrap(), "a thesis");
         fs::remove_file(&out).unwrap();
         let mut growing = Box::new(Hdf5Sink::create(&out, None, false, &header).unwrap());
         growing.write(&pulse(&header, 0)).unwrap();
         let refused = merge(&shards, &out, true).unwrap_err();
-        assert!(matches!(refused, MergeError::File(SinkError::InUse { .. })), "{refused}");
+        assert!(
+            matches!(refused, MergeError::Recording(RecordingError::File(FileFault::InUse { .. }))),
+            "{refused}"
+        );
         growing.finish().unwrap();
         assert_eq!(pulses(&out), 1);
         unlocked(|| match merge(&shards, &out, true) {
-            Err(MergeError::File(fault)) => Err(fault),
+            Err(MergeError::Recording(fault)) => Err(fault.into()),
             merged => Ok(merged.unwrap()),
         });
         assert_eq!((pulses(&out), listing(dir.path()).len()), (40, 3));
@@ -207,7 +226,7 @@ mod hdf5 {
         file.close().unwrap();
         let before = fs::read(&path).unwrap();
         let refused = Hdf5Sink::create(&path, None, true, &header(SampleFormat::Cf32)).unwrap_err();
-        assert!(matches!(refused, SinkError::NotARecording { .. }), "{refused}");
+        assert!(matches!(refused, SinkError::File(FileFault::Foreign { .. })), "{refused}");
         assert_eq!(fs::read(&path).unwrap(), before);
     }
 

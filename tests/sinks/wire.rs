@@ -2,7 +2,8 @@
 
 use nereus::frames::{Earth, Geodetic, Point, SceneFrame, Vector};
 use nereus::pulse::{PlatformRecord, Pulse, SampleFormat, Samples};
-use nereus::sinks::sink::{Header, Origin, Sink};
+use nereus::recording::header::{Header, Origin};
+use nereus::sinks::sink::Sink;
 use nereus::sinks::vita49::{Settings, Vita49Sink};
 use nereus::sinks::{self, Kind};
 use vita49::prelude::*;

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use nereus::pulse::Pulse;
 use nereus::receive::Receiver;
 use nereus::receive::report::Report;
-use nereus::sinks::sink::{Header, Sink, SinkReport};
+use nereus::recording::header::Header;
+use nereus::sinks::sink::{Sink, SinkReport};
 use nereus::sinks::vita49::{Settings, Vita49Sink};
 
 use crate::recording_fixture::pulse;

@@ -10,8 +10,9 @@ use nereus::pulse::{Pulse, SampleFormat};
 use nereus::receive::Receiver;
 use nereus::receive::listener::{Listener, Opener, Senders, Until, senders};
 use nereus::receive::report::Report;
+use nereus::recording::header::Header;
 use nereus::sinks::plain::PlainSink;
-use nereus::sinks::sink::{Header, Sink};
+use nereus::sinks::sink::Sink;
 use nereus::time::TimeTag;
 
 use proptest::prelude::*;

@@ -10,7 +10,8 @@ use nereus::pulse::{Pulse, SampleFormat, flags};
 use nereus::receive::listener::Until;
 use nereus::receive::report::Report;
 use nereus::receive::{Listener, Receiver};
-use nereus::sinks::sink::{Header, Sink, SinkReport};
+use nereus::recording::header::Header;
+use nereus::sinks::sink::{Sink, SinkReport};
 use nereus::sinks::vita49::{Settings, Vita49Sink};
 use proptest::prelude::*;
 

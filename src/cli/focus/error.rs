@@ -7,8 +7,8 @@ use crate::clutter::SampleFault;
 use crate::inputs::one_line;
 use crate::processor::range_compress::CompressError;
 use crate::recording::RecordingError;
+use crate::recording::field_file::FieldFileError;
 use crate::recording::ground::GroundError;
-use crate::recording::image_file::ImageFileError;
 use crate::recording::output::OutputError;
 
 /// Why a recording cannot be focused.
@@ -149,15 +149,15 @@ pub enum FocusError {
     Output(#[from] OutputError),
     /// The complex image cannot be written.
     #[error(transparent)]
-    Image(#[from] ImageFileError),
+    Image(#[from] FieldFileError),
 }
 
 impl FocusError {
     /// Exit code: 2 when the input is wrong, 1 otherwise.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Output(OutputError::Io { .. } | OutputError::Lost(_))
-            | Self::Image(ImageFileError::Hdf5 { .. }) => 1,
+            Self::Output(error) if !error.is_wrong_input() => 1,
+            Self::Image(FieldFileError::Hdf5 { .. }) => 1,
             _ => 2,
         }
     }

@@ -12,7 +12,7 @@ use crate::processor::degradation::Look;
 use crate::processor::degradation::laws::{
     PairedEchoes, gauss_markov_db, paired_echoes, ramp_cells, step_peak, white_db,
 };
-use crate::sinks::sink::ChannelRow;
+use crate::recording::header::ChannelRow;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// An error that is known, and what it does.

@@ -38,12 +38,12 @@ use crate::processor::range_compress::{
     Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
 };
 use crate::processor::taper::Taper;
+use crate::recording::field_file::Attribute;
 use crate::recording::ground::Ground;
+use crate::recording::header::Header;
 use crate::recording::image_file::ImageFile;
-use crate::recording::map_file::Attribute;
 use crate::recording::output::{FileKind, Output};
 use crate::recording::{Recording, RecordingError};
-use crate::sinks::sink::Header;
 use crate::transport::pacer::Status;
 pub use gating::DopplerBand;
 use scenario::Scenario;
@@ -396,7 +396,8 @@ fn aperture<'a>(
     [transmitter, receiver]: [&'a PhasePath; 2],
     channel: usize,
 ) -> Result<Aperture<'a>, FocusError> {
-    let illuminated: Vec<usize> = (0..recording.pulses()).filter(|p| recording.is_lit(*p, channel)).collect();
+    let illuminated: Vec<usize> =
+        (0..recording.pulses()).filter(|p| recording.is_illuminated(*p, channel)).collect();
     if illuminated.is_empty() {
         return Err(FocusError::Dark { channel: recording.header.channels[channel].name.clone() });
     }

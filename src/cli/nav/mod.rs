@@ -9,13 +9,14 @@ mod inspect;
 mod play;
 mod recorded;
 
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::Path;
 
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::error::CliError;
-use crate::files::{self, Draft, Holding};
+use crate::files::{self, Draft, Holding, Recognised};
+use crate::inputs;
 use crate::sinks::port;
 
 pub use convert::NavConvertArgs;
@@ -149,11 +150,7 @@ fn write_file(path: &Path, force: bool, bytes: &[u8]) -> Result<(), NavToolError
 }
 
 /// Messages, or a table as `nav convert` makes it.
-fn recognise(path: &Path) -> Option<Holding> {
-    let is_table = || {
-        let mut start = [0; 15];
-        let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
-        (read.is_ok() && start == *b"unix_s,lat_deg,").then_some(Holding::File)
-    };
-    port::recognise(path).or_else(is_table)
+fn recognise(path: &Path) -> Recognised {
+    let is_table = inputs::beginning(path, 15).is_some_and(|start| start == b"unix_s,lat_deg,");
+    if is_table { Ok(Holding::File) } else { port::recognise(path) }
 }

@@ -7,9 +7,8 @@ use thiserror::Error;
 use crate::plot::canvas::PngError;
 use crate::plot::chart::PlotError;
 use crate::plot::picture::PictureError;
-use crate::recording::map_file::MapError;
+use crate::recording::field_file::FieldFileError;
 use crate::recording::output::OutputError;
-use crate::recording::path_file::PathFileError;
 use crate::sea::realise::RealiseError;
 use crate::sea::surface::StateError;
 use crate::sea::wake::WakeError;
@@ -75,12 +74,9 @@ pub enum SeaError {
     /// A file that may not be made, or cannot.
     #[error(transparent)]
     File(#[from] OutputError),
-    /// The map cannot be written.
+    /// The map or the scatterer paths cannot be written.
     #[error(transparent)]
-    Map(#[from] MapError),
-    /// The scatterer paths cannot be written.
-    #[error(transparent)]
-    Contacts(#[from] PathFileError),
+    Fields(#[from] FieldFileError),
     /// The state cannot be written.
     #[error(transparent)]
     State(#[from] StateError),
@@ -110,7 +106,7 @@ impl SeaError {
             | Self::Plot(_)
             | Self::Picture(_) => 2,
             Self::File(error) if error.is_wrong_input() => 2,
-            Self::File(_) | Self::Map(_) | Self::Contacts(_) | Self::State(_) | Self::Png(_) => 1,
+            Self::File(_) | Self::Fields(_) | Self::State(_) | Self::Png(_) => 1,
         }
     }
 }

@@ -6,7 +6,7 @@ use super::SeaError;
 use crate::config::Run;
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pipeline::stages::PulseFactory;
-use crate::recording::map_file::Attribute;
+use crate::recording::field_file::Attribute;
 use crate::recording::output::Output;
 use crate::recording::path_file::PathFile;
 use crate::scene::radar::{Sweep, Waveform};

@@ -6,7 +6,7 @@
 //! Doppler, heights, and whether the window receives a facet.
 //!
 //! `--paths` writes what the echo of the pulse is made of, facets, targets and direct paths alike
-//! ([`contact_file`](crate::recording::path_file)); for that alone the scenario needs no sea.
+//! ([`path_file`](crate::recording::path_file)); for that alone the scenario needs no sea.
 
 use crate::cli::scenario::ScenarioArgs;
 use std::io::Write;
@@ -27,7 +27,8 @@ use crate::paths::snapshot::Snapshot;
 use crate::pipeline::{changing, fault};
 use crate::plot::colours::ColourMap;
 use crate::plot::picture::{Limits, Picture, Reduction};
-use crate::recording::map_file::{Attribute, Layer, MapFile};
+use crate::recording::field_file::Attribute;
+use crate::recording::map_file::{Layer, MapFile};
 use crate::recording::output::{FileKind, Output};
 
 /// Decibels that the colours of a picture span.

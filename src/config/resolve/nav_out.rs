@@ -5,7 +5,7 @@ use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
 use crate::nav::encode::Sentence;
-use crate::sinks::nav::{NavSettings, Words};
+use crate::sinks::nav::{Messages, NavSettings};
 use crate::sinks::port::Device;
 
 /// The keys of `kind = "nav"`.
@@ -21,15 +21,15 @@ pub(super) fn nav(section: &Section<'_>, ground: &Ground, platforms: &Names) -> 
     });
     let platform = platforms.find_or_only(section, &PLATFORM);
     let words = match section.choice(&FORMAT) {
-        Some("inspvaxa") => Some(Words::InspvaxAscii),
-        Some("inspvaxb") => Some(Words::InspvaxBinary),
+        Some("inspvaxa") => Some(Messages::InspvaxAscii),
+        Some("inspvaxb") => Some(Messages::InspvaxBinary),
         Some(_) if section.has(&SENTENCES) => {
             let named = |text: &str| Sentence::named(text).map(Sentence::name);
-            section.words(&SENTENCES, named).map(Words::Nmea)
+            section.words(&SENTENCES, named).map(Messages::Nmea)
         }
         Some(_) => {
             section.words(&SENTENCES, |_| Some(""));
-            Some(Words::Nmea(vec!["GGA", "RMC"]))
+            Some(Messages::Nmea(vec!["GGA", "RMC"]))
         }
         None => None,
     };
@@ -38,7 +38,7 @@ pub(super) fn nav(section: &Section<'_>, ground: &Ground, platforms: &Names) -> 
     Some(NavSettings {
         device: device.filter(|_| baud.is_some())?,
         platform: platform?,
-        words: words?,
+        messages: words?,
         rate_hz: rate_hz?,
         latency_s: latency_s?,
         force: false,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::nav::FileFormat;
 use crate::sinks::Kind;
-use crate::sinks::nav::Words;
+use crate::sinks::nav::Messages;
 use crate::sinks::port::Device;
 
 const CART: &str = include_str!("../../../configs/cart.toml");
@@ -14,13 +14,13 @@ fn navigation_outputs_as_meant() {
     let Kind::Nav(nav) = &run.sinks[1].kind else { panic!("{:?}", run.sinks) };
     assert_eq!(nav.device, Device::File("cart.nmea".into()));
     assert_eq!((nav.platform, nav.rate_hz, nav.latency_s, nav.force), (1, 20.0, 0.0, false));
-    assert_eq!(nav.words, Words::Nmea(vec!["GGA", "RMC", "VTG", "HDT", "ZDA", "PASHR"]));
+    assert_eq!(nav.messages, Messages::Nmea(vec!["GGA", "RMC", "VTG", "HDT", "ZDA", "PASHR"]));
     let sink =
         "[{ kind = 'nav', device = '/dev/ttyS1', baud = 9600, platform = 'mast', format = 'inspvaxb' }]";
     let run = parse(CART, &in_configs(), &settings(&[("sink", sink)])).unwrap();
     let Kind::Nav(nav) = &run.sinks[0].kind else { panic!("{:?}", run.sinks) };
     assert_eq!(nav.device, Device::Serial { path: "/dev/ttyS1".into(), baud: 9600 });
-    assert_eq!((nav.platform, &nav.words), (0, &Words::InspvaxBinary));
+    assert_eq!((nav.platform, &nav.messages), (0, &Messages::InspvaxBinary));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::plot::ticks;
 
 /// Which values get the first and the last colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Limits {
     /// These.
     Fixed([f64; 2]),

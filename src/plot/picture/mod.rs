@@ -65,6 +65,7 @@ pub struct Axis<'a> {
 
 /// What is wrong with a picture.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PictureError {
     /// Not so many values as cells.
     #[error("{values} values for {columns} x {rows} cells: they must be as many, and at least one")]
@@ -137,6 +138,9 @@ pub struct Picture<'a> {
 
 impl<'a> Picture<'a> {
     /// A picture of values `[iy][ix]` with so many cells along x and y, on axes that count cells.
+    ///
+    /// # Errors
+    /// Not so many values as cells.
     pub fn new(values: &'a [f64], cells: [usize; 2]) -> Result<Self, PictureError> {
         let [columns, rows] = cells;
         check_shape(values, cells)?;
@@ -176,6 +180,9 @@ impl<'a> Picture<'a> {
     }
 
     /// Draws it.
+    ///
+    /// # Errors
+    /// Not so many values as cells, edges in the wrong order, and limits without a range.
     pub fn draw(&self) -> Result<Canvas, PictureError> {
         check_shape(self.values, self.cells)?;
         for (name, axis) in [('x', self.x), ('y', self.y)] {
@@ -187,7 +194,7 @@ impl<'a> Picture<'a> {
         let size = self.size();
         let pixels = resample::resample(self.values, self.cells, size, self.reduction);
         let limits = self.limits.of(&pixels, self.colours.is_diverging());
-        Ok(FacetSurface::new(self, size, limits, &pixels).draw(self, &pixels))
+        Ok(Drawing::new(self, size, limits, &pixels).draw(self, &pixels))
     }
 }
 
@@ -206,7 +213,7 @@ fn shortened(text: &str) -> String {
 }
 
 /// Where everything stands.
-struct FacetSurface {
+struct Drawing {
     size: [usize; 2],
     map: Area,
     bar: Area,
@@ -244,7 +251,7 @@ fn fitting(limits: [f64; 2], length_px: i64) -> Vec<ticks::Tick> {
     ticks::linear(limits, 2).into_iter().take(1).collect()
 }
 
-impl FacetSurface {
+impl Drawing {
     fn new(picture: &Picture, size: [usize; 2], limits: [f64; 2], pixels: &[f64]) -> Self {
         let [width, height] = size.map(|side| side as i64);
         let line = Face::Small.height();

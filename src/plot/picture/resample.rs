@@ -4,6 +4,7 @@ use crate::plot::ticks::LARGEST;
 
 /// What a pixel shows of the cells that it covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Reduction {
     /// Their mean, by area.
     #[default]

@@ -34,7 +34,7 @@ fn y_is_upward_and_cells_keep_their_shape() {
         ..Picture::new(&values, [3, 2]).unwrap()
     };
     let canvas = picture.draw().unwrap();
-    let sheet = FacetSurface::new(&picture, picture.size(), [0.0, 1.0], &[0.0]);
+    let sheet = Drawing::new(&picture, picture.size(), [0.0, 1.0], &[0.0]);
     let [left, top, right, bottom] = sheet.map;
     // 640 / 3 = 213 whole pixels a cell.
     assert_eq!((right - left, bottom - top), (639, 426));
@@ -56,7 +56,7 @@ fn the_scale_bar_has_its_length() {
         ..Picture::new(&values, [200, 100]).unwrap()
     };
     let canvas = picture.draw().unwrap();
-    let sheet = FacetSurface::new(&picture, picture.size(), [0.0, 1.0], &[0.5]);
+    let sheet = Drawing::new(&picture, picture.size(), [0.0, 1.0], &[0.5]);
     let (key, _) = sheet.key(&picture, 0);
     // 100 m of 400 m, on 600 pixels.
     assert_eq!((key[0].width, key[0].text.as_str()), (150, "100 m"));
@@ -96,7 +96,7 @@ fn values_beyond_the_limits_show_on_the_colour_bar() {
     let reach = |limits| {
         let picture = Picture { limits, ..Picture::new(&values, [10, 10]).unwrap() };
         let canvas = picture.draw().unwrap();
-        let bar = FacetSurface::new(&picture, picture.size(), [0.0, 1.0], &[0.0]).bar;
+        let bar = Drawing::new(&picture, picture.size(), [0.0, 1.0], &[0.0]).bar;
         let middle = (bar[0] + bar[2]) / 2;
         [canvas.pixel(middle, bar[1] - 4), canvas.pixel(middle, bar[3] + 3)]
     };
@@ -111,7 +111,7 @@ fn zero_is_the_middle_of_a_diverging_map() {
     let values = [-1.0, 0.0, 4.0, f64::NAN];
     let picture = Picture { colours: ColourMap::Swell, ..Picture::new(&values, [4, 1]).unwrap() };
     let canvas = picture.draw().unwrap();
-    let [left, _, _, bottom] = FacetSurface::new(&picture, picture.size(), [0.0, 1.0], &[0.0]).map;
+    let [left, _, _, bottom] = Drawing::new(&picture, picture.size(), [0.0, 1.0], &[0.0]).map;
     // 128 of 255 steps.
     assert_eq!(canvas.pixel(left + 200, bottom - 1), Some(ColourMap::Swell.colour(128.0 / 255.0)));
 }

@@ -13,7 +13,7 @@ use crate::sinks::sink::SinkError;
 const SEND_BUFFER: usize = 1 << 20;
 /// How long one datagram may wait for room in the send buffer. After a wait in vain none waits until one went
 /// out.
-const PATIENCE: Duration = Duration::from_millis(20);
+const SEND_TIMEOUT: Duration = Duration::from_millis(20);
 /// What IP and UDP add to a datagram at least, bytes.
 const IPV4_UDP: usize = 28;
 const IPV6_UDP: usize = 48;
@@ -53,9 +53,9 @@ impl Link {
         };
         let socket = UdpSocket::bind(from).map_err(fault("binding", from))?;
         socket.connect(to).map_err(fault("connecting", to))?;
-        socket.set_write_timeout(Some(PATIENCE)).map_err(fault("setting a time limit", to))?;
+        socket.set_write_timeout(Some(SEND_TIMEOUT)).map_err(fault("setting a time limit", to))?;
         let options = SockRef::from(&socket);
-        // A system that gives less says so below.
+        // A system may give less: what it gave is read below.
         let _ = options.set_send_buffer_size(SEND_BUFFER);
         let report = WireReport {
             address: to.to_string(),

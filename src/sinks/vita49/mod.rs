@@ -62,7 +62,9 @@ mod stamp;
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
-use super::sink::{Closed, Header, Sink, SinkError, SinkReport};
+use super::sink::{Closed, Sink, SinkError, SinkReport};
+use crate::recording::RecordingError;
+use crate::recording::header::Header;
 use datagram::{Datagram, PROLOGUE, TRAILER, Type};
 use link::Link;
 use packets::{CHANNEL_STREAM, Globe, Part};
@@ -144,6 +146,9 @@ pub(super) fn preflight(settings: &Settings) -> Result<(), SinkError> {
 
 impl Vita49Sink {
     /// Binds a socket and allocates everything; nothing is sent yet.
+    ///
+    /// # Errors
+    /// An address that cannot be reached, and sizes that do not fit datagrams.
     pub fn open(settings: &Settings, header: &Header) -> Result<Self, SinkError> {
         header.check()?;
         let to = resolve(&settings.address)?;
@@ -204,7 +209,7 @@ impl Vita49Sink {
         }
     }
 
-    /// Where every platform says that it is.
+    /// Reported position of every platform.
     fn send_states(&mut self, pulse: &Pulse, at: Stamp) {
         let Self { link, globe, datagram, bytes, .. } = self;
         let mut send = |packet: &[u8]| {
@@ -248,7 +253,7 @@ impl Vita49Sink {
     }
 
     /// Whether a pulse has the sizes announced.
-    fn check(&self, pulse: &Pulse) -> Result<(), SinkError> {
+    fn check(&self, pulse: &Pulse) -> Result<(), RecordingError> {
         let layout = &self.header.layout;
         let samples = match (&pulse.samples, layout.format) {
             (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
@@ -261,7 +266,7 @@ impl Vita49Sink {
         ] {
             if found != expected {
                 let column = column.to_owned();
-                return Err(SinkError::Pulse { index: pulse.index, column, found, expected });
+                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
             }
         }
         Ok(())

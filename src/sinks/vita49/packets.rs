@@ -6,7 +6,8 @@ use super::datagram::{Datagram, EXTENSION_PROLOGUE, OUI, Type, text_bytes};
 use super::stamp::Stamp;
 use crate::frames::{Body, Earth, Ecef, Enu, Geodetic, Point, Rotation, SceneFrame, Vector};
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
-use crate::sinks::sink::{ChannelRow, Header, Origin, SinkError};
+use crate::recording::RecordingError;
+use crate::recording::header::{ChannelRow, Header, Origin};
 
 /// Stream of channel 0; the others follow.
 pub(super) const CHANNEL_STREAM: u32 = 0x1000_0000;
@@ -56,7 +57,7 @@ impl Part {
     }
 }
 
-/// The trailer: time calibrated, data valid, reference locked, over-range told, place in the sample frame.
+/// The trailer: time calibrated, data valid, reference locked, over-range reported, place in the sample frame.
 pub(super) fn trailer(part: Part, saturated: bool) -> u32 {
     let enabled = 0b1110_0010 << 24 | 0b11 << 22;
     enabled | 0b111 << 17 | u32::from(saturated) << 13 | part.code() << 10
@@ -180,8 +181,8 @@ pub(super) fn run_description<'a>(
     count: u8,
     at: Stamp,
 ) -> &'a [u8] {
-    let nowhere = Origin { lat_deg: f64::NAN, lon_deg: f64::NAN, h_m: f64::NAN };
-    let origin = header.origin.unwrap_or(nowhere);
+    let none = Origin { lat_deg: f64::NAN, lon_deg: f64::NAN, h_m: f64::NAN };
+    let origin = header.origin.unwrap_or(none);
     datagram
         .begin(Type::Extension(RUN), RUN_STREAM, count, at)
         .f64s(&[origin.lat_deg, origin.lon_deg, origin.h_m])
@@ -196,20 +197,20 @@ pub(super) fn run_description<'a>(
 }
 
 /// Whether every description fits a datagram.
-pub(super) fn check(header: &Header, room: usize) -> Result<(), SinkError> {
+pub(super) fn check(header: &Header, room: usize) -> Result<(), RecordingError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
     let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
     let longest = channels.chain(platforms).chain([104 + texts(&[&header.software])]).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {
-        return Err(SinkError::Header {
+        return Err(RecordingError::Header {
             field: "names",
             found: format!("a description of {} bytes", EXTENSION_PROLOGUE + longest),
             allowed: "names that fit one datagram (mtu_bytes)",
         });
     }
     if !(1.0..=1e12).contains(&header.sample_rate_hz) {
-        return Err(SinkError::Header {
+        return Err(RecordingError::Header {
             field: "sample_rate_hz",
             found: header.sample_rate_hz.to_string(),
             allowed: "1 to 1e12 Hz on the wire",
@@ -237,7 +238,7 @@ pub(super) struct EcefState {
 }
 
 impl Globe {
-    /// `None` for an origin that lies nowhere.
+    /// `None` for a scene that is not georeferenced.
     pub(super) fn new(origin: Option<Origin>) -> Option<Self> {
         let origin = origin?;
         let frame =
@@ -282,7 +283,7 @@ pub(super) fn ephemeris<'a>(
     datagram
         .begin(Type::Context, PLATFORM_STREAM + platform as u32, count, at)
         .u32(1 << 31 | 1 << 12)
-        // UTC, real time, and who says so.
+        // UTC, real time, and by which clock.
         .u32(1 << 26 | 2 << 24 | OUI)
         .u32(at.seconds)
         .u64(at.picoseconds);

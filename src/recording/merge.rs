@@ -15,14 +15,17 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::files::Draft;
+use crate::files::{self, Draft};
 use crate::pulse::flags;
 use crate::pulse::log::Entry;
 
 use super::columns::Rows;
-use super::hdf5::file::{Recorded, Recording};
-use super::sink::{Header, SinkError};
-use crate::sinks::hdf5::fault::Fault;
+use super::fault::RecordingError;
+use super::hdf5::fault::Fault;
+use super::hdf5::file::recognise;
+use super::hdf5::reader::Reader;
+use super::hdf5::writer::Writer;
+use super::header::Header;
 
 /// A block of a copy takes about this much memory.
 const BLOCK_BYTES: usize = 8 << 20;
@@ -46,6 +49,7 @@ pub struct MergeReport {
 
 /// Why shards cannot be joined.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum MergeError {
     /// No shard was given, or none holds a pulse.
     #[error("nothing to merge: {shards} shards given, none holds a pulse")]
@@ -105,7 +109,7 @@ pub enum MergeError {
     },
     /// A file cannot be read or written.
     #[error(transparent)]
-    File(#[from] SinkError),
+    Recording(#[from] RecordingError),
 }
 
 /// A recording to be joined. It is closed meanwhile: there may be more of them than files that may be open.
@@ -117,7 +121,7 @@ struct Shard {
     last: u64,
     /// Last pulse of the segment before it, if it is a later segment of a run.
     after: Option<u64>,
-    /// Whether its first pulse says that pulses before it were dropped.
+    /// Whether its first pulse is flagged: pulses before it were dropped.
     after_gap: bool,
 }
 
@@ -139,8 +143,11 @@ impl Shard {
 }
 
 /// Joins `shards` into `out`; an existing `out` is replaced only with `force`.
+///
+/// # Errors
+/// Shards that do not fit together, and files that cannot be read or written.
 pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport, MergeError> {
-    super::hdf5::preflight(out, None, force)?;
+    files::preflight(out, force, &recognise).map_err(RecordingError::from)?;
     let list = ordered(shards)?;
     let (Some(earliest), Some(latest)) = (list.first(), list.last()) else {
         return Err(MergeError::Nothing { shards: shards.len() });
@@ -153,7 +160,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
     // Every shard has all changes up to its last pulse.
     header.changes = list.iter().rev().find_map(|shard| shard.header.changes.clone());
 
-    let mut recording = Recording::create(Draft::named(out), &header, earliest.after)
+    let mut recording = Writer::create(Draft::named(out), &header, earliest.after)
         .map_err(Fault::at(out, "making the result"))?;
     if let Err(error) = list.iter().try_for_each(|shard| copy(shard, &mut recording)) {
         recording.abandon();
@@ -165,7 +172,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
         draft.abandon();
         Fault::at(out, "closing the result")(fault)
     })?;
-    draft.finish(force, &super::hdf5::recognise).map_err(SinkError::from)?;
+    draft.finish(force, &recognise).map_err(RecordingError::from)?;
     let (first, last) = (earliest.first, latest.last);
     Ok(MergeReport {
         out: out.to_owned(),
@@ -185,7 +192,7 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
             return Err(MergeError::Folder { path: path.clone() });
         }
         let fault = || Fault::at(path, "reading the shard");
-        let recorded = Recorded::open(path).map_err(fault())?;
+        let recorded = Reader::open(path).map_err(fault())?;
         if let Some(other) = list.first()
             && let Some(field) = other.header.difference(&recorded.header)
         {
@@ -233,8 +240,8 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
     Ok(list)
 }
 
-fn copy(shard: &Shard, recording: &mut Recording) -> Result<(), MergeError> {
-    let recorded = Recorded::open(&shard.path).map_err(Fault::at(&shard.path, "reading the shard"))?;
+fn copy(shard: &Shard, recording: &mut Writer) -> Result<(), MergeError> {
+    let recorded = Reader::open(&shard.path).map_err(Fault::at(&shard.path, "reading the shard"))?;
     let block = (BLOCK_BYTES / recorded.row_bytes().max(1)).clamp(1, 4096);
     let mut before = None;
     let mut row = 0;

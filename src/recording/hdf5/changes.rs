@@ -8,11 +8,11 @@ use std::sync::Arc;
 use ::hdf5::types::FixedUnicode;
 use ::hdf5::{Dataset, Extent, File, H5Type};
 
+use super::attributes::checked;
+use super::fault::Fault;
 use super::sizes;
 use crate::pulse::log::{Entry, Log, Origin};
-use crate::sinks::hdf5::attributes::checked;
-use crate::sinks::hdf5::fault::Fault;
-use crate::sinks::unwritten::Unwritten;
+use crate::recording::unwritten::Unwritten;
 
 /// Where it is.
 const PATH: &str = "truth/changes";

@@ -12,7 +12,7 @@ pub(crate) fn text(value: &str) -> Result<VarLenUnicode, Fault> {
     VarLenUnicode::from_str(value).map_err(|e| Fault::Text(e.to_string()))
 }
 
-pub(super) fn texts<'a>(values: impl IntoIterator<Item = &'a String>) -> Result<Vec<VarLenUnicode>, Fault> {
+pub(crate) fn texts<'a>(values: impl IntoIterator<Item = &'a String>) -> Result<Vec<VarLenUnicode>, Fault> {
     values.into_iter().map(|v| text(v)).collect()
 }
 

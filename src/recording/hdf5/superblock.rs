@@ -15,7 +15,7 @@ const BYTES: usize = 48;
 const END: std::ops::Range<usize> = 28..36;
 const SUMMED: usize = 44;
 
-/// Enters the true end of a file that ends before its superblock says so. Nothing is written where another
+/// Enters the true end of a file that ends before the end in its superblock. Nothing is written where another
 /// file has the name meanwhile.
 pub(super) fn enter_end(path: &Path, is_ours: impl FnOnce(&File) -> bool) -> io::Result<()> {
     let mut file = OpenOptions::new().read(true).write(true).open(path)?;
@@ -26,9 +26,9 @@ pub(super) fn enter_end(path: &Path, is_ours: impl FnOnce(&File) -> bool) -> io:
     file.read_exact(&mut block)?;
     let is_known = block.starts_with(b"\x89HDF\r\n\x1a\n") && matches!(block[8..11], [2 | 3, 8, 8]);
     let end = file.metadata()?.len();
-    let said = word(&block[END]) as u64 | (word(&block[END.start + 4..END.end]) as u64) << 32;
+    let announced = word(&block[END]) as u64 | (word(&block[END.start + 4..END.end]) as u64) << 32;
     // What is damaged otherwise is not ours to judge.
-    if !is_known || lookup3(&block[..SUMMED]) != word(&block[SUMMED..]) || said <= end {
+    if !is_known || lookup3(&block[..SUMMED]) != word(&block[SUMMED..]) || announced <= end {
         return Ok(());
     }
     block[END].copy_from_slice(&end.to_le_bytes());

@@ -1,21 +1,4 @@
-//! HDF5 recording, readable while it grows.
-//!
-//! Structure (format bounds 1.10, so any HDF5 from 1.10 on reads it): root attributes `format`, `version`,
-//! `carrier_hz`, `sample_rate_hz`, `bandwidth_hz`, `pulse_s`, `prf_hz`, `channels`, `origin_lat_deg`,
-//! `origin_lon_deg`, `origin_h_m` (absent for a plain local frame), `seed`, `config`, `software`,
-//! `start_time_ns` (emission of pulse 0), `first_pulse`, `pulses`; `/iq`, `/replica`, `/channel`,
-//! `/truth/targets`, `/truth/pairs`, `/truth/ships`, `/truth/clocks`, where reports may be changed
-//! `/truth/changes` (`pulse`, `time_ns`, `platform`, `text`, `source`: every change up to the last pulse),
-//! and the per-pulse datasets of [`super::columns`].
-//!
-//! Codes of a converter are a compound `{r, i}` of i16, so `/iq` keeps its three axes: in numpy
-//! `x["r"] + 1j * x["i"]`; the attributes `adc_step` and `adc_bits` of `/iq` say what a code is worth.
-//!
-//! **Reading while it grows** (SWMR): `h5py.File(path, "r", swmr=True)`; to look again, `refresh()`
-//! `/pulse/index`, take its length n, then `refresh()` the other datasets: their first n rows are complete.
-//! **After a kill** the file still has the open-for-write flag and a plain `"r"` is refused by the library:
-//! open it with `swmr=True` too (or clear the mark once with `h5clear -s`). Everything older than
-//! [`FLUSH_INTERVAL`] is in it, and all but the last 16 MiB. A finished file opens either way.
+//! HDF5 recording, readable while it grows ([`crate::recording::hdf5`] has its structure).
 //!
 //! With `segment_s` the recording is cut by emission time after pulse 0: `name.h5` becomes
 //! `name_0000.h5`, `name_0001.h5`, …, each complete by itself.
@@ -27,24 +10,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::files::{self, Draft, Holding};
+use super::sink::{Closed, FLUSH_INTERVAL, Sink, SinkError, SinkReport};
+use crate::files::{self, Draft};
 use crate::pulse::Pulse;
+use crate::recording::columns::{Column, Rows, columns};
+use crate::recording::hdf5::fault::Fault;
+use crate::recording::hdf5::file::{is_later_segment, recognise};
+use crate::recording::hdf5::reader::readable;
+use crate::recording::hdf5::writer::{Writer, chunk_pulses};
+use crate::recording::header::Header;
 
-use super::columns::{Column, Rows, columns};
-use super::sink::{Closed, FLUSH_INTERVAL, Header, Sink, SinkError, SinkReport};
-
-mod changes;
-pub(crate) mod attributes;
-pub(crate) mod fault;
-pub(crate) mod file;
-pub(crate) mod header;
-mod sizes;
-mod superblock;
-
-use fault::Fault;
-use file::Recording;
-
-pub use file::CHUNK_PULSES;
+pub use crate::recording::hdf5::writer::CHUNK_PULSES;
 
 /// A fast run flushes after this much data, too.
 const FLUSH_BYTES: usize = 16 << 20;
@@ -55,7 +31,7 @@ pub struct Hdf5Sink {
     path: PathBuf,
     segment_s: Option<f64>,
     header: Header,
-    recording: Option<Recording>,
+    recording: Option<Writer>,
     segment: u64,
     /// The last pulse taken.
     last: Option<u64>,
@@ -76,29 +52,11 @@ pub struct Hdf5Sink {
     closed_pulses: u64,
 }
 
-/// Reads a recording to the end, everything that another reading would come across; its pulses.
-///
-/// # Errors
-/// A file that is damaged or no recording.
-pub fn read_through(path: &Path) -> Result<u64, SinkError> {
-    let recorded = file::Recorded::open(path).map_err(Fault::at(path, READING))?;
-    recorded.read_through().map_err(Fault::at(path, READING))?;
-    Ok(recorded.pulses as u64)
-}
-
-/// What is being done when a recording cannot be read.
-const READING: &str = "reading the recording";
-
 /// Name of a segment.
 fn segment_path(path: &Path, segment: u64) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map_or_else(|| "h5".into(), |e| e.to_string_lossy());
     path.with_file_name(format!("{stem}_{segment:04}.{extension}"))
-}
-
-/// What an older recording is: a file.
-pub(super) fn recognise(path: &Path) -> Option<Holding> {
-    file::is_recording(path).then_some(Holding::File)
 }
 
 /// What has the name of a segment, with its number. That does not make it one: `rec_20180509.h5` may be any
@@ -126,10 +84,7 @@ fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
         return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
     }
     let found = named_as_segments(path).into_iter();
-    found
-        .filter(|(number, path)| *number == 0 || file::is_later_segment(path))
-        .map(|(_, path)| path)
-        .collect()
+    found.filter(|(number, path)| *number == 0 || is_later_segment(path)).map(|(_, path)| path).collect()
 }
 
 /// Number of the segment that an emission is in, s after pulse 0.
@@ -138,8 +93,8 @@ fn segment_at(since_start_s: f64, segment_s: f64) -> u64 {
     ((since_start_s + 0.5e-9) / segment_s).floor().max(0.0) as u64
 }
 
-/// Looks at everything that has the name of a segment of this run, as far as its mean PRF says how many there
-/// will be.
+/// Looks at everything that has the name of a segment of this run, as far as its mean PRF predicts how many
+/// there will be.
 fn reached(path: &Path, segment_s: f64, force: bool, header: &Header) -> Result<(), SinkError> {
     if header.pulses == 0 {
         return Ok(());
@@ -151,11 +106,6 @@ fn reached(path: &Path, segment_s: f64, force: bool, header: &Header) -> Result<
         files::preflight(&path, force, &recognise)?;
     }
     Ok(())
-}
-
-/// Whether a recording holds what a receiver took from the wire, not what a run wrote.
-pub(crate) fn is_received(path: &Path) -> bool {
-    file::is_received(path)
 }
 
 /// Whether a recording may be made here.
@@ -173,6 +123,9 @@ pub(super) fn preflight(path: &Path, segment_s: Option<f64>, force: bool) -> Res
 
 impl Hdf5Sink {
     /// Makes the file (the first of its segments); nothing is left of it when that fails.
+    ///
+    /// # Errors
+    /// A header that cannot be recorded, what is there already, and what system or library refuses.
     pub fn create(
         path: &Path,
         segment_s: Option<f64>,
@@ -190,7 +143,7 @@ impl Hdf5Sink {
             }
         }
         let columns = columns(header);
-        let chunk_pulses = file::chunk_pulses(header);
+        let chunk_pulses = chunk_pulses(header);
         let row_bytes = columns.iter().map(Column::row_bytes).sum();
         let block = columns
             .iter()
@@ -217,7 +170,7 @@ impl Hdf5Sink {
             drafts: Vec::new(),
             closed_pulses: 0,
         };
-        // Without segments the file is there from the start; with them the first pulse says which.
+        // Without segments the file is there from the start; with them the first pulse decides which.
         if segment_s.is_none() {
             sink.open(path.to_owned())?;
         }
@@ -225,7 +178,7 @@ impl Hdf5Sink {
     }
 
     fn open(&mut self, path: PathBuf) -> Result<(), SinkError> {
-        let mut recording = Recording::create(Draft::named(&path), &self.header, self.last)
+        let mut recording = Writer::create(Draft::named(&path), &self.header, self.last)
             .map_err(Fault::at(&path, "making the recording"))?;
         if let Err(fault) = recording.place_early(self.force) {
             recording.abandon();
@@ -276,8 +229,8 @@ impl Hdf5Sink {
                 }
                 Err(failed) => {
                     let (fault, draft) = *failed;
-                    self.closed_pulses += file::readable(&draft);
-                    return Err(Fault::at(&path, "closing the recording")(fault));
+                    self.closed_pulses += readable(&draft);
+                    return Err(Fault::at(&path, "closing the recording")(fault).into());
                 }
             }
             self.closed_pulses += pulses;
@@ -311,7 +264,7 @@ impl Sink for Hdf5Sink {
         self.last = Some(pulse.index);
         self.block_rows += 1;
         self.pulses += 1;
-        let written = self.recording.as_ref().map_or(0, Recording::rows);
+        let written = self.recording.as_ref().map_or(0, Writer::rows);
         // After a flush in mid-chunk the next block ends where the chunk ends.
         if (written + self.block_rows).is_multiple_of(self.chunk_pulses) {
             self.write_block()?;
@@ -353,7 +306,7 @@ impl Sink for Hdf5Sink {
 
     fn readable(&mut self) -> Option<u64> {
         // Closes what can be closed.
-        let growing = self.recording.take().map(|recording| file::readable(&recording.give_up()));
+        let growing = self.recording.take().map(|recording| readable(&recording.give_up()));
         Some(self.closed_pulses + growing.unwrap_or(0))
     }
 

@@ -1,4 +1,4 @@
-//! Whether a dataset can hold what it says it does.
+//! Whether a dataset can hold what it announces.
 //!
 //! A damaged or forged header may announce any size. Nothing is allocated for a dataset before it is known
 //! that the file is long enough for it. What is stored elsewhere is not read at all: external files, virtual
@@ -8,7 +8,7 @@ use ::hdf5::Dataset;
 use ::hdf5::dataset::Layout;
 use ::hdf5::filters::Filter;
 
-use crate::sinks::hdf5::fault::Fault;
+use super::fault::Fault;
 
 /// Deflate makes nothing smaller than this part of it.
 const MOST_DEFLATED: u64 = 1032;

@@ -1,15 +1,15 @@
-//! What the HDF5 library, or a file that it reads, has against it.
+//! Faults of the HDF5 library and of files that it reads.
 
 use std::path::Path;
 
 use thiserror::Error;
 
-use crate::sinks::sink::SinkError;
+use crate::recording::fault::RecordingError;
 
-/// What the library said; becomes an error that names the file.
+/// What the library reported; becomes an error that names the file.
 #[derive(Debug, Error)]
 pub(crate) enum Fault {
-    /// A text that says it all.
+    /// A text of this program.
     #[error("{0}")]
     Text(String),
     /// The library's error stack.
@@ -17,7 +17,7 @@ pub(crate) enum Fault {
     Library(#[from] ::hdf5::Error),
 }
 
-/// One line: what was tried and, where the system said why (`No space left on device`), that.
+/// One line: what was tried and, where the system reported why (`No space left on device`), that.
 fn one_line(error: &::hdf5::Error) -> String {
     let text = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     let reason = text.split_once("error message = '").and_then(|(_, rest)| rest.split('\'').next());
@@ -28,8 +28,8 @@ fn one_line(error: &::hdf5::Error) -> String {
 }
 
 impl Fault {
-    pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(Self) -> SinkError {
+    pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(Self) -> RecordingError {
         let path = path.to_owned();
-        move |fault| SinkError::Hdf5 { path, action, detail: fault.to_string() }
+        move |fault| RecordingError::Hdf5 { path, action, detail: fault.to_string() }
     }
 }

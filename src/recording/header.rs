@@ -1,0 +1,329 @@
+//! What holds for a whole recording: the radar, its channels, the names of what moves, the run.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use num_complex::Complex32;
+use serde::{Deserialize, Serialize};
+
+use super::fault::RecordingError;
+use crate::pulse::log::Log;
+use crate::pulse::{Layout, SampleFormat};
+use crate::scene::radar::Polarisation;
+use crate::time::TimeTag;
+
+/// Version of the recordings' structure (HDF5 and plain), attribute `version`.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Latest second of an instant: some 35,000 years.
+const MOST_SECONDS: u64 = 1 << 40;
+/// Most samples of a channel, and of a pulse.
+const MOST_SAMPLES: usize = 1 << 24;
+const MOST_IN_ALL: usize = 1 << 32;
+
+/// A row of the channel table.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelRow {
+    /// Name, such as `HV`.
+    pub name: String,
+    /// Name of the transmitter.
+    pub transmitter: String,
+    /// Name of the receiver.
+    pub receiver: String,
+    /// Receive letter, then transmit letter; of a calibration channel `tone` or `loopback`.
+    pub polarisations: String,
+    /// Polarisation basis of the transmitter ([`crate::scene::radar::PolarisationBasis::name`]); empty where
+    /// it is not known, as in older recordings, and of calibration channels.
+    #[serde(default)]
+    pub transmit_basis: String,
+    /// That of the receiver.
+    #[serde(default)]
+    pub receive_basis: String,
+}
+
+impl ChannelRow {
+    /// Whether it carries echoes, not a signal of calibration.
+    pub fn is_of_echoes(&self) -> bool {
+        self.polarisations.chars().count() == 2
+            && self.polarisations.chars().all(|letter| Polarisation::from_letter(letter).is_some())
+    }
+}
+
+/// A transmitter-receiver pair of the truth record.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairRow {
+    /// Name of the transmitter.
+    pub transmitter: String,
+    /// Name of the receiver.
+    pub receiver: String,
+}
+
+/// The origin of the ENU frame on the ellipsoid (WGS-84).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Origin {
+    /// Geodetic latitude, degrees.
+    pub lat_deg: f64,
+    /// Longitude, degrees.
+    pub lon_deg: f64,
+    /// Height above the ellipsoid, metres.
+    pub h_m: f64,
+}
+
+/// The converter whose codes are recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AdcRow {
+    /// Bits per component.
+    pub bits: u32,
+    /// sqrt(W) per code: sample = (code + 1/2) step for a mid-rise converter.
+    pub step: f64,
+}
+
+/// What is known before the first pulse: every sink and every recording begins with it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Header {
+    /// Name and version of the program.
+    pub software: String,
+    /// Carrier, Hz.
+    pub carrier_hz: f64,
+    /// Complex sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// Bandwidth of the waveform, Hz.
+    pub bandwidth_hz: f64,
+    /// Length of the waveform, seconds.
+    pub pulse_s: f64,
+    /// Mean pulse repetition frequency, Hz.
+    pub prf_hz: f64,
+    /// Channels, in the order of the samples.
+    pub channels: Vec<ChannelRow>,
+    /// Transmitter-receiver pairs, in the order of the truth record.
+    pub pairs: Vec<PairRow>,
+    /// Origin of the ENU frame; none for a plain local frame.
+    pub origin: Option<Origin>,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// The scenario as written (TOML).
+    pub config: String,
+    /// Transmitted pulse after the receive filter, at the sample rate.
+    pub replica: Vec<Complex32>,
+    /// Platforms, in the order of the navigation record.
+    pub platforms: Vec<String>,
+    /// Transmitters: the first phase centres.
+    pub transmitters: Vec<String>,
+    /// Receivers: the phase centres after those of the transmitters.
+    pub receivers: Vec<String>,
+    /// Targets, in the order of the truth record.
+    pub targets: Vec<String>,
+    /// Ships, in the order of the truth record.
+    pub ships: Vec<String>,
+    /// Antennas whose clocks are wrong, in the order of the truth record.
+    pub clocks: Vec<String>,
+    /// Sizes of every pulse.
+    pub layout: Layout,
+    /// The converter, when samples are its codes.
+    pub adc: Option<AdcRow>,
+    /// Emission time of pulse 0.
+    pub start: TimeTag,
+    /// First pulse of this run (not 0 for a shard).
+    pub first_pulse: u64,
+    /// Pulses of this run.
+    pub pulses: u64,
+    /// Whether the true motion is recorded; what was received over the wire has the reported one only.
+    pub truth: bool,
+    /// What is changed while the run goes on; `None` where nothing may be.
+    pub changes: Option<Arc<Log>>,
+}
+
+/// A value of the header that files keep as it is.
+pub(super) enum Field<'a> {
+    Text(&'a mut String),
+    Real(&'a mut f64),
+    Whole(&'a mut u64),
+    Names(&'a mut Vec<String>),
+}
+
+impl Header {
+    /// The values that both kinds of recordings keep under these names.
+    pub(super) fn fields(&mut self) -> [(&'static str, Field<'_>); 13] {
+        use Field::{Names, Real, Text, Whole};
+        [
+            ("software", Text(&mut self.software)),
+            ("carrier_hz", Real(&mut self.carrier_hz)),
+            ("sample_rate_hz", Real(&mut self.sample_rate_hz)),
+            ("bandwidth_hz", Real(&mut self.bandwidth_hz)),
+            ("pulse_s", Real(&mut self.pulse_s)),
+            ("prf_hz", Real(&mut self.prf_hz)),
+            ("seed", Whole(&mut self.seed)),
+            ("config", Text(&mut self.config)),
+            ("first_pulse", Whole(&mut self.first_pulse)),
+            ("pulses", Whole(&mut self.pulses)),
+            ("platforms", Names(&mut self.platforms)),
+            ("transmitters", Names(&mut self.transmitters)),
+            ("receivers", Names(&mut self.receivers)),
+        ]
+    }
+
+    /// Names of what the truth is recorded of.
+    pub(super) fn truth_names(&mut self) -> [(&'static str, &mut Vec<String>); 3] {
+        [("targets", &mut self.targets), ("ships", &mut self.ships), ("clocks", &mut self.clocks)]
+    }
+
+    /// Sizes of every pulse: as many of each as have names.
+    pub(super) fn count(&mut self, samples: usize, format: SampleFormat) {
+        self.layout = Layout {
+            channels: self.channels.len(),
+            samples,
+            format,
+            platforms: self.platforms.len(),
+            antennas: self.transmitters.len() + self.receivers.len(),
+            targets: self.targets.len(),
+            pairs: self.pairs.len(),
+            ships: self.ships.len(),
+            clocks: self.clocks.len(),
+        };
+    }
+
+    /// Whether a recording can hold this: sizes agree with names, names can be names of groups.
+    ///
+    /// # Errors
+    /// The first part that cannot be recorded.
+    pub fn check(&self) -> Result<(), RecordingError> {
+        let refuse = |field, found: String, allowed| Err(RecordingError::Header { field, found, allowed });
+        let sizes = [
+            ("channels", self.channels.len(), self.layout.channels),
+            ("platforms", self.platforms.len(), self.layout.platforms),
+            (
+                "transmitters and receivers",
+                self.transmitters.len() + self.receivers.len(),
+                self.layout.antennas,
+            ),
+            ("targets", self.targets.len(), self.layout.targets),
+            ("pairs", self.pairs.len(), self.layout.pairs),
+            ("ships", self.ships.len(), self.layout.ships),
+            ("clocks", self.clocks.len(), self.layout.clocks),
+        ];
+        for (field, names, slots) in sizes {
+            if names != slots {
+                return refuse(field, format!("{names} names for {slots} in the layout"), "a name for each");
+            }
+        }
+        if self.layout.channels == 0 || self.layout.samples == 0 {
+            let found = format!("{} channels of {} samples", self.layout.channels, self.layout.samples);
+            return refuse("layout", found, "at least 1 channel of 1 sample");
+        }
+        if (self.layout.format == SampleFormat::Ci16) != self.adc.is_some() {
+            return refuse("adc", format!("{:?}", self.adc), "one if samples are codes, none otherwise");
+        }
+        self.check_values()?;
+        let antennas = || self.transmitters.iter().chain(&self.receivers);
+        for (field, names) in [
+            ("platforms", self.platforms.iter().collect::<Vec<_>>()),
+            ("transmitters and receivers", antennas().collect()),
+        ] {
+            let mut seen = BTreeSet::new();
+            for name in names {
+                let dots = name == "." || name == "..";
+                if name.is_empty() || name.len() > 200 || dots || name.contains(['/', '\\', '\0']) {
+                    return refuse(
+                        field,
+                        format!("'{}'", name.escape_debug()),
+                        "1 to 200 bytes without / \\ NUL, not . or ..",
+                    );
+                }
+                if !seen.insert(name) {
+                    return refuse(field, format!("'{}' twice", name.escape_debug()), "each name once");
+                }
+            }
+        }
+        let texts = [&self.config, &self.software]
+            .into_iter()
+            .chain(&self.targets)
+            .chain(&self.ships)
+            .chain(&self.clocks);
+        for text in texts.chain(
+            self.channels
+                .iter()
+                .flat_map(|c| [&c.name, &c.polarisations, &c.transmit_basis, &c.receive_basis]),
+        ) {
+            if text.contains('\0') {
+                return refuse("texts", format!("'{}'", text.escape_debug()), "texts without NUL");
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the figures are those of a radar, and sizes can be counted with.
+    fn check_values(&self) -> Result<(), RecordingError> {
+        let refuse = |field, found: String, allowed| Err(RecordingError::Header { field, found, allowed });
+        let hertz = "a number above 0, at most 1e12 Hz";
+        let seconds = "a number from 0 to 1e6 s";
+        for (field, value, least, most, allowed) in [
+            ("carrier_hz", self.carrier_hz, f64::MIN_POSITIVE, 1e12, hertz),
+            ("sample_rate_hz", self.sample_rate_hz, f64::MIN_POSITIVE, 1e12, hertz),
+            ("bandwidth_hz", self.bandwidth_hz, 0.0, 1e12, "a number from 0 to 1e12 Hz"),
+            ("pulse_s", self.pulse_s, 0.0, 1e6, seconds),
+            ("prf_hz", self.prf_hz, 1e-6, 1e9, "a number from 1e-6 to 1e9 Hz"),
+        ] {
+            if !(least..=most).contains(&value) {
+                return refuse(field, value.to_string(), allowed);
+            }
+        }
+        if let Some(Origin { lat_deg, lon_deg, h_m }) = self.origin
+            && !(lat_deg.abs() <= 90.0 && lon_deg.abs() <= 360.0 && h_m.abs() <= 1e9)
+        {
+            let allowed = "latitude -90 to 90, longitude -360 to 360 degrees, height within 1e9 m";
+            return refuse("origin", format!("{lat_deg}, {lon_deg} degrees, {h_m} m"), allowed);
+        }
+        if let Some(AdcRow { bits, step }) = self.adc
+            && !((1..=64).contains(&bits) && step > 0.0 && step.is_finite())
+        {
+            return refuse("adc", format!("{bits} bits, step {step}"), "1 to 64 bits, a finite step above 0");
+        }
+        if self.start.seconds().unsigned_abs() > MOST_SECONDS
+            || !(0.0..1.0).contains(&self.start.fraction_s())
+        {
+            let found = format!("{} s and {} s", self.start.seconds(), self.start.fraction_s());
+            return refuse("start time", found, "within 2^40 s of 1970, the fraction from 0 to 1 s");
+        }
+        let Layout { channels, samples, .. } = self.layout;
+        if samples > MOST_SAMPLES || channels.checked_mul(samples).is_none_or(|all| all > MOST_IN_ALL) {
+            let found = format!("{channels} channels of {samples} samples");
+            return refuse("layout", found, "at most 2^24 samples a channel and 2^32 in all channels");
+        }
+        Ok(())
+    }
+
+    /// The first part in which two headers of one run differ; range of pulses aside.
+    pub fn difference(&self, other: &Self) -> Option<&'static str> {
+        [
+            ("config", self.config == other.config),
+            ("seed", self.seed == other.seed),
+            ("software", self.software == other.software),
+            ("carrier_hz", self.carrier_hz == other.carrier_hz),
+            ("sample_rate_hz", self.sample_rate_hz == other.sample_rate_hz),
+            ("bandwidth_hz", self.bandwidth_hz == other.bandwidth_hz),
+            ("pulse_s", self.pulse_s == other.pulse_s),
+            ("prf_hz", self.prf_hz == other.prf_hz),
+            ("channel", self.channels == other.channels),
+            ("truth/pairs", self.pairs == other.pairs),
+            ("origin", self.origin == other.origin),
+            ("replica", self.replica == other.replica),
+            ("platforms", self.platforms == other.platforms),
+            ("transmitters", self.transmitters == other.transmitters),
+            ("receivers", self.receivers == other.receivers),
+            ("truth/targets", self.targets == other.targets),
+            ("truth/ships", self.ships == other.ships),
+            ("truth/clocks", self.clocks == other.clocks),
+            ("layout", self.layout == other.layout),
+            ("adc", self.adc == other.adc),
+            ("start time", self.start == other.start),
+            ("truth", self.truth == other.truth),
+        ]
+        .into_iter()
+        .find_map(|(field, same)| (!same).then_some(field))
+    }
+
+    /// Names of the antennas in the order of the phase centres.
+    pub fn antennas(&self) -> impl Iterator<Item = &str> {
+        self.transmitters.iter().chain(&self.receivers).map(String::as_str)
+    }
+}
