@@ -2,16 +2,22 @@
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`focus`] | a recording to its images, with the defaults of `nereus focus` |
 //! | [`range_compress`] | pulse compression with the recorded replica |
 //! | [`taper`] | weights over a band or an aperture |
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
 //! | [`degradation`] | what wrong navigation makes of a point: predicted from the paths, closed forms |
+//! | [`comparison`] | images by true and by reported navigation: predicted and measured differences |
+//! | [`two_way_gain`] | what both antennas of a channel gain towards a point |
 //! | [`multilook`] | means of power, percentiles |
 
 pub mod taper;
 pub mod range_compress;
 pub mod backproject;
+pub mod multilook;
 pub mod point_target;
 pub mod degradation;
-pub mod multilook;
+pub mod focus;
+pub mod comparison;
+pub mod two_way_gain;

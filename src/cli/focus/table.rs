@@ -2,24 +2,24 @@
 
 use std::io::Write;
 
-use super::forecast::Law;
-use super::{CliError, FocusArgs, counted, say};
-use crate::cli::escape;
-use crate::cli::focus::figures::{Channel, Comparison, Figures, Target};
-use crate::cli::json;
+use super::both::Comparison;
+use super::{CliError, FocusArgs};
+use crate::cli::{counted, escape, json, say};
+use crate::processor::comparison::{ChannelComparison, Figures, Target};
+use crate::processor::degradation::scenario::Law;
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
         return json::print(comparison, out);
     }
-    tell(comparison, out).map_err(CliError::Output)?;
+    write(comparison, out).map_err(CliError::Output)?;
     for path in &comparison.out {
         say(format_args!("{}", escape::path(path)));
     }
     Ok(())
 }
 
-fn tell(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
+fn write(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
     let [x, y, z] = of.centre_m;
     writeln!(
         out,
@@ -35,12 +35,12 @@ fn tell(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
         of.against.as_ref().map_or(String::new(), |path| format!(" navigation of {}", escape::name(path)))
     )?;
     for channel in &of.channels {
-        tell_channel(channel, out)?;
+        write_channel(channel, out)?;
     }
     Ok(())
 }
 
-fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
+fn write_channel(channel: &ChannelComparison, out: &mut dyn Write) -> std::io::Result<()> {
     let cells = match channel.cell_m {
         Some([range, cross]) => format!("cells of {range:.2} m by {cross:.3} m"),
         None => "no cross-range".to_owned(),
@@ -69,12 +69,12 @@ fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
         )?;
     }
     for target in &channel.targets {
-        tell_target(target, out)?;
+        write_target(target, out)?;
     }
     Ok(())
 }
 
-fn tell_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
+fn write_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
     // Two paired echoes are equally high: the same one in both rows.
     let side = target.predicted.as_ref().map_or(0, Figures::highest_side);
     let row = |name: &str, kind: &str, figures: Option<&Figures>| match figures {

@@ -1,17 +1,17 @@
-//! What `nereus speckle` tells.
+//! The report of `nereus speckle`.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::image::Geometry;
 use super::{Files, SpeckleArgs};
 use crate::cli::counted;
 use crate::cli::escape;
 use crate::cli::json;
 use crate::clutter::empirical::GRAZING_DEG;
 use crate::clutter::fits::{Shape, Speckle};
+use crate::clutter::image::Geometry;
 use crate::clutter::regression::{self, Cosine};
 use crate::clutter::{Kind, sea_shape};
 use crate::config::Run;
