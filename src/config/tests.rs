@@ -179,6 +179,17 @@ fn defaults_lie_in_their_ranges() {
 }
 
 #[test]
+fn the_scenario_of_a_recording_is_read_without_its_files() {
+    let beside_it = parse(CALIBRATION, &in_configs(), &[]).unwrap();
+    assert!(parse(CALIBRATION, Path::new("elsewhere/calibration.toml"), &[]).is_err());
+    let read = recorded(CALIBRATION).unwrap();
+    assert_eq!((&read.scene, &read.clocks), (&beside_it.scene, &beside_it.clocks));
+    // What is wrong with the text is a fault all the same.
+    let error = recorded(&CALIBRATION.replace("carrier_hz", "carrier")).unwrap_err().to_string();
+    assert!(error.contains("scenario in the recording:") && error.contains("carrier_hz"), "{error}");
+}
+
+#[test]
 fn a_recorded_flight_is_resolved() {
     let run = parse(CALIBRATION, &in_configs(), &[]).unwrap();
     assert_eq!(run.scene.pulses, 2220);

@@ -126,9 +126,10 @@ pub fn compare(right: &Side, wrong: &Side) -> Result<ChannelComparison, FocusErr
     let paths = |side: &Side, nav| side.focuser.paths(nav, side.channel);
     let truth = paths(wrong, Navigation::True)?;
     let reported = paths(wrong, Navigation::Reported)?;
-    let targets = right.focuser.with_aperture(right.channel, |known| {
-        wrong.focuser.with_aperture(wrong.channel, |believed| {
-            let both = Both { right, wrong, known, believed, truth: &truth, reported: &reported };
+    let targets = right.focuser.with_aperture(right.channel, |right_aperture| {
+        wrong.focuser.with_aperture(wrong.channel, |wrong_aperture| {
+            let both =
+                Both { right, wrong, right_aperture, wrong_aperture, truth: &truth, reported: &reported };
             both.targets()
         })
     })??;
@@ -147,8 +148,8 @@ pub fn compare(right: &Side, wrong: &Side) -> Result<ChannelComparison, FocusErr
 struct Both<'a> {
     right: &'a Side<'a>,
     wrong: &'a Side<'a>,
-    known: &'a Aperture<'a>,
-    believed: &'a Aperture<'a>,
+    right_aperture: &'a Aperture<'a>,
+    wrong_aperture: &'a Aperture<'a>,
     truth: &'a [PhasePath; 2],
     reported: &'a [PhasePath; 2],
 }
@@ -167,14 +168,14 @@ impl Both<'_> {
 
     /// A point, where it is by the right and by the wrong recording.
     fn target(&self, name: String, [right_m, point_m]: [[f64; 3]; 2]) -> Target {
-        let (focuser, believed) = (self.wrong.focuser, self.believed);
+        let (focuser, wrong_aperture) = (self.wrong.focuser, self.wrong_aperture);
         let header = &focuser.recording().header;
         // Pulses that the point takes through the gate, and what they weigh there.
-        let pulses = believed.pulses.iter().enumerate();
+        let pulses = wrong_aperture.pulses.iter().enumerate();
         let (times_s, weights): (Vec<f64>, Vec<f64>) = pulses
-            .filter(|(place, _)| believed.takes(*place, point_m))
+            .filter(|(place, _)| wrong_aperture.takes(*place, point_m))
             .map(|(place, pulse)| {
-                (pulse.emission_s + focuser.middle_s(), believed.weight(place, pulse, point_m))
+                (pulse.emission_s + focuser.middle_s(), wrong_aperture.weight(place, pulse, point_m))
             })
             .unzip();
         let degradation = Degradation {
@@ -191,9 +192,9 @@ impl Both<'_> {
         let aim_loss_db =
             gains.map(|(wrong, right)| 20.0 * (right / wrong).log10()).filter(|db| db.is_finite());
         let prediction = degradation.predict(point_m);
-        let found = prediction
-            .as_ref()
-            .and_then(|p| measured(&degradation, p, [self.known, believed], [right_m, point_m]));
+        let found = prediction.as_ref().and_then(|p| {
+            measured(&degradation, p, [self.right_aperture, wrong_aperture], [right_m, point_m])
+        });
         let curves = [
             found.as_ref().map(|(right, _, _)| curve(right, right.amplitude, 1)),
             found.as_ref().map(|(right, wrong, _)| curve(wrong, right.amplitude, 1)),
@@ -233,18 +234,18 @@ fn predicted(of: &Prediction, aim_loss_db: f64) -> Figures {
 fn measured(
     degradation: &Degradation,
     prediction: &Prediction,
-    [known, believed]: [&Aperture; 2],
+    [right_aperture, wrong_aperture]: [&Aperture; 2],
     [right_m, point_m]: [[f64; 3]; 2],
 ) -> Option<(Response, Response, Figures)> {
-    let cells = Support::of(known, right_m)?;
-    let right = respond(&|grounds| images(known, grounds), &cells, right_m)?;
+    let cells = Support::of(right_aperture, right_m)?;
+    let right = respond(&|grounds| images(right_aperture, grounds), &cells, right_m)?;
     let support = degradation.support(degradation.reported, prediction.fitted_m)?;
-    let wrong = respond(&|grounds| images(believed, grounds), &support, prediction.fitted_m)?;
+    let wrong = respond(&|grounds| images(wrong_aperture, grounds), &support, prediction.fitted_m)?;
     let at = |aperture: &Aperture, place_m: [f64; 3]| {
         let image = images(aperture, &[Ground::line(place_m, [0.0; 3], 1)]);
         image.first().and_then(|image| image.first().copied())
     };
-    let turned = at(believed, prediction.response.place_m)? * at(known, right_m)?.conj();
+    let turned = at(wrong_aperture, prediction.response.place_m)? * at(right_aperture, right_m)?.conj();
     let off = |found: [f64; 3], place: [f64; 3]| [found[0] - place[0], found[1] - place[1]];
     // What the image by true navigation is off by is no error of the reports.
     let (a, b) = (cells.cells(off(wrong.place_m, point_m)), cells.cells(off(right.place_m, right_m)));

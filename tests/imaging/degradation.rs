@@ -327,7 +327,7 @@ fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
         aperture.pulses.iter().map(|pulse| pulse.weight).collect()
     };
     let weights = weigh(aperture(recording, &compressor, [&truth[0], &truth[1]], 3));
-    let [known, believed] = [&truth, &reported].map(|paths| {
+    let [by_truth, by_report] = [&truth, &reported].map(|paths| {
         let mut aperture = aperture(recording, &compressor, [&paths[0], &paths[1]], 3);
         for (pulse, weight) in aperture.pulses.iter_mut().zip(&weights) {
             pulse.weight = *weight;
@@ -349,13 +349,13 @@ fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
         let wide = |z: &num_complex::Complex32| Complex64::new(z.re.into(), z.im.into());
         fast(aperture, grounds, &|_| ()).iter().map(|image| image.iter().map(wide).collect()).collect()
     };
-    let cells = Support::of(&known, TARGET_M).unwrap();
-    let right = respond(&|grounds| images(&known, grounds), &cells, TARGET_M).unwrap();
-    let support = Support::of(&believed, prediction.fitted_m).unwrap();
-    let wrong = respond(&|grounds| images(&believed, grounds), &support, prediction.fitted_m).unwrap();
+    let cells = Support::of(&by_truth, TARGET_M).unwrap();
+    let right = respond(&|grounds| images(&by_truth, grounds), &cells, TARGET_M).unwrap();
+    let support = Support::of(&by_report, prediction.fitted_m).unwrap();
+    let wrong = respond(&|grounds| images(&by_report, grounds), &support, prediction.fitted_m).unwrap();
     let at =
         |aperture: &Aperture, place: [f64; 3]| images(aperture, &[Ground::line(place, [0.0; 3], 1)])[0][0];
-    let turned = at(&believed, prediction.response.place_m) * at(&known, TARGET_M).conj();
+    let turned = at(&by_report, prediction.response.place_m) * at(&by_truth, TARGET_M).conj();
     let moved: [f64; 2] = std::array::from_fn(|k| wrong.place_m[k] - right.place_m[k]);
     let measured = Measured {
         loss_db: -20.0 * (wrong.amplitude / right.amplitude).log10(),
@@ -398,26 +398,26 @@ fn images_are_as_predicted_for_every_kind_of_error() {
         };
         assert_ne!(scenario, plain);
         let recording = record(&scenario);
-        let (said, found) = measure(&recording, name);
-        let (p, m) = (&said.response.cuts[1], &found.wrong.cuts[1]);
+        let (predicted, found) = measure(&recording, name);
+        let (p, m) = (&predicted.response.cuts[1], &found.wrong.cuts[1]);
         println!(
             "{name}: loss {:.4} {:.4} dB; range {:+.4} {:+.4}, cross-range {:+.4} {:+.4} cells; widths {:.4} {:.4} m; {:?} {:?}; {:+.4} {:+.4} rad",
-            said.loss_db,
+            predicted.loss_db,
             found.loss_db,
-            said.shift_cells[0],
+            predicted.shift_cells[0],
             found.shift_cells[0],
-            said.shift_cells[1],
+            predicted.shift_cells[1],
             found.shift_cells[1],
             p.width_m,
             m.width_m,
             p.highest(),
             m.highest(),
-            said.phase_rad,
+            predicted.phase_rad,
             found.phase_rad
         );
         // What was asked: 0.1 dB, a fiftieth of a cell, 0.3 dB and a twentieth of a cell.
-        assert!((said.loss_db - found.loss_db).abs() < 0.1, "{name}");
-        for (a, b) in said.shift_cells.iter().zip(found.shift_cells) {
+        assert!((predicted.loss_db - found.loss_db).abs() < 0.1, "{name}");
+        for (a, b) in predicted.shift_cells.iter().zip(found.shift_cells) {
             assert!((a - b).abs() < 0.02, "{name}: {a} {b}");
         }
         assert!((p.width_m / m.width_m - 1.0).abs() < 0.01, "{name}");
@@ -426,10 +426,10 @@ fn images_are_as_predicted_for_every_kind_of_error() {
             (a.level_db - b.level_db).abs() < 0.3 && (a.cells.abs() - b.cells.abs()).abs() < 0.05,
             "{name}: {a:?} {b:?}"
         );
-        let turned = (said.phase_rad - found.phase_rad).rem_euclid(std::f64::consts::TAU);
+        let turned = (predicted.phase_rad - found.phase_rad).rem_euclid(std::f64::consts::TAU);
         assert!(turned.min(std::f64::consts::TAU - turned) < 0.05, "{name}: {turned}");
         // Errors do something, or the test is none.
-        let moved = said.shift_cells.iter().map(|x| x.abs()).fold(0.0, f64::max);
-        assert!(said.loss_db > 0.1 || moved > 0.1, "{name}: {} {moved}", said.loss_db);
+        let moved = predicted.shift_cells.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        assert!(predicted.loss_db > 0.1 || moved > 0.1, "{name}: {} {moved}", predicted.loss_db);
     }
 }

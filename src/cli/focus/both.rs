@@ -41,7 +41,7 @@ pub(super) struct Comparison {
     pub out: Vec<PathBuf>,
 }
 
-/// Refuses what belongs to other ways to look.
+/// Refuses options that have no meaning with this --nav.
 pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
     if args.nav == FocusNav::Both {
         let allowed = "with --nav true or --nav reported";

@@ -37,7 +37,7 @@ pub enum SpeckleError {
     },
     /// A channel without echoes of the patch.
     #[error("{}: channel {channel}: {source}; allowed: a window that covers the patch, antennas that illuminate it", path.display())]
-    Silent {
+    NoPower {
         /// The scenario.
         path: PathBuf,
         /// The channel.

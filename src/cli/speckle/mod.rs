@@ -43,7 +43,7 @@ pub struct SpeckleArgs {
     /// Azimuths of the wind, evenly over 360 degrees from 0: downwind
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = counts(1, 360))]
     pub winds: u64,
-    /// Channels to look at [default: all]
+    /// Channels to analyse [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub channel: Vec<String>,
     /// Most pixels of the image across the look and along it; each is a resolution cell, and all lie on the
@@ -217,7 +217,7 @@ fn images(run: &Run, sea: &Sea, channels: &[usize], most: [usize; 2]) -> Result<
 fn azimuth(run: &Run, sea: &Sea, image: Image, settings: &SpeckleSettings) -> Result<Azimuth, SpeckleError> {
     let Image { powers, pixels, trend_db, geometry } = image;
     let row = &run.scene.radar.channels[geometry.channel];
-    let silent = |source| SpeckleError::Silent { path: run.path.clone(), channel: row.name.clone(), source };
-    let speckle = Speckle::of(&powers, pixels, [1, 1], settings).map_err(silent)?;
+    let fault = |source| SpeckleError::NoPower { path: run.path.clone(), channel: row.name.clone(), source };
+    let speckle = Speckle::of(&powers, pixels, [1, 1], settings).map_err(fault)?;
     Ok(Azimuth::new(run, sea, geometry, trend_db, speckle))
 }

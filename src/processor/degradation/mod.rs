@@ -16,7 +16,7 @@
 //! * Prediction and measurement go through one way ([`respond`]): the peak is sought within 6 cells of that
 //!   place, cuts run along the lines of equal Doppler and of equal delay, 32 points a cell, 10 cells to
 //!   either side. Where the image is so broken that another lobe is as high, the two may choose differently.
-//! * [`PhaseTerms`] say what the error looks like over the aperture: its mean moves the point in range, the
+//! * [`PhaseTerms`] are the error over the aperture: its mean moves the point in range, the
 //!   slope in cross-range, the bend widens it.
 //! * [`laws`] has closed forms of errors that are known, [`scenario`] those of a scenario.
 //!
@@ -27,7 +27,7 @@
 //! use nereus::processor::degradation::{Degradation, Prediction};
 //! use nereus::geometry::phase_path::PhasePath;
 //! use nereus::processor::taper::Taper;
-//! // 10 GHz at 100 m/s, 4.2 km away; the processor believes in a climb of 10 mm/s that was none.
+//! // 10 GHz at 100 m/s, 4.2 km away; a climb of 10 mm/s is reported that was none.
 //! let times_s: Vec<f64> = (0..400).map(|i| f64::from(i) * 5e-3).collect();
 //! let fly = |climb_mps: f64| {
 //!     let at = |t: &f64| [100.0 * (t - 1.0), -3000.0, 3000.0 + climb_mps * t];
@@ -143,7 +143,7 @@ pub fn respond(
         (lines, power.collect::<Vec<_>>())
     };
     let middle = (cells * dense) as f64;
-    // The first cuts tell the peak finer than the chip.
+    // The first cuts give the peak finer than the chip.
     let (lines, power) = cut(peak_m);
     for (line, power) in lines.iter().zip(&power) {
         let (top, _) = summit(power)?;

@@ -11,9 +11,9 @@
 //! | middle | where the radar looks at the middle pulse, to a metre: what the receive window follows, else the aim of the receiver, else that of the transmitter, else the middle of the patch |
 //! | pulses | those that left in the channel's polarisation; a pixel takes those in whose Doppler band it lies ([`DopplerBand`]) |
 //!
-//! Neither gain nor range is taken out. What the scenario in the recording says is needed for the middle,
-//! where none is given, and for whether an antenna has an aim: without it ([`Focuser::new`]) every antenna
-//! counts as one that has.
+//! Neither gain nor range is taken out. The scenario in the recording is needed for the middle, where
+//! none is given, and for whether an antenna has an aim: without it ([`Focuser::new`]) every antenna counts as
+//! one that has.
 
 mod centre;
 mod error;
@@ -261,7 +261,7 @@ impl<'a> Focuser<'a> {
     fn sought(&self, channel: usize, used: Option<[&PhasePath; 2]>) -> Vec<(String, Sought)> {
         let (recording, ground) = (self.recording, &self.ground);
         let row = &recording.header.channels[channel];
-        // Delays are true: where they belong follows from the true paths, whatever the processor takes.
+        // Delays are true: where they belong follows from the true paths, whatever navigation is in use.
         let Ok([transmitter, receiver]) = self.paths(Navigation::True, channel) else { return Vec::new() };
         let inside = |point: &[f64; 3]| {
             (0..2).all(|axis| {
