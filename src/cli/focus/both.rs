@@ -1,9 +1,7 @@
 //! `nereus focus --nav both`: what errors of the reports do to the image, predicted and measured.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
-
-use serde::Serialize;
+use std::path::Path;
 
 use super::images::{Outputs, pictures};
 use super::{FocusArgs, FocusNav, image, open, table};
@@ -24,22 +22,6 @@ use crate::recording::output::{FileKind, Output};
 
 /// Lowest level of a picture of cuts, dB.
 const FLOOR_DB: f64 = -60.0;
-
-/// What `--json` prints.
-#[derive(Debug, Serialize)]
-pub(super) struct Comparison {
-    pub recording: String,
-    pub against: Option<String>,
-    pub nav: &'static str,
-    pub pulses: usize,
-    pub first_pulse: u64,
-    pub last_pulse: u64,
-    pub centre_m: [f64; 3],
-    pub pixels: [usize; 2],
-    pub pixel_m: f64,
-    pub channels: Vec<ChannelComparison>,
-    pub out: Vec<PathBuf>,
-}
 
 /// Refuses options that have no meaning with this --nav.
 pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
@@ -112,7 +94,7 @@ pub(super) fn compare(
         made.push(output.path().to_owned());
         draw_cuts(channel, output)?;
     }
-    let comparison = Comparison {
+    let comparison = table::Comparison {
         recording: args.recording.display().to_string(),
         against: args.against.as_ref().map(|path| path.display().to_string()),
         nav: FocusNav::Both.name(),

@@ -1,12 +1,30 @@
 //! The table of `nereus focus --nav both`.
 
 use std::io::Write;
+use std::path::PathBuf;
 
-use super::both::Comparison;
+use serde::Serialize;
+
 use super::{CliError, FocusArgs};
 use crate::cli::{counted, escape, json, say};
 use crate::processor::comparison::{ChannelComparison, Figures, Target};
 use crate::processor::degradation::scenario::Law;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+pub(super) struct Comparison {
+    pub recording: String,
+    pub against: Option<String>,
+    pub nav: &'static str,
+    pub pulses: usize,
+    pub first_pulse: u64,
+    pub last_pulse: u64,
+    pub centre_m: [f64; 3],
+    pub pixels: [usize; 2],
+    pub pixel_m: f64,
+    pub channels: Vec<ChannelComparison>,
+    pub out: Vec<PathBuf>,
+}
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
