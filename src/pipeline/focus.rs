@@ -20,12 +20,13 @@ use crate::recording::Recording;
 /// let recording = Recording::open(&path, None)?;
 /// let mut settings = focus::Settings::default();
 /// settings.centre_m = Some([3300.0, 0.0]);
-/// settings.size_m = [16.0; 2];
+/// settings.size_m = [8.0; 2];
+/// settings.pixel_m = 0.25;
 /// let images = focus(&recording, &settings)?;
-/// assert_eq!((images.len(), images[0].channel.as_str(), images[0].ground.pixels), (1, "VV", [16, 16]));
-/// let peak = images[0].values.iter().map(|z| z.norm_sqr()).fold(0.0, f32::max);
-/// println!("peak {:.1} dBW", 10.0 * peak.log10());
-/// # assert!((10.0 * peak.log10() + 96.9).abs() < 1.0, "{peak}");
+/// assert_eq!((images[0].channel.as_str(), images[0].ground.pixels), ("VV", [32, 32]));
+/// // By the radar equation -104.2 dBW: 100 W, 30 dBi at both ends, 100 m^2 at 3.3 km.
+/// let peak_w = images[0].values.iter().map(|z| z.norm_sqr()).fold(0.0, f32::max);
+/// assert!((10.0 * peak_w.log10() + 104.2).abs() < 0.2, "{peak_w}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
