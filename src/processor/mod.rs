@@ -8,8 +8,6 @@
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
 //! | [`degradation`] | what wrong navigation makes of a point: predicted from the paths, closed forms |
-//! | [`comparison`] | images by true and by reported navigation: predicted and measured differences |
-//! | [`two_way_gain`] | what both antennas of a channel gain towards a point |
 //! | [`multilook`] | means of power, percentiles |
 
 pub mod taper;
@@ -19,5 +17,5 @@ pub mod multilook;
 pub mod point_target;
 pub mod degradation;
 pub mod focus;
-pub mod comparison;
-pub mod two_way_gain;
+pub(crate) mod comparison;
+pub(crate) mod two_way_gain;

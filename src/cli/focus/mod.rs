@@ -168,21 +168,21 @@ struct Focused {
 
 impl FocusArgs {
     fn settings(&self) -> Settings {
-        let mut settings = Settings::default();
-        settings.nav = if self.nav == FocusNav::True { Navigation::True } else { Navigation::Reported };
-        settings.centre_m = <[f64; 2]>::try_from(self.centre_m.as_slice()).ok();
-        settings.size_m = [self.size_m[0], self.size_m[self.size_m.len() - 1]];
-        settings.pixel_m = self.pixel_m;
-        settings.height_m = self.height_m;
-        settings.window = self.window.taper();
-        settings.aperture = self.aperture.taper();
-        settings.doppler = self.doppler_hz.unwrap_or_default();
-        settings.filter = match self.filter {
-            FocusFilter::Matched => RangeFilter::Matched,
-            FocusFilter::Flat => RangeFilter::Flat,
-        };
-        settings.interpolation_db = self.interpolation_db;
-        settings
+        Settings {
+            nav: if self.nav == FocusNav::True { Navigation::True } else { Navigation::Reported },
+            centre_m: <[f64; 2]>::try_from(self.centre_m.as_slice()).ok(),
+            size_m: [self.size_m[0], self.size_m[self.size_m.len() - 1]],
+            pixel_m: self.pixel_m,
+            height_m: self.height_m,
+            window: self.window.taper(),
+            aperture: self.aperture.taper(),
+            doppler: self.doppler_hz.unwrap_or_default(),
+            filter: match self.filter {
+                FocusFilter::Matched => RangeFilter::Matched,
+                FocusFilter::Flat => RangeFilter::Flat,
+            },
+            interpolation_db: self.interpolation_db,
+        }
     }
 }
 

@@ -18,7 +18,7 @@
 //!   either side. Where the image is so broken that another lobe is as high, the two may choose differently.
 //! * [`PhaseTerms`] are the error over the aperture: its mean moves the point in range, the
 //!   slope in cross-range, the bend widens it.
-//! * [`laws`] has closed forms of errors that are known, [`scenario`] those of a scenario.
+//! * [`laws`] has closed forms of errors that are known.
 //!
 //! Limits: gain equal over the aperture; what the point itself does to its Doppler is not in it; compression
 //! is done with the Doppler of the reported paths, which leaves `delta f_D Tc/B` of range.
@@ -51,7 +51,7 @@
 //! ```
 
 pub mod laws;
-pub mod scenario;
+pub(crate) mod scenario;
 
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;

@@ -18,58 +18,19 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 /// An error that is known, and what it does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Law {
     /// A constant moves everything in range, and across as the line of sight turns.
-    Bias {
-        /// Along the path, m.
-        path_m: f64,
-        /// Shift in range.
-        range_cells: f64,
-        /// Shift in cross-range.
-        cross_range_cells: f64,
-    },
+    Bias { path_m: f64, range_cells: f64, cross_range_cells: f64 },
     /// A ramp moves everything in cross-range, and in range by what it has grown to.
-    Ramp {
-        /// Along the path, m/s.
-        path_mps: f64,
-        /// Shift in range.
-        range_cells: f64,
-        /// Shift in cross-range.
-        cross_range_cells: f64,
-    },
+    Ramp { path_mps: f64, range_cells: f64, cross_range_cells: f64 },
     /// A sinusoid raises paired echoes.
-    Sinusoid {
-        /// Amplitude of the phase, rad.
-        beta_rad: f64,
-        /// What it raises.
-        echoes: PairedEchoes,
-    },
+    Sinusoid { beta_rad: f64, echoes: PairedEchoes },
     /// A step splits the main lobe; peak and shift where it comes in the middle of an aperture without taper.
-    Step {
-        /// Its phase, rad.
-        phase_rad: f64,
-        /// Loss of the peak, dB.
-        loss_db: Option<f64>,
-        /// Shift in cross-range.
-        cross_range_cells: Option<f64>,
-    },
-    /// White noise.
-    White {
-        /// Standard deviation of the phase, rad.
-        sigma_rad: f64,
-        /// Mean loss of an ensemble, dB.
-        mean_loss_db: f64,
-    },
-    /// Gauss-Markov noise.
-    GaussMarkov {
-        /// Standard deviation of the phase, rad.
-        sigma_rad: f64,
-        /// Correlation time, s.
-        tau_s: f64,
-        /// Mean loss of an ensemble at the place expected, without taper, dB.
-        mean_loss_db: f64,
-    },
+    Step { phase_rad: f64, loss_db: Option<f64>, cross_range_cells: Option<f64> },
+    /// White noise, mean loss of an ensemble.
+    White { sigma_rad: f64, mean_loss_db: f64 },
+    /// Gauss-Markov noise, mean loss of an ensemble at the place expected, without taper.
+    GaussMarkov { sigma_rad: f64, tau_s: f64, mean_loss_db: f64 },
 }
 
 /// Laws of the errors of the platforms of a channel for a point. `zero_s`: emission of pulse 0 on the clock
