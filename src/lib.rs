@@ -15,9 +15,10 @@
 //! ```
 //!
 //! [`Scenario`] reads and runs a scenario, [`PulseStream`] is a run with its sinks in real time,
-//! [`Recording`] reads what was recorded. [`scene`], [`config`] and [`motion`] describe a run built in Rust
-//! instead of TOML, and [`processor`] focuses what was recorded. What these pages leave out is the inside of
-//! the emulator: open to its own tests and tools, and free to change with every version.
+//! [`Recording`] reads what was recorded, and [`focus()`] makes its images. [`scene`], [`config`] and [`motion`]
+//! describe a run built in Rust instead of TOML, and [`processor`] has what images are made with. What these
+//! pages leave out is the inside of the emulator: open to its own tests and tools, and free to change with
+//! every version.
 //!
 //! The modules, in the order in which one may use another (a module imports only modules above it):
 //!
@@ -106,6 +107,8 @@ pub mod bench;
 pub mod cli;
 
 pub use pipeline::build::PulseStream;
+pub use pipeline::focus::focus;
 pub use pipeline::scenario::{Scenario, ScenarioError};
+pub use processor::focus;
 pub use pulse::{Pulse, Samples};
 pub use recording::Recording;

@@ -8,6 +8,8 @@
 pub mod converter;
 #[doc(hidden)]
 pub mod costs;
+#[doc(hidden)]
+pub mod gathered;
 pub mod log;
 
 use std::time::Instant;

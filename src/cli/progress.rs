@@ -31,6 +31,18 @@ pub(super) fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watch
     (sender, Watcher(thread::Builder::new().name("progress".to_owned()).spawn(show).ok()))
 }
 
+/// Focuses and shows how many pulses are in; `image` calls what it is given with these and all of them.
+pub(super) fn focusing<T>(image: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
+    let (status, watcher) = watch_of(0, "pulses focused");
+    let made = image(&|done, total| {
+        let (passed, total) = (done as u64, total as u64);
+        let _ = status.try_send(Status { passed, total, late: 0, dropped: 0 });
+    });
+    drop(status);
+    watcher.finish();
+    made
+}
+
 impl Watcher {
     /// Waits until the last word is shown.
     pub(super) fn finish(self) {

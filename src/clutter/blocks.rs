@@ -2,7 +2,7 @@
 //!
 //! Speckle of pixels a cell apart is independent; the power beneath it is not: it follows waves of up to
 //! hundreds of metres. Errors that take pixels as independent are then too small. Here the image is cut into
-//! blocks, each in turn is left out, and the spread of what is left tells the error (jackknife):
+//! blocks, each in turn is left out, and the spread of what is left gives the error (jackknife):
 //!
 //! ```text
 //! error^2 = (G - 1)/G sum_g (1/nu_g - <1/nu_g>)^2,   1/nu_g without block g

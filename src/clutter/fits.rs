@@ -97,7 +97,7 @@ impl Speckle {
         // Wider apart for the test: its law of distances wants pixels that waves do not make alike.
         let apart = (powers.len() as f64 / settings.test_pixels as f64).sqrt().ceil() as usize;
         let (few, _) = every(&powers, pixels[0], [apart, apart]);
-        // Few pixels may be silent ones by chance.
+        // Few pixels may all be without power by chance.
         let tested = Sample::new(&few).or_else(|_| Sample::new(&powers))?;
         let law = |kind: Kind| {
             let Goodness { distance, probability, .. } =
@@ -113,7 +113,7 @@ impl Speckle {
         };
         Ok(Self {
             pixels: sample.len(),
-            silent: sample.silent(),
+            silent: sample.zeros(),
             step,
             mean_power_dbw: 10.0 * sample.mean_power().log10(),
             contrast: sample.contrast(),

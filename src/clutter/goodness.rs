@@ -6,7 +6,7 @@
 //!
 //! The tables of that distance hold for laws that are known beforehand. Here the law was fitted to the same
 //! sample, so the probability is that of a **parametric bootstrap**: samples of the same size are drawn from
-//! the fitted law, each is fitted anew (by maximum likelihood), and `p = (1 + k)/(1 + B)`, `k` of `B` being
+//! the fitted law, each is fitted again (by maximum likelihood), and `p = (1 + k)/(1 + B)`, `k` of `B` being
 //! at least as far from their own law. Numbers come from streams keyed by the seed and the number of the
 //! sample: the same for any number of threads.
 //!
@@ -38,7 +38,7 @@ pub struct Goodness {
     pub samples: usize,
 }
 
-/// The probability of a law, quick to tell for many amplitudes.
+/// The probability of a law, quick to evaluate for many amplitudes.
 enum Table<'a> {
     Exact(&'a Law),
     Cubic {
@@ -102,7 +102,7 @@ pub fn distance(sample: &Sample, law: &Law) -> f64 {
     ordered.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
-/// Fits a law and tells how well it fits, by so many samples drawn from it.
+/// Fits a law and measures how well it fits, by so many samples drawn from it.
 pub fn test(sample: &Sample, kind: Kind, resamples: usize, seed: u64) -> Goodness {
     let law = likelihood::fit(sample, kind).law;
     let found = distance(sample, &law);

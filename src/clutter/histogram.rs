@@ -69,7 +69,7 @@ fn slopes(kind: Kind, at: [f64; 2]) -> Vec<[f64; 2]> {
     along(0).into_iter().zip(along(1)).map(|(a, b)| [a, b]).collect()
 }
 
-/// Inverse of a symmetrical 2 x 2 matrix; of its second entry alone where the first says nothing.
+/// Inverse of a symmetrical 2 x 2 matrix; of its second entry alone where the first is not determined.
 fn inverse([a, b, d]: [f64; 3]) -> [f64; 3] {
     let determinant = a * d - b * b;
     if determinant > 1e-14 * a * d {

@@ -7,6 +7,8 @@
 //! | [`moments`], [`likelihood`], [`histogram`] | three ways to fit a law |
 //! | [`goodness`] | distance of Kolmogorov and Smirnov, its probability by parametric bootstrap |
 //! | [`blocks`] | errors of pixels that waves make alike, by leaving out parts of an image |
+//! | [`image`] | images of the patch, a pixel a resolution cell |
+//! | [`spacing`] | how far apart pixels of an image are independent |
 //! | [`trend`] | the mean power over range, to be divided out |
 //! | [`regression`] | a shape over azimuth: `a + b cos 2 psi` |
 //! | [`empirical`] | shapes of sea clutter as measured: Ward, Baker and Watts; Watts and Wicks |
@@ -32,11 +34,13 @@ pub mod empirical;
 pub mod fits;
 pub mod goodness;
 pub mod histogram;
+pub mod image;
 pub mod laws;
 pub mod likelihood;
 pub mod moments;
 pub mod regression;
 pub mod sample;
+pub mod spacing;
 pub mod trend;
 
 pub use empirical::sea_shape;

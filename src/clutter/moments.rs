@@ -1,7 +1,7 @@
 //! Fits by the first two moments of the power: `<I^2>/<I>^2` of the law is that of the sample.
 //!
 //! The error of the shape is that of the contrast times the slope of the shape over it: to first order, and
-//! with a fourth moment that few samples of a spiky law tell too small. A K law cannot vary less than
+//! with a fourth moment that few samples of a spiky law make too small. A K law cannot vary less than
 //! Rayleigh's: its shape is then infinite. Shapes of Weibull laws are held to 0.05 .. 1000.
 
 use libm::lgamma;

@@ -1,6 +1,6 @@
 //! Powers of pixels that are to be fitted.
 //!
-//! Powers of 0, where nothing was heard, belong to none of the laws: they are left out and counted.
+//! Powers of 0, of pixels without echo, belong to none of the laws: they are left out and counted.
 //! Logarithms of amplitudes are gathered in bins of 0.02, each with its own mean: a likelihood of that costs
 //! as many densities as there are bins, and errs by half the variance within a bin times the curvature of the
 //! logarithm of the density, 2e-5 a pixel, with almost no slope in the parameters.
@@ -11,6 +11,7 @@
 
 /// Why powers cannot be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SampleFault {
     /// A power that is none.
     #[error("pixel {pixel} has a power of {power}: allowed: finite numbers from 0")]
@@ -98,32 +99,35 @@ pub struct Sample {
     pub(super) bins: Bins,
     mean_power: f64,
     moments: [f64; 3],
-    silent: usize,
+    zeros: usize,
 }
 
 impl Sample {
     /// Of powers `I = z^2` in any unit.
+    ///
+    /// # Errors
+    /// A power that is no finite number from 0; fewer than two above 0.
     pub fn new(powers: &[f64]) -> Result<Self, SampleFault> {
         let is_power = |power: &f64| power.is_finite() && *power >= 0.0;
         if let Some(pixel) = powers.iter().position(|power| !is_power(power)) {
             return Err(SampleFault::Power { pixel, power: powers[pixel] });
         }
-        let heard: Vec<f64> = powers.iter().copied().filter(|power| *power > 0.0).collect();
-        if heard.len() < 2 {
-            return Err(SampleFault::Few { samples: heard.len() });
+        let positive: Vec<f64> = powers.iter().copied().filter(|power| *power > 0.0).collect();
+        if positive.len() < 2 {
+            return Err(SampleFault::Few { samples: positive.len() });
         }
-        let n = heard.len() as f64;
+        let n = positive.len() as f64;
         // Of the largest, so that no sum is beyond what a number holds.
-        let top = heard.iter().copied().fold(0.0, f64::max);
-        let mean = heard.iter().map(|power| power / top).sum::<f64>() / n;
-        let ratios: Vec<f64> = heard.iter().map(|power| power / top / mean).collect();
+        let top = positive.iter().copied().fold(0.0, f64::max);
+        let mean = positive.iter().map(|power| power / top).sum::<f64>() / n;
+        let ratios: Vec<f64> = positive.iter().map(|power| power / top / mean).collect();
         let moment = |order: i32| ratios.iter().map(|r| r.powi(order)).sum::<f64>() / n;
         let bins = Bins::of(ratios.iter().copied());
         Ok(Self {
             bins,
             mean_power: top * mean,
             moments: [2, 3, 4].map(moment),
-            silent: powers.len() - heard.len(),
+            zeros: powers.len() - positive.len(),
             ratios,
         })
     }
@@ -139,8 +143,8 @@ impl Sample {
     }
 
     /// Powers of 0, which were left out.
-    pub fn silent(&self) -> usize {
-        self.silent
+    pub fn zeros(&self) -> usize {
+        self.zeros
     }
 
     /// `<I>`.

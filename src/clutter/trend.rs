@@ -6,7 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// Divides the trend out of an image (row by row, each row at one range, m) and tells its span over the rows,
+/// Divides the trend out of an image (row by row, each row at one range, m) and returns its span over the rows,
 /// dB; none, and nothing is done, where fewer than 4 rows have power.
 pub fn remove(powers: &mut [f64], columns: usize, ranges_m: &[f64]) -> Option<f64> {
     if columns == 0 {
@@ -16,8 +16,8 @@ pub fn remove(powers: &mut [f64], columns: usize, ranges_m: &[f64]) -> Option<f6
     let place = |range_m: f64| (range_m / middle).ln();
     let (mut matrix, mut right, mut rows) = (DMat3::ZERO, DVec3::ZERO, 0);
     for (row, range_m) in powers.chunks_exact(columns).zip(ranges_m) {
-        let heard = row.iter().filter(|power| **power > 0.0).count();
-        let mean = row.iter().sum::<f64>() / heard.max(1) as f64;
+        let with_power = row.iter().filter(|power| **power > 0.0).count();
+        let mean = row.iter().sum::<f64>() / with_power.max(1) as f64;
         let x = place(*range_m);
         if mean > 0.0 && mean.is_finite() && x.is_finite() {
             let terms = DVec3::new(1.0, x, x * x);

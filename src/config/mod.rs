@@ -74,6 +74,7 @@ use crate::{sinks, transport};
 
 use error::{At, Problem};
 pub use error::{ConfigError, Fault, Warning};
+use section::Files;
 
 /// Largest scenario file, bytes.
 pub const LARGEST_FILE: u64 = 4 << 20;
@@ -137,7 +138,20 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigEr
 /// # Errors
 /// All faults of the scenario, each with its place.
 pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
-    let read = read(text, path, overrides);
+    finished(read(text, path, overrides, Files::Required), path)
+}
+
+/// Reads the scenario that stands inside a recording. Files that it names (tracks, hulls, patterns) are left
+/// aside: they need not be where the recording is read, and ships of an AIS log that is not there are none.
+///
+/// # Errors
+/// All faults of the text: one that an older version wrote may have keys that this version does not know.
+pub fn recorded(text: &str) -> Result<Run, ConfigError> {
+    let path = Path::new("scenario in the recording");
+    finished(read(text, path, &[], Files::Optional), path)
+}
+
+fn finished(read: Outcome, path: &Path) -> Result<Run, ConfigError> {
     match read.run {
         Some(run) if read.faults.is_empty() => Ok(run),
         _ => Err(ConfigError::Faults { path: path.to_owned(), faults: read.faults }),
@@ -153,11 +167,11 @@ struct Outcome {
     asked: BTreeSet<(&'static str, &'static str)>,
 }
 
-fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
+fn read(text: &str, path: &Path, overrides: &[(String, String)], files: Files) -> Outcome {
     let (mut root, syntax) = document::read(text);
     let lost = document::put(&mut root, overrides);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let reader = section::Reader::new(folder, lost);
+    let reader = section::Reader::new(folder, files, lost);
     let run = resolve::resolve(section::Section::root(&reader, &root));
     let (mut faults, warnings, asked) = reader.finish();
     if !syntax.is_empty() {

@@ -14,10 +14,20 @@ use crate::nav::live::Origin;
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 
+/// Whether files that a scenario names must be there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Files {
+    /// A file that is not there is a fault.
+    Required,
+    /// A scenario in a recording: its files may be anywhere.
+    Optional,
+}
+
 /// What all sections of one scenario share.
 pub(super) struct Reader {
     /// Folder of the scenario file.
     folder: PathBuf,
+    files: Files,
     faults: RefCell<Vec<Fault>>,
     warnings: RefCell<Vec<Warning>>,
     /// Keys asked for, as (heading, key): the manual's test holds them against the list.
@@ -25,13 +35,24 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    pub(super) fn new(folder: &Path, faults: Vec<Fault>) -> Self {
+    pub(super) fn new(folder: &Path, files: Files, faults: Vec<Fault>) -> Self {
         Self {
             folder: folder.to_owned(),
+            files,
             faults: RefCell::new(faults),
             warnings: RefCell::new(Vec::new()),
             asked: RefCell::new(BTreeSet::new()),
         }
+    }
+
+    /// Whether a file that must be there is not.
+    fn lacks(&self, path: &Path) -> bool {
+        self.files == Files::Required && !path.is_file()
+    }
+
+    /// Whether a file may be missing, and is.
+    pub(super) fn is_left_aside(&self, path: &Path) -> bool {
+        self.files == Files::Optional && !path.is_file()
     }
 
     pub(super) fn warn(&self, warning: Warning) {
@@ -285,7 +306,7 @@ impl<'a> Section<'a> {
     /// A file beside the scenario that exists.
     fn existing(&self, key: &'static Key, path: PathBuf) -> Option<PathBuf> {
         let path = self.reader.folder.join(path);
-        if !path.is_file() {
+        if self.reader.lacks(&path) {
             self.fault(key, Problem::NoFile { path });
             return None;
         }
@@ -313,7 +334,7 @@ impl<'a> Section<'a> {
             return Some(None);
         }
         let path = self.reader.folder.join(self.output(key)?);
-        if !path.is_file() {
+        if self.reader.lacks(&path) {
             self.fault(key, Problem::NoFileOr { path, allowed: key.kind.allowed() });
             return None;
         }

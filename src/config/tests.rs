@@ -92,7 +92,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(changes::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
-        asked.extend(read(text, &in_configs(), &settings(overrides)).asked);
+        asked.extend(read(text, &in_configs(), &settings(overrides), Files::Required).asked);
     }
     let listed: BTreeSet<(&str, &str)> = keys::TABLES
         .iter()
@@ -176,6 +176,17 @@ fn defaults_lie_in_their_ranges() {
             }
         }
     }
+}
+
+#[test]
+fn the_scenario_of_a_recording_is_read_without_its_files() {
+    let beside_it = parse(CALIBRATION, &in_configs(), &[]).unwrap();
+    assert!(parse(CALIBRATION, Path::new("elsewhere/calibration.toml"), &[]).is_err());
+    let read = recorded(CALIBRATION).unwrap();
+    assert_eq!((&read.scene, &read.clocks), (&beside_it.scene, &beside_it.clocks));
+    // What is wrong with the text is a fault all the same.
+    let error = recorded(&CALIBRATION.replace("carrier_hz", "carrier")).unwrap_err().to_string();
+    assert!(error.contains("scenario in the recording:") && error.contains("carrier_hz"), "{error}");
 }
 
 #[test]

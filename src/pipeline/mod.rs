@@ -13,6 +13,7 @@ pub mod changing;
 pub mod control;
 mod dry_run;
 pub mod factory;
+pub mod focus;
 pub mod fault;
 #[doc(hidden)]
 pub mod live;

@@ -10,7 +10,9 @@ use thiserror::Error;
 use super::build::{self, PulseStream, RunFailure};
 use super::fault::BuildErrors;
 use crate::config::{self, ConfigError, Run};
+use crate::processor::focus::Described;
 use crate::pulse::Pulse;
+use crate::recording::Recording;
 use crate::transport::Pace;
 
 /// A scenario that was read and is free of faults.
@@ -41,6 +43,19 @@ impl Scenario {
         let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
         let overrides: Vec<(String, String)> = overrides.iter().map(owned).collect();
         Ok(Self(config::load(path.as_ref(), &overrides)?))
+    }
+
+    /// The scenario that stands inside a recording. Files that it names need not be there.
+    ///
+    /// # Errors
+    /// All faults of its text; an older version may have written keys that this one does not know.
+    pub fn of(recording: &Recording) -> Result<Self, ScenarioError> {
+        Ok(Self(config::recorded(&recording.header.config)?))
+    }
+
+    /// What it describes, for a processor.
+    pub(crate) fn described(&self) -> Described<'_> {
+        Described { scene: &self.0.scene, nav: &self.0.nav }
     }
 
     /// Pulses of the run.

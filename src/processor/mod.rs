@@ -2,6 +2,7 @@
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`focus`] | a recording to its images, with the defaults of `nereus focus` |
 //! | [`range_compress`] | pulse compression with the recorded replica |
 //! | [`taper`] | weights over a band or an aperture |
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
@@ -12,6 +13,9 @@
 pub mod taper;
 pub mod range_compress;
 pub mod backproject;
+pub mod multilook;
 pub mod point_target;
 pub mod degradation;
-pub mod multilook;
+pub mod focus;
+pub(crate) mod comparison;
+pub(crate) mod two_way_gain;

@@ -26,6 +26,14 @@ pub fn multilook(power: &[f64], pixels: [usize; 2], looks: usize) -> (Vec<f64>, 
     (out.map(|(bx, by)| mean(bx, by)).collect(), blocks)
 }
 
+/// Mean and peak of powers, and their contrast `<I^2>/<I>^2`: 2 for speckle, 0 without power.
+pub fn levels(power: &[f64]) -> [f64; 3] {
+    let mean = |order: i32| power.iter().map(|p| p.powi(order)).sum::<f64>() / power.len().max(1) as f64;
+    // Powers of 1e-15 W squared are no numbers of f32, but of f64.
+    let contrast = if mean(1) > 0.0 { mean(2) / mean(1).powi(2) } else { 0.0 };
+    [mean(1), power.iter().copied().fold(0.0, f64::max), contrast]
+}
+
 /// The value that `percent` of the finite values do not exceed; none if there is no finite value.
 pub fn percentile(values: &[f64], percent: f64) -> Option<f64> {
     let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();

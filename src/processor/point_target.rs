@@ -377,7 +377,7 @@ pub(super) fn brightest(power: &[f64], chip: &Ground) -> ([f64; 3], bool) {
 
 /// Where on the plane of `start_m` a target appears whose delays are recorded: the point at rest whose delays
 /// come nearest (least squares, Gauss and Newton). A high target lies over, a moving one is displaced, as in
-/// the image. None where fewer than two delays are numbers or the delays do not tell a place.
+/// the image. None where fewer than two delays are numbers or the delays do not determine a place.
 pub fn locate(
     transmitter: &PhasePath,
     receiver: &PhasePath,

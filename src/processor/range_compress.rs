@@ -42,6 +42,7 @@ const MOST_OVERSAMPLING: usize = 64;
 
 /// What becomes of the spectrum of the pulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RangeFilter {
     /// The matched filter: best against noise. Side lobes are those of the pulse (of a sweep of `B Tc = 20`
     /// behind the receive filter: -13.7 dB).
@@ -54,6 +55,7 @@ pub enum RangeFilter {
 
 /// What cannot be compressed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CompressError {
     /// A pulse, a rate or a band that is none.
     #[error(
@@ -125,6 +127,9 @@ pub struct PulseShape<'a> {
 
 impl Compressor {
     /// For windows of so many samples.
+    ///
+    /// # Errors
+    /// A replica, a rate, a band or a window that is none.
     pub fn new(
         pulse: PulseShape,
         samples: usize,

@@ -28,6 +28,7 @@ const KAISER_BETA: f64 = 6.0;
 
 /// A taper.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Taper {
     /// All weights are 1.
     #[default]

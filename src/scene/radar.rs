@@ -58,6 +58,13 @@ impl Radar {
         pairs
     }
 
+    /// Where an antenna of that name sits, and what it looks like.
+    pub fn antenna(&self, name: &str) -> Option<&AntennaMount> {
+        let transmitters = self.transmitters.iter().map(|end| (&end.name, &end.antenna));
+        let receivers = self.receivers.iter().map(|end| (&end.name, &end.antenna));
+        transmitters.chain(receivers).find(|(known, _)| *known == name).map(|(_, antenna)| antenna)
+    }
+
     /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships and
     /// clocks.
     pub fn layout(&self, platforms: usize, targets: usize) -> Layout {

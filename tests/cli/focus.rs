@@ -85,7 +85,7 @@ fn a_plain_recording_becomes_pictures_and_a_table_of_points() {
     for picture in ["a_HH.png", "a_VV.png"] {
         assert!(fs::read(folder.path().join(picture)).unwrap().starts_with(b"\x89PNG"));
     }
-    // 400 Hz tell 115 m of the track apart: the corners of 128 m lie beyond, those of 48 m do not.
+    // 400 Hz separate 115 m of the track: the corners of 128 m lie beyond, those of 48 m do not.
     assert_eq!(report["channels"][0]["doppler_hz"], 400.0);
     for (more, found) in
         [(&["--size-m", "48"][..], None), (&["--size-m", "128", "--doppler-hz", "all"], None)]
@@ -147,9 +147,9 @@ fn channels_of_calibration_are_left_out_and_refused_by_name() {
     assert!((channels[0]["peak_dbw"].as_f64().unwrap() - wanted_dbw).abs() < 0.2, "{wanted_dbw} {report}");
     for (name, kind) in [("tone", "tone"), ("loopback", "loopback")] {
         let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", name]].concat());
-        let told =
+        let expected =
             format!("channel {name} is a calibration channel ({kind}) and carries no echo; allowed: VV");
-        assert!(ended.code == 2 && ended.stderr.contains(&told), "{}", ended.stderr);
+        assert!(ended.code == 2 && ended.stderr.contains(&expected), "{}", ended.stderr);
     }
     let ended = nereus(folder.path(), &[&on_the_corner[..], &["--channel", "HH"]].concat());
     assert!(
@@ -182,7 +182,7 @@ fn an_image_lies_where_the_window_looks_by_latitude_and_longitude() {
 }
 
 #[test]
-fn what_is_wrong_is_told() {
+fn what_is_wrong_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), &["--pulses", "10..14"]);
     let isotropic = "transmitter.0.antenna={ kind = 'isotropic' }";
@@ -203,25 +203,92 @@ fn what_is_wrong_is_told() {
         let ended = nereus(folder.path(), &[&["focus"], arguments].concat());
         assert!(ended.code == 2 && ended.stderr.contains(words), "{arguments:?}: {}", ended.stderr);
     }
-    // A window that hears nothing of the image, and one pulse: an image of zeros, and no cross-range.
+    // Receive windows without echo of the image, and one pulse: an image of zeros, and no cross-range.
     let far = ["focus", "r.plain", "--pulses", "10..11", "--centre-m", "1e6,0", "--size-m", "8", "--json"];
     let ended = nereus(folder.path(), &far);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert!(!ended.stdout.contains("NaN") && ended.stdout.contains("\"contrast\":0.0"), "{}", ended.stdout);
 }
 
+#[test]
+fn the_library_makes_the_images_of_the_command() {
+    use nereus::focus::{Navigation, Settings};
+    use nereus::processor::multilook::levels;
+    use nereus::processor::taper::Taper;
+
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &["--pulses", "30..50"]);
+    let asked = ["focus", "r.plain", "--size-m", "24,16", "--nav", "reported", "--window", "hann", "--json"];
+    let ended = nereus(folder.path(), &asked);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+    let recording = nereus::Recording::open(&folder.path().join("r.plain"), None).unwrap();
+    let mut settings = Settings::default();
+    settings.nav = Navigation::Reported;
+    settings.size_m = [24.0, 16.0];
+    settings.window = Taper::Hann;
+    let images = nereus::focus(&recording, &settings).unwrap();
+    assert_eq!(images.len(), 2);
+    for (image, channel) in images.iter().zip(report["channels"].as_array().unwrap()) {
+        assert_eq!(channel["name"], image.channel);
+        assert_eq!(report["centre_m"], serde_json::json!(image.ground.centre_m()));
+        assert_eq!(image.values.len(), 24 * 16);
+        // Bit by bit: the same sums in the same order.
+        let [mean, peak, contrast] = levels(&image.power(1).0);
+        assert_eq!(channel["mean_dbw"], 10.0 * mean.log10());
+        assert_eq!(channel["peak_dbw"], 10.0 * peak.log10());
+        assert_eq!(channel["contrast"], contrast);
+    }
+}
+
+/// What the default middle of an image is, and what is said on standard error.
+fn centred(folder: &std::path::Path, more: &[&str]) -> (i32, serde_json::Value, String) {
+    let ended = nereus(folder, &[&["focus", "r.plain", "--size-m", "8", "--json"], more].concat());
+    let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap_or_default();
+    (ended.code, report["centre_m"].clone(), ended.stderr)
+}
+
+#[test]
+fn files_of_the_scenario_need_not_be_there_to_focus() {
+    let folder = tempfile::tempdir().unwrap();
+    let pattern = "az_deg,el_deg,gain_dbi\n-90,-90,10\n-90,90,10\n90,-90,10\n90,90,10\n";
+    fs::write(folder.path().join("gain.csv"), pattern).unwrap();
+    let antenna = "receiver.0.antenna={ kind = 'file', path = 'gain.csv' }";
+    recorded(folder.path(), &["--pulses", "0..4", "--set", antenna]);
+    fs::remove_file(folder.path().join("gain.csv")).unwrap();
+    let (code, centre_m, stderr) = centred(folder.path(), &[]);
+    // The window follows the sea abeam: 22 m back at pulse 0, and 1.1 m on at the middle pulse.
+    assert_eq!((code, centre_m), (0, serde_json::json!([-21.0, 0.0, 0.0])), "{stderr}");
+    assert!(!stderr.contains("warning"), "{stderr}");
+}
+
+#[test]
+fn a_scenario_that_cannot_be_read_is_a_warning_and_needs_a_centre() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), &["--pulses", "0..4"]);
+    let meta = folder.path().join("r.plain/meta.json");
+    let text = fs::read_to_string(&meta).unwrap();
+    assert!(text.contains("noise_figure_db"));
+    fs::write(&meta, text.replace("noise_figure_db", "noise_number_db")).unwrap();
+    let (code, _, stderr) = centred(folder.path(), &[]);
+    assert!(code == 2 && stderr.contains("allowed: a centre (--centre-m X,Y)"), "{stderr}");
+    let (code, centre_m, stderr) = centred(folder.path(), &["--centre-m", "3,-4"]);
+    assert_eq!((code, centre_m), (0, serde_json::json!([3.0, -4.0, 0.0])), "{stderr}");
+    assert!(stderr.contains("warning") && stderr.contains("radar.noise_number_db"), "{stderr}");
+}
+
 /// Recordings of a program that did not yet record aims and reported phase centres.
 fn without_newer_columns(folder: &std::path::Path) {
     let meta = folder.join("r.plain/meta.json");
-    let mut told: serde_json::Value = serde_json::from_slice(&fs::read(&meta).unwrap()).unwrap();
+    let mut header: serde_json::Value = serde_json::from_slice(&fs::read(&meta).unwrap()).unwrap();
     for antenna in ["t", "r"] {
         for column in ["boresight_quat", "reported_phase_centre_m"] {
             let path = format!("nav/{antenna}/{column}");
-            told["columns"].as_object_mut().unwrap().remove(&path).unwrap();
+            header["columns"].as_object_mut().unwrap().remove(&path).unwrap();
             fs::remove_file(folder.join(format!("r.plain/{path}.bin"))).unwrap();
         }
     }
-    fs::write(&meta, told.to_string()).unwrap();
+    fs::write(&meta, header.to_string()).unwrap();
 }
 
 #[test]
@@ -247,7 +314,7 @@ fn what_an_older_recording_lacks_is_missed_where_it_is_asked_for() {
 }
 
 #[test]
-fn pulses_beyond_the_end_are_told() {
+fn pulses_beyond_the_end_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), &[]);
     let ended = nereus(folder.path(), &["focus", "r.plain", "--size-m", "64", "--pulses", "40..100"]);
@@ -287,10 +354,10 @@ fn the_independent_processor_agrees() {
             .current_dir(folder.path())
             .output()
             .unwrap();
-        let said = String::from_utf8_lossy(&ended.stdout);
-        println!("{how:?}: {said}");
-        assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
-        let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
+        let printed = String::from_utf8_lossy(&ended.stdout);
+        println!("{how:?}: {printed}");
+        assert!(ended.status.success(), "{printed}{}", String::from_utf8_lossy(&ended.stderr));
+        let report: serde_json::Value = serde_json::from_str(printed.trim()).unwrap();
         for channel in ["HH", "VV"] {
             // Cells of 1/16 sample, linear: -65 dB, and what noise beyond the band adds to that.
             assert!(report["channels"][channel]["difference_db"].as_f64().unwrap() < -55.0, "{report}");
@@ -326,8 +393,8 @@ fn the_independent_processor_does_not_pass_what_it_did_not_compare() {
             .current_dir(folder.path())
             .output()
             .unwrap();
-        let said = [ended.stdout, ended.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
-        (ended.status.code().unwrap(), said)
+        let printed = [ended.stdout, ended.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
+        (ended.status.code().unwrap(), printed)
     };
     assert_eq!(python(&["-c", copies]), (0, String::new()));
     let tool = package().join("tools/focus_numpy.py");
@@ -342,7 +409,7 @@ fn the_independent_processor_does_not_pass_what_it_did_not_compare() {
         (&[], 2, "--limit-db needs --image"),
     ] {
         let given = [&[tool.to_str().unwrap(), "s.h5", "--limit-db", "-50"], more].concat();
-        let (ended, said) = python(&given);
-        assert!(ended == code && said.contains(words), "{more:?}: {ended}, {said}");
+        let (ended, printed) = python(&given);
+        assert!(ended == code && printed.contains(words), "{more:?}: {ended}, {printed}");
     }
 }

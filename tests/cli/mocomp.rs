@@ -50,14 +50,14 @@ fn a_table_sets_prediction_beside_measurement() {
     }
     let loss = |kind: &str| target[kind]["loss_db"].as_f64().unwrap();
     assert!((loss("predicted") - loss("measured")).abs() < 0.1, "{target}");
-    let said = target["laws"][0]["cross_range_cells"].as_f64().unwrap();
-    assert!((said - law).abs() < 1e-3 && target["laws"][0]["kind"] == "ramp", "{target}");
+    let closed = target["laws"][0]["cross_range_cells"].as_f64().unwrap();
+    assert!((closed - law).abs() < 1e-3 && target["laws"][0]["kind"] == "ramp", "{target}");
     let pixels = &report["channels"][0]["pixels"];
     assert!(pixels["count"].is_u64(), "{pixels}");
 }
 
 #[test]
-fn gain_that_an_aim_costs_is_told_against_a_recording_without_it() {
+fn gain_that_an_aim_costs_is_reported_against_a_recording_without_it() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), "misaim", "m.plain", &[]);
     let right =
@@ -85,7 +85,7 @@ fn gain_that_an_aim_costs_is_told_against_a_recording_without_it() {
 }
 
 #[test]
-fn what_is_wrong_is_told() {
+fn what_is_wrong_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), "step", "s.plain", &[]);
     recorded(folder.path(), "step", "t.plain", &["--set", "radar.carrier_hz=9e9"]);
@@ -99,7 +99,7 @@ fn what_is_wrong_is_told() {
         let ended = nereus(folder.path(), &[&["focus", "s.plain", "--size-m", "8"], arguments].concat());
         assert!(ended.code == 2 && ended.stderr.contains(words), "{arguments:?}: {}", ended.stderr);
     }
-    // One pulse has no cross-range: told, not refused.
+    // One pulse has no cross-range: reported, not refused.
     let one = ["focus", "s.plain", "--pulses", "290..291"];
     let ended = nereus(folder.path(), &[&one[..], &BOTH[..]].concat());
     assert!(ended.code == 0 && ended.stdout.contains("no cross-range"), "{}{}", ended.stdout, ended.stderr);

@@ -107,13 +107,13 @@ fn speckle_over_the_wind_becomes_a_table_and_a_picture() {
 }
 
 #[test]
-fn speckle_that_cannot_be_says_why() {
+fn speckle_that_cannot_be_made_is_refused_with_a_reason() {
     let folder = folder();
     let without_sea = SCENARIO.replace("patch_size_m = [48.0, 72.0]\nfacet_m = 1.0\n", "");
     let (head, tail) = without_sea.split_once("[sea]").unwrap();
     let (_, tail) = tail.split_once("[radar]").unwrap();
     fs::write(folder.path().join("dry.toml"), format!("{head}[radar]{tail}")).unwrap();
-    for (asked, told) in [
+    for (asked, words) in [
         (&["speckle", "dry.toml"][..], "no [sea]"),
         (&["speckle", "s.toml", "--channel", "HV"], "HH, VV"),
         (&["speckle", "s.toml", "--pixels", "5,500"], "5 x "),
@@ -126,7 +126,7 @@ fn speckle_that_cannot_be_says_why() {
     ] {
         let ended = nereus(folder.path(), asked);
         assert_eq!(ended.code, 2, "{asked:?}: {}", ended.stderr);
-        assert!(ended.stderr.contains(told), "{asked:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(words), "{asked:?}: {}", ended.stderr);
     }
 }
 
@@ -155,18 +155,18 @@ fn focus_fits_laws_to_pixels_a_cell_apart() {
     assert!(tapered.stdout.contains("every 5 to the East and 5 to the North"), "{}", tapered.stdout);
     let plain = nereus(folder.path(), &["focus", "r.plain", "--centre-m", "0,0", "--size-m", "44", "--json"]);
     assert!(!plain.stdout.contains("speckle"), "{}", plain.stdout);
-    let silent =
+    let dark =
         nereus(folder.path(), &["focus", "r.plain", "--centre-m", "9e4,0", "--size-m", "44", "--speckle"]);
-    assert!(silent.code == 2 && silent.stderr.contains("pixels with power"), "{}", silent.stderr);
+    assert!(dark.code == 2 && dark.stderr.contains("pixels with power"), "{}", dark.stderr);
 }
 
 /// The table of the page is that of the figures beside it.
 #[test]
-fn the_page_tells_what_the_figures_say() {
+fn the_page_has_the_figures_of_its_file() {
     let read = |name: &str| fs::read_to_string(package().join("docs").join(name)).unwrap();
     let (page, figures) = (read("speckle.md"), read("speckle.csv"));
     let mut rows = csv::Reader::from_reader(figures.as_bytes());
-    let mut told = 0;
+    let mut rows_found = 0;
     for row in rows.deserialize::<std::collections::HashMap<String, String>>() {
         let row = row.unwrap();
         let number = |key: &str| row[key].parse::<f64>().unwrap();
@@ -186,8 +186,8 @@ fn the_page_tells_what_the_figures_say() {
             number("ks_rayleigh"),
         );
         assert!(page.contains(&line), "not in the page: {line}");
-        told += 1;
+        rows_found += 1;
     }
     // Eight winds, three channels.
-    assert_eq!(told, 24);
+    assert_eq!(rows_found, 24);
 }

@@ -6,7 +6,7 @@ use nereus::processor::backproject::{Aperture, fast};
 use nereus::processor::degradation::laws::{
     gauss_markov_db, paired_echoes, ramp_cells, step_amplitude, step_peak, white_db,
 };
-use nereus::processor::degradation::{Look, PhaseTerms, Prediction, Response, respond};
+use nereus::processor::degradation::{Degradation, PhaseTerms, Prediction, Response, respond};
 use nereus::processor::point_target::Support;
 use nereus::processor::range_compress::RangeFilter;
 use nereus::processor::taper::Taper;
@@ -40,11 +40,11 @@ fn far(error_m: impl Fn(f64) -> [f64; 3]) -> PhasePath {
 /// Errors are those of the transmitter, upwards: its path to a point at the origin is longer by cos 45.
 const SIGHT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-fn looked<T>(error_m: impl Fn(f64) -> [f64; 3], taper: Taper, then: impl FnOnce(&Look) -> T) -> T {
+fn degraded<T>(error_m: impl Fn(f64) -> [f64; 3], taper: Taper, then: impl FnOnce(&Degradation) -> T) -> T {
     let (truth, reported, times_s) = (far(|_| [0.0; 3]), far(error_m), times_s());
     let weights: Vec<f64> =
         (0..PULSES).map(|i| taper.weight((i as f64 + 0.5) / PULSES as f64 - 0.5)).collect();
-    then(&Look {
+    then(&Degradation {
         carrier_hz: CARRIER_HZ,
         bandwidth_hz: BAND_HZ,
         taper: Taper::Uniform,
@@ -56,7 +56,7 @@ fn looked<T>(error_m: impl Fn(f64) -> [f64; 3], taper: Taper, then: impl FnOnce(
 }
 
 fn predicted(error_m: impl Fn(f64) -> [f64; 3], taper: Taper) -> Prediction {
-    looked(error_m, taper, |look| look.predict([0.0; 3]).unwrap())
+    degraded(error_m, taper, |degradation| degradation.predict([0.0; 3]).unwrap())
 }
 
 /// Error of the transmitter's height that makes such a phase.
@@ -140,7 +140,7 @@ fn a_ramp_moves_and_a_bias_moves() {
     // Both ends moved along the plane move the image by just that, however far.
     for bias_m in [[3.0, 0.0, 0.0], [0.0, -2.0, 0.0], [-40.0, 25.0, 0.0]] {
         let (truth, reported, times_s) = (far(|_| [0.0; 3]), far(|_| bias_m), times_s());
-        let look = Look {
+        let degradation = Degradation {
             carrier_hz: CARRIER_HZ,
             bandwidth_hz: BAND_HZ,
             taper: Taper::Uniform,
@@ -149,7 +149,7 @@ fn a_ramp_moves_and_a_bias_moves() {
             truth: [&truth; 2],
             reported: [&reported; 2],
         };
-        let found = look.predict([0.0; 3]).unwrap();
+        let found = degradation.predict([0.0; 3]).unwrap();
         let off = (0..3).map(|k| (found.response.place_m[k] - bias_m[k]).abs()).fold(0.0, f64::max);
         println!("bias {bias_m:?}: off by {off:.1e} m, loss {:.1e} dB", found.loss_db);
         assert!(off < 1e-3 && found.loss_db.abs() < 1e-6, "{off} {}", found.loss_db);
@@ -224,7 +224,7 @@ fn ensemble(axis: AxisErrors, seeds: u64) -> (f64, f64) {
         let of = Circumstances { seed, platform: 0, times: &times, pulses: PULSES as u64, before_s: 0.0 };
         let errors = Errors::new(&model, &of).unwrap();
         let error = |t: f64| [0.0, 0.0, errors.value(2, (t * PRF_HZ).round() as i64, t)];
-        looked(error, Taper::Uniform, |look| look.amplitude([0.0; 3], [0.0; 3]).norm_sqr())
+        degraded(error, Taper::Uniform, |degradation| degradation.amplitude([0.0; 3], [0.0; 3]).norm_sqr())
     };
     let powers: Vec<f64> = (0..seeds).map(power).collect();
     let n = seeds as f64;
@@ -271,7 +271,7 @@ fn short_and_long_correlation_have_their_limits() {
 fn what_cannot_be_predicted_is_not() {
     // One pulse has no cross-range.
     let path = PhasePath::new(vec![0.0], vec![[0.0, -3000.0, 3000.0]]).unwrap();
-    let look = Look {
+    let degradation = Degradation {
         carrier_hz: CARRIER_HZ,
         bandwidth_hz: BAND_HZ,
         taper: Taper::Uniform,
@@ -280,17 +280,19 @@ fn what_cannot_be_predicted_is_not() {
         truth: [&path; 2],
         reported: [&path; 2],
     };
-    assert_eq!(look.predict([0.0; 3]), None);
-    assert_eq!(Look { times_s: &[], weights: &[], ..look }.predict([0.0; 3]), None);
+    assert_eq!(degradation.predict([0.0; 3]), None);
+    assert_eq!(Degradation { times_s: &[], weights: &[], ..degradation }.predict([0.0; 3]), None);
     assert_eq!(PhaseTerms::of(&[], CARRIER_HZ, BAND_HZ), PhaseTerms::default());
     // A report that is no number makes no path.
     let refused = PhasePath::new(vec![0.0, 1.0], vec![[0.0; 3], [f64::NAN, 0.0, 0.0]]).unwrap_err();
     assert!(refused.to_string().contains("row 1 of the recording"), "{refused}");
     // Kilometres of error: a place, or none; never no number.
     for bias_m in [1e3, 1e5, 1e8] {
-        if let Some(found) =
-            looked(|t| [bias_m * t, bias_m, -bias_m], Taper::Uniform, |look| look.predict([0.0; 3]))
-        {
+        if let Some(found) = degraded(
+            |t| [bias_m * t, bias_m, -bias_m],
+            Taper::Uniform,
+            |degradation| degradation.predict([0.0; 3]),
+        ) {
             assert!(
                 found.loss_db.is_finite() && found.shift_cells.iter().all(|x| x.is_finite()),
                 "{found:?}"
@@ -298,7 +300,11 @@ fn what_cannot_be_predicted_is_not() {
         }
     }
     // Noise of many radians leaves no main lobe, or a poor one.
-    let wild = looked(|t| [0.0, 0.0, (1e4 * t * t).sin()], Taper::Uniform, |look| look.predict([0.0; 3]));
+    let wild = degraded(
+        |t| [0.0, 0.0, (1e4 * t * t).sin()],
+        Taper::Uniform,
+        |degradation| degradation.predict([0.0; 3]),
+    );
     assert!(wild.is_none_or(|found| found.loss_db > 6.0));
 }
 
@@ -321,7 +327,7 @@ fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
         aperture.pulses.iter().map(|pulse| pulse.weight).collect()
     };
     let weights = weigh(aperture(recording, &compressor, [&truth[0], &truth[1]], 3));
-    let [known, believed] = [&truth, &reported].map(|paths| {
+    let [by_truth, by_report] = [&truth, &reported].map(|paths| {
         let mut aperture = aperture(recording, &compressor, [&paths[0], &paths[1]], 3);
         for (pulse, weight) in aperture.pulses.iter_mut().zip(&weights) {
             pulse.weight = *weight;
@@ -329,7 +335,7 @@ fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
         aperture
     });
     let times_s: Vec<f64> = recording.emission_s.iter().map(|t| t + compressor.middle_s()).collect();
-    let look = Look {
+    let degradation = Degradation {
         carrier_hz: CARRIER_HZ,
         bandwidth_hz: BAND_HZ,
         taper: Taper::Taylor,
@@ -338,18 +344,18 @@ fn measure(recording: &Recording, name: &str) -> (Prediction, Measured) {
         truth: [&truth[0], &truth[1]],
         reported: [&reported[0], &reported[1]],
     };
-    let prediction = look.predict(TARGET_M).unwrap_or_else(|| panic!("{name}: nothing predicted"));
+    let prediction = degradation.predict(TARGET_M).unwrap_or_else(|| panic!("{name}: nothing predicted"));
     let images = |aperture: &Aperture, grounds: &[Ground]| -> Vec<Vec<Complex64>> {
         let wide = |z: &num_complex::Complex32| Complex64::new(z.re.into(), z.im.into());
         fast(aperture, grounds, &|_| ()).iter().map(|image| image.iter().map(wide).collect()).collect()
     };
-    let cells = Support::of(&known, TARGET_M).unwrap();
-    let right = respond(&|grounds| images(&known, grounds), &cells, TARGET_M).unwrap();
-    let support = Support::of(&believed, prediction.fitted_m).unwrap();
-    let wrong = respond(&|grounds| images(&believed, grounds), &support, prediction.fitted_m).unwrap();
+    let cells = Support::of(&by_truth, TARGET_M).unwrap();
+    let right = respond(&|grounds| images(&by_truth, grounds), &cells, TARGET_M).unwrap();
+    let support = Support::of(&by_report, prediction.fitted_m).unwrap();
+    let wrong = respond(&|grounds| images(&by_report, grounds), &support, prediction.fitted_m).unwrap();
     let at =
         |aperture: &Aperture, place: [f64; 3]| images(aperture, &[Ground::line(place, [0.0; 3], 1)])[0][0];
-    let turned = at(&believed, prediction.response.place_m) * at(&known, TARGET_M).conj();
+    let turned = at(&by_report, prediction.response.place_m) * at(&by_truth, TARGET_M).conj();
     let moved: [f64; 2] = std::array::from_fn(|k| wrong.place_m[k] - right.place_m[k]);
     let measured = Measured {
         loss_db: -20.0 * (wrong.amplitude / right.amplitude).log10(),
@@ -392,26 +398,26 @@ fn images_are_as_predicted_for_every_kind_of_error() {
         };
         assert_ne!(scenario, plain);
         let recording = record(&scenario);
-        let (said, found) = measure(&recording, name);
-        let (p, m) = (&said.response.cuts[1], &found.wrong.cuts[1]);
+        let (predicted, found) = measure(&recording, name);
+        let (p, m) = (&predicted.response.cuts[1], &found.wrong.cuts[1]);
         println!(
             "{name}: loss {:.4} {:.4} dB; range {:+.4} {:+.4}, cross-range {:+.4} {:+.4} cells; widths {:.4} {:.4} m; {:?} {:?}; {:+.4} {:+.4} rad",
-            said.loss_db,
+            predicted.loss_db,
             found.loss_db,
-            said.shift_cells[0],
+            predicted.shift_cells[0],
             found.shift_cells[0],
-            said.shift_cells[1],
+            predicted.shift_cells[1],
             found.shift_cells[1],
             p.width_m,
             m.width_m,
             p.highest(),
             m.highest(),
-            said.phase_rad,
+            predicted.phase_rad,
             found.phase_rad
         );
         // What was asked: 0.1 dB, a fiftieth of a cell, 0.3 dB and a twentieth of a cell.
-        assert!((said.loss_db - found.loss_db).abs() < 0.1, "{name}");
-        for (a, b) in said.shift_cells.iter().zip(found.shift_cells) {
+        assert!((predicted.loss_db - found.loss_db).abs() < 0.1, "{name}");
+        for (a, b) in predicted.shift_cells.iter().zip(found.shift_cells) {
             assert!((a - b).abs() < 0.02, "{name}: {a} {b}");
         }
         assert!((p.width_m / m.width_m - 1.0).abs() < 0.01, "{name}");
@@ -420,10 +426,10 @@ fn images_are_as_predicted_for_every_kind_of_error() {
             (a.level_db - b.level_db).abs() < 0.3 && (a.cells.abs() - b.cells.abs()).abs() < 0.05,
             "{name}: {a:?} {b:?}"
         );
-        let turned = (said.phase_rad - found.phase_rad).rem_euclid(std::f64::consts::TAU);
+        let turned = (predicted.phase_rad - found.phase_rad).rem_euclid(std::f64::consts::TAU);
         assert!(turned.min(std::f64::consts::TAU - turned) < 0.05, "{name}: {turned}");
         // Errors do something, or the test is none.
-        let moved = said.shift_cells.iter().map(|x| x.abs()).fold(0.0, f64::max);
-        assert!(said.loss_db > 0.1 || moved > 0.1, "{name}: {} {moved}", said.loss_db);
+        let moved = predicted.shift_cells.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        assert!(predicted.loss_db > 0.1 || moved > 0.1, "{name}: {} {moved}", predicted.loss_db);
     }
 }

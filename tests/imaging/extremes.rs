@@ -71,7 +71,7 @@ fn images_are_finite() {
             Ok(())
         })
         .unwrap();
-    // Three cases in four hear the middle of the image: 36 of 48, with a standard deviation of 3: nine of
+    // In three cases of four the middle of the image lies within the receive windows: 36 of 48, with a standard deviation of 3: nine of
     // them less.
     println!("{} pixels were hit", hit.get());
     assert!(hit.get() >= least, "{}", hit.get());

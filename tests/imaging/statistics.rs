@@ -340,7 +340,7 @@ fn extremes_are_told_or_refused() {
         }
     }
     let zeros = Sample::new(&[0.0, 1.0, 2.0, 0.0]).unwrap();
-    assert_eq!((zeros.len(), zeros.silent(), zeros.mean_power()), (2, 2, 1.5));
+    assert_eq!((zeros.len(), zeros.zeros(), zeros.mean_power()), (2, 2, 1.5));
     // Very spiky, and not at all.
     let spiky = likelihood::fit(&Sample::new(&cases[5]).unwrap(), Kind::K);
     assert!(
@@ -389,19 +389,19 @@ fn blocks_tell_the_error_of_pixels_that_are_alike() {
         };
         (0..columns * rows).map(speckle).collect()
     };
-    // Spread of 1/nu over images, against what each tells of itself.
+    // Spread of 1/nu over images, against the error that each gives itself.
     for (wave, least) in [(0.9, 0.5), (0.0, 0.0)] {
-        let told: Vec<[f64; 2]> = (0..12)
+        let errors: Vec<[f64; 2]> = (0..12)
             .map(|_| {
                 let powers = image(&mut numbers, wave);
                 let fit = likelihood::fit(&Sample::new(&powers).unwrap(), Kind::K);
                 [fit.inverse_error, blocks::inverse_shape_error(&powers, [columns, rows]).unwrap()]
             })
             .collect();
-        let [alone, blocks] = [0, 1].map(|i| told.iter().map(|t| t[i]).sum::<f64>() / told.len() as f64);
+        let [alone, blocks] = [0, 1].map(|i| errors.iter().map(|t| t[i]).sum::<f64>() / errors.len() as f64);
         println!("wave {wave}: {alone:.5} of independent pixels, {blocks:.5} by blocks");
         if least > 0.0 {
-            // The wave makes some blocks smooth and others spiky: what pixels alone tell is far too small.
+            // The wave makes some blocks smooth and others spiky: the error from pixels alone is far too small.
             assert!(blocks > 2.0 * alone, "{alone} {blocks}");
         }
     }

@@ -1,32 +1,29 @@
 //! Why a recording cannot be focused.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::escape;
 use crate::clutter::SampleFault;
 use crate::inputs::one_line;
-use crate::processor::range_compress::CompressError;
+use crate::processor::focus;
 use crate::recording::RecordingError;
 use crate::recording::field_file::FieldFileError;
-use crate::recording::ground::GroundError;
 use crate::recording::output::OutputError;
 
 /// Why a recording cannot be focused.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FocusError {
     /// It cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// No image of such a size.
-    #[error(transparent)]
-    Ground(#[from] GroundError),
-    /// The recording has no pulse to compress with.
+    /// It cannot be focused.
     #[error("{}: {source}", escape::path(path))]
-    Compress {
+    Focus {
         /// The recording.
         path: PathBuf,
-        /// What is wrong.
-        source: CompressError,
+        /// Why.
+        source: focus::FocusError,
     },
     /// A channel that is not there.
     #[error("channel {} is not in the recording; allowed: {allowed}", one_line(name))]
@@ -50,12 +47,6 @@ pub enum FocusError {
         /// Channels of echoes.
         allowed: String,
     },
-    /// Nothing but calibration channels.
-    #[error("{}: holds no channel of echoes", escape::path(path))]
-    NoEchoes {
-        /// The recording.
-        path: PathBuf,
-    },
     /// A value out of range.
     #[error("--{key} {found}: allowed: {allowed}")]
     Value {
@@ -78,23 +69,6 @@ pub enum FocusError {
         /// Pixels to the North.
         rows: usize,
     },
-    /// A Doppler band about the aim of an antenna that has none.
-    #[error(
-        "--doppler-hz {hz}: channel {} has no aim that it could lie about: its antennas are isotropic, or the recording does not hold where they look; allowed: all",
-        one_line(channel)
-    )]
-    NoAim {
-        /// As asked.
-        hz: f64,
-        /// The channel.
-        channel: String,
-    },
-    /// No pulse carries what a channel listens to.
-    #[error("channel {}: none of the pulses left in its polarisation", one_line(channel))]
-    Dark {
-        /// The channel.
-        channel: String,
-    },
     /// A recording to compare with that is of something else.
     #[error(
         "--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets",
@@ -114,15 +88,6 @@ pub enum FocusError {
     NoCells {
         /// The channel.
         channel: String,
-    },
-    /// What came over the wire.
-    #[error(
-        "{}: holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused",
-        escape::path(path)
-    )]
-    Wire {
-        /// The recording.
-        path: PathBuf,
     },
     /// More outputs than can be made.
     #[error("--out {}: allowed: one name that ends in .png and one that ends in .h5", escape::path(path))]
@@ -153,6 +118,14 @@ pub enum FocusError {
 }
 
 impl FocusError {
+    /// Why a recording cannot be focused, with its name where the reason does not bear it.
+    pub(super) fn at(path: &Path) -> impl Fn(focus::FocusError) -> Self {
+        move |source| match source {
+            focus::FocusError::Recording(error) => Self::Recording(error),
+            source => Self::Focus { path: path.to_owned(), source },
+        }
+    }
+
     /// Exit code: 2 when the input is wrong, 1 otherwise.
     pub fn exit_code(&self) -> u8 {
         match self {

@@ -1,17 +1,12 @@
 //! `nereus focus`: an image of a recording.
 
 pub mod error;
-mod figures;
-mod aim;
-mod compare;
-mod forecast;
-mod gating;
+mod both;
+mod images;
 mod report;
-mod scenario;
 mod speckle;
 mod table;
 
-use error::FocusError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,35 +15,21 @@ use clap::{Args, ValueEnum};
 use num_complex::Complex32;
 
 use super::error::CliError;
-use super::progress;
-use super::sea::SeaError;
-use super::{counted, say, warn};
-use crate::cli::outputs::save_canvas;
-use crate::cli::values::{PulseRange, distinct};
-use crate::geometry::phase_path::PhasePath;
+use super::values::{PulseRange, distinct};
+use super::{progress, say, warn};
 use crate::inputs::one_line;
 use crate::pipeline::memory::available_bytes;
-use crate::plot::canvas::Canvas;
-use crate::plot::picture::{Axis, Limits, Picture, Reduction};
-use crate::processor::backproject::{Aperture, PulseEcho, fast};
-use crate::processor::multilook::{multilook, percentile};
-use crate::processor::point_target::Sought;
-use crate::processor::point_target::{PointTarget, Support, analyse, locate};
-use crate::processor::range_compress::{
-    Compressor, PulseShape, RangeFilter, interpolation_error_db, oversampling,
-};
+use crate::pipeline::scenario::Scenario;
+use crate::processor::focus::{self, DopplerBand, Focuser, Image, Navigation, Settings};
+use crate::processor::point_target::PointTarget;
+use crate::processor::range_compress::RangeFilter;
 use crate::processor::taper::Taper;
-use crate::recording::field_file::Attribute;
-use crate::recording::ground::Ground;
+use crate::recording::Recording;
 use crate::recording::header::Header;
-use crate::recording::image_file::ImageFile;
-use crate::recording::output::{FileKind, Output};
-use crate::recording::{Recording, RecordingError};
-use crate::transport::pacer::Status;
-pub use gating::DopplerBand;
-use scenario::Scenario;
+use error::FocusError;
+use images::Outputs;
 
-/// Which navigation the processor believes.
+/// Which navigation the processor takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FocusNav {
     /// True phase centres
@@ -81,6 +62,16 @@ pub enum FocusFilter {
     Flat,
 }
 
+impl FocusNav {
+    fn name(self) -> &'static str {
+        match self {
+            Self::True => "true",
+            Self::Reported => "reported",
+            Self::Both => "both",
+        }
+    }
+}
+
 impl FocusTaper {
     fn taper(self) -> Taper {
         match self {
@@ -97,7 +88,7 @@ impl FocusTaper {
 pub struct FocusArgs {
     /// Recording: an HDF5 file or a plain folder
     pub recording: PathBuf,
-    /// Which navigation the processor believes
+    /// Which navigation the processor takes
     #[arg(long, value_enum, default_value_t = FocusNav::True)]
     pub nav: FocusNav,
     /// Image to make: a picture of each channel (.png), complex values of all (.h5); may be given twice
@@ -126,7 +117,7 @@ pub struct FocusArgs {
     pub window: FocusTaper,
     /// Doppler band about the aim of the antennas from which a pixel takes its pulses: Hz, or `all` for all
     /// pulses [default: the pulse rate, where the image reaches beyond it]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = doppler_band)]
     pub doppler_hz: Option<DopplerBand>,
     /// Taper over the pulses, or over the Doppler band
     #[arg(long, value_enum, default_value_t = FocusTaper::None)]
@@ -171,90 +162,108 @@ pub struct FocusArgs {
 
 /// What is made of one channel.
 struct Focused {
-    channel: usize,
-    pulses: usize,
-    /// Processed Doppler bandwidth; none: every pixel takes every pulse.
-    doppler_hz: Option<f64>,
-    image: Vec<Complex32>,
-    support: Option<Support>,
+    image: Image,
     targets: Vec<(String, Option<PointTarget>)>,
 }
 
-/// Where the outputs go.
-struct Outputs {
-    pictures: Vec<Output>,
-    values: Option<Output>,
+impl FocusArgs {
+    fn settings(&self) -> Settings {
+        Settings {
+            nav: if self.nav == FocusNav::True { Navigation::True } else { Navigation::Reported },
+            centre_m: <[f64; 2]>::try_from(self.centre_m.as_slice()).ok(),
+            size_m: [self.size_m[0], self.size_m[self.size_m.len() - 1]],
+            pixel_m: self.pixel_m,
+            height_m: self.height_m,
+            window: self.window.taper(),
+            aperture: self.aperture.taper(),
+            doppler: self.doppler_hz.unwrap_or_default(),
+            filter: match self.filter {
+                FocusFilter::Matched => RangeFilter::Matched,
+                FocusFilter::Flat => RangeFilter::Flat,
+            },
+            interpolation_db: self.interpolation_db,
+        }
+    }
+}
+
+fn doppler_band(text: &str) -> Result<DopplerBand, String> {
+    match (text, text.parse::<f64>()) {
+        ("all", _) => Ok(DopplerBand::All),
+        (_, Ok(hz)) if hz > 0.0 && hz.is_finite() => Ok(DopplerBand::Hz(hz)),
+        _ => Err("allowed: a number of Hz above 0, or all".to_owned()),
+    }
 }
 
 /// Focuses.
 pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliError> {
     check(args)?;
-    let range = args.pulses.map(|p| p.first..p.end);
-    let choose = |header: &Header| channels(args, header);
-    for path in [Some(&args.recording), args.against.as_ref()].into_iter().flatten() {
+    let path = &args.recording;
+    for path in [Some(path), args.against.as_ref()].into_iter().flatten() {
         super::examine::examine(path)?;
     }
-    let recording = Recording::open_channels(&args.recording, range, available_bytes(), choose)?;
+    let (recording, scenario) = open(args, path)?;
     if let (Some(asked), [.., last]) = (args.pulses, &recording.index[..])
         && asked.end - 1 > *last
     {
         warn([format!("--pulses {}..{}: the recording ends with pulse {last}", asked.first, asked.end)]);
     }
-    let scenario = Scenario::of(&recording);
-    let channels = recording.channels().to_vec();
-    let names: Vec<String> = channels.iter().map(|c| recording.header.channels[*c].name.clone()).collect();
+    let described = scenario.as_ref().map(Scenario::described);
+    let focuser = Focuser::new(&recording, described, &args.settings()).map_err(FocusError::at(path))?;
+    let [columns, rows] = focuser.ground().pixels;
+    if args.looks > columns.min(rows) {
+        return Err(FocusError::Looks { looks: args.looks, columns, rows }.into());
+    }
     if args.nav == FocusNav::Both {
-        return compare::compare(args, &recording, &scenario, &names, out);
+        return both::compare(args, &focuser, scenario.as_ref(), out);
     }
-    let outputs = outputs(args, &names)?;
-    let ground = ground(args, &recording, &scenario, channels[0])?;
-    let compressor = compressor(args, &recording)?;
+    let channels = focuser.channels();
+    let names: Vec<String> =
+        channels.iter().map(|channel| recording.header.channels[*channel].name.clone()).collect();
+    let outputs = Outputs::plan(args, &names)?;
     let begun = Instant::now();
-    let mut focused = Vec::with_capacity(channels.len());
-    for channel in &channels {
-        focused.push(one(args, &recording, &scenario, &compressor, &ground, *channel)?);
-    }
+    let focused: Vec<Focused> = channels
+        .iter()
+        .map(|channel| {
+            let image = image(&focuser, *channel)?;
+            Ok(Focused { image, targets: focuser.targets(*channel)? })
+        })
+        .collect::<Result<_, _>>()
+        .map_err(FocusError::at(path))?;
     let seconds = begun.elapsed().as_secs_f64();
-    let mut made = Vec::new();
-    draw(args, &recording, &ground, &focused, outputs.pictures, |_| args.nav, &mut made)?;
-    if let Some(output) = outputs.values {
-        made.push(output.path().to_owned());
-        values(args, &recording, &ground, &names, &focused, output)?;
-    }
-    let report = report::report(args, &recording, &ground, &focused, seconds, made)?;
+    let shown: Vec<(&Image, FocusNav)> = focused.iter().map(|f| (&f.image, args.nav)).collect();
+    let made = outputs.write(args, &recording, &shown, &names)?;
+    let report = report::report(args, &focuser, &focused, seconds, made)?;
     report::print(args, &report, out)
 }
 
-/// Draws images into their files, or all into one; `nav` tells by which navigation each was made.
-fn draw(
-    args: &FocusArgs,
-    recording: &Recording,
-    ground: &Ground,
-    focused: &[Focused],
-    outputs: Vec<Output>,
-    nav: impl Fn(usize) -> FocusNav,
-    made: &mut Vec<PathBuf>,
-) -> Result<(), CliError> {
-    let drawn = |(place, focused)| {
-        picture(&FocusArgs { nav: nav(place), ..args.clone() }, recording, ground, focused)
-    };
-    if args.panels {
-        for output in outputs {
-            let canvases: Vec<Canvas> = focused.iter().enumerate().map(drawn).collect::<Result<_, _>>()?;
-            made.push(output.path().to_owned());
-            save_canvas(output, &Canvas::tiled(&canvases, canvases.len().isqrt(), [255; 3]))?;
-        }
-        return Ok(());
+/// A recording's samples as asked for, and the scenario that it holds, where that can be read.
+fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), FocusError> {
+    let range = args.pulses.map(|p| p.first..p.end);
+    let choose = |header: &Header| channels(args, path, header);
+    let recording = Recording::open_channels(path, range, available_bytes(), choose)?;
+    let scenario = Scenario::of(&recording);
+    if let (Err(error), false) = (&scenario, recording.header.config.is_empty()) {
+        let without = "antennas count as having an aim, and no closed forms are shown";
+        warn([format!("the scenario in the recording cannot be read: {without}:\n{error}")]);
     }
-    for (output, focused) in outputs.into_iter().zip(focused.iter().enumerate()) {
-        made.push(output.path().to_owned());
-        save_canvas(output, &drawn(focused)?)?;
+    Ok((recording, scenario.ok()))
+}
+
+/// The image of a channel, with its progress shown.
+fn image(focuser: &Focuser, channel: usize) -> Result<Image, focus::FocusError> {
+    let image = progress::focusing(|done| focuser.image(channel, done))?;
+    if image.values.iter().all(|z| *z == Complex32::ZERO) {
+        let name = one_line(&image.channel);
+        let band = image.doppler_hz.map_or(String::new(), |hz| {
+            format!("within {hz} Hz of Doppler about the aim (--doppler-hz all), and ")
+        });
+        say(format_args!("channel {name}: no power on the image; does it lie {band}in the receive windows?"));
     }
-    Ok(())
+    Ok(image)
 }
 
 fn check(args: &FocusArgs) -> Result<(), FocusError> {
-    compare::check(args)?;
+    both::check(args)?;
     let bad = |key, found: String, allowed| Err(FocusError::Value { key, found, allowed });
     if !(args.centre_m.is_empty() || args.centre_m.len() == 2) {
         return bad("centre-m", format!("{:?}", args.centre_m), "two numbers X,Y");
@@ -271,18 +280,15 @@ fn check(args: &FocusArgs) -> Result<(), FocusError> {
     if !(1..=4096).contains(&args.looks) {
         return bad("looks", args.looks.to_string(), "a whole number from 1 to 4096");
     }
-    if !(-100.0..0.0).contains(&args.interpolation_db) {
-        return bad("interpolation-db", args.interpolation_db.to_string(), "a number from -100 to below 0");
-    }
     Ok(())
 }
 
 /// Channels asked for, or all of echoes. Those of calibration bear a word in place of two polarisations.
-fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError> {
+fn channels(args: &FocusArgs, path: &Path, header: &Header) -> Result<Vec<usize>, FocusError> {
     let all = &header.channels;
     let echoes: Vec<usize> = (0..all.len()).filter(|place| all[*place].is_of_echoes()).collect();
     if echoes.is_empty() {
-        return Err(FocusError::NoEchoes { path: args.recording.clone() });
+        return Err(FocusError::at(path)(focus::FocusError::NoEchoes));
     }
     if args.channel.is_empty() {
         return Ok(echoes);
@@ -298,315 +304,4 @@ fn channels(args: &FocusArgs, header: &Header) -> Result<Vec<usize>, FocusError>
         Some(place) => Ok(place),
     };
     Ok(distinct(args.channel.iter().map(place).collect::<Result<_, _>>()?))
-}
-
-/// Where images of such names go.
-fn outputs(args: &FocusArgs, names: &[String]) -> Result<Outputs, FocusError> {
-    let mut made = Outputs { pictures: Vec::new(), values: None };
-    for path in &args.out {
-        match path.extension().and_then(|e| e.to_str()) {
-            Some("png") if made.pictures.is_empty() => {
-                let all = if args.panels { vec![path.clone()] } else { pictures(path, names) };
-                for path in all {
-                    made.pictures.push(Output::plan(&path, FileKind::Png, args.force)?);
-                }
-            }
-            Some("h5") if made.values.is_none() => {
-                made.values = Some(Output::plan(path, FileKind::Hdf5, args.force)?);
-            }
-            Some("png" | "h5") => return Err(FocusError::Several { path: path.clone() }),
-            _ => return Err(FocusError::Kind { path: path.clone() }),
-        }
-    }
-    Ok(made)
-}
-
-/// Several pictures bear the names of what they show.
-fn pictures(path: &Path, names: &[String]) -> Vec<PathBuf> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let named = |name: &String| {
-        // A recording of unknown origin may hold any name.
-        let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
-        match names.len() {
-            1 => path.to_owned(),
-            _ => path.with_file_name(format!("{stem}_{name}.png")),
-        }
-    };
-    names.iter().map(named).collect()
-}
-
-fn ground(
-    args: &FocusArgs,
-    recording: &Recording,
-    scenario: &Scenario,
-    channel: usize,
-) -> Result<Ground, FocusError> {
-    let [x, y] = match args.centre_m[..] {
-        [x, y] => [x, y],
-        // A round number of metres is easier to give again.
-        _ => scenario.aim(recording, channel, recording.pulses() / 2).map(f64::round),
-    };
-    let width = args.size_m[0];
-    let height = args.size_m.get(1).copied().unwrap_or(width);
-    let ground = Ground::map([x, y, args.height_m], [width, height], args.pixel_m)?;
-    if args.looks > ground.pixels[0].min(ground.pixels[1]) {
-        let [columns, rows] = ground.pixels;
-        return Err(FocusError::Looks { looks: args.looks, columns, rows });
-    }
-    Ok(ground)
-}
-
-fn compressor(args: &FocusArgs, recording: &Recording) -> Result<Compressor, FocusError> {
-    let header = &recording.header;
-    if header.replica.is_empty() {
-        return Err(FocusError::Wire { path: args.recording.clone() });
-    }
-    let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, args.interpolation_db);
-    let filter = match args.filter {
-        FocusFilter::Matched => RangeFilter::Matched,
-        FocusFilter::Flat => RangeFilter::Flat,
-    };
-    let shape = PulseShape {
-        replica: &header.replica,
-        sample_rate_hz: header.sample_rate_hz,
-        bandwidth_hz: header.bandwidth_hz,
-        pulse_s: header.pulse_s,
-    };
-    Compressor::new(shape, header.layout.samples, filter, args.window.taper(), cells)
-        .map_err(|source| FocusError::Compress { path: args.recording.clone(), source })
-}
-
-/// Paths of the phase centres of a channel, transmitter and receiver, as the navigation in use tells them.
-fn paths(nav: FocusNav, recording: &Recording, channel: usize) -> Result<[PhasePath; 2], RecordingError> {
-    let row = &recording.header.channels[channel];
-    let path = |name: &str| match nav {
-        FocusNav::True | FocusNav::Both => recording.true_path(name),
-        FocusNav::Reported => recording.reported_path(name),
-    };
-    Ok([path(&row.transmitter)?, path(&row.receiver)?])
-}
-
-/// The pulses of a channel, seen from such paths.
-fn aperture<'a>(
-    args: &FocusArgs,
-    recording: &'a Recording,
-    scenario: &Scenario,
-    compressor: &'a Compressor,
-    ground: &Ground,
-    [transmitter, receiver]: [&'a PhasePath; 2],
-    channel: usize,
-) -> Result<Aperture<'a>, FocusError> {
-    let illuminated: Vec<usize> =
-        (0..recording.pulses()).filter(|p| recording.is_illuminated(*p, channel)).collect();
-    if illuminated.is_empty() {
-        return Err(FocusError::Dark { channel: recording.header.channels[channel].name.clone() });
-    }
-    let taper = args.aperture.taper();
-    let weight = |place: usize| taper.weight((place as f64 + 0.5) / illuminated.len() as f64 - 0.5);
-    let echo = |(place, pulse): (usize, &usize)| PulseEcho {
-        emission_s: recording.emission_s[*pulse],
-        window_start_s: recording.window_start_s[*pulse],
-        weight: weight(place),
-        samples: recording.window(*pulse, channel),
-    };
-    let mut aperture = Aperture {
-        carrier_hz: recording.header.carrier_hz,
-        compressor,
-        transmitter,
-        receiver,
-        pulses: illuminated.iter().enumerate().map(echo).collect(),
-        centre_m: ground.centre_m(),
-        gate: None,
-    };
-    aperture.gate = gating::gate(args, recording, scenario, &aperture, ground, channel, &illuminated)?;
-    if aperture.gate.is_some() {
-        // The taper runs over the band then.
-        aperture.pulses.iter_mut().for_each(|pulse| pulse.weight = 1.0);
-    }
-    Ok(aperture)
-}
-
-/// The image of an aperture, with its progress shown.
-pub(in crate::cli) fn watched(aperture: &Aperture, ground: &Ground) -> Vec<Complex32> {
-    let total = aperture.pulses.len() as u64;
-    let (status, watcher) = progress::watch_of(total, "pulses focused");
-    let images = fast(aperture, std::slice::from_ref(ground), &|done| {
-        let _ = status.try_send(Status { passed: done as u64, total, late: 0, dropped: 0 });
-    });
-    drop(status);
-    watcher.finish();
-    images.into_iter().next().unwrap_or_default()
-}
-
-/// Focuses one channel.
-fn one(
-    args: &FocusArgs,
-    recording: &Recording,
-    scenario: &Scenario,
-    compressor: &Compressor,
-    ground: &Ground,
-    channel: usize,
-) -> Result<Focused, FocusError> {
-    let [transmitter, receiver] = paths(args.nav, recording, channel)?;
-    let ends = [&transmitter, &receiver];
-    let aperture = aperture(args, recording, scenario, compressor, ground, ends, channel)?;
-    let image = watched(&aperture, ground);
-    if image.iter().all(|z| *z == Complex32::ZERO) {
-        let name = one_line(&recording.header.channels[channel].name);
-        match &aperture.gate {
-            Some(gate) => say(format_args!(
-                "channel {name}: no power on the image; does it lie within {} Hz of Doppler about the aim (--doppler-hz all), and in the receive windows?",
-                gate.bandwidth_hz
-            )),
-            None => say(format_args!(
-                "channel {name}: no power on the image; does it lie in the receive windows?"
-            )),
-        }
-    }
-    Ok(Focused {
-        channel,
-        pulses: aperture.pulses.len(),
-        doppler_hz: aperture.gate.as_ref().map(|gate| gate.bandwidth_hz),
-        image,
-        support: Support::of(&aperture, ground.centre_m()),
-        targets: targets(args, recording, &aperture, ground, channel)?,
-    })
-}
-
-/// Targets of the truth record that lie on the image, and what they look like.
-fn targets(
-    args: &FocusArgs,
-    recording: &Recording,
-    aperture: &Aperture,
-    ground: &Ground,
-    channel: usize,
-) -> Result<Vec<(String, Option<PointTarget>)>, FocusError> {
-    let used = (args.nav == FocusNav::Reported).then_some([aperture.transmitter, aperture.receiver]);
-    let (names, places): (Vec<_>, Vec<_>) = sought(recording, ground, channel, used).into_iter().unzip();
-    let found = analyse(aperture, &places, [args.window.taper(), args.aperture.taper()]);
-    Ok(names.into_iter().zip(found).collect())
-}
-
-/// Targets of the truth record, and where they should be on the image.
-fn expected(recording: &Recording, ground: &Ground, channel: usize) -> Vec<(String, [f64; 3])> {
-    sought(recording, ground, channel, None)
-        .into_iter()
-        .map(|(name, point)| (name, point.expected_m))
-        .collect()
-}
-
-/// The same, and where the paths in use put them, if these are others.
-fn sought(
-    recording: &Recording,
-    ground: &Ground,
-    channel: usize,
-    used: Option<[&PhasePath; 2]>,
-) -> Vec<(String, Sought)> {
-    let row = &recording.header.channels[channel];
-    // Delays are true: where they belong is reported by the true paths, whatever the processor believes.
-    let (Ok(transmitter), Ok(receiver)) =
-        (recording.true_path(&row.transmitter), recording.true_path(&row.receiver))
-    else {
-        return Vec::new();
-    };
-    let inside = |point: &[f64; 3]| {
-        (0..2).all(|axis| {
-            let [low, high] = ground.edges_m(axis);
-            (low..=high).contains(&point[axis])
-        })
-    };
-    let place = |(place, name): (usize, &String)| {
-        let delays_s = recording.delays_s(&row.transmitter, &row.receiver, place)?;
-        let by = |[transmitter, receiver]: [&PhasePath; 2]| {
-            locate(transmitter, receiver, &recording.emission_s, &delays_s, ground.centre_m())
-        };
-        let expected_m = by([&transmitter, &receiver]).filter(inside)?;
-        // Errors of the navigation are known here; a point is sought where they move it.
-        let about_m = used.and_then(by).unwrap_or(expected_m);
-        Some((name.clone(), Sought { expected_m, about_m }))
-    };
-    recording.header.targets.iter().enumerate().filter_map(place).collect()
-}
-
-fn picture(
-    args: &FocusArgs,
-    recording: &Recording,
-    ground: &Ground,
-    focused: &Focused,
-) -> Result<Canvas, CliError> {
-    let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
-    let (power, cells) = multilook(&power, ground.pixels, args.looks);
-    let (values, quantity, limits) = match args.percentile {
-        None => {
-            let values: Vec<f64> = power.iter().map(|p| 10.0 * p.log10()).collect();
-            (values, "dBW", Limits::Below { percent: 100.0, span: args.dynamic_db })
-        }
-        Some(percent) => {
-            let values: Vec<f64> = power.iter().map(|p| p.sqrt()).collect();
-            let top = percentile(&values, percent).unwrap_or(0.0);
-            (values, "amplitude, sqrt(W)", Limits::Fixed([0.0, top.max(f64::MIN_POSITIVE * 1e20)]))
-        }
-    };
-    let name = &recording.header.channels[focused.channel].name;
-    let nav = match args.nav {
-        FocusNav::True => "true",
-        FocusNav::Reported => "reported",
-        FocusNav::Both => "true and reported",
-    };
-    let title = format!("{name}, {}, {nav} navigation", counted(focused.pulses, "pulse"));
-    let step = args.pixel_m * args.looks as f64;
-    let edge = |axis: usize| {
-        let [low, _] = ground.edges_m(axis);
-        [low, low + cells[axis] as f64 * step]
-    };
-    let ([left, right], [lower, upper]) = (edge(0), edge(1));
-    let picture = Picture {
-        title: &title,
-        x: Axis { label: "East, m", from: left, to: right },
-        y: Axis { label: "North, m", from: lower, to: upper },
-        quantity,
-        limits,
-        reduction: if args.percentile.is_none() { Reduction::MeanPower } else { Reduction::Mean },
-        scale_bar: Some("m"),
-        size_px: if args.panels { 512 } else { 768 },
-        ..Picture::new(&values, cells).map_err(SeaError::from)?
-    };
-    Ok(picture.draw().map_err(SeaError::from)?)
-}
-
-fn values(
-    args: &FocusArgs,
-    recording: &Recording,
-    ground: &Ground,
-    names: &[String],
-    focused: &[Focused],
-    output: Output,
-) -> Result<(), CliError> {
-    let images: Vec<Vec<Complex32>> = focused.iter().map(|f| f.image.clone()).collect();
-    let named = |value: Option<clap::builder::PossibleValue>| {
-        value.map_or(String::new(), |value| value.get_name().to_owned())
-    };
-    let [nav, window, aperture, filter] = [
-        named(args.nav.to_possible_value()),
-        named(args.window.to_possible_value()),
-        named(args.aperture.to_possible_value()),
-        named(args.filter.to_possible_value()),
-    ];
-    let (first, last) = (recording.index[0], recording.index[recording.index.len() - 1]);
-    // Not a number: all pulses.
-    let doppler_hz: Vec<f64> = focused.iter().map(|f| f.doppler_hz.unwrap_or(f64::NAN)).collect();
-    let attributes = [
-        ("recording", Attribute::Text(&args.recording.display().to_string())),
-        ("nav", Attribute::Text(&nav)),
-        ("window", Attribute::Text(&window)),
-        ("aperture", Attribute::Text(&aperture)),
-        ("filter", Attribute::Text(&filter)),
-        ("first_pulse", Attribute::Whole(first)),
-        ("end_pulse", Attribute::Whole(last + 1)),
-        ("height_m", Attribute::Real(args.height_m)),
-        ("doppler_hz", Attribute::Reals(&doppler_hz)),
-        ("carrier_hz", Attribute::Real(recording.header.carrier_hz)),
-    ];
-    let file = ImageFile { attributes: &attributes, channels: names, ground, images: &images };
-    Ok(output.write(|partial| file.write(partial).map_err(FocusError::from))?)
 }

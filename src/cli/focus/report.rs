@@ -1,20 +1,17 @@
-//! What `nereus focus` tells.
+//! The report of `nereus focus`.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{
-    CliError, FocusArgs, FocusNav, Focused, Ground, Recording, counted, interpolation_error_db, multilook,
-    oversampling, percentile, say, speckle,
-};
-use crate::cli::escape;
+use super::{CliError, FocusArgs, Focused, speckle};
 use crate::cli::focus::error::FocusError;
-use crate::cli::json;
-use crate::cli::speckle::Speckle;
-use crate::processor::point_target::PointTarget;
-use crate::processor::point_target::{SEARCH_CELLS, WIDEST};
+use crate::cli::{counted, escape, json, say};
+use crate::clutter::fits::Speckle;
+use crate::processor::focus::Focuser;
+use crate::processor::multilook::{levels, percentile};
+use crate::processor::point_target::{PointTarget, SEARCH_CELLS, WIDEST};
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -66,63 +63,48 @@ struct Target {
 
 pub(super) fn report(
     args: &FocusArgs,
-    recording: &Recording,
-    ground: &Ground,
+    focuser: &Focuser,
     focused: &[Focused],
     seconds: f64,
     out: Vec<PathBuf>,
 ) -> Result<Report, FocusError> {
-    let header = &recording.header;
-    let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, args.interpolation_db);
-    let work: f64 = focused.iter().map(|f| f.pulses as f64 * ground.len() as f64).sum();
+    let (recording, ground) = (focuser.recording(), focuser.ground());
+    let work: f64 = focused.iter().map(|f| f.image.pulses as f64 * ground.len() as f64).sum();
     Ok(Report {
         recording: args.recording.display().to_string(),
-        nav: match args.nav {
-            FocusNav::True => "true",
-            FocusNav::Reported => "reported",
-            FocusNav::Both => "both",
-        },
+        nav: args.nav.name(),
         pulses: recording.pulses(),
         first_pulse: recording.index[0],
         last_pulse: recording.index[recording.index.len() - 1],
         centre_m: ground.centre_m(),
         pixels: ground.pixels,
         pixel_m: args.pixel_m,
-        interpolation_db: interpolation_error_db(header.bandwidth_hz, header.sample_rate_hz * cells as f64),
+        interpolation_db: focuser.interpolation_error_db(),
         seconds,
         pulse_pixels_per_s: work / seconds.max(1e-9),
-        channels: focused.iter().map(|f| channel(args, recording, ground, f)).collect::<Result<_, _>>()?,
+        channels: focused
+            .iter()
+            .map(|f| channel(args, recording.header.seed, f))
+            .collect::<Result<_, _>>()?,
         out: json::all_legible(&out),
     })
 }
 
-fn channel(
-    args: &FocusArgs,
-    recording: &Recording,
-    ground: &Ground,
-    focused: &Focused,
-) -> Result<Channel, FocusError> {
-    let power: Vec<f64> = focused.image.iter().map(|z| f64::from(z.norm_sqr())).collect();
-    let (power, _) = multilook(&power, ground.pixels, args.looks);
-    let mean = |order: i32| power.iter().map(|p| p.powi(order)).sum::<f64>() / power.len().max(1) as f64;
+fn channel(args: &FocusArgs, seed: u64, Focused { image, targets }: &Focused) -> Result<Channel, FocusError> {
+    let (power, _) = image.power(args.looks);
+    let [mean, peak, contrast] = levels(&power);
     let db = |p: f64| (p > 0.0).then(|| 10.0 * p.log10());
-    // Powers of 1e-15 W squared are no numbers of f32, but of f64.
-    let contrast = if mean(1) > 0.0 { mean(2) / mean(1).powi(2) } else { 0.0 };
     Ok(Channel {
-        name: recording.header.channels[focused.channel].name.clone(),
-        pulses: focused.pulses,
-        doppler_hz: focused.doppler_hz,
-        cell_m: focused.support.map(|s| s.cuts().map(|(_, cell)| cell)),
-        mean_dbw: db(mean(1)),
-        peak_dbw: db(power.iter().copied().fold(0.0, f64::max)),
+        name: image.channel.clone(),
+        pulses: image.pulses,
+        doppler_hz: image.doppler_hz,
+        cell_m: image.support.map(|s| s.cuts().map(|(_, cell)| cell)),
+        mean_dbw: db(mean),
+        peak_dbw: db(peak),
         percentile_amplitude: percentile(&power, args.percentile.unwrap_or(98.0)).map(f64::sqrt),
         contrast,
-        speckle: speckle::of(args, recording, ground, focused)?,
-        targets: focused
-            .targets
-            .iter()
-            .map(|(name, found)| Target { name: name.clone(), found: *found })
-            .collect(),
+        speckle: args.speckle.then(|| speckle::of(args, seed, image)).transpose()?,
+        targets: targets.iter().map(|(name, found)| Target { name: name.clone(), found: *found }).collect(),
     })
 }
 
@@ -130,14 +112,14 @@ pub(super) fn print(args: &FocusArgs, report: &Report, out: &mut dyn Write) -> R
     if args.json {
         return json::print(report, out);
     }
-    tell(report, out).map_err(CliError::Output)?;
+    write(report, out).map_err(CliError::Output)?;
     for path in &report.out {
         say(format_args!("{}", escape::path(path)));
     }
     Ok(())
 }
 
-fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
+fn write(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
     let [x, y, z] = report.centre_m;
     writeln!(
         out,
@@ -173,9 +155,9 @@ fn tell(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
             counted(channel.pulses, "pulse")
         )?;
         if let Some(found) = &channel.speckle {
-            speckle::tell(found, out)?;
+            speckle::write(found, out)?;
         }
-        // What is sought about the place that the navigation in use says.
+        // About the place where the navigation in use puts the point.
         let searched = channel.cell_m.map_or(String::new(), |cells| {
             let [range, cross] = cells.map(|cell_m| SEARCH_CELLS as f64 * cell_m);
             format!(

@@ -1,25 +1,43 @@
 //! The table of `nereus focus --nav both`.
 
 use std::io::Write;
+use std::path::PathBuf;
 
-use super::forecast::Law;
-use super::{CliError, FocusArgs, counted, say};
-use crate::cli::escape;
-use crate::cli::focus::figures::{Channel, Comparison, Figures, Target};
-use crate::cli::json;
+use serde::Serialize;
+
+use super::{CliError, FocusArgs};
+use crate::cli::{counted, escape, json, say};
+use crate::processor::comparison::{ChannelComparison, Figures, Target};
+use crate::processor::degradation::scenario::Law;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+pub(super) struct Comparison {
+    pub recording: String,
+    pub against: Option<String>,
+    pub nav: &'static str,
+    pub pulses: usize,
+    pub first_pulse: u64,
+    pub last_pulse: u64,
+    pub centre_m: [f64; 3],
+    pub pixels: [usize; 2],
+    pub pixel_m: f64,
+    pub channels: Vec<ChannelComparison>,
+    pub out: Vec<PathBuf>,
+}
 
 pub(super) fn print(args: &FocusArgs, comparison: &Comparison, out: &mut dyn Write) -> Result<(), CliError> {
     if args.json {
         return json::print(comparison, out);
     }
-    tell(comparison, out).map_err(CliError::Output)?;
+    write(comparison, out).map_err(CliError::Output)?;
     for path in &comparison.out {
         say(format_args!("{}", escape::path(path)));
     }
     Ok(())
 }
 
-fn tell(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
+fn write(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
     let [x, y, z] = of.centre_m;
     writeln!(
         out,
@@ -35,12 +53,12 @@ fn tell(of: &Comparison, out: &mut dyn Write) -> std::io::Result<()> {
         of.against.as_ref().map_or(String::new(), |path| format!(" navigation of {}", escape::name(path)))
     )?;
     for channel in &of.channels {
-        tell_channel(channel, out)?;
+        write_channel(channel, out)?;
     }
     Ok(())
 }
 
-fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
+fn write_channel(channel: &ChannelComparison, out: &mut dyn Write) -> std::io::Result<()> {
     let cells = match channel.cell_m {
         Some([range, cross]) => format!("cells of {range:.2} m by {cross:.3} m"),
         None => "no cross-range".to_owned(),
@@ -69,12 +87,12 @@ fn tell_channel(channel: &Channel, out: &mut dyn Write) -> std::io::Result<()> {
         )?;
     }
     for target in &channel.targets {
-        tell_target(target, out)?;
+        write_target(target, out)?;
     }
     Ok(())
 }
 
-fn tell_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
+fn write_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
     // Two paired echoes are equally high: the same one in both rows.
     let side = target.predicted.as_ref().map_or(0, Figures::highest_side);
     let row = |name: &str, kind: &str, figures: Option<&Figures>| match figures {

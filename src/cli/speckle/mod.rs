@@ -1,7 +1,6 @@
 //! `nereus speckle`: the statistics of sea clutter over the azimuth of the wind.
 
 pub mod error;
-mod image;
 mod report;
 
 use crate::cli::scenario::ScenarioArgs;
@@ -24,14 +23,14 @@ use crate::bench::accuracy::noiseless;
 use crate::bench::gather::gather;
 use crate::cli::outputs::save_canvas;
 use crate::cli::values::{counts, distinct, threads};
-pub(crate) use crate::clutter::fits::{Speckle, SpeckleSettings};
+use crate::clutter::fits::{Speckle, SpeckleSettings};
+use crate::clutter::image::{self, Image, Place};
 use crate::config::Run;
 use crate::pipeline::build;
 use crate::pipeline::memory::available_bytes;
 use crate::recording::output::{FileKind, Output, OutputError};
 use crate::scene::Sea;
 use crate::scene::sea::PatchPlace;
-use image::{Image, Pixels};
 use report::{Azimuth, Report};
 
 /// `nereus speckle`
@@ -44,7 +43,7 @@ pub struct SpeckleArgs {
     /// Azimuths of the wind, evenly over 360 degrees from 0: downwind
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = counts(1, 360))]
     pub winds: u64,
-    /// Channels to look at [default: all]
+    /// Channels to analyse [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub channel: Vec<String>,
     /// Most pixels of the image across the look and along it; each is a resolution cell, and all lie on the
@@ -108,8 +107,7 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
         if let Some(sea) = &mut turned.scene.sea {
             sea.water.wind.direction_rad = look_rad + psi_rad;
         }
-        let pixels = Pixels { most: [across, along] };
-        for image in images(&turned, &sea, &channels, pixels)? {
+        for image in images(&turned, &sea, &channels, [across, along])? {
             azimuths.push(azimuth(&turned, &sea, image, &settings)?);
         }
     }
@@ -189,7 +187,7 @@ fn look_rad(run: &Run, sea: &Sea, channel: usize) -> Result<f64, CliError> {
 }
 
 /// The echo of all pulses, and its images.
-fn images(run: &Run, sea: &Sea, channels: &[usize], pixels: Pixels) -> Result<Vec<Image>, CliError> {
+fn images(run: &Run, sea: &Sea, channels: &[usize], most: [usize; 2]) -> Result<Vec<Image>, CliError> {
     let total = run.scene.pulses;
     let stream = build::on_nominal_tracks(run, 0..total)?;
     let layout = *stream.factory().layout();
@@ -204,14 +202,22 @@ fn images(run: &Run, sea: &Sea, channels: &[usize], pixels: Pixels) -> Result<Ve
     let gathered = gather(stream, Some(status));
     watcher.finish();
     let gathered = gathered?;
-    let middle_m = middle_m(run, sea)?;
-    Ok(image::images(run, sea, &gathered, &replica, channels, middle_m, pixels)?)
+    let place = Place { middle_m: middle_m(run, sea)?, patch_m: sea.patch.size_m(), most };
+    let radar = &run.scene.radar;
+    let one = |channel: &usize| {
+        let made = progress::focusing(|done| image::image(radar, &gathered, &replica, *channel, place, done));
+        made.map_err(|source| {
+            let (path, channel) = (run.path.clone(), radar.channels[*channel].name.clone());
+            SpeckleError::Image { path, channel, source }.into()
+        })
+    };
+    channels.iter().map(one).collect()
 }
 
 fn azimuth(run: &Run, sea: &Sea, image: Image, settings: &SpeckleSettings) -> Result<Azimuth, SpeckleError> {
     let Image { powers, pixels, trend_db, geometry } = image;
     let row = &run.scene.radar.channels[geometry.channel];
-    let silent = |source| SpeckleError::Silent { path: run.path.clone(), channel: row.name.clone(), source };
-    let speckle = Speckle::of(&powers, pixels, [1, 1], settings).map_err(silent)?;
+    let fault = |source| SpeckleError::NoPower { path: run.path.clone(), channel: row.name.clone(), source };
+    let speckle = Speckle::of(&powers, pixels, [1, 1], settings).map_err(fault)?;
     Ok(Azimuth::new(run, sea, geometry, trend_db, speckle))
 }

@@ -1,17 +1,17 @@
-//! What `nereus speckle` tells.
+//! The report of `nereus speckle`.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::image::Geometry;
 use super::{Files, SpeckleArgs};
 use crate::cli::counted;
 use crate::cli::escape;
 use crate::cli::json;
 use crate::clutter::empirical::GRAZING_DEG;
 use crate::clutter::fits::{Shape, Speckle};
+use crate::clutter::image::Geometry;
 use crate::clutter::regression::{self, Cosine};
 use crate::clutter::{Kind, sea_shape};
 use crate::config::Run;
@@ -148,7 +148,7 @@ impl Report {
         }
     }
 
-    /// The first word must stay the first: it tells the file from others.
+    /// The first word must stay the first: it marks the file as one of these.
     pub fn csv(&self) -> String {
         let mut csv = "psi_deg,channel,grazing_deg,cell_across_m,cell_along_m,facets_per_cell,pixels,trend_db,mean_power_dbw,contrast,contrast_error,\
             nu_moments,nu_moments_error,nu_likelihood,nu_likelihood_error,inverse_nu_error,inverse_nu_block_error,nu_histogram,nu_histogram_error,\

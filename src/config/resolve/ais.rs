@@ -93,6 +93,10 @@ pub(super) fn ships(
             },
         })
     };
+    if log.as_ref().is_some_and(|path| section.reader().is_left_aside(path)) {
+        section.finish();
+        return Vec::new();
+    }
     let reports = log.and_then(|path| match ais::load(&path) {
         Ok(reports) => Some((path.display().to_string(), reports)),
         Err(error) => {

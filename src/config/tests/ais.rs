@@ -52,6 +52,20 @@ fn fault(text: &str, log: &str, table: &str) -> String {
 }
 
 #[test]
+fn a_log_that_is_gone_has_no_ships_in_a_recording() {
+    let text = format!("{}\n[[ais]]\nlog = \"gone.csv\"\nwithin_m = 1000\n", placed());
+    assert!(
+        parse(&text, Path::new("my.toml"), &[])
+            .unwrap_err()
+            .to_string()
+            .contains("there is no file gone.csv")
+    );
+    assert_eq!(recorded(&text).unwrap().scene.ships, []);
+    let error = recorded(&text.replace("within_m = 1000", "within_m = -1")).unwrap_err().to_string();
+    assert!(error.contains("within_m"), "{error}");
+}
+
+#[test]
 fn ships_under_way_sail() {
     let run = read_log(&placed(), LOG, "within_m = 1000").unwrap();
     let [first, second] = &run.scene.ships[..] else { panic!("{:?}", run.scene.ships) };

@@ -72,7 +72,7 @@ struct Tile {
     size: [usize; 2],
 }
 
-/// The images of several grounds; `done` hears how many pulses are in. Compression is shared.
+/// The images of several grounds; `done` is called with the pulses that are in. Compression is shared.
 pub fn fast(aperture: &Aperture, grounds: &[Ground], done: &(dyn Fn(usize) + Sync)) -> Vec<Vec<Complex32>> {
     in_batches(aperture, grounds, done, batch(aperture.compressor.cells()))
 }
@@ -370,7 +370,7 @@ fn add<const RUN: usize>(
     let base = middle.floor();
     let mut place = delay.map(|d| (cell_rate_hz * d) as f32);
     place[0] = (middle - base) as f32;
-    // Clamped as a whole number: a run that far away hears nothing, see below.
+    // Clamped as a whole number: a run that far away gets nothing, see below.
     let far = i64::from(FAR_CELLS);
     let base = (base as i64).clamp(-2 * far, 2 * far) as i32;
     let last = cells.len().saturating_sub(2).min(FAR_CELLS as usize) as i32;

@@ -1,11 +1,11 @@
-//! Which pulses make a pixel: those in whose beam it lies, told by Doppler.
+//! Which pulses make a pixel: those in whose beam it lies, by Doppler.
 //!
 //! ```text
 //! u_m(x) = (f_m(x) - f_m(aim)) / B_D,   w_m(x) = w_m t(u_m(x)),   t = 0 beyond |u| = 1/2
 //! ```
 //!
 //! `f_m` Doppler of a point at rest, `B_D` the processed Doppler bandwidth, `t` a taper over it. Where `B_D`
-//! is at most the pulse rate, points that the pulse rate cannot tell apart (`lambda R PRF / v` along the
+//! is at most the pulse rate, points that the pulse rate cannot separate (`lambda R PRF / v` along the
 //! track, `v` the sum of both speeds) do not take each other's pulses: ghosts are those that the beam's side
 //! lobes leave. An image is divided by the weights that each pixel has taken, so that a point keeps its
 //! amplitude wherever it lies; a pixel without pulses is zero.

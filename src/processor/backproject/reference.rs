@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Aperture, points};
 use crate::recording::ground::Ground;
 
-/// The image, pixel by pixel as the [equation](super) says, row by row.
+/// The image, pixel by pixel from the [equation](super), row by row.
 pub fn reference(aperture: &Aperture, ground: &Ground) -> Vec<Complex64> {
     let compressor = aperture.compressor;
     let spectra: Vec<Vec<Complex64>> = aperture

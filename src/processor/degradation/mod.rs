@@ -16,7 +16,7 @@
 //! * Prediction and measurement go through one way ([`respond`]): the peak is sought within 6 cells of that
 //!   place, cuts run along the lines of equal Doppler and of equal delay, 32 points a cell, 10 cells to
 //!   either side. Where the image is so broken that another lobe is as high, the two may choose differently.
-//! * [`PhaseTerms`] say what the error looks like over the aperture: its mean moves the point in range, the
+//! * [`PhaseTerms`] are the error over the aperture: its mean moves the point in range, the
 //!   slope in cross-range, the bend widens it.
 //! * [`laws`] has closed forms of errors that are known.
 //!
@@ -24,17 +24,17 @@
 //! is done with the Doppler of the reported paths, which leaves `delta f_D Tc/B` of range.
 //!
 //! ```
-//! use nereus::processor::degradation::{Look, Prediction};
+//! use nereus::processor::degradation::{Degradation, Prediction};
 //! use nereus::geometry::phase_path::PhasePath;
 //! use nereus::processor::taper::Taper;
-//! // 10 GHz at 100 m/s, 4.2 km away; the processor believes in a climb of 10 mm/s that was none.
+//! // 10 GHz at 100 m/s, 4.2 km away; a climb of 10 mm/s is reported that was none.
 //! let times_s: Vec<f64> = (0..400).map(|i| f64::from(i) * 5e-3).collect();
 //! let fly = |climb_mps: f64| {
 //!     let at = |t: &f64| [100.0 * (t - 1.0), -3000.0, 3000.0 + climb_mps * t];
 //!     PhasePath::new(times_s.clone(), times_s.iter().map(at).collect())
 //! };
 //! let (truth, reported) = (fly(0.0)?, fly(0.01)?);
-//! let look = Look {
+//! let degradation = Degradation {
 //!     carrier_hz: 10e9,
 //!     bandwidth_hz: 60e6,
 //!     taper: Taper::Uniform,
@@ -43,7 +43,7 @@
 //!     truth: [&truth; 2],
 //!     reported: [&reported; 2],
 //! };
-//! let point: Prediction = look.predict([0.0; 3]).unwrap();
+//! let point: Prediction = degradation.predict([0.0; 3]).unwrap();
 //! // 10 mm/s along 45 degrees, both ways, 2 s, 30 mm: 0.943 cells.
 //! assert!((point.terms.linear_cells + 0.943).abs() < 2e-3 && (point.shift_cells[1] + 0.943).abs() < 2e-3);
 //! assert!(point.loss_db.abs() < 1e-3);
@@ -51,6 +51,7 @@
 //! ```
 
 pub mod laws;
+pub(crate) mod scenario;
 
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -142,7 +143,7 @@ pub fn respond(
         (lines, power.collect::<Vec<_>>())
     };
     let middle = (cells * dense) as f64;
-    // The first cuts tell the peak finer than the chip.
+    // The first cuts give the peak finer than the chip.
     let (lines, power) = cut(peak_m);
     for (line, power) in lines.iter().zip(&power) {
         let (top, _) = summit(power)?;
@@ -245,9 +246,9 @@ impl PhaseTerms {
     }
 }
 
-/// How a processor looks: all that a prediction needs.
+/// True and reported paths of one aperture: all that a prediction needs.
 #[derive(Clone, Copy, Debug)]
-pub struct Look<'a> {
+pub struct Degradation<'a> {
     /// Carrier, Hz.
     pub carrier_hz: f64,
     /// Bandwidth, Hz.
@@ -260,7 +261,7 @@ pub struct Look<'a> {
     pub weights: &'a [f64],
     /// Transmitter and receiver as they were.
     pub truth: [&'a PhasePath; 2],
-    /// As the processor believes.
+    /// As the processor takes them.
     pub reported: [&'a PhasePath; 2],
 }
 
@@ -287,7 +288,7 @@ pub struct Prediction {
     pub terms: PhaseTerms,
 }
 
-impl Look<'_> {
+impl Degradation<'_> {
     /// Measured wave numbers at a point by the true or by the reported paths.
     pub fn support(&self, [transmitter, receiver]: [&PhasePath; 2], point_m: [f64; 3]) -> Option<Support> {
         let gradient = |time_s: f64| delay_gradient(transmitter, receiver, time_s, point_m);

@@ -1,49 +1,47 @@
-//! Where antennas point by the scenario of a recording, and what that gains towards a point.
+//! Where the antennas of a channel point by the scenario of a recording, and what that gains towards a point.
 
-use crate::config;
+use super::focus::Described;
 use crate::frames::{Enu, Point, Vector};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::pipeline::build;
 use crate::radar::antenna::Antenna;
 use crate::recording::Recording;
 use crate::scene::Scene;
 use crate::scene::radar::AntennaMount;
 
 /// The antennas of a channel.
-pub(super) struct Aim {
-    scene: Scene,
-    tracks: Vec<PlatformTracks>,
-    ends: [(AntennaMount, Antenna); 2],
+pub struct TwoWayGain<'a> {
+    scene: &'a Scene,
+    tracks: &'a [PlatformTracks],
+    ends: [(&'a AntennaMount, Antenna); 2],
     /// Time zero of the recording's paths after the emission of pulse 0, s.
     zero_s: f64,
 }
 
-impl Aim {
-    /// From the scenario in a recording; none where that is not there or names files that are not.
-    pub fn of(recording: &Recording, channel: usize) -> Option<Self> {
-        let run = config::parse(&recording.header.config, "scenario".as_ref(), &[]).ok()?;
-        let tracks = build::tracks(&run.nav, &run.scene).ok()?.0;
+impl<'a> TwoWayGain<'a> {
+    /// From what the scenario in a recording describes and the tracks of its platforms; none where an antenna
+    /// is not in it, or is a file that is not there.
+    pub fn of(
+        recording: &Recording,
+        Described { scene, .. }: Described<'a>,
+        tracks: &'a [PlatformTracks],
+        channel: usize,
+    ) -> Option<Self> {
         let row = recording.header.channels.get(channel)?;
-        let radar = &run.scene.radar;
-        let transmitter = radar.transmitters.iter().find(|t| t.name == row.transmitter)?.antenna.clone();
-        let receiver = radar.receivers.iter().find(|r| r.name == row.receiver)?.antenna.clone();
-        let open = |mount: AntennaMount| {
-            let antenna = Antenna::open(&mount.pattern, radar.wavelength_m()).ok()?;
-            Some((mount, antenna))
+        let open = |name: &str| {
+            let mount = scene.radar.antenna(name)?;
+            Some((mount, Antenna::open(&mount.pattern, scene.radar.wavelength_m()).ok()?))
         };
-        let ends = [open(transmitter)?, open(receiver)?];
-        let (first, at_s) = (recording.index.first()?, recording.emission_s.first()?);
-        let zero_s = radar.emissions.interval_s(0, *first) - at_s;
-        Some(Self { scene: run.scene, tracks, ends, zero_s })
+        let ends = [open(&row.transmitter)?, open(&row.receiver)?];
+        Some(Self { scene, tracks, ends, zero_s: -pulse_zero_s(recording, scene)? })
     }
 
     /// Mean over pulses (times of the recording's paths) of the product of both field gains towards a point,
     /// ENU, m; none where a track does not reach so far. Both directions at the emission: the receiver turns
     /// by next to nothing in the time that an echo takes.
-    pub fn gain(&self, times_s: &[f64], point_m: [f64; 3]) -> Option<f64> {
+    pub fn mean(&self, times_s: &[f64], point_m: [f64; 3]) -> Option<f64> {
         let surroundings =
-            Surroundings { tracks: &self.tracks, frame: &self.scene.frame, start: self.scene.start };
+            Surroundings { tracks: self.tracks, frame: &self.scene.frame, start: self.scene.start };
         let [x, y, z] = point_m;
         let target: Point<Enu> = Point::new(x, y, z);
         let mut sum = 0.0;
@@ -62,4 +60,10 @@ impl Aim {
         }
         Some(sum / times_s.len().max(1) as f64)
     }
+}
+
+/// Emission of pulse 0 on the clock of a recording's paths, s.
+pub(super) fn pulse_zero_s(recording: &Recording, scene: &Scene) -> Option<f64> {
+    let (first, at_s) = (recording.index.first()?, recording.emission_s.first()?);
+    Some(at_s - scene.radar.emissions.interval_s(0, *first))
 }

@@ -1,0 +1,178 @@
+//! `nereus focus --nav both`: what errors of the reports do to the image, predicted and measured.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::images::{Outputs, pictures};
+use super::{FocusArgs, FocusNav, image, open, table};
+use crate::cli::error::CliError;
+use crate::cli::focus::error::FocusError;
+use crate::cli::json;
+use crate::cli::outputs::save_canvas;
+use crate::cli::sea::SeaError;
+use crate::motion::PlatformTracks;
+use crate::pipeline::build;
+use crate::pipeline::scenario::Scenario;
+use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
+use crate::processor::comparison::{ChannelComparison, Side, compare as compare_images};
+use crate::processor::focus::{Focuser, Image};
+use crate::processor::two_way_gain::TwoWayGain;
+use crate::recording::Recording;
+use crate::recording::output::{FileKind, Output};
+
+/// Lowest level of a picture of cuts, dB.
+const FLOOR_DB: f64 = -60.0;
+
+/// Refuses options that have no meaning with this --nav.
+pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
+    if args.nav == FocusNav::Both {
+        let allowed = "with --nav true or --nav reported";
+        let refused = FocusError::Value { key: "speckle", found: "with --nav both".to_owned(), allowed };
+        return if args.speckle { Err(refused) } else { Ok(()) };
+    }
+    for (key, found) in [("against", &args.against), ("cuts", &args.cuts)] {
+        if let Some(found) = found {
+            let found = found.display().to_string();
+            return Err(FocusError::Value { key, found, allowed: "with --nav both only" });
+        }
+    }
+    Ok(())
+}
+
+/// Focuses twice and compares.
+pub(super) fn compare(
+    args: &FocusArgs,
+    focuser: &Focuser,
+    scenario: Option<&Scenario>,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let recording = focuser.recording();
+    if let Some(path) = args.cuts.as_ref().filter(|_| recording.header.targets.is_empty()) {
+        let found = path.display().to_string();
+        return Err(FocusError::Value { key: "cuts", found, allowed: "for a recording of targets" }.into());
+    }
+    let places = focuser.channels();
+    let names: Vec<String> =
+        places.iter().map(|channel| recording.header.channels[*channel].name.clone()).collect();
+    let doubled: Vec<String> =
+        names.iter().flat_map(|name| [format!("{name}_true"), format!("{name}_reported")]).collect();
+    let outputs = Outputs::plan(args, &doubled)?;
+    let mut cuts = Vec::new();
+    for path in args.cuts.iter().flat_map(|path| pictures(path, &names)) {
+        cuts.push(Output::plan(&path, FileKind::Png, args.force).map_err(FocusError::from)?);
+    }
+    let other = args.against.as_ref().map(|path| reference(args, path, recording)).transpose()?;
+    let (measure, measure_scenario) = match &other {
+        Some((recording, scenario)) => (recording, scenario.as_ref()),
+        None => (recording, scenario),
+    };
+    let right_path = args.against.as_ref().unwrap_or(&args.recording);
+    let (at, right_at) = (FocusError::at(&args.recording), FocusError::at(right_path));
+    let right = focuser.by_truth(measure, measure_scenario.map(Scenario::described)).map_err(&right_at)?;
+    // Aims may differ from those of another recording only.
+    let tracks = [measure_scenario, scenario].map(|of| if other.is_some() { tracks(of) } else { None });
+    let mut channels = Vec::with_capacity(places.len());
+    let mut images = Vec::with_capacity(2 * places.len());
+    for (channel, right_channel) in places.into_iter().zip(right.channels()) {
+        let pair = [image(&right, right_channel).map_err(&right_at)?, image(focuser, channel).map_err(&at)?];
+        let [right_gain, gain] = [
+            gain(&right, measure_scenario, tracks[0].as_deref(), right_channel),
+            gain(focuser, scenario, tracks[1].as_deref(), channel),
+        ];
+        let [right_image, image] = &pair;
+        let found = compare_images(
+            &Side { focuser: &right, channel: right_channel, image: right_image, gain: right_gain },
+            &Side { focuser, channel, image, gain },
+        );
+        channels.push(found.map_err(&at)?);
+        images.extend(pair);
+    }
+    let navs = [FocusNav::True, FocusNav::Reported].into_iter().cycle();
+    let shown: Vec<(&Image, FocusNav)> = images.iter().zip(navs).collect();
+    let mut made = outputs.write(args, recording, &shown, &doubled)?;
+    for (output, channel) in cuts.into_iter().zip(&channels) {
+        made.push(output.path().to_owned());
+        draw_cuts(channel, output)?;
+    }
+    let comparison = table::Comparison {
+        recording: args.recording.display().to_string(),
+        against: args.against.as_ref().map(|path| path.display().to_string()),
+        nav: FocusNav::Both.name(),
+        pulses: recording.pulses(),
+        first_pulse: recording.index[0],
+        last_pulse: recording.index[recording.index.len() - 1],
+        centre_m: focuser.ground().centre_m(),
+        pixels: focuser.ground().pixels,
+        pixel_m: args.pixel_m,
+        channels,
+        out: json::all_legible(&made),
+    };
+    table::print(args, &comparison, out)
+}
+
+/// Tracks of a scenario; none where it names files that are not there.
+fn tracks(scenario: Option<&Scenario>) -> Option<Vec<PlatformTracks>> {
+    let run = &scenario?.0;
+    build::tracks(&run.nav, &run.scene).ok().map(|(tracks, _)| tracks)
+}
+
+fn gain<'a>(
+    focuser: &Focuser,
+    scenario: Option<&'a Scenario>,
+    tracks: Option<&'a [PlatformTracks]>,
+    channel: usize,
+) -> Option<TwoWayGain<'a>> {
+    TwoWayGain::of(focuser.recording(), scenario?.described(), tracks?, channel)
+}
+
+/// The recording that is the measure: as many pulses of the same radar, with the same channels.
+fn reference(
+    args: &FocusArgs,
+    path: &Path,
+    like: &Recording,
+) -> Result<(Recording, Option<Scenario>), FocusError> {
+    let (right, scenario) = open(args, path)?;
+    let (a, b) = (&right.header, &like.header);
+    let channels = |of: &Recording| -> Vec<String> {
+        of.channels().iter().map(|place| of.header.channels[*place].name.clone()).collect()
+    };
+    let differs = [
+        ("carrier_hz", a.carrier_hz != b.carrier_hz),
+        ("bandwidth_hz", a.bandwidth_hz != b.bandwidth_hz),
+        ("prf_hz", a.prf_hz != b.prf_hz),
+        ("pulses", right.index != like.index),
+        ("channels", channels(&right) != channels(like)),
+        ("targets", a.targets != b.targets),
+    ];
+    if let Some((what, _)) = differs.iter().find(|(_, differs)| *differs) {
+        return Err(FocusError::Against { path: path.to_owned(), what });
+    }
+    Ok((right, scenario))
+}
+
+/// The cut in cross-range of the first point that has one.
+fn draw_cuts(channel: &ChannelComparison, output: Output) -> Result<(), CliError> {
+    let shown = channel.targets.iter().find(|target| target.curves.iter().all(|curve| !curve.is_empty()));
+    let none = [Vec::new(), Vec::new(), Vec::new()];
+    let [right, measured, predicted] = shown.map_or(&none, |target| &target.curves);
+    let point = shown.map_or("no point on the image", |target| target.name.as_str());
+    let limits = [10f64.powf(0.1 * FLOOR_DB), 10f64.powf(0.3)];
+    let canvas = Plot {
+        title: &format!("{}, {point}: reported navigation", channel.name),
+        x: PlotAxis { label: "cross-range, cells from the peak", spacing: Spacing::Linear, limits: None },
+        y: PlotAxis {
+            label: "over the peak without error, dB",
+            spacing: Spacing::Decibels,
+            limits: Some(limits),
+        },
+        curves: &[
+            Curve { name: "true navigation", points: right, mark: Mark::Line },
+            Curve { name: "measured", points: measured, mark: Mark::Line },
+            Curve { name: "predicted", points: predicted, mark: Mark::Dots },
+        ],
+        size_px: [720, 400],
+    }
+    .draw()
+    .map_err(SeaError::from)?;
+    Ok(save_canvas(output, &canvas)?)
+}

@@ -1,0 +1,162 @@
+//! Pictures and files of complex values.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use num_complex::Complex32;
+
+use super::{FocusArgs, FocusNav};
+use crate::cli::counted;
+use crate::cli::error::CliError;
+use crate::cli::focus::error::FocusError;
+use crate::cli::outputs::save_canvas;
+use crate::cli::sea::SeaError;
+use crate::plot::canvas::Canvas;
+use crate::plot::picture::{Axis, Limits, Picture, Reduction};
+use crate::processor::focus::Image;
+use crate::processor::multilook::percentile;
+use crate::recording::Recording;
+use crate::recording::image_file::ImageFile;
+use crate::recording::map_file::Attribute;
+use crate::recording::output::{FileKind, Output};
+
+/// Where images go.
+pub(super) struct Outputs {
+    pictures: Vec<Output>,
+    values: Option<Output>,
+}
+
+impl Outputs {
+    /// Those of images of such names.
+    pub fn plan(args: &FocusArgs, names: &[String]) -> Result<Self, FocusError> {
+        let mut made = Self { pictures: Vec::new(), values: None };
+        for path in &args.out {
+            match path.extension().and_then(|e| e.to_str()) {
+                Some("png") if made.pictures.is_empty() => {
+                    let all = if args.panels { vec![path.clone()] } else { pictures(path, names) };
+                    for path in all {
+                        made.pictures.push(Output::plan(&path, FileKind::Png, args.force)?);
+                    }
+                }
+                Some("h5") if made.values.is_none() => {
+                    made.values = Some(Output::plan(path, FileKind::Hdf5, args.force)?);
+                }
+                Some("png" | "h5") => return Err(FocusError::Several { path: path.clone() }),
+                _ => return Err(FocusError::Kind { path: path.clone() }),
+            }
+        }
+        Ok(made)
+    }
+
+    /// Writes images, each with the navigation by which it was made; the files made.
+    pub fn write(
+        self,
+        args: &FocusArgs,
+        recording: &Recording,
+        images: &[(&Image, FocusNav)],
+        names: &[String],
+    ) -> Result<Vec<PathBuf>, CliError> {
+        let paths = self.pictures.iter().chain(&self.values).map(|output| output.path().to_owned()).collect();
+        let mut canvases = images.iter().map(|(image, nav)| picture(args, image, *nav));
+        if args.panels {
+            for output in self.pictures {
+                let all: Vec<Canvas> = canvases.by_ref().collect::<Result<_, _>>()?;
+                save_canvas(output, &Canvas::tiled(&all, all.len().isqrt(), [255; 3]))?;
+            }
+        } else {
+            for (output, canvas) in self.pictures.into_iter().zip(canvases) {
+                save_canvas(output, &canvas?)?;
+            }
+        }
+        if let Some(output) = self.values {
+            values(args, recording, images, names, output)?;
+        }
+        Ok(paths)
+    }
+}
+
+/// Several pictures bear the names of what they show.
+pub(super) fn pictures(path: &Path, names: &[String]) -> Vec<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let named = |name: &String| {
+        // A recording of unknown origin may hold any name.
+        let name = name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "_");
+        match names.len() {
+            1 => path.to_owned(),
+            _ => path.with_file_name(format!("{stem}_{name}.png")),
+        }
+    };
+    names.iter().map(named).collect()
+}
+
+fn picture(args: &FocusArgs, image: &Image, nav: FocusNav) -> Result<Canvas, CliError> {
+    let (power, cells) = image.power(args.looks);
+    let (values, quantity, limits) = match args.percentile {
+        None => {
+            let values: Vec<f64> = power.iter().map(|p| 10.0 * p.log10()).collect();
+            (values, "dBW", Limits::Below { percent: 100.0, span: args.dynamic_db })
+        }
+        Some(percent) => {
+            let values: Vec<f64> = power.iter().map(|p| p.sqrt()).collect();
+            let top = percentile(&values, percent).unwrap_or(0.0);
+            (values, "amplitude, sqrt(W)", Limits::Fixed([0.0, top.max(f64::MIN_POSITIVE * 1e20)]))
+        }
+    };
+    let title = format!("{}, {}, {} navigation", image.channel, counted(image.pulses, "pulse"), nav.name());
+    let step = args.pixel_m * args.looks as f64;
+    let edge = |axis: usize| {
+        let [low, _] = image.ground.edges_m(axis);
+        [low, low + cells[axis] as f64 * step]
+    };
+    let ([left, right], [lower, upper]) = (edge(0), edge(1));
+    let picture = Picture {
+        title: &title,
+        x: Axis { label: "East, m", from: left, to: right },
+        y: Axis { label: "North, m", from: lower, to: upper },
+        quantity,
+        limits,
+        reduction: if args.percentile.is_none() { Reduction::MeanPower } else { Reduction::Mean },
+        scale_bar: Some("m"),
+        size_px: if args.panels { 512 } else { 768 },
+        ..Picture::new(&values, cells).map_err(SeaError::from)?
+    };
+    Ok(picture.draw().map_err(SeaError::from)?)
+}
+
+fn values(
+    args: &FocusArgs,
+    recording: &Recording,
+    images: &[(&Image, FocusNav)],
+    names: &[String],
+    output: Output,
+) -> Result<(), CliError> {
+    let [(first_image, _), ..] = images else { return Ok(()) };
+    let values: Vec<Vec<Complex32>> = images.iter().map(|(image, _)| image.values.clone()).collect();
+    let named = |value: Option<clap::builder::PossibleValue>| {
+        value.map_or(String::new(), |value| value.get_name().to_owned())
+    };
+    let [nav, window, aperture, filter] = [
+        named(args.nav.to_possible_value()),
+        named(args.window.to_possible_value()),
+        named(args.aperture.to_possible_value()),
+        named(args.filter.to_possible_value()),
+    ];
+    let (first, last) = (recording.index[0], recording.index[recording.index.len() - 1]);
+    // Not a number: all pulses.
+    let doppler_hz: Vec<f64> = images.iter().map(|(image, _)| image.doppler_hz.unwrap_or(f64::NAN)).collect();
+    let attributes = [
+        ("recording", Attribute::Text(&args.recording.display().to_string())),
+        ("nav", Attribute::Text(&nav)),
+        ("window", Attribute::Text(&window)),
+        ("aperture", Attribute::Text(&aperture)),
+        ("filter", Attribute::Text(&filter)),
+        ("first_pulse", Attribute::Whole(first)),
+        ("end_pulse", Attribute::Whole(last + 1)),
+        ("height_m", Attribute::Real(args.height_m)),
+        ("doppler_hz", Attribute::Reals(&doppler_hz)),
+        ("carrier_hz", Attribute::Real(recording.header.carrier_hz)),
+    ];
+    let file =
+        ImageFile { attributes: &attributes, channels: names, ground: &first_image.ground, images: &values };
+    Ok(output.write(|partial| file.write(partial).map_err(FocusError::from))?)
+}

@@ -1,0 +1,57 @@
+//! Why a recording cannot be focused.
+
+use crate::inputs::one_line;
+use crate::processor::range_compress::CompressError;
+use crate::recording::RecordingError;
+use crate::recording::ground::GroundError;
+
+/// Why a recording cannot be focused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FocusError {
+    /// A path that the recording lacks.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No image of such a size.
+    #[error(transparent)]
+    Ground(#[from] GroundError),
+    /// The recording has no pulse to compress with.
+    #[error(transparent)]
+    Compress(#[from] CompressError),
+    /// An error of interpolation that cannot be kept.
+    #[error("interpolation error of {found_db} dB; allowed: a number from -100 to below 0")]
+    Interpolation {
+        /// As asked.
+        found_db: f64,
+    },
+    /// What came over the wire.
+    #[error(
+        "holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused"
+    )]
+    NoReplica,
+    /// Nothing but calibration channels.
+    #[error("holds no channel of echoes")]
+    NoEchoes,
+    /// Neither a centre nor a scenario from which it would follow.
+    #[error(
+        "has no scenario that this version can read, from which the middle of the image would follow; allowed: a centre (--centre-m X,Y)"
+    )]
+    NoCentre,
+    /// A Doppler band about the aim of an antenna that has none.
+    #[error(
+        "channel {} has no aim about which a Doppler band of {hz} Hz could lie: its antennas are isotropic, or the recording does not hold where they look; allowed: all pulses (--doppler-hz all)",
+        one_line(channel)
+    )]
+    NoAim {
+        /// As asked.
+        hz: f64,
+        /// The channel.
+        channel: String,
+    },
+    /// No pulse carries what a channel receives.
+    #[error("channel {}: none of the pulses left in its polarisation", one_line(channel))]
+    NotIlluminated {
+        /// The channel.
+        channel: String,
+    },
+}
