@@ -409,9 +409,9 @@ impl PathGenerator {
     ) {
         let directions = if end == 0 { &view.incident } else { &view.scattered };
         let sign = if end == 0 { 1.0 } else { -1.0 };
-        for i in 0..count {
+        for (i, delay_s) in view.delay_s.iter().enumerate().take(count) {
             let d = glam::DVec3::from_array([0, 1, 2].map(|c| sign * f64::from(directions[c][i])));
-            let axes = axes + change_per_s * f64::from(view.delay_s[i]);
+            let axes = axes + change_per_s * f64::from(*delay_s);
             let d = crate::frames::Vector::from_raw(axes.transpose() * d);
             let gain = self.antennas[antenna].field_gain(d);
             let gain = Complex32::new(gain.re as f32, gain.im as f32);
