@@ -336,6 +336,8 @@ pub(super) struct Combine<'a, const C: usize> {
     pub batch: &'a Batch,
     /// `[facet][lane]`.
     pub out: &'a mut [[f32; C]],
+    /// Raised to the largest power of any channel, W.
+    pub power: &'a mut Row,
 }
 
 impl<const C: usize> Task for Combine<'_, C> {
@@ -343,10 +345,11 @@ impl<const C: usize> Task for Combine<'_, C> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports, scale, batch, out } = self;
+        let Self { ports, scale, batch, out, power } = self;
         let (lines, _) = out.as_chunks_mut::<GROUP>();
         for (g, lines) in lines.iter_mut().enumerate().take(lanes_for(batch.count) / GROUP) {
             let scale = group(scale, g);
+            let mut most = group(power, g);
             for channel in 0..C / 2 {
                 let Some(products) = ports.get(channel) else { break };
                 let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
@@ -364,10 +367,16 @@ impl<const C: usize> Task for Combine<'_, C> {
                 for i in 0..GROUP {
                     let (a, b) = (re[i] * scale[i], im[i] * scale[i]);
                     // A product of lengths of rows is never asked to be large: what overflowed is zero.
-                    lines[i][2 * channel] = if a.is_finite() { a } else { 0.0 };
-                    lines[i][2 * channel + 1] = if b.is_finite() { b } else { 0.0 };
+                    re[i] = if a.is_finite() { a } else { 0.0 };
+                    im[i] = if b.is_finite() { b } else { 0.0 };
+                    most[i] = most[i].max(re[i] * re[i] + im[i] * im[i]);
+                }
+                for i in 0..GROUP {
+                    lines[i][2 * channel] = re[i];
+                    lines[i][2 * channel + 1] = im[i];
                 }
             }
+            *group_mut(power, g) = most;
         }
     }
 }

@@ -337,16 +337,18 @@ impl PathGenerator {
             self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
             self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
         ];
-        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(&mut out.layers) {
+        let Epoch { layers, power, .. } = &mut *out;
+        power.fill(0.0);
+        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(layers) {
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
             for (&(_, tx_port, rx_port), port) in channels.iter().zip(&mut ports) {
                 *port = port_products([tx_port, rx_port], isolations_db);
             }
-            let ports = &ports[..channels.len()];
+            let (ports, scale, power) = (&ports[..channels.len()], &scale, &mut *power);
             match layer.lanes() {
-                2 => variant.run(Combine::<2> { ports, scale: &scale, batch, out: layer.lines_mut() }),
-                4 => variant.run(Combine::<4> { ports, scale: &scale, batch, out: layer.lines_mut() }),
-                _ => variant.run(Combine::<8> { ports, scale: &scale, batch, out: layer.lines_mut() }),
+                2 => variant.run(Combine::<2> { ports, scale, batch, out: layer.lines_mut(), power }),
+                4 => variant.run(Combine::<4> { ports, scale, batch, out: layer.lines_mut(), power }),
+                _ => variant.run(Combine::<8> { ports, scale, batch, out: layer.lines_mut(), power }),
             }
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
@@ -409,13 +411,13 @@ impl PathGenerator {
     ) {
         let directions = if end == 0 { &view.incident } else { &view.scattered };
         let sign = if end == 0 { 1.0 } else { -1.0 };
-        for i in 0..count {
+        for (i, delay_s) in view.delay_s.iter().enumerate().take(count) {
             let d = glam::DVec3::from_array([0, 1, 2].map(|c| sign * f64::from(directions[c][i])));
-            let axes = axes + change_per_s * f64::from(view.delay_s[i]);
+            let axes = axes + change_per_s * f64::from(*delay_s);
             let d = crate::frames::Vector::from_raw(axes.transpose() * d);
             let gain = self.antennas[antenna].field_gain(d);
             let gain = Complex32::new(gain.re as f32, gain.im as f32);
-            epoch.layers.iter_mut().for_each(|layer| layer.scale(i, gain));
+            epoch.scale(i, gain);
         }
     }
 

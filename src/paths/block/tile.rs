@@ -51,6 +51,8 @@ pub struct Epoch {
     /// Amplitudes of the channels of the pair, without gains that are real numbers and without shadows: by
     /// [`CHANNELS_PER_LAYER`].
     pub layers: Vec<Layer>,
+    /// Largest power of any channel, W.
+    pub(super) power: Row,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
     channels: usize,
@@ -60,7 +62,7 @@ impl Epoch {
     fn new(channels: usize) -> Self {
         let layers = (0..channels).step_by(CHANNELS_PER_LAYER);
         let layers = layers.map(|from| Layer::new((channels - from).min(CHANNELS_PER_LAYER))).collect();
-        Self { layers, cosine: [[0.0; LANES]; 2], channels }
+        Self { layers, power: [0.0; LANES], cosine: [[0.0; LANES]; 2], channels }
     }
 
     /// Amplitude of a facet in a channel of the pair, sqrt(W).
@@ -68,6 +70,13 @@ impl Epoch {
         let layer = &self.layers[channel / CHANNELS_PER_LAYER];
         let at = facet * layer.lanes + 2 * (channel % CHANNELS_PER_LAYER);
         Complex32::new(layer.values.0[at], layer.values.0[at + 1])
+    }
+
+    /// Multiplies the amplitudes of a facet.
+    pub(super) fn scale(&mut self, facet: usize, by: Complex32) {
+        self.layers.iter_mut().for_each(|layer| layer.scale(facet, by));
+        let powers = (0..self.channels).map(|channel| self.amplitude(channel, facet).norm_sqr());
+        self.power[facet] = powers.fold(0.0, f32::max);
     }
 
     /// Amplitudes channel by channel, real and imaginary.
@@ -114,12 +123,6 @@ impl Layer {
 
     /// Facet by facet, for layers of `C` lanes.
     #[inline(always)]
-    fn lines<const C: usize>(&self) -> &[[f32; C]] {
-        self.values.0.as_chunks().0
-    }
-
-    /// The same to be written.
-    #[inline(always)]
     pub(super) fn lines_mut<const C: usize>(&mut self) -> &mut [[f32; C]] {
         self.values.0.as_chunks_mut().0
     }
@@ -133,7 +136,7 @@ impl Layer {
     }
 
     /// Multiplies the amplitudes of a facet.
-    pub(super) fn scale(&mut self, facet: usize, by: Complex32) {
+    fn scale(&mut self, facet: usize, by: Complex32) {
         let (parts, _) = self.values.0[facet * self.lanes..][..self.lanes].as_chunks_mut::<2>();
         for [re, im] in parts {
             let value = Complex32::new(*re, *im) * by;
@@ -207,11 +210,9 @@ impl Pair {
     fn bounds(&self, count: usize, out: &mut Row) {
         let n = lanes_for(count);
         let (mut amplitude, mut factor) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for layer in self.epochs().iter().flat_map(|epoch| &epoch.layers) {
-            match layer.lanes {
-                2 => most_power(layer.lines::<2>(), &mut amplitude[..n]),
-                4 => most_power(layer.lines::<4>(), &mut amplitude[..n]),
-                _ => most_power(layer.lines::<8>(), &mut amplitude[..n]),
+        for epoch in self.epochs() {
+            for i in 0..n {
+                amplitude[i] = amplitude[i].max(epoch.power[i]);
             }
         }
         for row in &self.factor {
@@ -235,16 +236,6 @@ impl Pair {
         }
         for row in &mut self.factor {
             compact(row, kept);
-        }
-    }
-}
-
-/// The largest power of any channel so far.
-#[inline(always)]
-fn most_power<const C: usize>(lines: &[[f32; C]], most: &mut [f32]) {
-    for (most, line) in most.iter_mut().zip(lines) {
-        for k in 0..C / 2 {
-            *most = most.max(line[2 * k] * line[2 * k] + line[2 * k + 1] * line[2 * k + 1]);
         }
     }
 }
@@ -322,6 +313,7 @@ mod tests {
             for i in 0..LANES {
                 pair.nodes[0].paths.delay_s[i] = i as f64;
                 pair.factor[0][i] = power(i);
+                pair.epochs[0].power[i] = 1.0;
                 for (place, layer) in pair.epochs[0].layers.iter_mut().enumerate() {
                     let of_layer = (channels - place * CHANNELS_PER_LAYER).min(CHANNELS_PER_LAYER);
                     for k in 0..2 * of_layer {
