@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::scene::ship::HullGiven;
 
@@ -141,7 +143,7 @@ proptest! {
     #![proptest_config(crate::rng::cases::proptests(200))]
 
     #[test]
-    fn spoiled_logs_never_panic(at in 0usize..600, with in "[-0-9.,:enax#\n ]{0,4}", cut in 0usize..60) {
+    fn corrupt_logs_never_panic(at in 0usize..600, with in "[-0-9.,:enax#\n ]{0,4}", cut in 0usize..60) {
         let mut log = LOG.to_owned();
         let from = at.min(log.len());
         log.replace_range(from..(from + cut).min(log.len()), &with);

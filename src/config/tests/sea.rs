@@ -1,5 +1,8 @@
 //! Seas: what the keys mean, and every way to be wrong.
 
+use proptest::prelude::*;
+
+use super::refused::survives;
 use super::*;
 use crate::scattering::permittivity::Model;
 use crate::scene::radar::{Sweep, Waveform};
@@ -521,7 +524,7 @@ proptest! {
     #![proptest_config(crate::rng::cases::proptests(300))]
 
     #[test]
-    fn a_spoiled_sea_is_read_or_refused(
+    fn a_corrupt_sea_is_read_or_refused(
         at in 0.0f64..1.0,
         cut in 0usize..40,
         put in "[a-z0-9_.=\\[\\]{}\"'\\-+#\n ,é]{0,12}",

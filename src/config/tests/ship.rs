@@ -1,5 +1,7 @@
 //! Ships: what the keys mean, and every way to be wrong.
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::scene::Ship;
 use crate::scene::hull::LENGTH_RANGE_M;

@@ -1,0 +1,175 @@
+//! What a scenario is refused for, word by word.
+
+use super::*;
+
+#[test]
+fn inconsistent_settings() {
+    insta::assert_snapshot!(faults_of(&[("radar.waveform.bandwidth_hz", "100.1e6")]), @r#"radar.waveform.bandwidth_hz: 1.001e8 Hz is more than radar.sample_rate_hz holds; allowed: up to 1e8 Hz"#);
+    insta::assert_snapshot!(faults_of(&[("radar.window.samples", "33")]), @r#"radar.window.samples: 33 samples (3.3e-7 s) are shorter than the pulse (3.33e-7 s); allowed: at least 34"#);
+    assert!(coastal_with(&[("radar.window.samples", "34")]).is_ok());
+    insta::assert_snapshot!(faults_of(&[("radar.pri_us", "[1000, 2000]")]), @r#"radar.pri_us: prf_hz, pri_us exclude each other; allowed: one of them"#);
+    insta::assert_snapshot!(faults_of(&[("radar.prf_hz", "-222")]), @r#"radar.prf_hz: -222 is out of range; allowed: a number from 0.001 to 1e9 Hz"#);
+    insta::assert_snapshot!(faults_of(&[("radar.prf_hz", "nan"), ("radar.carrier_hz", "inf"), ("target.0.position_m", "[0, nan, 0]")]), @r#"
+radar.carrier_hz: inf is out of range; allowed: a number from 1e6 to 1e12 Hz
+radar.prf_hz: nan is out of range; allowed: a number from 0.001 to 1e9 Hz
+target.0.position_m: entry 1, NaN, is out of range; allowed: a list of 3 numbers from -1e8 to 1e8 m
+"#);
+    insta::assert_snapshot!(faults_of(&[("receiver.0.platform", "ship")]), @r#"receiver.0.platform: there is no platform "ship"; allowed: coast, aircraft"#);
+    insta::assert_snapshot!(faults_of(&[("receiver.0.name", "tx")]), @r#"receiver.0.name: "tx" is already the name of another antenna; allowed: unique names"#);
+    insta::assert_snapshot!(faults_of(&[("target.1.name", "sphere")]), @r#"target.1.name: "sphere" is already the name of another target; allowed: unique names"#);
+    insta::assert_snapshot!(faults_of(&[("platform.1.name", "coast")]), @r#"
+transmitter.0.pointing.platform: there is no platform "aircraft"; allowed: coast
+receiver.0.platform: there is no platform "aircraft"; allowed: coast
+receiver.0.pointing.platform: there is no platform "aircraft"; allowed: coast
+platform.1.name: "coast" is already the name of another platform; allowed: unique names
+"#);
+    insta::assert_snapshot!(faults_of(&[("radar.channels", "['HH', 'HH']")]), @r#"radar.channels: "HH" is already the name of another channel; allowed: unique names"#);
+    insta::assert_snapshot!(faults_of(&[("radar.channel", "[{ polarisation = 'HH', receiver = 'ry' }]")]), @r#"
+radar.channel: channels, channel exclude each other; allowed: one of them
+radar.channel.0.receiver: there is no receiver "ry"; allowed: rx
+"#);
+    insta::assert_snapshot!(faults_of(&[("radar.tx_polarisation", "alternating"), ("radar.tx_sequence", "['V']")]), @r#"
+radar.tx_sequence: channel "HH" needs transmit polarisation H, which tx_sequence never sends; allowed: a sequence with H
+radar.tx_sequence: channel "VH" needs transmit polarisation H, which tx_sequence never sends; allowed: a sequence with H
+"#);
+    insta::assert_snapshot!(faults_of(&[("target.0", "{ lat_deg = 1, lon_deg = 2, rcs_m2 = 1 }")]), @r#"target.0.lat_deg: a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"#);
+    insta::assert_snapshot!(faults_of(&[("scene.origin_lat_deg", "50"), ("scene.earth_radius_factor", "1.33")]), @r#"
+scene.origin_lat_deg: stands alone; allowed: origin_lat_deg, origin_lon_deg, origin_h_m together, or none of them
+scene.earth_radius_factor: has no meaning here (the earth is flat)
+"#);
+    insta::assert_snapshot!(faults_of(&[("radar.window.samples", "16777216"), ("radar.channels", "['HH','HV','VH','VV','RR','RL','LR','LL','HR']")]), @r#"radar.window: one pulse takes 1207959552 bytes (9 channels of 16777216 samples); allowed: at most 16777216"#);
+    insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1000, 1000], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: 1000002 targets; allowed: at most 100000"#);
+    insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1.5, 1], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: [1.5, 1.0] is not allowed; allowed: two whole numbers from 1 to 1000"#);
+    insta::assert_snapshot!(faults_of(&[("platform.1.track", "{ kind = 'csv', path = 'tracks/north_sea_texel.csv' }")]), @r#"
+scene.start_utc: is missing; required with a recorded track: a UTC time within the recording
+platform.1.track.path: holds latitudes and longitudes, which need scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed without them: a CSV file of x_m, y_m, z_m
+platform.1.track.datum: is missing; required: "ellipsoid", "msl", "barometric"
+"#);
+    insta::assert_snapshot!(faults_of(&[("platform.0.track.yaw", "3"), ("platform.0.track.velocity_mps", "[1,2,3]")]), @r#"
+platform.0.track.yaw: unknown key; did you mean yaw_deg, in deg?
+platform.0.track.velocity_mps: has no meaning here (kind = "fixed")
+"#);
+    insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'plain', path = 'x' }, { kind = 'plain', path = 'x' }]")]), @r#"sink.1.path: "x" is already the name of another sink; allowed: unique names"#);
+    insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'vita49', address = 'receiver', bind = '127.0.0.1:0', mtu_bytes = 500, path = 'x' }]")]), @r#"
+sink.0.address: "receiver" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.mtu_bytes: 500 is out of range; allowed: a whole number from 576 to 65535
+sink.0.bind: "127.0.0.1:0" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.path: has no meaning here (kind = "vita49")
+"#);
+    insta::assert_snapshot!(faults_of(&[("platform", "[]"), ("sink", "3"), ("stream", "'fast'")]), @r#"
+transmitter.0.platform: there is no platform "coast"; allowed: none are defined
+transmitter.0.pointing.platform: there is no platform "aircraft"; allowed: none are defined
+receiver.0.platform: there is no platform "aircraft"; allowed: none are defined
+receiver.0.pointing.platform: there is no platform "aircraft"; allowed: none are defined
+platform: is missing; required: an array of tables [[platform]]
+stream: "fast" is not allowed; allowed: a table [stream]
+sink: 3 is not allowed; allowed: an array of tables [[sink]]
+"#);
+    insta::assert_snapshot!(faults_of(&[("receiver.0.name", "a/b"), ("transmitter.0.name", "..")]), @r#"
+transmitter.0.name: ".." is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
+receiver.0.name: "a/b" is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
+"#);
+    insta::assert_snapshot!(faults_of(&[("", "1"), ("a..b", "2"), ("scene.seed.x", "1"), ("scene.seed", "-1")]), @r#"
+leads to nothing: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
+a..b: leads to nothing: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
+scene.seed.x: leads to nothing: scene.seed is not a table
+scene.seed: -1 is out of range; allowed: a whole number from 0 to 2^64 - 1
+"#);
+}
+
+#[test]
+fn all_faults_of_a_file_at_once() {
+    let text = r#"[scene]
+origin_lat_deg = 95
+duration = 10
+seed = "x"
+start_utc = "yesterday"
+
+[radar]
+carrier_ghz = 10
+sample_rate_hz = 50e6
+prf_hz = -222
+pri_us = [1000]
+channels = ["HH", "XX"]
+noise_figure_db = nan
+
+[radar.waveform]
+kind = "lfm"
+bandwidth_hz = 60e6
+pulse_s = 20e-6
+path = "a"
+
+[radar.window]
+samples = 0
+
+[[platform]]
+name = "coast"
+track = { kind = "fixed", lat_deg = 1, lon_deg = 2 }
+
+[[transmitter]]
+name = "tx"
+platform = "cost"
+power_w = "1 kW"
+antenna = { kind = "rect", width_m = 1 }
+
+[[target]]
+position_m = [0, 0]
+rcs_m2 = 1
+rcs_dbsm = 1
+
+[stream]
+polcy = "stop"
+prf_hz = 3
+
+[[sink]]
+kind = "plain"
+"#;
+    let error =
+        parse(text, Path::new("scenes/bad.toml"), &settings(&[("radar.adc.bits", "99")])).unwrap_err();
+    insta::assert_snapshot!(error.to_string(), @r#"
+scenes/bad.toml:1:1: receiver: is missing; required: an array of tables [[receiver]]
+scenes/bad.toml:1:2: scene.duration_s: is missing; required: a number above 0, up to 1e7 s
+scenes/bad.toml:2:18: scene.origin_lat_deg: 95 is out of range; allowed: a number from -90 to 90 deg
+scenes/bad.toml:2:18: scene.origin_lat_deg: stands alone; allowed: origin_lat_deg, origin_lon_deg, origin_h_m together, or none of them
+scenes/bad.toml:3:1: scene.duration: unknown key; did you mean duration_s, in s?
+scenes/bad.toml:4:8: scene.seed: "x" is not allowed; allowed: a whole number from 0 to 2^64 - 1
+scenes/bad.toml:5:13: scene.start_utc: "yesterday" is not allowed; allowed: "live", or a UTC time from 1970 to 2200 such as "2018-05-30T20:15:00.5Z"
+scenes/bad.toml:7:2: radar.carrier_hz: is missing; required: a number from 1e6 to 1e12 Hz
+scenes/bad.toml:8:1: radar.carrier_ghz: unknown key; did you mean carrier_hz, in Hz?
+scenes/bad.toml:10:10: radar.prf_hz: -222 is out of range; allowed: a number from 0.001 to 1e9 Hz
+scenes/bad.toml:11:10: radar.pri_us: prf_hz, pri_us exclude each other; allowed: one of them
+scenes/bad.toml:12:12: radar.channels: ["HH", "XX"] is not allowed; allowed: a list of 1 to 16 texts, each receive then transmit polarisation, each H, V, R or L
+scenes/bad.toml:13:19: radar.noise_figure_db: nan is out of range; allowed: a number from 0 to 100 dB
+scenes/bad.toml:17:16: radar.waveform.bandwidth_hz: 6e7 Hz is more than radar.sample_rate_hz holds; allowed: up to 5e7 Hz
+scenes/bad.toml:19:1: radar.waveform.path: has no meaning here (kind = "lfm")
+scenes/bad.toml:21:8: radar.window: one of start_us, follow is required
+scenes/bad.toml:22:11: radar.window.samples: 0 is out of range; allowed: a whole number from 1 to 16777216
+scenes/bad.toml:26:1: platform.0.track.h_m: is missing; required: a number from -11000 to 1e8 m
+scenes/bad.toml:26:1: platform.0.track.datum: is missing; required: "ellipsoid", "msl"
+scenes/bad.toml:30:12: transmitter.0.platform: there is no platform "cost"; allowed: coast
+scenes/bad.toml:31:11: transmitter.0.power_w: "1 kW" is not allowed; allowed: a number above 0, up to 1e12 W
+scenes/bad.toml:32:20: transmitter.0.antenna.kind: "rect" is not allowed; allowed: "isotropic", "rectangle", "ellipse", "circle", "file"
+scenes/bad.toml:34:1: target.0: rcs_m2, rcs_dbsm, (s_vv, s_vh, s_hv, s_hh) exclude each other; allowed: one of them
+scenes/bad.toml:35:14: target.0.position_m: [0, 0] is not allowed; allowed: a list of 3 numbers from -1e8 to 1e8 m
+scenes/bad.toml:40:1: stream.polcy: unknown key; did you mean policy?
+scenes/bad.toml:41:1: stream.prf_hz: unknown key; it belongs to [radar]
+scenes/bad.toml:43:1: sink.0.path: is missing; required: a path (relative to the working directory)
+--set: radar.adc.bits: 99 is out of range; allowed: a whole number from 1 to 16
+--set: radar.adc.full_scale_dbw: is missing; required: a number from -400 to 200 dBW
+scenes/bad.toml: 29 faults
+"#);
+}
+
+#[test]
+fn faults_of_the_language_stand_with_the_others() {
+    let text = "a = = 1\n[scene]\nduration_s = 1\nduration_s = 2\nseed = -1\nb = [1,\n";
+    let error = parse(text, Path::new("bad.toml"), &[]).unwrap_err();
+    insta::assert_snapshot!(error.to_string(), @r#"
+bad.toml:1:5: not valid TOML: extra `=`, expected nothing (at =)
+bad.toml:1:7: not valid TOML: unexpected key or value, expected newline, `#`
+bad.toml:4:1: not valid TOML: duplicate key (at duration_s)
+bad.toml:5:8: scene.seed: -1 is out of range; allowed: a whole number from 0 to 2^64 - 1
+bad.toml:6:8: not valid TOML: unclosed array, expected `]`
+bad.toml: 5 faults
+"#);
+}
