@@ -18,6 +18,7 @@ mod outputs;
 mod new;
 mod progress;
 mod receive;
+mod report;
 mod run;
 mod scenario;
 mod sea;
@@ -34,6 +35,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+
+use crate::units::counted;
 
 pub use args::{Arguments, Command};
 pub use bench::BenchArgs;
@@ -108,12 +111,6 @@ fn report_large_files() {}
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
 fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{}", escape::printable(&line.to_string()));
-}
-
-/// So many of something: `1 pulse`, `2 pulses`.
-fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
-    let plural = if count == N::from(1) { "" } else { "s" };
-    format!("{count} {what}{plural}")
 }
 
 /// What the user should know, a line each.

@@ -14,11 +14,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::check::ships::figures;
 use super::error::CliError;
 use super::json;
 use super::sea::{Field, SeaError, field};
 use super::{say, warn};
+use crate::adequacy::description::ships::figures;
 use crate::adequacy::{ShipOutlook, patch_at};
 use crate::cli::outputs::{axes, outputs, save_png};
 use crate::pipeline::fault::BuildErrors;

@@ -1,11 +1,12 @@
 //! Known errors in words: of reports, of the air, of clocks.
 
-use super::{Described, described, neat};
+use super::{Described, described};
 use crate::config::Run;
 use crate::motion::changes::Event;
 use crate::motion::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
 use crate::radar::clock::adev;
 use crate::scene::clock::{Clock, NamedClock};
+use crate::units::neat;
 
 /// Events that are reported one by one.
 const MOST_TOLD: usize = 8;
