@@ -8,10 +8,10 @@ use clap::Args;
 
 use super::convert::format_of;
 use super::error::NavToolError;
-use super::recorded::solutions;
-use super::{SourceArgs, Target, TargetArgs};
+use super::{SourceArgs, Target, TargetArgs, solutions};
 use crate::cli::error::CliError;
 use crate::cli::say;
+use crate::cli::scenario::ForceArg;
 use crate::nav::encode::{EncodeError, Format};
 use crate::sinks::port::{Device, Port, PortFault};
 
@@ -38,9 +38,9 @@ pub struct NavPlayArgs {
     /// How it is sent
     #[command(flatten)]
     pub target: TargetArgs,
-    /// Overwrite a file that exists
-    #[arg(long)]
-    pub force: bool,
+    /// Files that exist
+    #[command(flatten)]
+    pub overwrite: ForceArg,
 }
 
 /// Sends a recording, every message at its time.
@@ -56,11 +56,11 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
     let Some(first) = solutions.first() else { return Ok(()) };
     let mut message = Vec::new();
     // What cannot be reported is known before the port is opened.
-    for (number, said) in (1..).zip(&solutions) {
+    for (number, solution) in (1..).zip(&solutions) {
         message.clear();
-        format.write(said, &mut message).map_err(|source: EncodeError| NavToolError::Encode {
+        format.write(solution, &mut message).map_err(|source: EncodeError| NavToolError::Encode {
             number,
-            time: said.time.to_string(),
+            time: solution.time.to_string(),
             source,
         })?;
     }
@@ -68,13 +68,13 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
         PortFault::System(source) => NavToolError::Port { device: device.to_string(), source },
         PortFault::File(fault) => NavToolError::Output(fault),
     };
-    let mut port = Port::open(device.clone(), args.force).map_err(fault)?;
+    let mut port = Port::open(device.clone(), args.overwrite.force).map_err(fault)?;
     let begun = Instant::now();
-    for said in &solutions {
-        let due = Duration::from_secs_f64(said.time.since(first.time).max(0.0) / args.rate);
+    for solution in &solutions {
+        let due = Duration::from_secs_f64(solution.time.since(first.time).max(0.0) / args.rate);
         thread::sleep(due.saturating_sub(begun.elapsed()));
         message.clear();
-        if format.write(said, &mut message).is_ok() {
+        if format.write(solution, &mut message).is_ok() {
             port.send(&message);
         }
         if port.failed() {
