@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::control::ControlFault;
 use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
@@ -15,6 +14,7 @@ use crate::cli::focus::error::FocusError;
 use crate::cli::speckle::error::SpeckleError;
 use crate::config::ConfigError;
 use crate::pipeline::build::RunFailure;
+use crate::pipeline::control_lines::ControlFault;
 use crate::pipeline::fault::BuildErrors;
 use crate::radar::pattern::PatternError;
 use crate::receive::ReceiveError;

@@ -6,7 +6,6 @@
 mod args;
 mod bench;
 mod check;
-mod control;
 mod error;
 mod escape;
 mod examine;
@@ -41,7 +40,6 @@ use crate::units::counted;
 pub use args::{Arguments, Command};
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
-pub use control::ControlFault;
 pub use error::CliError;
 pub use examine::ExamineArgs;
 pub use examine::error::ExamineError;

@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use super::control::{ControlSocket, Subject};
 use super::error::CliError;
 use super::escape;
 use super::json;
@@ -23,6 +22,7 @@ use crate::config::Run;
 use crate::nav::AttitudeSource;
 use crate::nav::TrackSource;
 use crate::pipeline::build::{self, RunOutcome};
+use crate::pipeline::control_lines::{ControlSocket, Subject};
 use crate::pipeline::live::{FlightReport, LiveNav};
 use crate::pipeline::plausible::{self, ConverterReport, PhysicsWarning};
 use crate::pulse::log::Entry;
@@ -131,9 +131,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         latency(&run, needed_s, stream.latency_s());
     }
     let (log, levels) = (stream.log(), stream.levels());
-    let open = socket
-        .zip(stream.control())
-        .map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }));
+    let open = socket.zip(stream.control()).map(|(socket, control)| {
+        socket.open(Subject { control, stop: Arc::clone(&stop) }, |answer| say(answer))
+    });
     let outcome = stream.run(&stop, Some(status));
     if let Some(open) = open {
         open.close();

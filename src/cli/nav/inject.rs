@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::control::{LONGEST_LINE, ask};
 use super::super::error::CliError;
 use super::NavToolError;
+use crate::pipeline::control_lines::{LONGEST_LINE, ask};
 
 /// `nereus nav inject`
 #[derive(Debug, Args)]
