@@ -4,6 +4,7 @@
 mod bench;
 #[cfg(unix)]
 mod control;
+mod examples;
 #[cfg(unix)]
 mod files;
 mod focus;

@@ -5,11 +5,11 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use crate::program::{nereus, package};
+use crate::program::{command, nereus, package};
 
 /// A receiver that listens at a port of the system's choice.
 fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
-    begun(Command::new(env!("CARGO_BIN_EXE_nereus")), folder, arguments)
+    begun(command(folder, &RECEIVE), arguments)
 }
 
 /// The same under a limit of the size of files.
@@ -17,19 +17,16 @@ fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
 fn limited(folder: &Path, kib: u64, arguments: &[&str]) -> (Child, String) {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("ulimit -f {}; exec \"$0\" \"$@\"", kib * 2)]);
-    shell.arg(env!("CARGO_BIN_EXE_nereus"));
-    begun(shell, folder, arguments)
+    shell.arg(env!("CARGO_BIN_EXE_nereus")).args(RECEIVE).current_dir(folder);
+    shell.stdout(Stdio::piped()).stderr(Stdio::piped());
+    begun(shell, arguments)
 }
 
-fn begun(mut program: Command, folder: &Path, arguments: &[&str]) -> (Child, String) {
-    let mut child = program
-        .args(["receive", "--listen", "127.0.0.1:0", "--duration-s", "60"])
-        .args(arguments)
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+/// At a port of the system's choice.
+const RECEIVE: [&str; 5] = ["receive", "--listen", "127.0.0.1:0", "--duration-s", "60"];
+
+fn begun(mut program: Command, arguments: &[&str]) -> (Child, String) {
+    let mut child = program.args(arguments).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
     let address = line.strip_prefix("listening at ").unwrap().split(',').next().unwrap().to_owned();

@@ -70,7 +70,7 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
     let angles_deg = args.sweep.sweep().values(Usual::steps(-5.0, 5.0, 0.05))?;
     check("--from-deg/--to-deg", &angles_deg, [-90.0, 90.0])?;
     let antenna = Antenna::open(&pattern, wavelength_m)?;
-    csv::header(out, &["angle_deg", "direction_cosine", "gain_dbi", "field_gain"])?;
+    let mut table = csv::Table::new(out);
     for angle_deg in angles_deg {
         let (ahead, cosine) = cos_sin(angle_deg);
         let direction = match args.cut {
@@ -79,9 +79,13 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
         };
         // Apertures have a real field.
         let field = antenna.field_gain(direction).re;
-        let cells =
-            [Cell::Given(angle_deg), Cell::Value(cosine), Cell::Decibels(field * field), Cell::Value(field)];
-        csv::row(out, &cells)?;
+        let cells = [
+            ("angle_deg", Cell::Given(angle_deg)),
+            ("direction_cosine", Cell::Value(cosine)),
+            ("gain_dbi", Cell::Decibels(field * field)),
+            ("field_gain", Cell::Value(field)),
+        ];
+        table.row(&cells)?;
     }
     Ok(())
 }

@@ -329,7 +329,7 @@ pub(super) fn slope_pdf(args: &TableSlopePdfArgs, out: &mut dyn Write) -> Result
     let crosswind = slopes(Direction::Crosswind, "--crosswind-slope", &args.crosswind_slope)?;
     let winds = args.wind.winds(0.0)?;
     csv::bound(&[winds.len(), downwind.len(), crosswind.len()])?;
-    csv::header(out, &["u12p5_mps", "downwind_slope", "crosswind_slope", "density"])?;
+    let mut table = csv::Table::new(out);
     for wind in &winds {
         let u = wind.u12_5_mps;
         let (variances, series) = match args.surface {
@@ -340,8 +340,13 @@ pub(super) fn slope_pdf(args: &TableSlopePdfArgs, out: &mut dyn Write) -> Result
         for &down in &downwind {
             for &cross in &crosswind {
                 let density = pdf.density(down, cross);
-                let cells = [Cell::Given(u), Cell::Given(down), Cell::Given(cross), Cell::Value(density)];
-                csv::row(out, &cells)?;
+                let cells = [
+                    ("u12p5_mps", Cell::Given(u)),
+                    ("downwind_slope", Cell::Given(down)),
+                    ("crosswind_slope", Cell::Given(cross)),
+                    ("density", Cell::Value(density)),
+                ];
+                table.row(&cells)?;
             }
         }
     }
