@@ -13,7 +13,7 @@ use nereus::{Recording, Scenario};
 pub fn record(path: &Path, pulses: u64) -> Result<Recording, Box<dyn Error>> {
     // A folder of plain files; kind = "hdf5" makes one file of it, in builds with HDF5.
     let sink = format!("[{{ kind = \"plain\", path = {:?} }}]", path.display().to_string());
-    let changes = [("sink", &*sink), ("stream.pace", "fast"), ("scene.patch_size_m", "[32, 32]")];
+    let changes = [("sink", &*sink), ("stream.pace", "fast"), ("scene.patch_size_m", "[16, 16]")];
     let scenario = Scenario::load("configs/sea.toml", &changes)?;
     scenario.stream(0..pulses)?.run(&Arc::default(), None)?.result?;
     Ok(Recording::open(path, None)?)

@@ -8,7 +8,7 @@ use nereus::{Scenario, ScenarioError};
 
 pub fn replay(start_utc: &str, pulses: u64) -> Result<(), ScenarioError> {
     // The log spans two hours and a half: any second of it can be flown. A small sea keeps this quick.
-    let changes = [("scene.start_utc", start_utc), ("scene.patch_size_m", "[64, 64]")];
+    let changes = [("scene.start_utc", start_utc), ("scene.patch_size_m", "[32, 32]")];
     let scenario = Scenario::load("configs/quickstart.toml", &changes)?;
     scenario.each_pulse(0..pulses, |pulse| {
         let aircraft = &pulse.nav_true[1];

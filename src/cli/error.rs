@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
+use super::values::OutOfRange;
 use crate::bench::speed::SpeedError;
 use crate::cli::examine::error::ExamineError;
 use crate::cli::focus::error::FocusError;
@@ -81,6 +82,9 @@ pub enum CliError {
     /// No control.
     #[error(transparent)]
     Control(#[from] ControlFault),
+    /// A value out of range.
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// The keys of a table.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -93,7 +97,7 @@ pub enum CliError {
     /// No image of a recording.
     #[error(transparent)]
     Focus(#[from] FocusError),
-    /// A recording that cannot be looked at.
+    /// A recording that cannot be verified.
     #[error(transparent)]
     Verify(RecordingError),
     /// A recording that is not whole.
@@ -127,6 +131,7 @@ impl CliError {
             | Self::Control(_)
             | Self::Examine(_)
             | Self::Recording(_)
+            | Self::Range(_)
             | Self::Table(_)
             | Self::Verify(_)
             | Self::Speckle(_) => 2,

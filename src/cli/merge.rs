@@ -42,7 +42,7 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
             merged.first, merged.last, merged.pulses, merged.dropped
         ));
     }
-    report.tell(args.output.format.json, out)
+    report.say(args.output.format.json, out)
 }
 
 /// A build without HDF5 has nothing to join.

@@ -115,7 +115,7 @@ impl Report {
     }
 
     /// Says the text on standard error, and prints the object if it is asked for.
-    pub fn tell(self, json: bool, out: &mut dyn Write) -> Result<(), CliError> {
+    pub fn say(self, json: bool, out: &mut dyn Write) -> Result<(), CliError> {
         let text = self.text();
         if json {
             writeln!(out, "{}", self.json()?).map_err(CliError::Output)?;

@@ -139,7 +139,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let warnings: Vec<String> = known.chain(physics.iter().map(ToString::to_string)).collect();
     report.value("changes", &changes).value("warnings", warnings);
     report.value("error", outcome.result.as_ref().err().map(ToString::to_string));
-    report.tell(args.output.format.json, out)?;
+    report.say(args.output.format.json, out)?;
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 

@@ -14,6 +14,7 @@ use super::outputs::outputs;
 use super::report::Report;
 use super::sea::field::{files, write_map};
 use super::sea::{MapArgs, SeaError};
+use super::values::within;
 use super::{say, warn};
 use crate::adequacy::description::ships::figures;
 use crate::adequacy::{ShipOutlook, patch_at};
@@ -98,7 +99,7 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
     }
     report.value("cuts", &cuts);
     files(&mut report, [("out", &asked.out), ("png", &asked.png)]);
-    report.tell(json, out)?;
+    report.say(json, out)?;
     if json || lines.is_empty() { Ok(()) } else { cut::print(&cuts, out).map_err(CliError::Output) }
 }
 
@@ -107,14 +108,11 @@ fn lines(args: &WakeArgs, facet_m: f64) -> Result<Vec<Line>, SeaError> {
     let step_m = args.cut_step_m.unwrap_or(facet_m);
     let starboard = args.cut_starboard_m.iter().map(|at_m| (Way::Along, *at_m));
     let astern = args.cut_astern_m.iter().map(|at_m| (Way::Across, *at_m));
-    let within = |key, value: f64, [min, max]: [f64; 2]| {
-        let fits = (min..=max).contains(&value);
-        if fits { Ok(value) } else { Err(SeaError::Range { key, value, min, max }) }
-    };
+    within("--cut-step-m", &[step_m], STEP_RANGE_M)?;
     let line = |(way, at_m)| {
         let key = if way == Way::Along { "--cut-starboard-m" } else { "--cut-astern-m" };
-        let at_m = within(key, at_m, [-FAR_M, FAR_M])?;
-        Ok(Line { way, at_m, step_m: within("--cut-step-m", step_m, STEP_RANGE_M)? })
+        within(key, &[at_m], [-FAR_M, FAR_M])?;
+        Ok(Line { way, at_m, step_m })
     };
     starboard.chain(astern).map(line).collect()
 }

@@ -23,6 +23,8 @@ pub mod map_file;
 pub mod output;
 #[doc(hidden)]
 pub mod path_file;
+#[doc(hidden)]
+pub mod snapshot_file;
 mod plain;
 pub mod verify;
 

@@ -145,10 +145,10 @@ fn the_report_for_people_says_the_same() {
     live_wire(folder.path(), &address, out);
     let text = stdout(receiver);
     for part in [
-        "pulses      222 whole, 0 incomplete; numbers 0 to 221",
-        "gaps        0 pulses by number, 0 by time stamps, 0 packets by packet counts",
-        "platform    coast at pulse 221: 3000.000 m East, 0.000 m North, 15.000 m up",
-        "\nlateness    ",
+        "pulses     222 whole, 0 incomplete; numbers 0 to 221",
+        "gaps       0 pulses by number, 0 by time stamps, 0 packets by packet counts",
+        "platform   coast at pulse 221: 3000.000 m East, 0.000 m North, 15.000 m up",
+        "\nlateness   ",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -185,7 +185,7 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
     assert_eq!((ended.code, &report["pulses"]), (0, &0.into()));
     // Before: the text said that the stream was not sent in real time.
     let ended = nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1"]);
-    assert!(ended.stdout.contains("lateness    not reported: nothing was received"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("lateness   not reported: nothing was received"), "{}", ended.stdout);
 }
 
 /// A limit of the size of files is what a full disk is: the recording can be read, and what is counted is

@@ -81,7 +81,7 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     if asked.out.is_none() && asked.png.is_none() && save_state.is_none() {
         report.line("no file was asked for: --out, --png, --save-state");
     }
-    report.tell(asked.output.format.json, out)
+    report.say(asked.output.format.json, out)
 }
 
 /// Everything that is written; the summary wants height and slopes.

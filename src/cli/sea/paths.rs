@@ -1,4 +1,4 @@
-//! `nereus snapshot --paths`: the scatterer paths that the window of a pulse hears, as the reference echo
+//! `nereus snapshot --paths`: the scatterer paths within the receive window of a pulse, as the reference echo
 //! takes them.
 
 use super::super::error::CliError;

@@ -21,14 +21,13 @@ use crate::cli::report::Report;
 use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::cli::values::counts;
 use crate::cli::warn;
-use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;
 use crate::pipeline::{changing, fault};
 use crate::plot::colours::ColourMap;
 use crate::plot::picture::{Limits, Picture, Reduction};
-use crate::recording::map_file::{Attribute, Layer, MapFile};
 use crate::recording::output::{FileKind, Output};
+use crate::recording::snapshot_file;
 
 /// Decibels that the colours of a picture span.
 const SPAN_DB: f64 = 60.0;
@@ -93,7 +92,9 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     add_facets(&mut report, args.pulse, &names, snapshot.as_ref());
     if let Some(snapshot) = &snapshot {
         if let Some(output) = map {
-            write_map(output, &run, &names, snapshot)?;
+            output.write(|partial| {
+                Ok::<_, SeaError>(snapshot_file::write(partial, scene, &run.text, snapshot)?)
+            })?;
         }
         if let Some(output) = picture {
             draw(output, names[shown], snapshot, shown)?;
@@ -108,7 +109,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     if !mapped && args.paths.is_none() {
         report.line("no file was asked for: --out, --png, --paths");
     }
-    report.tell(args.output.format.json, out)
+    report.say(args.output.format.json, out)
 }
 
 /// Facets that return something in any channel, how many of them the window receives, and by channel the
@@ -140,56 +141,6 @@ fn add_facets(report: &mut Report, pulse: u64, names: &[&str], snapshot: Option<
     }
     report.value("pulse", pulse).value("facets", facets).value("illuminated", illuminated);
     report.value("heard", received).value("channels", channels);
-}
-
-fn write_map(output: Output, run: &Run, names: &[&str], snapshot: &Snapshot) -> Result<(), SeaError> {
-    let radar = &run.scene.radar;
-    let pair_name = |pair: usize, what: &str| {
-        if snapshot.delay_s.len() == 1 {
-            return what.to_owned();
-        }
-        let pair = radar.pairs()[pair];
-        let (tx, rx) = (&radar.transmitters[pair.transmitter].name, &radar.receivers[pair.receiver].name);
-        format!("{what}_{tx}_{rx}")
-    };
-    let mut columns: Vec<(String, &str, String, Vec<f64>)> =
-        vec![("height_m".into(), "m", "height above the mean surface".into(), snapshot.height_m.clone())];
-    for (channel, name) in names.iter().enumerate() {
-        let meaning = format!("elementary contribution in {name}; NaN where the facet is dark");
-        columns.push((format!("contribution_dbw_{name}"), "dBW", meaning, snapshot.power_dbw(channel)));
-    }
-    for pair in 0..snapshot.delay_s.len() {
-        let doppler_hz = snapshot.delay_rate[pair].iter().map(|rate| -rate * radar.carrier_hz).collect();
-        let heard = snapshot.heard[pair].iter().map(|&heard| f64::from(u8::from(heard))).collect();
-        let delay_us = snapshot.delay_s[pair].iter().map(|delay_s| delay_s * 1e6).collect();
-        columns.push((pair_name(pair, "delay_us"), "us", "delay after the emission".into(), delay_us));
-        columns.push((
-            pair_name(pair, "doppler_hz"),
-            "Hz",
-            "Doppler, positive when closing".into(),
-            doppler_hz,
-        ));
-        columns.push((pair_name(pair, "heard"), "1", "1 where the window receives the facet".into(), heard));
-    }
-    let layers: Vec<Layer> =
-        columns.iter().map(|(name, unit, meaning, values)| Layer { name, unit, meaning, values }).collect();
-    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
-    let attributes = [
-        ("software", Attribute::Text(&software)),
-        ("config", Attribute::Text(&run.text)),
-        ("seed", Attribute::Whole(run.scene.seed)),
-        ("pulse", Attribute::Whole(snapshot.index)),
-        ("carrier_hz", Attribute::Real(radar.carrier_hz)),
-        ("window_start_s", Attribute::Real(snapshot.window_start_s)),
-        ("facet_m", Attribute::Real(snapshot.patch.facet_m)),
-    ];
-    let file = MapFile {
-        format: "nereus-snapshot",
-        attributes: &attributes,
-        patch: &snapshot.patch,
-        layers: &layers,
-    };
-    output.write(|partial| Ok(file.write(partial)?))
 }
 
 fn draw(output: Output, name: &str, snapshot: &Snapshot, channel: usize) -> Result<(), SeaError> {

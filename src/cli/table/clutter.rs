@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::TableError;
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sweep::{AngleSweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::clutter_nrl::{self, Copolar, GRAZING_DEG, SeaState};
 
 /// `nereus table sigma0-nrl`
@@ -50,7 +50,7 @@ pub(super) fn sigma0(args: &TableClutterArgs, out: &mut dyn Write) -> Result<(),
     let [least_deg, most_deg] = GRAZING_DEG;
     let usual = Usual::log(least_deg, most_deg, 28);
     let grazing = args.sweep.sweep().or_list("--grazing-deg", &args.grazing_deg, usual)?;
-    check("--grazing-deg", &grazing, GRAZING_DEG)?;
+    within("--grazing-deg", &grazing, GRAZING_DEG)?;
     let seas = args.seas()?;
     csv::bound(&[args.carrier_hz.len(), seas.len(), grazing.len()])?;
     // All is computed before anything is printed: a carrier may be out of range.

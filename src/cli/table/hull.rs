@@ -5,14 +5,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::body_plan;
 use super::csv::{self, Cell};
-use super::error::{TableError, check};
+use super::error::TableError;
 use super::sweep::{SpeedSweep, Usual};
 use crate::cli::error::CliError;
 use crate::cli::outputs::{plan, save_canvas};
 use crate::cli::scenario::ForceArg;
 use crate::cli::sea::SeaError;
+use crate::cli::values::within;
+use crate::plot::body_plan;
 use crate::recording::output::FileKind;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::sea::wake::kochin::{self, Kochin, resistance_coefficient};
@@ -109,8 +110,8 @@ pub(super) fn wake_resistance(args: &TableWakeResistanceArgs, out: &mut dyn Writ
         Some(path) => Hull::load(path),
         None => {
             let [beam, draught] = [args.beam_ratio.unwrap_or(0.1), args.draught_ratio.unwrap_or(0.0625)];
-            check("--beam-ratio", &[beam], [1e-3, 1.0])?;
-            check("--draught-ratio", &[draught], [1e-3, 1.0])?;
+            within("--beam-ratio", &[beam], [1e-3, 1.0])?;
+            within("--draught-ratio", &[draught], [1e-3, 1.0])?;
             Hull::wigley(100.0, 100.0 * beam, 100.0 * draught)
         }
     };

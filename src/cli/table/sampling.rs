@@ -5,10 +5,10 @@ use std::io::Write;
 use clap::Args;
 
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::{SpectrumKeys, WindKeys, refuse_calm};
 use super::sweep::{FrequencySweep, SpeedSweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::sea::spectrum::sampling::{BAND_STEP, FacetDensity, least_length_m};
 
 /// Carriers for which facets are counted, Hz.
@@ -34,9 +34,9 @@ pub struct TableFacetDensityArgs {
 pub(super) fn facet_density(args: &TableFacetDensityArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::steps(1e9, 10e9, 1e9);
     let carriers_hz = args.sweep.sweep().or_list("--carrier-hz", &args.carrier_hz, usual)?;
-    check("--carrier-hz", &carriers_hz, CARRIER_RANGE_HZ)?;
+    within("--carrier-hz", &carriers_hz, CARRIER_RANGE_HZ)?;
     // At the horizon itself every surface is smooth and no height is a limit.
-    check("--incidence-deg", &args.incidence_deg, [0.0, 89.999])?;
+    within("--incidence-deg", &args.incidence_deg, [0.0, 89.999])?;
     let winds = args.wind.winds(0.0)?;
     refuse_calm(&winds)?;
     csv::bound(&[carriers_hz.len(), args.incidence_deg.len(), winds.len()])?;
@@ -79,7 +79,7 @@ pub struct TableLeastLengthArgs {
 
 /// Prints the table.
 pub(super) fn least_length(args: &TableLeastLengthArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    check("--band-step", &args.band_step, [1e-3, 1.0])?;
+    within("--band-step", &args.band_step, [1e-3, 1.0])?;
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
     csv::bound(&[winds.len(), args.band_step.len()])?;
     let seas = args.spectrum.spectra(&winds)?;

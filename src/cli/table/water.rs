@@ -6,10 +6,10 @@ use clap::Args;
 
 use super::cos_sin;
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::WaterKeys;
 use super::sweep::{AngleSweep, FrequencySweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::fresnel::reflection;
 
 /// `nereus table permittivity`
@@ -65,7 +65,7 @@ pub struct TableFresnelArgs {
 pub(super) fn fresnel(args: &TableFresnelArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::steps(0.0, 90.0, 5.0);
     let angles_deg = args.sweep.sweep().or_list("--incidence-deg", &args.incidence_deg, usual)?;
-    check("--incidence-deg", &angles_deg, [0.0, 90.0])?;
+    within("--incidence-deg", &angles_deg, [0.0, 90.0])?;
     let waters = args.water.waters();
     csv::bound(&[angles_deg.len(), args.carrier_hz.len(), waters.len()])?;
     let media = args.water.permittivities(&args.carrier_hz, &waters)?;

@@ -7,10 +7,10 @@ use clap::Args;
 
 use super::cos_sin;
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::{SpectrumKeys, WindKeys};
 use super::sweep::{AngleSweep, SpeedSweep, Usual, WaveNumberSweep};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::slope_pdf::MeanSquareSlope;
 use crate::sea::spectrum::moments::Moments;
 use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, WaveVector};
@@ -37,7 +37,7 @@ pub struct TableSpectrumArgs {
 pub(super) fn spectrum(args: &TableSpectrumArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::log(1e-3, 1e4, 141);
     let wave_numbers = args.sweep.sweep().or_list("--k-rad-m", &args.k_rad_m, usual)?;
-    check("--k-rad-m", &wave_numbers, WAVE_NUMBER_RANGE_RAD_M)?;
+    within("--k-rad-m", &wave_numbers, WAVE_NUMBER_RANGE_RAD_M)?;
     let winds = args.wind.winds(0.0)?;
     csv::bound(&[wave_numbers.len(), winds.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
@@ -85,8 +85,8 @@ pub struct TableSpreadingArgs {
 pub(super) fn spreading(args: &TableSpreadingArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::steps(0.0, 360.0, 10.0);
     let azimuths_deg = args.sweep.sweep().or_list("--azimuth-deg", &args.azimuth_deg, usual)?;
-    check("--azimuth-deg", &azimuths_deg, [-360.0, 360.0])?;
-    check("--k-rad-m", &args.k_rad_m, WAVE_NUMBER_RANGE_RAD_M)?;
+    within("--azimuth-deg", &azimuths_deg, [-360.0, 360.0])?;
+    within("--k-rad-m", &args.k_rad_m, WAVE_NUMBER_RANGE_RAD_M)?;
     let winds = args.wind.winds(0.0)?;
     csv::bound(&[azimuths_deg.len(), args.k_rad_m.len(), winds.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
@@ -130,8 +130,8 @@ pub struct TableMomentsArgs {
 /// Prints the table.
 pub(super) fn moments(args: &TableMomentsArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let [least, most] = WAVE_NUMBER_RANGE_RAD_M;
-    check("--low-rad-m", &[args.low_rad_m], [least, most])?;
-    check("--high-rad-m", &[args.high_rad_m], [args.low_rad_m, most])?;
+    within("--low-rad-m", &[args.low_rad_m], [least, most])?;
+    within("--high-rad-m", &[args.high_rad_m], [args.low_rad_m, most])?;
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
     csv::bound(&[winds.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
