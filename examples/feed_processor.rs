@@ -24,6 +24,7 @@ fn process(pulse: &Pulse) {
     }
 }
 
+/// Feeds so many pulses, at the PRF.
 pub fn feed(pulses: u64) -> Result<(), Box<dyn Error>> {
     // Without this override the scenario sends its pulses as VITA 49.2 over UDP as well.
     let scenario = Scenario::load("configs/live-wire.toml", &[("sink", "[]")])?;

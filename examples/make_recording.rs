@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use nereus::{Recording, Scenario};
 
+/// Records so many pulses, and opens what was recorded.
 pub fn record(path: &Path, pulses: u64) -> Result<Recording, Box<dyn Error>> {
     // A folder of plain files; kind = "hdf5" makes one file of it, in builds with HDF5.
     let sink = format!("[{{ kind = \"plain\", path = {:?} }}]", path.display().to_string());

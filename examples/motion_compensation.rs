@@ -10,6 +10,7 @@ use nereus::units::SPEED_OF_LIGHT_MPS;
 use nereus::{Scenario, ScenarioError};
 use num_complex::Complex64;
 
+/// Loss of the point in the origin over so many pulses, dB.
 pub fn loss_db(pulses: u64) -> Result<f64, ScenarioError> {
     let scenario = Scenario::load("configs/mocomp-sinusoid.toml", &[])?;
     let wave_number_radpm = std::f64::consts::TAU * scenario.0.scene.radar.carrier_hz / SPEED_OF_LIGHT_MPS;

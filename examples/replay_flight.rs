@@ -6,6 +6,7 @@
 
 use nereus::{Scenario, ScenarioError};
 
+/// Replays so many pulses from a time of the log on.
 pub fn replay(start_utc: &str, pulses: u64) -> Result<(), ScenarioError> {
     // The log spans two hours and a half: any second of it can be flown. A small sea keeps this quick.
     let changes = [("scene.start_utc", start_utc), ("scene.patch_size_m", "[32, 32]")];

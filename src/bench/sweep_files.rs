@@ -18,7 +18,7 @@ fn setting(point: &Point, name: &str) -> String {
     }
 }
 
-/// The table. Its first word must stay the first: it tells the file from others.
+/// The table. Its first word must stay the first: by it the file is recognised.
 pub fn csv(sweep: &Sweep, taken: Option<&Point>) -> String {
     let names: Vec<&String> =
         sweep.points.first().map_or(Vec::new(), |point| point.settings.keys().collect());

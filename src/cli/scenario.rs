@@ -27,7 +27,7 @@ pub struct JsonArg {
 }
 
 /// What becomes of files that exist.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct ForceArg {
     /// Overwrite outputs that exist
     #[arg(long)]

@@ -1,7 +1,6 @@
 //! What is given to read and is no file, and names that would write lines of their own.
 
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::program::{Ended, command, nereus, package, started};

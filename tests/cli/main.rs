@@ -39,6 +39,7 @@ mod snapshot;
 mod speckle;
 mod ship_tables;
 mod table_golden;
+mod table_keys;
 mod tables;
 mod wake;
 mod wake_check;

@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::error::NavToolError;
-use super::{SourceArgs, Target, TargetArgs, solutions, write_file};
+use super::{RewriteArgs, Target, TargetArgs, solutions, write_file};
 use crate::cli::error::CliError;
 use crate::cli::escape;
 use crate::cli::say;
-use crate::cli::scenario::ForceArg;
 use crate::nav::encode::{Format, csv};
 
 /// `nereus nav convert`
@@ -19,26 +18,20 @@ pub struct NavConvertArgs {
     pub file: PathBuf,
     /// The file to make
     pub out: PathBuf,
-    /// How it is read
+    /// How it is read and written
     #[command(flatten)]
-    pub source: SourceArgs,
-    /// How it is written
-    #[command(flatten)]
-    pub target: TargetArgs,
-    /// Files that exist
-    #[command(flatten)]
-    pub overwrite: ForceArg,
+    pub rewrite: RewriteArgs,
 }
 
 /// Writes a recording in another format.
 pub(super) fn convert(args: &NavConvertArgs) -> Result<(), CliError> {
-    let target = match args.target.to {
+    let target = match args.rewrite.target.to {
         Some(target) => target,
         None => named(&args.out).ok_or_else(|| NavToolError::Target { path: args.out.clone() })?,
     };
-    let solutions = solutions(&args.file, &args.source)?;
+    let solutions = solutions(&args.file, &args.rewrite.source)?;
     let mut bytes = Vec::new();
-    match format_of(target, &args.target) {
+    match format_of(target, &args.rewrite.target) {
         Some(format) => {
             for (number, solution) in (1..).zip(&solutions) {
                 format.write(solution, &mut bytes).map_err(|source| NavToolError::Encode {
@@ -51,7 +44,7 @@ pub(super) fn convert(args: &NavConvertArgs) -> Result<(), CliError> {
         None => csv::write(&solutions, &mut bytes),
     }
     // Nothing is made before all could be written.
-    write_file(&args.out, args.overwrite.force, &bytes)?;
+    write_file(&args.out, args.rewrite.overwrite.force, &bytes)?;
     say(format_args!("{}: {} fixes, {} bytes", escape::path(&args.out), solutions.len(), bytes.len()));
     Ok(())
 }

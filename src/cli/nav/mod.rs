@@ -13,6 +13,7 @@ use std::path::Path;
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::error::CliError;
+use super::scenario::ForceArg;
 use super::{escape, say};
 use crate::files::{self, Draft, Holding};
 use crate::nav::inspection::{Encoding, InspectionError, Reading, Recorded};
@@ -133,6 +134,20 @@ pub struct TargetArgs {
     /// NMEA sentences, in this order
     #[arg(long, value_delimiter = ',', default_value = "GGA,RMC,VTG,HDT,ZDA,GST,PASHR", value_parser = sentence)]
     pub sentences: Vec<crate::nav::encode::Sentence>,
+}
+
+/// How a recording is read, and written again.
+#[derive(Clone, Debug, Args)]
+pub struct RewriteArgs {
+    /// How it is read
+    #[command(flatten)]
+    pub source: SourceArgs,
+    /// How it is written
+    #[command(flatten)]
+    pub target: TargetArgs,
+    /// Files that exist
+    #[command(flatten)]
+    pub overwrite: ForceArg,
 }
 
 fn sentence(text: &str) -> Result<crate::nav::encode::Sentence, &'static str> {

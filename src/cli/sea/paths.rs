@@ -11,7 +11,7 @@ use crate::recording::output::Output;
 use crate::recording::path_file::PathFile;
 use crate::scene::radar::{Sweep, Waveform};
 
-/// Writes the file and tells how many scatterer paths it holds.
+/// Writes the file; returns how many scatterer paths it holds.
 pub(super) fn write(
     output: Output,
     run: &Run,
