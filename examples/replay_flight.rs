@@ -1,4 +1,5 @@
-//! Replays a recorded flight: the aircraft of a navigation log carries the receiver, antennas and sea follow.
+//! Replays a recorded flight: the aircraft of a navigation log carries the receiver, antennas and receive
+//! window follow.
 //!
 //! ```text
 //! cargo run --release --example replay_flight
@@ -8,9 +9,8 @@ use nereus::{Scenario, ScenarioError};
 
 /// Replays so many pulses from a time of the log on.
 pub fn replay(start_utc: &str, pulses: u64) -> Result<(), ScenarioError> {
-    // The log spans two hours and a half: any second of it can be flown. A small sea keeps this quick.
-    let changes = [("scene.start_utc", start_utc), ("scene.patch_size_m", "[32, 32]")];
-    let scenario = Scenario::load("configs/quickstart.toml", &changes)?;
+    // The log spans five minutes: any second of it can be flown.
+    let scenario = Scenario::load("configs/calibration.toml", &[("scene.start_utc", start_utc)])?;
     scenario.each_pulse(0..pulses, |pulse| {
         let aircraft = &pulse.nav_true[1];
         let [east, north, up] = aircraft.position_m;
@@ -26,5 +26,5 @@ pub fn replay(start_utc: &str, pulses: u64) -> Result<(), ScenarioError> {
 }
 
 fn main() -> Result<(), ScenarioError> {
-    replay("2020-04-17T05:50:25Z", 444)
+    replay("2018-05-30T18:38:35Z", 444)
 }

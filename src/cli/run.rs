@@ -102,9 +102,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     }
     let (log, levels) = (stream.log(), stream.levels());
     let control = socket.zip(stream.control());
-    let open = control.map(|(socket, control)| {
-        socket.open(Subject { control, stop: Arc::clone(&stop) }, |answer| say(answer))
-    });
+    let open =
+        control.map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }, say));
     let outcome = stream.run(&stop, Some(status));
     if let Some(open) = open {
         open.close();
