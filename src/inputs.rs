@@ -93,6 +93,11 @@ pub fn one_line(text: &str) -> Cow<'_, str> {
     written_out(text, acts)
 }
 
+/// A path as a line of a report holds it.
+pub(crate) fn shown(path: &Path) -> String {
+    one_line(&path.to_string_lossy()).into_owned()
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
-//! Physical constants, and decibels.
+//! Physical constants, decibels, and figures as text.
 //!
 //! Quantities carry their unit in the name (`carrier_hz`, `delay_s`, `range_m`); the few numbers
-//! that are easy to mistake for one another at the door of a room are newtypes.
+//! that are easy to mistake for one another at the door of a module are newtypes.
 
 /// Speed of light in vacuum, m/s (exact).
 pub const SPEED_OF_LIGHT_MPS: f64 = 299_792_458.0;
@@ -64,4 +64,24 @@ pub fn cos_sin_of_turns(turns: f64) -> (f32, f32) {
     let series = |c: [f32; 5]| c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * c[4])));
     let (s, c) = (t * series(SINE_OF_HALF_TURNS), series(COSINE_OF_HALF_TURNS));
     (1.0 - 2.0 * s * s, 2.0 * s * c)
+}
+
+/// A scaled figure without the last digits that scaling made up.
+pub(crate) fn neat(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+/// Two digits, or all before the point.
+pub(crate) fn digits(value: f64) -> String {
+    if !(value > 0.0 && value.is_finite()) {
+        return format!("{value}");
+    }
+    let decimals = (1 - value.log10().floor() as i64).clamp(0, 12) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// So many of something: `1 pulse`, `2 pulses`.
+pub(crate) fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
+    let plural = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }

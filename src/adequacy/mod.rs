@@ -23,6 +23,8 @@
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
 
+pub mod description;
+pub mod hidden_targets;
 pub mod polarisation;
 mod ships;
 

@@ -7,13 +7,17 @@
 //! | [`cost`] | calibrated cost of one unit of work on this machine |
 //! | [`accuracy`] | error of the streamed echo against the reference |
 //! | [`settings`] | the settings that trade speed for accuracy |
+//! | [`plan`] | what is planned for an error, in figures and in words |
+//! | [`sweep_files`] | that table as CSV and as a picture |
 //! | [`sweep`] | a table of speed and error over one or two settings |
 //! | [`resources`] | memory, data rate and size of a run, before it |
 
 pub mod accuracy;
 pub mod cost;
 pub mod gather;
+pub mod plan;
 pub mod resources;
 pub mod settings;
 pub mod speed;
 pub mod sweep;
+pub mod sweep_files;

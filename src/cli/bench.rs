@@ -1,23 +1,21 @@
 //! `nereus bench`: what a scenario reaches on this machine, and the error of its echo.
 
-use super::check::plan::settings_text;
-use super::values::{counts, pulses_or_all, threads};
-use crate::cli::scenario::ScenarioArgs;
-use clap::Args;
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::Instant;
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+use clap::Args;
+use serde_json::{Map, Value, json};
 
-use super::check::plan::{not_kept, parts_db};
 use super::error::CliError;
-use super::json;
 use super::progress;
+use super::report::Report;
+use super::scenario::{JsonArg, MeasuredArgs};
+use super::values::{counts, pulses_or_all};
 use super::{counted, say, warn};
 use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
 use crate::bench::cost::Calibrated;
+use crate::bench::plan::{not_kept, parts_db, settings_text};
 use crate::bench::settings;
 use crate::bench::speed::{self, Speed, TRIAL};
 use crate::config::Run;
@@ -25,87 +23,31 @@ use crate::pipeline::build;
 use crate::pulse::costs::Stage;
 use crate::transport::pacer::Status;
 
+/// Bytes of a mebibyte.
+const MIB: f64 = 1_048_576.0;
+
 /// `nereus bench`
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct BenchArgs {
     /// The scenario
     #[command(flatten)]
-    pub scenario: ScenarioArgs,
+    pub measured: MeasuredArgs,
     /// Make the first so many pulses of the run
     /// [default: what fits in some 10 s, at least two blocks for every thread]
     #[arg(long, value_name = "N", value_parser = counts(1, u64::MAX))]
     pub pulses: Option<u64>,
-    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
-    #[arg(long, value_name = "T", value_parser = threads())]
-    pub threads: Option<u64>,
     /// Pulses, spread over the run, at which the error is measured, or all; 0: none
     #[arg(long, value_name = "N|all", default_value = "16", value_parser = pulses_or_all)]
     pub error_pulses: u64,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// What `--json` prints.
-#[derive(Debug, Serialize)]
-struct Report {
-    scenario: String,
-    facets: usize,
-    paths: usize,
-    /// Mean share of the facets that is illuminated, times the facets.
-    illuminated: f64,
-    /// Those of them that were left out as too weak.
-    culled: f64,
-    /// In tiles that are looked at less often.
-    sidelobe: f64,
-    /// Scatterer paths accumulated in a pulse, over all pairs.
-    accumulated: f64,
-    channels: usize,
-    pulses: u64,
-    block_pulses: u64,
-    threads: usize,
-    pulses_per_s: f64,
-    facet_pulses_per_s: f64,
-    real_time_factor: f64,
-    /// None for the reference, as all that is predicted.
-    predicted_real_time_factor: Option<f64>,
-    /// By the prices of a common machine.
-    list_real_time_factor: Option<f64>,
-    predicted_rel_rms_db: Option<f64>,
-    /// By cause, dB.
-    predicted_error_db: Map<String, Value>,
-    predicted_rss_mib: Option<f64>,
-    /// None where it was not measured.
-    rel_rms_db: Option<f64>,
-    rel_rms_db_mean: Option<f64>,
-    error: Option<ErrorReport>,
-    /// Of the streaming part alone: the reference comes after.
-    peak_rss_mib: Option<f64>,
-    startup_s: Option<f64>,
-    /// Seconds of one worker for a pulse, by stage.
-    stages: Map<String, Value>,
-    /// The same as predicted, of those that have a price: `spread` with `fill`, `receive` with `record`.
-    predicted_stages: Map<String, Value>,
-    settings: Map<String, Value>,
-}
-
-/// Where and how the error was found.
-#[derive(Debug, Serialize)]
-struct ErrorReport {
-    pulses: Vec<u64>,
-    /// Whether these are all pulses of the run.
-    all: bool,
-    worst_pulse: u64,
-    worst_channel: String,
-    /// Worst of each channel, dB.
-    channel_db: Map<String, Value>,
-    reference_pulses_per_s: f64,
+    /// How it is reported
+    #[command(flatten)]
+    pub format: JsonArg,
 }
 
 /// Measures and prints.
 pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = args.scenario.load_to_measure(args.threads, &[])?;
+    let run = args.measured.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::on_nominal_tracks(&run, 0..pulses)?;
@@ -119,9 +61,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     // Calibrated once the stream has had its machine and its memory for itself.
     let calibrated = build::on_nominal_tracks(&run, 0..pulses)?.calibrated()?;
     let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
-    let report = report(&run, &measured, begun, judged.as_ref(), calibrated, bytes);
-    let text = if args.json { json::json(&report)? + "\n" } else { text(&report) };
-    out.write_all(text.as_bytes()).map_err(CliError::Output)
+    report(&run, &measured, begun, judged.as_ref(), calibrated, bytes).print(args.format.json, out)
 }
 
 fn judge(run: &Run, measured: &Speed, pulses: u64) -> Result<(Judge, Accuracy), CliError> {
@@ -154,142 +94,151 @@ fn report(
     calibrated: Option<Calibrated>,
     bytes: u64,
 ) -> Report {
-    let name = |channel: usize| {
-        run.scene.radar.channels.get(channel).map_or_else(String::new, |channel| channel.name.clone())
-    };
-    let facets = speed.facets as f64;
-    Report {
-        scenario: run.path.display().to_string(),
-        facets: speed.facets,
-        paths: speed.paths,
-        illuminated: facets * speed.costs.illuminated_share(),
-        sidelobe: facets * speed.costs.sidelobe_share(),
-        culled: facets * speed.costs.culled_share(),
-        accumulated: speed.costs.accumulated_per_pulse(),
-        channels: speed.channels,
-        pulses: speed.pulses,
-        block_pulses: speed.block_pulses,
-        threads: speed.threads,
-        pulses_per_s: speed.pulses_per_s,
-        facet_pulses_per_s: speed.facet_pulses_per_s(),
-        real_time_factor: speed.real_time_factor,
-        predicted_real_time_factor: calibrated.map(|calibrated| calibrated.factor),
-        list_real_time_factor: calibrated.map(|calibrated| calibrated.list_factor),
-        predicted_rel_rms_db: speed.plan.as_ref().map(|plan| plan.prediction.total_db()),
-        predicted_error_db: speed.plan.as_ref().map(|plan| parts_db(&plan.prediction)).unwrap_or_default(),
-        predicted_rss_mib: speed.plan.map(|_| bytes as f64 / f64::from(1 << 20)),
-        rel_rms_db: judged.map(|(_, accuracy)| accuracy.rel_rms_db),
-        rel_rms_db_mean: judged.map(|(_, accuracy)| accuracy.rel_rms_db_mean),
-        error: judged.map(|(judge, accuracy)| ErrorReport {
-            pulses: judge.pulses().to_vec(),
-            all: judge.pulses().len() as u64 == run.scene.pulses,
-            worst_pulse: accuracy.worst_pulse,
-            worst_channel: name(accuracy.worst_channel),
-            channel_db: accuracy
-                .channel_db
-                .iter()
-                .enumerate()
-                .map(|(channel, db)| (name(channel), Value::from(*db)))
-                .collect(),
-            reference_pulses_per_s: judge.pulses_per_s(),
-        }),
-        peak_rss_mib: speed.peak_rss_bytes.map(|bytes| bytes as f64 / f64::from(1 << 20)),
-        startup_s: speed.first_release.map(|release| release.saturating_duration_since(begun).as_secs_f64()),
-        stages: Stage::ALL
-            .iter()
-            .map(|stage| (stage.name().to_owned(), Value::from(speed.costs.seconds_per_pulse(*stage))))
-            .collect(),
-        predicted_stages: calibrated
-            .iter()
-            .flat_map(|calibrated| calibrated.stages_s)
-            .map(|(stage, seconds)| (stage.name().to_owned(), Value::from(seconds)))
-            .collect(),
-        settings: settings::settings(speed.plan.as_ref().map(|plan| &plan.chosen)),
-    }
-}
-
-fn text(report: &Report) -> String {
-    let mut text = String::new();
-    let mut row = |what: &str, how: String| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "  {what:22}{how}");
-    };
-    row("settings", settings_text(&report.settings));
-    row(
-        "paths",
-        format!(
-            "{}, {} of them facets; {:.0} facets illuminated, {:.0} of them culled; {:.0} accumulated in a pulse; {:.0} facets \
-             in sidelobe tiles",
-            report.paths,
-            report.facets,
-            report.illuminated,
-            report.culled,
-            report.accumulated,
-            report.sidelobe
-        ),
-    );
-    row("channels", report.channels.to_string());
-    row(
-        "speed",
-        format!(
-            "{:.1} pulses/s, {:.3} times real time, {:.2} M facet-pulses/s ({}, {})",
-            report.pulses_per_s,
-            report.real_time_factor,
-            report.facet_pulses_per_s / 1e6,
-            counted(report.pulses, "pulse"),
-            counted(report.threads as u64, "thread")
-        ),
-    );
+    let mut report = Report::default();
+    let name = run.path.display().to_string();
+    report.title(&name).value("scenario", &name);
+    let settings = settings::settings(speed.plan.as_ref().map(|plan| &plan.chosen));
+    report.row("settings", settings_text(&settings)).value("settings", settings);
+    add_speed(&mut report, speed);
     let measured =
         |value: Option<f64>, unit: &str| value.map_or("-".to_owned(), |value| format!("{value:.2} {unit}"));
-    row("start to first pulse", measured(report.startup_s, "s"));
-    row("peak memory", measured(report.peak_rss_mib, "MiB resident"));
-    let seconds = |stage: &Stage| report.stages.get(stage.name()).and_then(Value::as_f64).unwrap_or(0.0);
+    let startup_s = speed.first_release.map(|release| release.saturating_duration_since(begun).as_secs_f64());
+    report.row("start to first pulse", measured(startup_s, "s")).value("startup_s", startup_s);
+    // Of the streaming part alone: the reference comes after.
+    let peak_mib = speed.peak_rss_bytes.map(|bytes| bytes as f64 / MIB);
+    report.row("peak memory", measured(peak_mib, "MiB resident")).value("peak_rss_mib", peak_mib);
+    add_stages(&mut report, speed, calibrated);
+    add_error(&mut report, run, judged);
+    add_prediction(&mut report, speed, calibrated, bytes);
+    report
+}
+
+/// Paths, channels and pulses per second.
+fn add_speed(report: &mut Report, speed: &Speed) {
+    let (costs, facets) = (&speed.costs, speed.facets as f64);
+    let illuminated = facets * costs.illuminated_share();
+    let [culled, sidelobe] = [facets * costs.culled_share(), facets * costs.sidelobe_share()];
+    let accumulated = costs.accumulated_per_pulse();
+    report
+        .row(
+            "paths",
+            format!(
+                "{}, {} of them facets; {illuminated:.0} facets illuminated, {culled:.0} of them culled; \
+                 {accumulated:.0} accumulated in a pulse; {sidelobe:.0} facets in sidelobe tiles",
+                speed.paths, speed.facets
+            ),
+        )
+        .value("facets", speed.facets)
+        .value("paths", speed.paths)
+        .value("illuminated", illuminated)
+        .value("culled", culled)
+        .value("sidelobe", sidelobe)
+        .value("accumulated", accumulated);
+    report.row("channels", speed.channels.to_string()).value("channels", speed.channels);
+    report
+        .row(
+            "speed",
+            format!(
+                "{:.1} pulses/s, {:.3} times real time, {:.2} M facet-pulses/s ({}, {})",
+                speed.pulses_per_s,
+                speed.real_time_factor,
+                speed.facet_pulses_per_s() / 1e6,
+                counted(speed.pulses, "pulse"),
+                counted(speed.threads as u64, "thread")
+            ),
+        )
+        .value("pulses", speed.pulses)
+        .value("block_pulses", speed.block_pulses)
+        .value("threads", speed.threads)
+        .value("pulses_per_s", speed.pulses_per_s)
+        .value("facet_pulses_per_s", speed.facet_pulses_per_s())
+        .value("real_time_factor", speed.real_time_factor);
+}
+
+/// Seconds of one worker for a pulse, by stage, measured and predicted: `spread` is predicted with `fill`,
+/// `receive` with `record`.
+fn add_stages(report: &mut Report, speed: &Speed, calibrated: Option<Calibrated>) {
+    let seconds = |stage: &Stage| speed.costs.seconds_per_pulse(*stage);
     let total: f64 = Stage::ALL.iter().map(seconds).sum();
+    let prices: BTreeMap<&str, f64> = calibrated
+        .iter()
+        .flat_map(|calibrated| calibrated.stages_s)
+        .map(|(stage, seconds)| (stage.name(), seconds))
+        .collect();
     for stage in &Stage::ALL {
         let share = if total > 0.0 { 100.0 * seconds(stage) / total } else { 0.0 };
-        let predicted = report.predicted_stages.get(stage.name()).and_then(Value::as_f64);
-        let predicted = predicted.filter(|seconds| *seconds > 0.0);
         let with = match stage {
             Stage::Spread => ", fill with it",
             Stage::Receive => ", record with it",
             _ => "",
         };
+        let predicted = prices.get(stage.name()).filter(|seconds| **seconds > 0.0);
         let predicted =
             predicted.map_or_else(String::new, |seconds| format!("  (predicted {:.3}{with})", 1e3 * seconds));
-        row(
-            &format!("stage {}", stage.name()),
-            format!("{:10.3} ms a pulse {share:5.1} %{predicted}", 1e3 * seconds(stage)),
+        report.row(
+            format!("stage {}", stage.name()),
+            format!("{:8.3} ms a pulse {share:5.1} %{predicted}", 1e3 * seconds(stage)),
         );
     }
-    match (report.rel_rms_db, report.rel_rms_db_mean, &report.error) {
-        (Some(worst), _, Some(error)) if worst <= LEAST_DB => row(
-            "error",
-            format!("none: {} have the bits of the reference", counted(error.pulses.len() as u64, "pulse")),
-        ),
-        (Some(worst), Some(mean), Some(error)) => row(
-            "error",
-            format!(
-                "{worst:.1} dB at worst (pulse {}, {}), {mean:.1} dB in the mean, of {}, against the reference",
-                error.worst_pulse,
-                error.worst_channel,
-                match counted(error.pulses.len() as u64, "pulse") {
-                    of if error.all => format!("all {of}"),
-                    of => format!("{of} drawn from the run"),
-                }
-            ),
-        ),
-        _ => row("error", "not measured".to_owned()),
-    }
-    if let (Some(error_db), Some(factor), Some(mib)) =
-        (report.predicted_rel_rms_db, report.predicted_real_time_factor, report.predicted_rss_mib)
-    {
-        row(
-            "predicted",
-            format!(
-                "error {error_db:.1} dB, {factor:.3} times real time (calibrated), {mib:.0} MiB resident"
-            ),
+    let stages: BTreeMap<&str, f64> = Stage::ALL.iter().map(|stage| (stage.name(), seconds(stage))).collect();
+    report.value("stages", stages).value("predicted_stages", prices);
+}
+
+/// The error against the reference, and where and how it was found.
+fn add_error(report: &mut Report, run: &Run, judged: Option<&(Judge, Accuracy)>) {
+    let Some((judge, accuracy)) = judged else {
+        let none = None::<f64>;
+        report.row("error", "not measured").value("error", none);
+        report.value("rel_rms_db", none).value("rel_rms_db_mean", none);
+        return;
+    };
+    let name = |channel: usize| {
+        run.scene.radar.channels.get(channel).map_or_else(String::new, |channel| channel.name.clone())
+    };
+    let (worst_db, mean_db) = (accuracy.rel_rms_db, accuracy.rel_rms_db_mean);
+    let (pulse, channel) = (accuracy.worst_pulse, name(accuracy.worst_channel));
+    let (number, all) = (judge.pulses().len() as u64, judge.pulses().len() as u64 == run.scene.pulses);
+    let pulses = match counted(number, "pulse") {
+        of if all => format!("all {of}"),
+        of => format!("{of} drawn from the run"),
+    };
+    let text = if worst_db <= LEAST_DB {
+        format!("none: {} have the bits of the reference", counted(number, "pulse"))
+    } else {
+        format!(
+            "{worst_db:.1} dB at worst (pulse {pulse}, {channel}), {mean_db:.1} dB in the mean, of {pulses}, \
+             against the reference"
+        )
+    };
+    let channel_db: Map<String, Value> =
+        accuracy.channel_db.iter().enumerate().map(|(at, db)| (name(at), Value::from(*db))).collect();
+    report.row("error", text).value("rel_rms_db", worst_db).value("rel_rms_db_mean", mean_db).value(
+        "error",
+        json!({
+            "pulses": judge.pulses(),
+            "all": all,
+            "worst_pulse": pulse,
+            "worst_channel": channel,
+            "channel_db": channel_db,
+            "reference_pulses_per_s": judge.pulses_per_s(),
+        }),
+    );
+}
+
+/// What was predicted; none for the reference.
+fn add_prediction(report: &mut Report, speed: &Speed, calibrated: Option<Calibrated>, bytes: u64) {
+    let prediction = speed.plan.as_ref().map(|plan| &plan.prediction);
+    let error_db = prediction.map(|prediction| prediction.total_db());
+    let factor = calibrated.map(|calibrated| calibrated.factor);
+    let mib = prediction.map(|_| bytes as f64 / MIB);
+    if let (Some(error_db), Some(factor), Some(mib)) = (error_db, factor, mib) {
+        let text = format!(
+            "error {error_db:.1} dB, {factor:.3} times real time (calibrated), {mib:.0} MiB resident"
         );
+        report.row("predicted", text);
     }
-    format!("{}\n{text}", report.scenario)
+    report.value("predicted_rel_rms_db", error_db).value("predicted_real_time_factor", factor);
+    report.value("list_real_time_factor", calibrated.map(|calibrated| calibrated.list_factor));
+    report.value("predicted_error_db", prediction.map(parts_db).unwrap_or_default());
+    report.value("predicted_rss_mib", mib);
 }

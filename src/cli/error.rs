@@ -5,16 +5,17 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::control::ControlFault;
 use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
+use super::values::OutOfRange;
 use crate::bench::speed::SpeedError;
 use crate::cli::examine::error::ExamineError;
 use crate::cli::focus::error::FocusError;
 use crate::cli::speckle::error::SpeckleError;
 use crate::config::ConfigError;
 use crate::pipeline::build::RunFailure;
+use crate::pipeline::control_lines::ControlFault;
 use crate::pipeline::fault::BuildErrors;
 use crate::radar::pattern::PatternError;
 use crate::receive::ReceiveError;
@@ -80,6 +81,9 @@ pub enum CliError {
     /// No control.
     #[error(transparent)]
     Control(#[from] ControlFault),
+    /// A value out of range.
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// The keys of a table.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -123,6 +127,7 @@ impl CliError {
             | Self::Control(_)
             | Self::Examine(_)
             | Self::Recording(_)
+            | Self::Range(_)
             | Self::Table(_)
             | Self::Speckle(_) => 2,
             Self::Sea(error) => error.exit_code(),

@@ -5,9 +5,11 @@
 
 use std::borrow::Cow;
 use std::io::{self, Write};
-use std::path::Path;
 
 use crate::inputs::{acts, one_line, written_out};
+
+/// A path, on one line.
+pub(super) use crate::inputs::shown as path;
 
 /// The text with such characters written out; its lines stay.
 pub(super) fn printable(text: &str) -> Cow<'_, str> {
@@ -17,11 +19,6 @@ pub(super) fn printable(text: &str) -> Cow<'_, str> {
 /// A name from elsewhere, on one line.
 pub(super) fn name(text: &str) -> Cow<'_, str> {
     one_line(text)
-}
-
-/// A path, on one line.
-pub(super) fn path(path: &Path) -> String {
-    one_line(&path.to_string_lossy()).into_owned()
 }
 
 /// Writes text on, made printable. What is written at a time must be whole characters, as `write!` has it.
@@ -43,6 +40,8 @@ impl<W: Write> Write for Printable<W> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]

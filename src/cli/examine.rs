@@ -65,14 +65,14 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
         .map_err(failed)?;
     let fatal = |how: String| ExamineError::Fatal { path: shown(), how };
     let limit = Duration::from_secs(seconds(length).saturating_mul(4));
-    let Some((status, said)) = listen(child, limit).map_err(failed)? else {
+    let Some((status, words)) = listen(child, limit).map_err(failed)? else {
         return Err(fatal(format!("nothing came of it within {} s", limit.as_secs())));
     };
     if status.success() {
         return Ok(());
     }
-    let said = String::from_utf8_lossy(&said);
-    match (status.code(), said.trim().strip_prefix("error: ")) {
+    let words = String::from_utf8_lossy(&words);
+    match (status.code(), words.trim().strip_prefix("error: ")) {
         (Some(1 | 2), Some(message)) => Err(ExamineError::Refused { message: message.to_owned() }),
         _ => Err(fatal(format!("the reader ended with {status}"))),
     }
@@ -85,12 +85,12 @@ fn listen(mut child: Child, limit: Duration) -> io::Result<Option<(ExitStatus, V
     // A full pipe would hold up the process, so all of it is read while it runs. What is lost of a message is
     // no reason to read the file.
     let reader = thread::Builder::new().spawn(move || {
-        let mut said = Vec::new();
+        let mut words = Vec::new();
         if let Some(mut errors) = errors {
-            let _ = errors.by_ref().take(MESSAGE).read_to_end(&mut said);
+            let _ = errors.by_ref().take(MESSAGE).read_to_end(&mut words);
             let _ = io::copy(&mut errors, &mut io::sink());
         }
-        said
+        words
     });
     let reader = match reader {
         Ok(reader) => reader,
@@ -163,8 +163,8 @@ mod tests {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let (status, said) = listen(child, Duration::from_secs(20)).unwrap().expect("it ends by itself");
-        assert_eq!((status.code(), said.len()), (Some(2), MESSAGE as usize));
-        assert!(said.starts_with(b"error: xxx"));
+        let (status, words) = listen(child, Duration::from_secs(20)).unwrap().expect("it ends by itself");
+        assert_eq!((status.code(), words.len()), (Some(2), MESSAGE as usize));
+        assert!(words.starts_with(b"error: xxx"));
     }
 }

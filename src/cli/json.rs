@@ -9,13 +9,16 @@ use serde::Serialize;
 use super::error::CliError;
 use crate::inputs::acts;
 
-/// A report as one JSON object on a line. What acts on a terminal is escaped as JSON has it: serde_json
-/// escapes only what is below U+0020, and [`super::escape::Printable`] would write the rest as `\u{202e}`,
-/// which is no JSON.
+/// A report as one JSON object on a line.
 pub(super) fn json(report: &impl Serialize) -> Result<String, CliError> {
-    let plain = serde_json::to_string(report).map_err(|error| CliError::Output(error.into()))?;
+    serde_json::to_string(report).map(escaped).map_err(|error| CliError::Output(error.into()))
+}
+
+/// JSON without what acts on a terminal, which is escaped as JSON has it: serde_json escapes only what is
+/// below U+0020, and [`super::escape::Printable`] would write the rest as `\u{202e}`, which is no JSON.
+pub(super) fn escaped(plain: String) -> String {
     if !plain.contains(acts) {
-        return Ok(plain);
+        return plain;
     }
     let mut text = String::with_capacity(plain.len() + 16);
     // Such characters stand within strings only.
@@ -29,7 +32,7 @@ pub(super) fn json(report: &impl Serialize) -> Result<String, CliError> {
             text.push(c);
         }
     }
-    Ok(text)
+    text
 }
 
 /// Prints a report as one line of JSON.

@@ -1,12 +1,14 @@
 //! `nereus merge`: parts of one run become one recording.
 
-use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
 
+use clap::Args;
+
 use super::error::CliError;
+use super::scenario::OutputArgs;
 #[cfg(feature = "hdf5")]
-use super::{escape, json, say};
+use super::{escape, json, report::Report};
 
 /// `nereus merge`
 #[derive(Debug, Args)]
@@ -17,12 +19,9 @@ pub struct MergeArgs {
     /// The recording to make
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Overwrite a recording that exists
-    #[arg(long)]
-    pub force: bool,
-    /// Print a summary as one JSON object
-    #[arg(long)]
-    pub json: bool,
+    /// What becomes of its output
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 /// Joins the recordings.
@@ -31,22 +30,19 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
     for shard in &args.shards {
         super::examine::examine(shard)?;
     }
-    let mut report = crate::recording::merge::merge(&args.shards, &args.out, args.force)?;
-    if args.json {
-        report.out = json::legible(&report.out);
-        report.shards = json::all_legible(&report.shards);
-        return json::print(&report, out);
+    let mut merged = crate::recording::merge::merge(&args.shards, &args.out, args.output.overwrite.force)?;
+    let (path, shards) = (escape::path(&merged.out), merged.shards.len());
+    merged.out = json::legible(&merged.out);
+    merged.shards = json::all_legible(&merged.shards);
+    let mut report = Report::default();
+    report.values(&merged);
+    if !args.output.format.json {
+        report.line(format!(
+            "{path}: pulses {} to {} of {shards} recordings, {} in all, {} dropped",
+            merged.first, merged.last, merged.pulses, merged.dropped
+        ));
     }
-    let shards = report.shards.len();
-    say(format_args!(
-        "{}: pulses {} to {} of {shards} recordings, {} in all, {} dropped",
-        escape::path(&report.out),
-        report.first,
-        report.last,
-        report.pulses,
-        report.dropped
-    ));
-    Ok(())
+    report.say(args.output.format.json, out)
 }
 
 /// A build without HDF5 has nothing to join.

@@ -6,7 +6,6 @@
 mod args;
 mod bench;
 mod check;
-mod control;
 mod error;
 mod escape;
 mod examine;
@@ -18,6 +17,7 @@ mod outputs;
 mod new;
 mod progress;
 mod receive;
+mod report;
 mod run;
 mod scenario;
 mod sea;
@@ -35,10 +35,11 @@ use std::time::Instant;
 
 use clap::Parser;
 
+use crate::units::counted;
+
 pub use args::{Arguments, Command};
 pub use bench::BenchArgs;
 pub use check::CheckArgs;
-pub use control::ControlFault;
 pub use error::CliError;
 pub use examine::ExamineArgs;
 pub use examine::error::ExamineError;
@@ -108,12 +109,6 @@ fn report_large_files() {}
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
 fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{}", escape::printable(&line.to_string()));
-}
-
-/// So many of something: `1 pulse`, `2 pulses`.
-fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
-    let plural = if count == N::from(1) { "" } else { "s" };
-    format!("{count} {what}{plural}")
 }
 
 /// What the user should know, a line each.

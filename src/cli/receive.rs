@@ -1,27 +1,24 @@
 //! `nereus receive`: the reference receiver of the wire.
 
-use super::values::{counts, seconds};
-use clap::Args;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use clap::Args;
+
 use super::error::CliError;
-use super::escape;
-use super::json;
-use super::run::names_hdf5;
-use super::{counted, say};
-use crate::files;
+use super::report::Report;
+use super::scenario::OutputArgs;
+use super::values::{counts, seconds};
+use super::{counted, escape, json, say};
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::outputs;
 use crate::receive::listener::{Opener, Senders, Until, senders};
-use crate::receive::report::Report;
-use crate::receive::{Listener, RUNS};
-use crate::sinks::plain::PlainSink;
-use crate::sinks::sink::Sink;
-use crate::sinks::{self, Kind};
+use crate::receive::report::Report as Reception;
+use crate::receive::{Listener, parts};
+use crate::sinks::{self, Kind, names_hdf5};
 
 /// `nereus receive`
 #[derive(Debug, Args)]
@@ -49,23 +46,21 @@ pub struct ReceiveArgs {
     /// Record whole pulses: HDF5 (.h5, .hdf5), or else a folder of plain files
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Overwrite a recording that exists
-    #[arg(long)]
-    pub force: bool,
-    /// Print the report as one JSON object
-    #[arg(long)]
-    pub json: bool,
+    /// What becomes of its output
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 /// Receives, and reports.
 pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let record = args.out.as_deref().map(|path| opener(path, args.force)).transpose()?;
+    let force = args.output.overwrite.force;
+    let record = args.out.as_deref().map(|path| opener(path, force)).transpose()?;
     // The recordings of all runs are one output: what an earlier reception left is not taken for a part of
     // it.
-    let older = args.out.as_deref().filter(|_| args.restart).map(parts).unwrap_or_default();
-    preflight(older.iter().map(|path| kind(path, args.force)))?;
+    let older = args.out.as_deref().filter(|_| args.restart).map(parts::older).unwrap_or_default();
+    preflight(older.iter().map(|path| Kind::recording_at(path, force)))?;
     let from = args.from.as_deref().map(senders).transpose()?;
-    let next = args.out.clone().filter(|_| args.restart).map(|path| further(path, args.force));
+    let next = args.out.clone().filter(|_| args.restart).map(|path| parts::further(path, force));
     let notice: Option<fn(&str)> = Some(|line| say(format_args!("warning: {line}")));
     let senders = Senders { from, restart: args.restart, next, older, notice };
     let listener = Listener::bind(&args.listen)?.with(senders);
@@ -87,62 +82,8 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
         Ok(report) => (report, None),
         Err(interrupted) => (interrupted.report, Some(interrupted.error)),
     };
-    if args.json {
-        let shown = Report { out: json::all_legible(&report.out), ..report.clone() };
-        json::print(&shown, out)?;
-    } else {
-        tell(&report, out).map_err(CliError::Output)?;
-    }
+    show(&report).print(args.output.format.json, out)?;
     error.map_or(Ok(()), |error| Err(error.into()))
-}
-
-/// Name of the recording of a further run: `name-2.h5`, `name-3.h5`, ...
-fn part(path: &Path, number: usize) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut name = format!("{stem}-{number}");
-    if let Some(extension) = path.extension() {
-        name = format!("{name}.{}", extension.to_string_lossy());
-    }
-    path.with_file_name(name)
-}
-
-/// Recordings of further runs that an earlier reception left. `flight-20180509.h5` is none, nor what a run
-/// has written.
-fn parts(path: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(files::folder(path)) else { return Vec::new() };
-    let stem = format!("{}-", path.file_stem().unwrap_or_default().to_string_lossy());
-    let mut found: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| path.with_file_name(entry.file_name()))
-        .filter(|candidate| {
-            let name = candidate.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let number = name.strip_prefix(&stem).and_then(|number| number.parse().ok());
-            let is_part = |number| (2..=RUNS + 1).contains(&number) && part(path, number) == *candidate;
-            number.is_some_and(is_part) && is_received(candidate)
-        })
-        .collect();
-    found.sort();
-    found
-}
-
-fn is_received(path: &Path) -> bool {
-    #[cfg(feature = "hdf5")]
-    if names_hdf5(path) {
-        return crate::recording::hdf5::file::is_received(path);
-    }
-    crate::recording::plain::is_received(path)
-}
-
-/// What makes the recordings of further runs.
-fn further(path: PathBuf, force: bool) -> Box<dyn Fn(usize) -> Opener + Send + Sync> {
-    Box::new(move |number| made_at(part(&path, number), force))
-}
-
-fn kind(path: &Path, force: bool) -> Kind {
-    match names_hdf5(path) {
-        true => Kind::Hdf5 { path: path.to_owned(), segment_s: None, force },
-        false => Kind::Plain { path: path.to_owned(), force },
-    }
 }
 
 fn preflight(kinds: impl Iterator<Item = Kind>) -> Result<(), CliError> {
@@ -158,119 +99,114 @@ fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
     if names_hdf5(path) && !cfg!(feature = "hdf5") {
         return Err(CliError::NoHdf5 { out: path.to_owned() });
     }
-    preflight(std::iter::once(kind(path, force)))?;
-    Ok(made_at(path.to_owned(), force))
+    preflight(std::iter::once(Kind::recording_at(path, force)))?;
+    Ok(parts::opener(path.to_owned(), force))
 }
 
-/// What makes a recording at a path.
-fn made_at(path: PathBuf, force: bool) -> Opener {
-    Box::new(move |header| {
-        #[cfg(feature = "hdf5")]
-        if names_hdf5(&path) {
-            let sink = sinks::hdf5::Hdf5Sink::create(&path, None, force, header)?;
-            return Ok(Box::new(sink) as Box<dyn Sink>);
-        }
-        Ok(Box::new(PlainSink::create(&path, force, header)?) as Box<dyn Sink>)
-    })
-}
-
-/// The report for people.
-fn tell(report: &Report, out: &mut dyn Write) -> io::Result<()> {
+/// Pulses, gaps, order, datagrams, and what is known of sender, time and platforms.
+fn show(found: &Reception) -> Report {
+    let mut report = Report::default();
+    report.values(Reception { out: json::all_legible(&found.out), ..found.clone() });
     let number = |pulse: Option<u64>| pulse.map_or("none".to_owned(), |pulse| pulse.to_string());
-    writeln!(
-        out,
-        "pulses      {} whole, {} incomplete; numbers {} to {}",
-        report.pulses,
-        report.incomplete,
-        number(report.first_pulse),
-        number(report.last_pulse)
-    )?;
-    writeln!(
-        out,
-        "gaps        {} by number, {} by time stamps, {} packets by packet counts",
-        counted(report.missing.pulses_by_index, "pulse"),
-        report.missing.pulses_by_time,
-        report.missing.packets_by_count
-    )?;
-    writeln!(
-        out,
-        "order       {} packets out of order, {} duplicate, {} late, {} off the sample grid; pulse number decreased {}",
-        report.overtaken,
-        report.duplicates,
-        report.too_late,
-        report.stray,
-        counted(report.backwards, "time")
-    )?;
-    writeln!(
-        out,
-        "datagrams   {} of {} bytes in all; {} malformed, {} unknown, {} before the description, {} conflicting descriptions",
-        report.datagrams,
-        report.bytes,
-        report.malformed,
-        report.unknown,
-        report.undescribed,
-        report.contradictions
-    )?;
-    writeln!(
-        out,
-        "sender      {} with implausible time stamps, {} with implausible pulse numbers, {} of other senders; began again {}",
-        counted(report.implausible, "packet"),
-        counted(report.misnumbered, "state"),
-        counted(report.strangers, "datagram"),
-        counted(report.restarts, "time")
-    )?;
-    if let Some(fault) = &report.first_fault {
-        writeln!(out, "            first malformed: {}", escape::name(fault))?;
+    let [first, last] = [found.first_pulse, found.last_pulse].map(number);
+    report.row(
+        "pulses",
+        format!("{} whole, {} incomplete; numbers {first} to {last}", found.pulses, found.incomplete),
+    );
+    let missing = &found.missing;
+    report.row(
+        "gaps",
+        format!(
+            "{} by number, {} by time stamps, {} packets by packet counts",
+            counted(missing.pulses_by_index, "pulse"),
+            missing.pulses_by_time,
+            missing.packets_by_count
+        ),
+    );
+    report.row(
+        "order",
+        format!(
+            "{} packets out of order, {} duplicate, {} late, {} off the sample grid; pulse number decreased {}",
+            found.overtaken,
+            found.duplicates,
+            found.too_late,
+            found.stray,
+            counted(found.backwards, "time")
+        ),
+    );
+    report.row(
+        "datagrams",
+        format!(
+            "{} of {} bytes in all; {} malformed, {} unknown, {} before the description, {} conflicting descriptions",
+            found.datagrams,
+            found.bytes,
+            found.malformed,
+            found.unknown,
+            found.undescribed,
+            found.contradictions
+        ),
+    );
+    report.row(
+        "sender",
+        format!(
+            "{} with implausible time stamps, {} with implausible pulse numbers, {} of other senders; began again {}",
+            counted(found.implausible, "packet"),
+            counted(found.misnumbered, "state"),
+            counted(found.strangers, "datagram"),
+            counted(found.restarts, "time")
+        ),
+    );
+    if let Some(fault) = &found.first_fault {
+        report.row("", format!("first malformed: {}", escape::name(fault)));
     }
-    let drops = report.kernel_drops.map_or("not reported".to_owned(), |drops| drops.to_string());
-    writeln!(
-        out,
-        "socket      {} KiB of room; {drops} datagrams dropped by the system",
-        report.receive_buffer_bytes >> 10
-    )?;
-    writeln!(
-        out,
-        "time        {:.3} s of emissions came in {:.3} s",
-        report.emission_span_s, report.arrival_span_s
-    )?;
-    match &report.lateness {
-        Some(late) => writeln!(
-            out,
-            "lateness    p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; that one came {:.6} s after its emission by this clock",
+    let drops = found.kernel_drops.map_or("not reported".to_owned(), |drops| drops.to_string());
+    let room = found.receive_buffer_bytes >> 10;
+    report.row("socket", format!("{room} KiB of room; {drops} datagrams dropped by the system"));
+    let (emitted_s, arrived_s) = (found.emission_span_s, found.arrival_span_s);
+    report.row("time", format!("{emitted_s:.3} s of emissions came in {arrived_s:.3} s"));
+    report.row("lateness", lateness(found));
+    add_platforms(&mut report, found);
+    if let Some(recorded) = found.recorded {
+        report.row("recorded", format!("{recorded} of {}", counted(found.pulses, "whole pulse")));
+    }
+    let missing = found.not_carried.join(", ");
+    for file in &found.out {
+        report.row("recording", format!("{}; the wire does not carry {missing}", escape::path(file)));
+    }
+    report
+}
+
+fn lateness(found: &Reception) -> String {
+    match &found.lateness {
+        Some(late) => format!(
+            "p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; that one came {:.6} s after its emission \
+             by this clock",
             late.p50_us, late.p99_us, late.max_us, late.least_offset_s
-        )?,
-        None if report.datagrams == 0 => writeln!(out, "lateness    not reported: nothing was received")?,
-        None if report.pulses < 2 => {
-            writeln!(out, "lateness    not reported: fewer than two whole pulses were received")?;
-        }
-        None => writeln!(out, "lateness    not reported: the stream was not sent in real time")?,
+        ),
+        None if found.datagrams == 0 => "not reported: nothing was received".to_owned(),
+        None if found.pulses < 2 => "not reported: fewer than two whole pulses were received".to_owned(),
+        None => "not reported: the stream was not sent in real time".to_owned(),
     }
-    for platform in &report.platforms {
+}
+
+fn add_platforms(report: &mut Report, found: &Reception) {
+    for platform in &found.platforms {
         let ([e, n, u], [ve, vn, vu]) = (platform.position_m, platform.velocity_mps);
-        writeln!(
-            out,
-            "platform    {} at pulse {}: {e:.3} m East, {n:.3} m North, {u:.3} m up; {ve:.3}, {vn:.3}, {vu:.3} m/s; report {:.3} s old, flags {:#x}",
-            escape::name(&platform.name),
-            platform.pulse,
-            platform.age_s,
-            platform.flags
-        )?;
+        report.row(
+            "platform",
+            format!(
+                "{} at pulse {}: {e:.3} m East, {n:.3} m North, {u:.3} m up; {ve:.3}, {vn:.3}, {vu:.3} m/s; \
+                 report {:.3} s old, flags {:#x}",
+                escape::name(&platform.name),
+                platform.pulse,
+                platform.age_s,
+                platform.flags
+            ),
+        );
         if let [x, y, z] = platform.ecef_position_m
             && x.is_finite()
         {
-            writeln!(out, "            ECEF {x:.3}, {y:.3}, {z:.3} m")?;
+            report.row("", format!("ECEF {x:.3}, {y:.3}, {z:.3} m"));
         }
     }
-    if let Some(recorded) = report.recorded {
-        writeln!(out, "recorded    {recorded} of {}", counted(report.pulses, "whole pulse"))?;
-    }
-    for file in &report.out {
-        writeln!(
-            out,
-            "recording   {}; the wire does not carry {}",
-            escape::path(file),
-            report.not_carried.join(", ")
-        )?;
-    }
-    Ok(())
 }

@@ -1,35 +1,29 @@
 //! `nereus run`: a scenario becomes a running stream.
 
-use super::values::{PulseRange, duration};
-use crate::cli::scenario::ScenarioArgs;
-use clap::Args;
-use clap::ValueEnum;
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use serde::Serialize;
+use clap::{Args, ValueEnum};
 
-use super::control::{ControlSocket, Subject};
 use super::error::CliError;
-use super::escape;
-use super::json;
-use super::progress;
-use super::{counted, say, warn};
+use super::report::Report;
+use super::scenario::{OutputArgs, ScenarioArgs};
+use super::values::{PulseRange, duration};
+use super::{counted, escape, json, progress, say, warn};
 use crate::adequacy::adequacy;
 use crate::config::Run;
-use crate::nav::AttitudeSource;
-use crate::nav::TrackSource;
+use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
-use crate::pipeline::live::{FlightReport, LiveNav};
-use crate::pipeline::plausible::{self, ConverterReport, PhysicsWarning};
+use crate::pipeline::control_lines::{ControlSocket, Subject};
+use crate::pipeline::live::FlightReport;
+use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWarning};
 use crate::pulse::log::Entry;
 use crate::sinks::sink::SinkReport;
-use crate::sinks::{self, Kind};
+use crate::sinks::{self, Kind, names_hdf5};
 use crate::transport;
-use crate::transport::stage::Summary;
 
 /// How pulses are released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -63,33 +57,9 @@ pub struct RunArgs {
     /// (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
-    /// Overwrite recordings that exist
-    #[arg(long)]
-    pub force: bool,
-    /// Print a summary as one JSON object
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// What `--json` prints.
-#[derive(Debug, Serialize)]
-struct Report<'a> {
-    #[serde(flatten)]
-    summary: &'a Summary,
-    /// What came of live navigation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    navigation: Option<Vec<FlightReport>>,
-    /// What the converter was fed with.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    converter: &'a Option<ConverterReport>,
-    /// What each recording holds.
-    out: Vec<SinkReport>,
-    /// What was changed of reports, up to the last pulse.
-    changes: &'a [Entry],
-    /// What is legal about the scenario, and can hardly be meant.
-    warnings: Vec<String>,
-    /// Why the run failed, if it did.
-    error: Option<String>,
+    /// What becomes of its output
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 /// Runs the scenario.
@@ -131,52 +101,44 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         latency(&run, needed_s, stream.latency_s());
     }
     let (log, levels) = (stream.log(), stream.levels());
-    let open = socket
-        .zip(stream.control())
-        .map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }));
+    let control = socket.zip(stream.control());
+    let open =
+        control.map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }, say));
     let outcome = stream.run(&stop, Some(status));
     if let Some(open) = open {
         open.close();
     }
     watcher.finish();
     let outcome = outcome?;
-    let recordings: Vec<&SinkReport> =
-        outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
     let passed = outcome.summary.health.pulses + outcome.summary.health.dropped;
     let changes = match (log, (first + passed).checked_sub(1)) {
         (Some(log), Some(last)) if passed > 0 => log.between(None, last),
         _ => Vec::new(),
     };
     let converter = levels.get().and_then(|levels| ConverterReport::of(&run.scene.radar, levels));
-    let of_converter = converter.as_ref().map_or_else(Vec::new, ConverterReport::warnings);
-    physics.extend_from_slice(&of_converter);
-    if args.json {
-        let error = outcome.result.as_ref().err().map(ToString::to_string);
-        let navigation = live.as_ref().map(|live| live.report());
-        let warnings = run.warnings.iter().map(ToString::to_string);
-        let warnings = warnings.chain(physics.iter().map(ToString::to_string)).collect();
-        let report = Report {
-            summary: &outcome.summary,
-            navigation,
-            converter: &converter,
-            out: recordings.iter().map(|report| legible(report)).collect(),
-            changes: &changes,
-            warnings,
-            error,
-        };
-        json::print(&report, out)?;
-    }
-    tell(&run, &outcome, &recordings);
+    let mut report = Report::default();
+    report.values(&outcome.summary);
+    add_release(&mut report, &run, &outcome);
+    add_recordings(&mut report, &outcome);
     if let Some(converter) = &converter {
-        tell_converter(converter);
+        add_converter(&mut report, converter);
+        let found = converter.warnings();
+        for warning in &found {
+            report.warning(warning);
+        }
+        physics.extend(found);
     }
-    warn(&of_converter);
     for Entry { pulse, platform, text, .. } in &changes {
-        say(format_args!("from pulse {pulse}: {text} on {platform}"));
+        report.line(format!("from pulse {pulse}: {text} on {platform}"));
     }
     if let Some(live) = live {
-        tell_navigation(&run, &live, &outcome);
+        add_navigation(&mut report, &run, &live.report(), &outcome);
     }
+    let known = run.warnings.iter().map(ToString::to_string);
+    let warnings: Vec<String> = known.chain(physics.iter().map(ToString::to_string)).collect();
+    report.value("changes", &changes).value("warnings", warnings);
+    report.value("error", outcome.result.as_ref().err().map(ToString::to_string));
+    report.say(args.output.format.json, out)?;
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 
@@ -205,8 +167,8 @@ fn latency(run: &Run, needed_s: f64, latency_s: f64) {
     }
 }
 
-/// The summary for people.
-fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
+/// How pulses were released.
+fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     let (summary, health) = (&outcome.summary, &outcome.summary.health);
     let how = if summary.stopped { "stopped after" } else { "released" };
     // Two causes that ask for different remedies.
@@ -218,17 +180,13 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         0 => "none was made".to_owned(),
         _ => format!("made at {:.1} times real time", summary.real_time_factor),
     };
-    say(format_args!(
-        "{how} {} in {:.2} s: {} late{}, {} dropped; {made}",
-        counted(health.pulses, "pulse"),
-        summary.elapsed_s,
-        health.late,
-        held_up,
-        health.dropped
-    ));
+    let (pulses, elapsed_s) = (counted(health.pulses, "pulse"), summary.elapsed_s);
+    let (late, dropped) = (health.late, health.dropped);
+    report
+        .line(format!("{how} {pulses} in {elapsed_s:.2} s: {late} late{held_up}, {dropped} dropped; {made}"));
     if run.stream.pace == transport::Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
-        say(format_args!(
+        report.line(format!(
             "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer at {} priority",
             lateness.p50,
             lateness.p99,
@@ -239,37 +197,41 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
         ));
     }
     if health.slipped_s > 0.0 {
-        say(format_args!("time slipped by {} in all (policy \"slip\")", span(health.slipped_s)));
+        report.line(format!("time slipped by {} in all (policy \"slip\")", span(health.slipped_s)));
     }
     for right in health.rights.iter().filter(|right| !right.granted) {
         let reason = right.reason.as_deref().unwrap_or("refused");
-        say(format_args!("warning: the system refused stream.{}: {reason}", right.asked));
+        report.warning(format_args!("the system refused stream.{}: {reason}", right.asked));
     }
-    for sink in &health.sinks {
-        if sink.dropped > 0 {
-            say(format_args!(
-                "warning: sink '{}' was too slow and missed {}",
-                sink.name,
-                counted(sink.dropped, "pulse")
+    for sink in health.sinks.iter().filter(|sink| sink.dropped > 0) {
+        let missed = counted(sink.dropped, "pulse");
+        report.warning(format_args!("sink '{}' was too slow and missed {missed}", sink.name));
+    }
+}
+
+/// What each sink holds or has sent.
+fn add_recordings(report: &mut Report, outcome: &RunOutcome) {
+    let sinks: Vec<&SinkReport> = outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
+    report.value("out", sinks.iter().map(|sink| legible(sink)).collect::<Vec<_>>());
+    for sink in sinks {
+        let name = &sink.name;
+        if let Some(port) = sink.port.filter(|port| port.lost_messages > 0 || port.vanished > 0) {
+            report.warning(format_args!(
+                "the port of sink '{name}' did not take {} messages ({} bytes); it vanished {} times and was opened again {} times",
+                port.lost_messages, port.lost_bytes, port.vanished, port.reopened
             ));
         }
-    }
-    for report in recordings {
-        if let Some(port) = report.port.filter(|port| port.lost_messages > 0 || port.vanished > 0) {
-            say(format_args!(
-                "warning: the port of sink '{}' did not take {} messages ({} bytes); it vanished {} times and was opened again {} times",
-                report.name, port.lost_messages, port.lost_bytes, port.vanished, port.reopened
-            ));
+        for file in &sink.files {
+            report.line(format!("{name}: {}", escape::path(file)));
         }
-        for file in &report.files {
-            say(format_args!("{}: {}", report.name, escape::path(file)));
+        for note in sink.notes() {
+            report.warning(note);
         }
-        warn(report.notes());
-        if let Some(wire) = &report.wire {
-            say(format_args!("{}: {} datagrams to {}", report.name, wire.datagrams, wire.address));
+        if let Some(wire) = &sink.wire {
+            report.line(format!("{name}: {} datagrams to {}", wire.datagrams, wire.address));
             if wire.lost() > 0 {
-                say(format_args!(
-                    "warning: {} datagrams were lost: {} refused by the receiver's machine, {} without room in the send buffer, {} for other reasons",
+                report.warning(format_args!(
+                    "{} datagrams were lost: {} refused by the receiver's machine, {} without room in the send buffer, {} for other reasons",
                     wire.lost(),
                     wire.refused,
                     wire.blocked,
@@ -280,22 +242,19 @@ fn tell(run: &Run, outcome: &RunOutcome, recordings: &[&SinkReport]) {
     }
 }
 
-/// What the converter was fed with, for people.
-fn tell_converter(of: &ConverterReport) {
-    let levels: Vec<String> = of
-        .channels
-        .iter()
-        .map(|channel| {
-            format!("{} {:.2} LSB rms, {:.1} peak", channel.channel, channel.rms_lsb, channel.peak_lsb)
-        })
-        .collect();
-    say(format_args!(
-        "ADC of {} bits: {}; {} of {} samples saturated",
-        of.bits,
-        levels.join("; "),
-        of.saturated,
-        of.samples
-    ));
+/// What the converter was fed with.
+fn add_converter(report: &mut Report, of: &ConverterReport) {
+    let level = |channel: &ChannelReport| {
+        format!("{} {:.2} LSB rms, {:.1} peak", channel.channel, channel.rms_lsb, channel.peak_lsb)
+    };
+    let levels: Vec<String> = of.channels.iter().map(level).collect();
+    let levels = levels.join("; ");
+    report
+        .line(format!(
+            "ADC of {} bits: {levels}; {} of {} samples saturated",
+            of.bits, of.saturated, of.samples
+        ))
+        .value("converter", of);
 }
 
 /// A span of time, in milliseconds up to a second.
@@ -311,45 +270,45 @@ fn asked_to_derive(run: &Run, platform: &str) -> bool {
     })
 }
 
-/// What came of live navigation, for people.
-fn tell_navigation(run: &Run, live: &LiveNav, outcome: &RunOutcome) {
+/// What came of live navigation.
+fn add_navigation(report: &mut Report, run: &Run, flights: &[FlightReport], outcome: &RunOutcome) {
+    report.value("navigation", flights);
     let health = &outcome.summary.health;
-    for flight in live.report() {
+    for flight in flights {
         let FlightReport { platform, source, counts, ahead, unusable, implausible, jumps, .. } = flight;
-        say(format_args!("platform '{platform}' by {source}: {counts}"));
+        report.line(format!("platform '{platform}' by {source}: {counts}"));
         if ahead + unusable > 0 {
-            say(format_args!(
-                "warning: {ahead} fixes were ahead of the schedule and {unusable} could not be used"
+            report.warning(format_args!(
+                "{ahead} fixes were ahead of the schedule and {unusable} could not be used"
             ));
         }
-        if implausible > 0 {
+        if *implausible > 0 {
             let after = match jumps {
                 0 => String::new(),
-                _ => format!("; {} they went on to agree and were believed", counted(jumps, "time")),
+                _ => format!("; {} they went on to agree and were believed", counted(*jumps, "time")),
             };
-            say(format_args!(
-                "warning: {} refused: the platform cannot have flown there (track.vehicle, max_speed_mps, max_acceleration_mps2){after}",
-                counted(implausible, "fix").replace("fixs", "fixes")
+            report.warning(format_args!(
+                "{} refused: the platform cannot have flown there (track.vehicle, max_speed_mps, max_acceleration_mps2){after}",
+                counted(*implausible, "fix").replace("fixs", "fixes")
             ));
         }
-        if flight.attitude_derived == Some(true) && !asked_to_derive(run, &platform) {
-            say(format_args!(
+        if flight.attitude_derived == Some(true) && !asked_to_derive(run, platform) {
+            report.line(format!(
                 "platform '{platform}': no attitude among the fixes: derived from the motion (coordinated turn)"
             ));
         }
     }
     if let Some(latency) = &health.navigation_to_release_ms {
-        say(format_args!(
+        report.line(format!(
             "navigation to release {:.1} to {:.1} ms, median {:.1} ms, p99 {:.1} ms",
             latency.min, latency.max, latency.p50, latency.p99
         ));
     }
     if health.extrapolated > 0 {
-        say(format_args!(
-            "warning: navigation was extrapolated for {} of {}, for {} of them it was stale",
-            health.extrapolated,
-            counted(health.pulses, "pulse"),
-            health.stale
+        let (extrapolated, pulses, stale) =
+            (health.extrapolated, counted(health.pulses, "pulse"), health.stale);
+        report.warning(format_args!(
+            "navigation was extrapolated for {extrapolated} of {pulses}, for {stale} of them it was stale"
         ));
     }
 }
@@ -369,7 +328,7 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     if let Some(out) = &args.out {
         redirect(&mut run, out)?;
     }
-    if args.force {
+    if args.output.overwrite.force {
         for sink in &mut run.sinks {
             match &mut sink.kind {
                 Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } => *force = true,
@@ -398,15 +357,10 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
             record_as_named(run, out);
         }
         [] => {
-            let hdf5 = names_hdf5(out);
-            if hdf5 && !cfg!(feature = "hdf5") {
+            if names_hdf5(out) && !cfg!(feature = "hdf5") {
                 return Err(CliError::NoHdf5 { out: out.to_owned() });
             }
-            let path = out.to_owned();
-            let kind = match hdf5 {
-                true => Kind::Hdf5 { path, segment_s: None, force: false },
-                false => Kind::Plain { path, force: false },
-            };
+            let kind = Kind::recording_at(out, false);
             // A resolved run has at least one sink. One that sends goes on sending.
             match run.sinks.iter_mut().find(|sink| sink.kind == Kind::Null) {
                 Some(sink) => sink.kind = kind,
@@ -433,8 +387,4 @@ fn record_as_named(run: &mut Run, out: &Path) {
             sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
         }
     }
-}
-
-pub(super) fn names_hdf5(out: &Path) -> bool {
-    out.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
 }

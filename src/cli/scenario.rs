@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::Setting;
+use super::values::{Setting, threads};
 use crate::config::{self, ConfigError, Run};
 use crate::transport::Pace;
 
@@ -16,6 +16,44 @@ pub struct ScenarioArgs {
     /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<Setting>,
+}
+
+/// How a command reports.
+#[derive(Debug, Args)]
+pub struct JsonArg {
+    /// Print the report as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What becomes of files that exist.
+#[derive(Clone, Debug, Args)]
+pub struct ForceArg {
+    /// Overwrite outputs that exist
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What becomes of the output of a command.
+#[derive(Debug, Args)]
+pub struct OutputArgs {
+    /// Files that exist
+    #[command(flatten)]
+    pub overwrite: ForceArg,
+    /// How it is reported
+    #[command(flatten)]
+    pub format: JsonArg,
+}
+
+/// A scenario that is measured.
+#[derive(Debug, Args)]
+pub struct MeasuredArgs {
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Threads that make pulses (instead of stream.threads); 0: as many as the machine has
+    #[arg(long, value_name = "T", value_parser = threads())]
+    pub threads: Option<u64>,
 }
 
 impl ScenarioArgs {
@@ -39,5 +77,12 @@ impl ScenarioArgs {
         run.sinks.clear();
         run.stream.pace = Pace::Fast;
         Ok(run)
+    }
+}
+
+impl MeasuredArgs {
+    /// The run that is asked for, without sinks, as fast as it can.
+    pub(super) fn load(&self, more: &[(String, String)]) -> Result<Run, ConfigError> {
+        self.scenario.load_to_measure(self.threads, more)
     }
 }

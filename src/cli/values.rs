@@ -25,6 +25,28 @@ pub(super) fn counts(least: u64, most: u64) -> impl Fn(&str) -> Result<u64, NotA
     }
 }
 
+/// A value out of range.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{key} {value} is not allowed; allowed: {min} to {max}")]
+pub struct OutOfRange {
+    /// The option.
+    pub key: &'static str,
+    /// What was given.
+    pub value: f64,
+    /// Least allowed value.
+    pub min: f64,
+    /// Greatest allowed value.
+    pub max: f64,
+}
+
+/// Refuses values outside a range, not-a-number among them.
+pub(super) fn within(key: &'static str, values: &[f64], [min, max]: [f64; 2]) -> Result<(), OutOfRange> {
+    match values.iter().find(|value| !(min..=max).contains(*value)) {
+        Some(&value) => Err(OutOfRange { key, value, min, max }),
+        None => Ok(()),
+    }
+}
+
 /// Neither a number nor all.
 #[derive(Debug, Error)]
 #[error("not a number of pulses; allowed: a whole number, or all")]

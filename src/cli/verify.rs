@@ -1,15 +1,16 @@
 //! `nereus verify`: whether a recording is whole.
 
-use clap::Args;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
-use super::counted;
+use clap::Args;
+
 use super::error::CliError;
-use super::escape;
+use super::examine::error::ExamineError;
 use super::examine::examine;
-use super::json;
-use crate::cli::examine::error::ExamineError;
+use super::report::Report;
+use super::scenario::JsonArg;
+use super::{counted, escape, json};
 use crate::recording::verify::{Verdict, verify as look};
 
 /// `nereus verify`
@@ -17,9 +18,9 @@ use crate::recording::verify::{Verdict, verify as look};
 pub struct VerifyArgs {
     /// HDF5 file or folder
     pub recording: PathBuf,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
+    /// How it is reported
+    #[command(flatten)]
+    pub format: JsonArg,
 }
 
 /// Reads all of it, and reports.
@@ -30,12 +31,7 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
         Err(fatal) => return Err(fatal.into()),
     }
     let verdict = look(&args.recording)?;
-    if args.json {
-        let shown = Verdict { path: json::legible(&verdict.path), ..verdict.clone() };
-        json::print(&shown, out)?;
-    } else {
-        report(&verdict, out).map_err(CliError::Output)?;
-    }
+    report(&verdict).print(args.format.json, out)?;
     if verdict.whole {
         Ok(())
     } else {
@@ -43,23 +39,28 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
     }
 }
 
-/// The verdict for people.
-fn report(verdict: &Verdict, out: &mut dyn Write) -> io::Result<()> {
+fn report(verdict: &Verdict) -> Report {
+    let mut report = Report::default();
+    report.values(Verdict { path: json::legible(&verdict.path), ..verdict.clone() });
     let word = if verdict.whole { "whole" } else { "not whole" };
-    write!(out, "{}: {word}; {}", escape::path(&verdict.path), counted(verdict.pulses, "pulse"))?;
-    if let (Some(first), Some(last)) = (verdict.first, verdict.last) {
-        write!(out, " ({first} to {last}), {} dropped in real time", verdict.dropped)?;
-    }
-    writeln!(out, "; {} bytes read", verdict.bytes)?;
+    let pulses = counted(verdict.pulses, "pulse");
+    let span = match (verdict.first, verdict.last) {
+        (Some(first), Some(last)) => {
+            format!(" ({first} to {last}), {} dropped in real time", verdict.dropped)
+        }
+        _ => String::new(),
+    };
+    let path = escape::path(&verdict.path);
+    report.line(format!("{path}: {word}; {pulses}{span}; {} bytes read", verdict.bytes));
     for finding in &verdict.findings {
-        writeln!(out, "  {}: {}", escape::name(&finding.place), escape::name(&finding.what))?;
+        report.line(format!("  {}: {}", escape::name(&finding.place), escape::name(&finding.what)));
     }
     let more = verdict.faults.saturating_sub(verdict.findings.len() as u64);
     if more > 0 {
-        writeln!(out, "  and {} more", counted(more, "fault"))?;
+        report.line(format!("  and {} more", counted(more, "fault")));
     }
     for note in &verdict.notes {
-        writeln!(out, "  note: {note}")?;
+        report.line(format!("  note: {note}"));
     }
-    Ok(())
+    report
 }

@@ -22,6 +22,8 @@ pub mod outliers;
 #[doc(hidden)]
 pub mod pointing;
 #[doc(hidden)]
+pub mod proposal;
+#[doc(hidden)]
 pub mod smoother;
 mod source;
 pub mod track;

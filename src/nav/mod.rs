@@ -14,6 +14,8 @@ pub mod ais;
 #[doc(hidden)]
 pub mod completion;
 #[doc(hidden)]
+pub mod corruption;
+#[doc(hidden)]
 pub mod csv;
 #[doc(hidden)]
 pub mod decode;
@@ -23,6 +25,8 @@ pub mod encode;
 pub mod epoch;
 #[doc(hidden)]
 pub mod faults;
+#[doc(hidden)]
+pub mod inspection;
 #[doc(hidden)]
 pub mod inspvax;
 #[doc(hidden)]

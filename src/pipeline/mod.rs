@@ -11,6 +11,8 @@ pub mod build;
 pub mod changing;
 #[doc(hidden)]
 pub mod control;
+#[doc(hidden)]
+pub mod control_lines;
 mod dry_run;
 pub mod factory;
 pub mod focus;

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
 //! | [`chart`] | curves on linear, logarithmic or decibel axes |
+//! | [`body_plan`] | sections of a hull, from ahead and from astern |
 //! | [`colours`] | colour maps of even steps |
 //! | [`ticks`] | round numbers along an axis |
 //! | [`canvas`] | pixels, lines and letters; PNG |
@@ -24,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod body_plan;
 pub mod canvas;
 pub mod chart;
 pub mod colours;

@@ -34,6 +34,7 @@ pub mod listener;
 mod open;
 mod order;
 pub mod packet;
+pub mod parts;
 mod recording;
 pub mod report;
 mod roster;

@@ -43,6 +43,8 @@ pub mod path_file;
 #[doc(hidden)]
 pub mod plain;
 mod rows;
+#[doc(hidden)]
+pub mod snapshot_file;
 mod source;
 mod unwritten;
 pub mod verify;

@@ -35,6 +35,7 @@ pub mod fleet;
 pub mod realise;
 pub mod facet_surface;
 pub mod spectrum;
+pub mod summary;
 pub mod surface;
 pub mod wake;
 pub mod wind;

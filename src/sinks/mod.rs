@@ -74,6 +74,22 @@ pub enum Kind {
     Null,
 }
 
+impl Kind {
+    /// A recording at a path: HDF5 if its name says so, or else a folder of plain files.
+    pub fn recording_at(path: &Path, force: bool) -> Self {
+        let owned = path.to_owned();
+        match names_hdf5(path) {
+            true => Self::Hdf5 { path: owned, segment_s: None, force },
+            false => Self::Plain { path: owned, force },
+        }
+    }
+}
+
+/// Whether a name is that of an HDF5 file.
+pub fn names_hdf5(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
+}
+
 /// All that stands in the way of these sinks: outputs that exist (without force) or are no recordings (with
 /// it), outputs named twice, folders that are missing. Nothing is made or changed.
 pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use crate::program::{Ended, nereus, package};
+use crate::program::{Ended, nereus, package, started};
 
 fn sea() -> String {
     package().join("configs/sea.toml").display().to_string()
@@ -220,14 +220,8 @@ fn tradeoff_sweeps_the_knobs_and_writes_table_and_picture() {
 fn a_sweep_writes_its_table_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let begun = std::time::Instant::now();
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["tradeoff", &sea(), "--set", "scene.patch_size_m=[16, 16]", "--error-pulses", "4"])
-        .args(["--out", "swept"])
-        .current_dir(folder.path())
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
+    let swept = ["tradeoff", &sea(), "--set", "scene.patch_size_m=[16, 16]", "--error-pulses", "4"];
+    let mut child = started(folder.path(), &[&swept[..], &["--out", "swept"]].concat());
     let text = |ended: bool| -> String {
         let names = fs::read_dir(folder.path().join("swept")).into_iter().flatten().flatten();
         let tables = names.map(|entry| entry.path()).filter(|path| {

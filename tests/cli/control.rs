@@ -5,11 +5,11 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::program::{nereus, package};
+use crate::program::{command, nereus, package, started};
 
 fn scenario() -> String {
     package().join("configs/errors.toml").display().to_string()
@@ -23,15 +23,8 @@ struct Live {
 
 fn live(folder: &Path, more: &[&str]) -> Live {
     let socket = folder.join("run.sock");
-    let child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", &scenario(), "--json", "--control", "run.sock"])
-        .args(more)
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let child =
+        started(folder, &[&["run", &scenario(), "--json", "--control", "run.sock"][..], more].concat());
     let begun = Instant::now();
     while !socket.exists() {
         assert!(begun.elapsed() < Duration::from_secs(60), "no socket");
@@ -277,13 +270,8 @@ fn sockets_that_cannot_be_are_refused() {
 #[test]
 fn lines_come_from_standard_input_too() {
     let folder = tempfile::tempdir().unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", &scenario(), "--control", "-", "--out", "x.plain", "--set", "stream.policy=\"slip\""])
-        .current_dir(folder.path())
-        .stdin(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let run = ["run", &scenario(), "--control", "-", "--out", "x.plain", "--set", "stream.policy=\"slip\""];
+    let mut child = command(folder.path(), &run).stdin(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(b"dropout 1 s on mast\nstop\n").unwrap();
     let mut told = String::new();
     child.stderr.take().unwrap().read_to_string(&mut told).unwrap();

@@ -5,13 +5,13 @@ use std::fs;
 use std::path::Path;
 #[cfg(target_os = "linux")]
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 use crate::listing::listing;
-use crate::program::{Ended, nereus, package};
+use crate::program::{Ended, command, nereus, package, started};
 
 fn scenario() -> String {
     package().join("configs/monostatic.toml").display().to_string()
@@ -106,17 +106,7 @@ fn runs_that_meet_leave_one_whole_recording() {
     let config = scenario();
     for name in recordings() {
         let words = run_of(&config, "0..50", name);
-        let runs: Vec<_> = (0..6)
-            .map(|_| {
-                Command::new(env!("CARGO_BIN_EXE_nereus"))
-                    .args(&words)
-                    .current_dir(folder.path())
-                    .stdout(Stdio::null())
-                    .stderr(Stdio::null())
-                    .spawn()
-                    .unwrap()
-            })
-            .collect();
+        let runs: Vec<_> = (0..6).map(|_| started(folder.path(), &words)).collect();
         let codes: Vec<i32> = runs.into_iter().map(|mut run| run.wait().unwrap().code().unwrap()).collect();
         assert_eq!(codes.iter().filter(|code| **code == 0).count(), 1, "{codes:?}");
         assert!(codes.iter().all(|code| *code == 0 || *code == 2), "{codes:?}");
@@ -235,9 +225,7 @@ fn the_old_recording_goes_after_the_new_one_is_on_the_disk() {
         let out = root.join(name).display().to_string();
         let mut words = run_of(&config, "0..10", &out);
         words.push("--force");
-        let output = Command::new(env!("CARGO_BIN_EXE_nereus"))
-            .args(&words)
-            .current_dir(&root)
+        let output = command(&root, &words)
             .env("LD_PRELOAD", &library)
             .env("NEREUS_FAULT_PATH", &root)
             .env("NEREUS_FAULT_LOG", "1")
@@ -289,9 +277,7 @@ fn segments_of_others_stay() {
     let run = |more: &[&str]| {
         let words = ["run", &config, "--json", "--set", "sink.0.kind=hdf5", "--set", "sink.0.path=rec.h5"];
         let words = [&words[..], &["--set", "sink.0.segment_s=0.1"], more].concat();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
-        command.args(words).current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command
+        command(folder.path(), &words)
     };
     let ended = |more: &[&str]| {
         let output = run(more).output().unwrap();
@@ -345,13 +331,7 @@ fn a_recording_that_is_removed_meanwhile_is_a_failure() {
         let mut words = run_of(&config, "0..1000", name);
         words.extend(["--set", "stream.pace=realtime"]);
         words.retain(|word| !["--pace", "fast"].contains(word));
-        let child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-            .args(&words)
-            .current_dir(folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let child = started(folder.path(), &words);
         let path = folder.path().join(name);
         let begun = Instant::now();
         while !path.exists() {
@@ -390,10 +370,9 @@ fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
         let (mut runs, mut failed, mut at) = (0, 0, 1);
         loop {
             let folder = tempfile::tempdir().unwrap();
-            let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
+            let words = run_of(&config, if all { "0..1200" } else { "0..200" }, name);
+            let mut command = command(folder.path(), &words);
             command
-                .args(run_of(&config, if all { "0..1200" } else { "0..200" }, name))
-                .current_dir(folder.path())
                 .env("LD_PRELOAD", &library)
                 .env("NEREUS_FAULT_PATH", "rec")
                 .env("NEREUS_FAULT_AT", at.to_string());

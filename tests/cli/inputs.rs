@@ -1,21 +1,13 @@
 //! What is given to read and is no file, and names that would write lines of their own.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Ended, nereus, package};
+use crate::program::{Ended, command, nereus, package, started};
 
 /// Runs `nereus`; `None`, and its end, if it takes longer than it may.
 fn within(limit: Duration, folder: &Path, words: &[&str]) -> Option<Ended> {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(words)
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = started(folder, words);
     let begun = Instant::now();
     while child.try_wait().unwrap().is_none() {
         if begun.elapsed() > limit {
@@ -25,12 +17,7 @@ fn within(limit: Duration, folder: &Path, words: &[&str]) -> Option<Ended> {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    let output = child.wait_with_output().unwrap();
-    Some(Ended {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    })
+    Some(child.wait_with_output().unwrap().into())
 }
 
 /// Before: `nereus verify` and every command with a scenario, a log or a table waited for a writer, for ever.
@@ -132,8 +119,7 @@ fn json_is_valid_whatever_a_path_holds() {
     let folder = tempfile::tempdir().unwrap();
     let config = package().join("configs/monostatic.toml").into_os_string();
     let json = |words: &[&OsStr]| -> serde_json::Value {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
-        let ended = command.args(words).arg("--json").current_dir(folder.path()).output().unwrap();
+        let ended = command(folder.path(), words).arg("--json").output().unwrap();
         let (out, err) = (String::from_utf8_lossy(&ended.stdout), String::from_utf8_lossy(&ended.stderr));
         serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {words:?}: {out}{err}"))
     };

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use nereus::nav::solution::Solution;
 use nereus::time::TimeTag;
 use serialport::{SerialPort, TTYPort};
 
-use crate::program::nereus;
+use crate::program::{nereus, started};
 
 /// Epochs per second of the receiver.
 const RATE_HZ: f64 = 20.0;
@@ -79,14 +79,7 @@ fn live(port: &str, more: &str) -> String {
 }
 
 fn start(folder: &Path, config: &str, out: &str, more: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", config, "--json", "--out", out])
-        .args(more)
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
+    started(folder, &[&["run", config, "--json", "--out", out][..], more].concat())
 }
 
 fn report(child: Child) -> serde_json::Value {

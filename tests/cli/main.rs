@@ -4,6 +4,7 @@
 mod bench;
 #[cfg(unix)]
 mod control;
+mod examples;
 #[cfg(unix)]
 mod files;
 mod focus;
@@ -38,6 +39,7 @@ mod snapshot;
 mod speckle;
 mod ship_tables;
 mod table_golden;
+mod table_keys;
 mod tables;
 mod wake;
 mod wake_check;

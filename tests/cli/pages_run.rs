@@ -14,7 +14,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use crate::pages::{blocks, lines_of, name, pages, words};
-use crate::program::package;
+use crate::program::{command, package};
 
 /// Lines that are not run, by how they begin, and why.
 const NOT_RUN: [(&str, &str); 19] = [
@@ -119,9 +119,7 @@ struct Page<'a> {
 
 impl Page<'_> {
     fn nereus(&self, arguments: &[String]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_nereus"));
-        command.args(arguments).current_dir(self.folder);
-        command
+        command(self.folder, arguments)
     }
 
     fn fault(&mut self, line: &str, ended: &Output) {

@@ -5,11 +5,11 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use crate::program::{nereus, package};
+use crate::program::{command, nereus, package};
 
 /// A receiver that listens at a port of the system's choice.
 fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
-    begun(Command::new(env!("CARGO_BIN_EXE_nereus")), folder, arguments)
+    begun(command(folder, &RECEIVE), arguments)
 }
 
 /// The same under a limit of the size of files.
@@ -17,19 +17,16 @@ fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
 fn limited(folder: &Path, kib: u64, arguments: &[&str]) -> (Child, String) {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("ulimit -f {}; exec \"$0\" \"$@\"", kib * 2)]);
-    shell.arg(env!("CARGO_BIN_EXE_nereus"));
-    begun(shell, folder, arguments)
+    shell.arg(env!("CARGO_BIN_EXE_nereus")).args(RECEIVE).current_dir(folder);
+    shell.stdout(Stdio::piped()).stderr(Stdio::piped());
+    begun(shell, arguments)
 }
 
-fn begun(mut program: Command, folder: &Path, arguments: &[&str]) -> (Child, String) {
-    let mut child = program
-        .args(["receive", "--listen", "127.0.0.1:0", "--duration-s", "60"])
-        .args(arguments)
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+/// At a port of the system's choice.
+const RECEIVE: [&str; 5] = ["receive", "--listen", "127.0.0.1:0", "--duration-s", "60"];
+
+fn begun(mut program: Command, arguments: &[&str]) -> (Child, String) {
+    let mut child = program.args(arguments).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
     let address = line.strip_prefix("listening at ").unwrap().split(',').next().unwrap().to_owned();
@@ -148,10 +145,10 @@ fn the_report_for_people_says_the_same() {
     live_wire(folder.path(), &address, out);
     let text = stdout(receiver);
     for part in [
-        "pulses      222 whole, 0 incomplete; numbers 0 to 221",
-        "gaps        0 pulses by number, 0 by time stamps, 0 packets by packet counts",
-        "platform    coast at pulse 221: 3000.000 m East, 0.000 m North, 15.000 m up",
-        "\nlateness    ",
+        "pulses     222 whole, 0 incomplete; numbers 0 to 221",
+        "gaps       0 pulses by number, 0 by time stamps, 0 packets by packet counts",
+        "platform   coast at pulse 221: 3000.000 m East, 0.000 m North, 15.000 m up",
+        "\nlateness   ",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -188,7 +185,7 @@ fn addresses_and_outputs_that_cannot_be_are_told() {
     assert_eq!((ended.code, &report["pulses"]), (0, &0.into()));
     // Before: the text said that the stream was not sent in real time.
     let ended = nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1"]);
-    assert!(ended.stdout.contains("lateness    not reported: nothing was received"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("lateness   not reported: nothing was received"), "{}", ended.stdout);
 }
 
 /// A limit of the size of files is what a full disk is: the recording can be read, and what is counted is

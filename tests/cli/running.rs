@@ -2,10 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::program::{Ended, nereus, package};
+use crate::program::{Ended, nereus, package, started};
 
 fn calibration() -> String {
     package().join("configs/calibration.toml").display().to_string()
@@ -158,14 +158,8 @@ fn signals_close_the_recording() {
 fn closed_by(signal: &str) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("stopped.plain");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out"])
-        .arg(&out)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .stdin(Stdio::null())
-        .spawn()
-        .unwrap();
+    let run = ["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out", "stopped.plain"];
+    let mut child = started(folder.path(), &run);
     let begun = Instant::now();
     let index = out.join("pulse/index.bin");
     while !fs::metadata(&index).is_ok_and(|data| data.len() > 0) {
@@ -278,14 +272,8 @@ fn a_window_that_misses_every_target_is_warned_of() {
 fn a_recording_under_way_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("live.h5");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_nereus"))
-        .args(["run", &calibration(), "--duration-s", "3", "--out"])
-        .arg(&out)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .stdin(Stdio::null())
-        .spawn()
-        .unwrap();
+    let run = ["run", &calibration(), "--duration-s", "3", "--out", "live.h5"];
+    let mut child = started(folder.path(), &run);
     let begun = Instant::now();
     while !out.exists() {
         assert!(begun.elapsed() < Duration::from_secs(20), "no recording came");

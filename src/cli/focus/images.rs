@@ -16,8 +16,8 @@ use crate::plot::picture::{Axis, Limits, Picture, Reduction};
 use crate::processor::focus::Image;
 use crate::processor::multilook::percentile;
 use crate::recording::Recording;
+use crate::recording::field_file::Attribute;
 use crate::recording::image_file::ImageFile;
-use crate::recording::map_file::Attribute;
 use crate::recording::output::{FileKind, Output};
 
 /// Where images go.

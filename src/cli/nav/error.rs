@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::files::FileFault;
-use crate::nav::NavError;
+use crate::inputs::shown;
 use crate::nav::encode::EncodeError;
-use crate::nav::pcap::CaptureError;
+use crate::nav::inspection::InspectionError;
 use crate::sinks::port::NotADevice;
 
 /// Why a tool for navigation ends early.
@@ -16,40 +16,17 @@ use crate::sinks::port::NotADevice;
 pub enum NavToolError {
     /// The recording cannot be read.
     #[error(transparent)]
-    Nav(#[from] NavError),
-    /// The capture cannot be read.
-    #[error("{}: {source}", crate::cli::escape::path(path))]
-    Capture {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        source: CaptureError,
-    },
-    /// An SBET has no week of its own.
-    #[error(
-        "{}: an SBET says neither date nor week; needed: --gps-week, such as 2000 (from 2018-05-06)",
-        crate::cli::escape::path(path)
-    )]
-    Week {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A capture without navigation.
-    #[error("{}: no stream of this capture holds a message that is read", crate::cli::escape::path(path))]
-    Silent {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Positions that lie nowhere on Earth.
+    Recorded(#[from] InspectionError),
+    /// Positions that are not georeferenced.
     #[error(
         "{}: positions are in the frame of a scene (x_m, y_m, z_m); allowed: lat_deg, lon_deg, height_m",
-        crate::cli::escape::path(path)
+        shown(path)
     )]
     Local {
         /// The file.
         path: PathBuf,
     },
-    /// A state that the format cannot tell.
+    /// A state that the format cannot hold.
     #[error("fix {number} at {time}: {source}")]
     Encode {
         /// Which fix, from 1.
@@ -59,11 +36,8 @@ pub enum NavToolError {
         /// Why.
         source: EncodeError,
     },
-    /// A name that says nothing of the format.
-    #[error(
-        "{}: its name says no format; allowed: .csv, .nmea, .inspvax, or --to",
-        crate::cli::escape::path(path)
-    )]
+    /// A name without a known format.
+    #[error("{}: its name says no format; allowed: .csv, .nmea, .inspvax, or --to", shown(path))]
     Target {
         /// The output.
         path: PathBuf,
@@ -80,7 +54,7 @@ pub enum NavToolError {
         source: io::Error,
     },
     /// The output cannot be written.
-    #[error("{}: cannot write: {source}", crate::cli::escape::path(path))]
+    #[error("{}: cannot write: {source}", shown(path))]
     Write {
         /// The output.
         path: PathBuf,
@@ -105,10 +79,7 @@ pub enum NavToolError {
         bytes: usize,
     },
     /// No run answers.
-    #[error(
-        "{}: {source}; allowed: the socket of a run under way (nereus run --control)",
-        crate::cli::escape::path(path)
-    )]
+    #[error("{}: {source}; allowed: the socket of a run under way (nereus run --control)", shown(path))]
     Control {
         /// The socket.
         path: PathBuf,
@@ -116,10 +87,10 @@ pub enum NavToolError {
         source: io::Error,
     },
     /// The run does not take the line.
-    #[error("{told}")]
+    #[error("{answer}")]
     Refused {
         /// Why.
-        told: String,
+        answer: String,
     },
     /// A number that makes no sense.
     #[error("--{key} {value}: allowed: {allowed}")]

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::control::{LONGEST_LINE, ask};
 use super::super::error::CliError;
 use super::NavToolError;
+use crate::pipeline::control_lines::{LONGEST_LINE, ask};
 
 /// `nereus nav inject`
 #[derive(Debug, Args)]
@@ -28,7 +28,7 @@ pub(super) fn inject(args: &NavInjectArgs, out: &mut dyn Write) -> Result<(), Cl
     let answer = ask(&args.socket, &line)
         .map_err(|source| NavToolError::Control { path: args.socket.clone(), source })?;
     match answer.strip_prefix("error ") {
-        Some(told) => Err(NavToolError::Refused { told: told.to_owned() }.into()),
+        Some(why) => Err(NavToolError::Refused { answer: why.to_owned() }.into()),
         None => writeln!(out, "{answer}").map_err(CliError::Output),
     }
 }

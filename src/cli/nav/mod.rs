@@ -1,13 +1,11 @@
 //! `nereus nav`: recorded navigation inspected, converted, played, corrupted, and changed in a run under way.
 
-mod block;
 mod convert;
 mod corrupt;
 mod error;
 mod inject;
 mod inspect;
 mod play;
-mod recorded;
 
 use std::io::Write;
 use std::path::Path;
@@ -15,8 +13,13 @@ use std::path::Path;
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::error::CliError;
+use super::scenario::ForceArg;
+use super::{escape, say};
 use crate::files::{self, Draft, Holding, Recognised};
 use crate::inputs;
+use crate::nav::inspection::{Encoding, InspectionError, Reading, Recorded};
+use crate::nav::solution::{Solution, derive_velocities};
+use crate::nav::{Place, VerticalDatum};
 use crate::sinks::port;
 
 pub use convert::NavConvertArgs;
@@ -37,7 +40,7 @@ pub struct NavArgs {
 /// Subcommands of `nereus nav`.
 #[derive(Debug, Subcommand)]
 pub enum NavCommand {
-    /// Tell what a recording holds: counts, span, gaps, rate, area, speeds
+    /// Report what a recording holds: counts, span, gaps, rate, area, speeds
     Inspect(NavInspectArgs),
     /// Write a recording in another format
     Convert(NavConvertArgs),
@@ -103,6 +106,26 @@ pub struct SourceArgs {
     pub undulation_m: f64,
 }
 
+impl SourceArgs {
+    fn reading(&self) -> Reading {
+        Reading {
+            encoding: self.from.map(|from| match from {
+                Source::Csv => Encoding::Csv,
+                Source::Nmea => Encoding::Nmea,
+                Source::Inspvax => Encoding::Inspvax,
+                Source::Sbet => Encoding::Sbet,
+                Source::Pcap => Encoding::Pcap,
+            }),
+            gps_week: self.gps_week,
+            datum: match self.datum {
+                Datum::Ellipsoid => VerticalDatum::Ellipsoid,
+                Datum::Msl => VerticalDatum::MeanSeaLevel,
+            },
+            undulation_m: self.undulation_m,
+        }
+    }
+}
+
 /// How states are written.
 #[derive(Clone, Debug, Args)]
 pub struct TargetArgs {
@@ -112,6 +135,20 @@ pub struct TargetArgs {
     /// NMEA sentences, in this order
     #[arg(long, value_delimiter = ',', default_value = "GGA,RMC,VTG,HDT,ZDA,GST,PASHR", value_parser = sentence)]
     pub sentences: Vec<crate::nav::encode::Sentence>,
+}
+
+/// How a recording is read, and written again.
+#[derive(Clone, Debug, Args)]
+pub struct RewriteArgs {
+    /// How it is read
+    #[command(flatten)]
+    pub source: SourceArgs,
+    /// How it is written
+    #[command(flatten)]
+    pub target: TargetArgs,
+    /// Files that exist
+    #[command(flatten)]
+    pub overwrite: ForceArg,
 }
 
 fn sentence(text: &str) -> Result<crate::nav::encode::Sentence, &'static str> {
@@ -127,6 +164,22 @@ pub(super) fn nav(args: &NavArgs, out: &mut dyn Write) -> Result<(), CliError> {
         NavCommand::Corrupt(args) => corrupt::corrupt(args),
         NavCommand::Inject(args) => inject::inject(args, out),
     }
+}
+
+/// The states of a recording, to be written elsewhere. Velocities that it does not have are derived.
+fn solutions(path: &Path, args: &SourceArgs) -> Result<Vec<Solution>, NavToolError> {
+    let recording = Recorded::read(path, &args.reading())?.track.map_err(InspectionError::from)?;
+    say(format_args!("{}: {}", escape::path(path), recording.report));
+    if recording.fixes.iter().any(|fix| matches!(fix.place, Place::Local(_))) {
+        return Err(NavToolError::Local { path: path.to_owned() });
+    }
+    let mut solutions: Vec<Solution> =
+        recording.fixes.iter().filter_map(|fix| Solution::of_fix(fix, args.undulation_m)).collect();
+    let derived = derive_velocities(&mut solutions);
+    if derived > 0 {
+        say(format_args!("velocities of {derived} fixes derived from their neighbours"));
+    }
+    Ok(solutions)
 }
 
 /// Makes a file; one that exists is replaced only by force, and only if it begins like navigation.

@@ -8,8 +8,7 @@ use clap::Args;
 
 use super::convert::format_of;
 use super::error::NavToolError;
-use super::recorded::solutions;
-use super::{SourceArgs, Target, TargetArgs};
+use super::{RewriteArgs, Target, solutions};
 use crate::cli::error::CliError;
 use crate::cli::say;
 use crate::nav::encode::{EncodeError, Format};
@@ -32,15 +31,9 @@ pub struct NavPlayArgs {
     /// Bits a second of a serial port
     #[arg(long, default_value_t = 115_200)]
     pub baud: u32,
-    /// How it is read
+    /// How it is read and sent
     #[command(flatten)]
-    pub source: SourceArgs,
-    /// How it is sent
-    #[command(flatten)]
-    pub target: TargetArgs,
-    /// Overwrite a file that exists
-    #[arg(long)]
-    pub force: bool,
+    pub rewrite: RewriteArgs,
 }
 
 /// Sends a recording, every message at its time.
@@ -49,18 +42,18 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
         return Err(NavToolError::Range { key: "rate", value: args.rate, allowed: "0.001 to 1e6" }.into());
     }
     let device = Device::of(&args.device, args.baud).map_err(NavToolError::from)?;
-    let solutions = solutions(&args.file, &args.source)?;
-    let target = args.target.to.unwrap_or(Target::Nmea);
-    let format =
-        format_of(target, &args.target).unwrap_or_else(|| Format::Nmea(args.target.sentences.clone()));
+    let solutions = solutions(&args.file, &args.rewrite.source)?;
+    let target = args.rewrite.target.to.unwrap_or(Target::Nmea);
+    let format = format_of(target, &args.rewrite.target)
+        .unwrap_or_else(|| Format::Nmea(args.rewrite.target.sentences.clone()));
     let Some(first) = solutions.first() else { return Ok(()) };
     let mut message = Vec::new();
     // What cannot be reported is known before the port is opened.
-    for (number, said) in (1..).zip(&solutions) {
+    for (number, solution) in (1..).zip(&solutions) {
         message.clear();
-        format.write(said, &mut message).map_err(|source: EncodeError| NavToolError::Encode {
+        format.write(solution, &mut message).map_err(|source: EncodeError| NavToolError::Encode {
             number,
-            time: said.time.to_string(),
+            time: solution.time.to_string(),
             source,
         })?;
     }
@@ -68,13 +61,13 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
         PortFault::System(source) => NavToolError::Port { device: device.to_string(), source },
         PortFault::File(fault) => NavToolError::Output(fault),
     };
-    let mut port = Port::open(device.clone(), args.force).map_err(fault)?;
+    let mut port = Port::open(device.clone(), args.rewrite.overwrite.force).map_err(fault)?;
     let begun = Instant::now();
-    for said in &solutions {
-        let due = Duration::from_secs_f64(said.time.since(first.time).max(0.0) / args.rate);
+    for solution in &solutions {
+        let due = Duration::from_secs_f64(solution.time.since(first.time).max(0.0) / args.rate);
         thread::sleep(due.saturating_sub(begun.elapsed()));
         message.clear();
-        if format.write(said, &mut message).is_ok() {
+        if format.write(solution, &mut message).is_ok() {
             port.send(&message);
         }
         if port.failed() {

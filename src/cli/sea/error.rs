@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::cli::values::OutOfRange;
 use crate::plot::canvas::PngError;
 use crate::plot::chart::PlotError;
 use crate::plot::picture::PictureError;
@@ -29,17 +30,8 @@ pub enum SeaError {
         path: PathBuf,
     },
     /// A value out of range.
-    #[error("{key} {value} is not allowed; allowed: {min} to {max}")]
-    Range {
-        /// The key.
-        key: &'static str,
-        /// What was given.
-        value: f64,
-        /// Least allowed value.
-        min: f64,
-        /// Greatest allowed value.
-        max: f64,
-    },
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// A channel that the scenario does not have.
     #[error("no channel '{name}'; allowed: {known}")]
     NoChannel {
@@ -97,7 +89,7 @@ impl SeaError {
         match self {
             Self::NoSea { .. }
             | Self::NoShip { .. }
-            | Self::Range { .. }
+            | Self::Range(_)
             | Self::NoChannel { .. }
             | Self::NoPulse { .. }
             | Self::NoHdf5 { .. }

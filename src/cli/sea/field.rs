@@ -1,17 +1,78 @@
-//! Fields of the sea: as layers of a map, as pictures.
+//! Fields of the sea: as layers of a map, as pictures; the arguments that ask for them.
 
 use std::borrow::Cow;
+use std::path::PathBuf;
 
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 
+use super::SeaError;
+use crate::cli::json::legible;
+use crate::cli::outputs::{axes, save_png};
+use crate::cli::report::Report;
+use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::plot::colours::ColourMap;
+use crate::plot::picture::Picture;
+use crate::recording::field_file::Attribute;
+use crate::recording::map_file::{Layer, MapFile};
+use crate::recording::output::Output;
+use crate::scene::Patch;
 use crate::sea::surface::{Fields, Selection};
+
+/// A map of the patch at a time, and a picture of it.
+#[derive(Debug, Args)]
+pub struct MapArgs {
+    /// The scenario
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Time after pulse 0
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub time_s: f64,
+    /// Map to make: every field of the patch (HDF5)
+    #[arg(long, value_name = "PATH.h5")]
+    pub out: Option<PathBuf>,
+    /// Picture to make
+    #[arg(long, value_name = "PATH.png")]
+    pub png: Option<PathBuf>,
+    /// What the picture shows
+    #[arg(long, value_enum, default_value_t = Field::Height)]
+    pub field: Field,
+    /// What becomes of its output
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Files that a command makes, under their keys of `--json`.
+pub(in crate::cli) fn files<const N: usize>(report: &mut Report, files: [(&str, &Option<PathBuf>); N]) {
+    for (key, path) in files {
+        report.value(key, path.as_deref().map(legible));
+    }
+}
+
+/// Writes every field of a patch.
+pub(in crate::cli) fn write_map(
+    output: Output,
+    format: &str,
+    config: &str,
+    attributes: &[(&str, Attribute<'_>)],
+    patch: &Patch,
+    fields: &Fields<f64>,
+) -> Result<(), SeaError> {
+    let layers = LAYERS.map(|(name, unit, meaning, values)| {
+        let values: &[f64] = values(fields);
+        Layer { name, unit, meaning, values }
+    });
+    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
+    let run = [("software", Attribute::Text(&software)), ("config", Attribute::Text(config))];
+    let attributes = [&run, attributes].concat();
+    let file = MapFile { format, attributes: &attributes, patch, layers: &layers };
+    output.write(|partial| Ok(file.write(partial)?))
+}
 
 /// Name, unit and meaning of a layer, and where its values are.
 type LayerOf = (&'static str, &'static str, &'static str, fn(&Fields<f64>) -> &[f64]);
 
 /// The layers of a map.
-pub(in crate::cli) const LAYERS: [LayerOf; 11] = [
+const LAYERS: [LayerOf; 11] = [
     ("height_m", "m", "height above the mean surface", |f| &f.height_m),
     ("slope_x", "1", "slope dz/dx, x to the East", |f| &f.slope[0]),
     ("slope_y", "1", "slope dz/dy, y to the North", |f| &f.slope[1]),
@@ -60,7 +121,7 @@ impl Field {
     }
 
     /// Its values, `[iy][ix]`.
-    pub(in crate::cli) fn values(self, fields: &Fields<f64>) -> Cow<'_, [f64]> {
+    fn values(self, fields: &Fields<f64>) -> Cow<'_, [f64]> {
         let [slope_x, slope_y] = &fields.slope;
         Cow::Borrowed(match self {
             Self::Height => &fields.height_m,
@@ -73,6 +134,28 @@ impl Field {
             Self::DisplacementX => &fields.displacement_m[0],
             Self::DisplacementY => &fields.displacement_m[1],
         })
+    }
+
+    /// Draws it over a patch.
+    pub(in crate::cli) fn draw(
+        self,
+        output: Output,
+        title: &str,
+        patch: &Patch,
+        fields: &Fields<f64>,
+    ) -> Result<(), SeaError> {
+        let [x, y] = axes(patch);
+        let values = self.values(fields);
+        let picture = Picture {
+            title,
+            x,
+            y,
+            quantity: self.quantity(),
+            colours: self.colours(),
+            scale_bar: Some("m"),
+            ..Picture::new(&values, patch.facets)?
+        };
+        save_png(output, &picture)
     }
 
     pub(in crate::cli) fn title(self) -> &'static str {
@@ -90,7 +173,7 @@ impl Field {
     }
 
     /// Along the colour bar.
-    pub(in crate::cli) fn quantity(self) -> &'static str {
+    fn quantity(self) -> &'static str {
         match self {
             Self::Height => "height, m",
             Self::Slope | Self::SlopeX | Self::SlopeY => "slope",
@@ -99,7 +182,7 @@ impl Field {
         }
     }
 
-    pub(in crate::cli) fn colours(self) -> ColourMap {
+    fn colours(self) -> ColourMap {
         if self == Self::Slope { ColourMap::Deep } else { ColourMap::Swell }
     }
 }

@@ -5,123 +5,87 @@
 //! [`map_file`](crate::recording::map_file) with format `nereus-sea`, [`picture`](crate::plot::picture),
 //! [`state`](crate::sea::surface::state).
 
-mod paths;
 mod error;
 pub(super) mod field;
+mod paths;
 pub mod snapshot;
-mod summary;
 
-use crate::cli::outputs::{axes, outputs, save_png};
-use crate::cli::scenario::ScenarioArgs;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
 
 pub use error::SeaError;
-pub use field::Field;
+pub use field::{Field, MapArgs};
 
 use super::error::CliError;
-use super::{json, say, warn};
+use super::outputs::outputs;
+use super::report::Report;
+use super::warn;
 use crate::adequacy::patch_at;
 use crate::pipeline::fault::BuildErrors;
-use crate::plot::picture::Picture;
 use crate::recording::field_file::Attribute;
-use crate::recording::map_file::{Layer, MapFile};
 use crate::recording::output::{FileKind, Output, OutputError};
-use crate::scene::Patch;
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::Fleet;
 use crate::sea::realise::{Realised, realise};
-use crate::sea::surface::{Fields, Selection};
-use summary::Summary;
+use crate::sea::summary::Summary;
+use crate::sea::surface::Selection;
+use field::{files, write_map};
 
 /// `nereus sea`
 #[derive(Debug, Args)]
 pub struct SeaArgs {
-    /// The scenario
+    /// The map
     #[command(flatten)]
-    pub scenario: ScenarioArgs,
-    /// Time after pulse 0
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub time_s: f64,
-    /// Map to make: every field of the patch (HDF5)
-    #[arg(long, value_name = "PATH.h5")]
-    pub out: Option<PathBuf>,
-    /// Picture to make
-    #[arg(long, value_name = "PATH.png")]
-    pub png: Option<PathBuf>,
-    /// What the picture shows
-    #[arg(long, value_enum, default_value_t = Field::Height)]
-    pub field: Field,
+    pub map: MapArgs,
     /// State of the sea to save, for sea.state_path of other scenarios
     #[arg(long, value_name = "PATH")]
     pub save_state: Option<PathBuf>,
-    /// Overwrite files that exist
-    #[arg(long)]
-    pub force: bool,
-    /// Print a summary as one JSON object
-    #[arg(long)]
-    pub json: bool,
 }
 
-/// What `--json` prints.
-#[derive(Debug, Serialize)]
-struct Report<'a> {
-    #[serde(flatten)]
-    summary: &'a Summary,
-    out: Option<PathBuf>,
-    png: Option<PathBuf>,
-    state: Option<PathBuf>,
-}
-
-/// Makes the files that the arguments ask for, and tells what sea it is.
+/// Makes the files that the arguments ask for, and reports what sea it is.
 pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = args.scenario.load(&[])?;
+    let SeaArgs { map: asked, save_state } = args;
+    let run = asked.scenario.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: args.scenario.config.clone() })?;
+    let no_sea = || SeaError::NoSea { path: asked.scenario.config.clone() };
+    let sea = run.scene.sea.as_ref().ok_or_else(no_sea)?;
     let [map, picture, state] = outputs(
-        [(&args.out, FileKind::Hdf5), (&args.png, FileKind::Png), (&args.save_state, FileKind::SeaState)],
-        args.force,
+        [(&asked.out, FileKind::Hdf5), (&asked.png, FileKind::Png), (save_state, FileKind::SeaState)],
+        asked.output.overwrite.force,
     )?;
     let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
     let ships = &run.scene.ships;
     // Ships do not repeat with the waves of the wind: it matters where the patch lies.
-    let patch = if ships.is_empty() { sea.patch } else { patch_at(&run, sea, args.time_s)? };
-    let fleet = Fleet::muster(ships, &[(args.time_s, patch)]).map_err(BuildErrors::from)?;
-    let sheet = FacetSurface::new(&realised.surface, selection(args));
-    let mut sheet = sheet.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
-    let mut fields = sheet.fields(&patch);
-    sheet.evaluate(args.time_s, &patch, &mut fields).map_err(SeaError::from)?;
-    let summary = Summary::new(&realised, &patch, &fields, args.time_s);
-    for line in summary.lines() {
-        say(line);
-    }
+    let patch = if ships.is_empty() { sea.patch } else { patch_at(&run, sea, asked.time_s)? };
+    let fleet = Fleet::muster(ships, &[(asked.time_s, patch)]).map_err(BuildErrors::from)?;
+    let surface = FacetSurface::new(&realised.surface, selection(asked));
+    let mut surface = surface.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
+    let mut fields = surface.fields(&patch);
+    surface.evaluate(asked.time_s, &patch, &mut fields).map_err(SeaError::from)?;
+    let summary = Summary::new(&realised, &patch, &fields, asked.time_s);
     if let Some(output) = state {
         save(output, &realised)?;
     }
     if let Some(output) = map {
-        write_map(output, &run.text, &patch, &fields, &summary)?;
+        write_map(output, "nereus-sea", &run.text, &attributes(&summary), &patch, &fields)?;
     }
     if let Some(output) = picture {
-        draw(output, args.field, &patch, &fields, args.time_s)?;
+        let title = format!("{}, {} s", asked.field.title(), asked.time_s);
+        asked.field.draw(output, &title, &patch, &fields)?;
     }
-    if args.out.is_none() && args.png.is_none() && args.save_state.is_none() {
-        say("no file was asked for: --out, --png, --save-state");
+    let mut report = report(&summary);
+    files(&mut report, [("out", &asked.out), ("png", &asked.png), ("state", save_state)]);
+    if asked.out.is_none() && asked.png.is_none() && save_state.is_none() {
+        report.line("no file was asked for: --out, --png, --save-state");
     }
-    if args.json {
-        let [out_file, png, state] =
-            [&args.out, &args.png, &args.save_state].map(|path| path.as_deref().map(json::legible));
-        let report = Report { summary: &summary, out: out_file, png, state };
-        json::print(&report, out)?;
-    }
-    Ok(())
+    report.say(asked.output.format.json, out)
 }
 
 /// Everything that is written; the summary wants height and slopes.
-fn selection(args: &SeaArgs) -> Selection {
+fn selection(args: &MapArgs) -> Selection {
     if args.out.is_some() {
         return Selection { slope_rate: false, ..Selection::ALL };
     }
@@ -136,50 +100,43 @@ fn save(output: Output, realised: &Realised) -> Result<(), SeaError> {
     })
 }
 
-fn write_map(
-    output: Output,
-    config: &str,
-    patch: &Patch,
-    fields: &Fields<f64>,
-    summary: &Summary,
-) -> Result<(), SeaError> {
-    let layers = field::LAYERS.map(|(name, unit, meaning, values)| {
-        let values: &[f64] = values(fields);
-        Layer { name, unit, meaning, values }
-    });
-    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
-    let attributes = [
-        ("software", Attribute::Text(&software)),
-        ("config", Attribute::Text(config)),
+fn attributes(summary: &Summary) -> [(&'static str, Attribute<'static>); 6] {
+    [
         ("seed", Attribute::Whole(summary.seed)),
         ("time_s", Attribute::Real(summary.time_s)),
         ("facet_m", Attribute::Real(summary.facet_m)),
         ("wind_10m_mps", Attribute::Real(summary.wind_10m_mps)),
         ("significant_height_m", Attribute::Real(summary.significant_height_m)),
         ("expected_significant_height_m", Attribute::Real(summary.expected_significant_height_m)),
-    ];
-    let file = MapFile { format: "nereus-sea", attributes: &attributes, patch, layers: &layers };
-    output.write(|partial| Ok(file.write(partial)?))
+    ]
 }
 
-fn draw(
-    output: Output,
-    field: Field,
-    patch: &Patch,
-    fields: &Fields<f64>,
-    time_s: f64,
-) -> Result<(), SeaError> {
-    let [x, y] = axes(patch);
-    let title = format!("{}, {time_s} s", field.title());
-    let values = field.values(fields);
-    let picture = Picture {
-        title: &title,
-        x,
-        y,
-        quantity: field.quantity(),
-        colours: field.colours(),
-        scale_bar: Some("m"),
-        ..Picture::new(&values, patch.facets)?
+fn report(summary: &Summary) -> Report {
+    let ([nx, ny], [sx, sy], [ex, ey]) = (summary.facets, summary.rms_slope, summary.expected_rms_slope);
+    let mut report = Report::default();
+    report
+        .values(summary)
+        .line(format!(
+            "sea at {} s: {nx} x {ny} facets of {} m, seed {}, wind {:.1} m/s at 10 m",
+            summary.time_s, summary.facet_m, summary.seed, summary.wind_10m_mps
+        ))
+        .line(format!(
+            "significant height {:.2} m (expected {:.2} m), rms slopes {sx:.4} East, {sy:.4} North (expected {ex:.4}, {ey:.4})",
+            summary.significant_height_m, summary.expected_significant_height_m
+        ));
+    let Some(peak_m) = summary.peak_wavelength_m else {
+        report.line("the spectrum is that of still water");
+        return report;
     };
-    save_png(output, &picture)
+    let [width_m, height_m] = summary.facets.map(|n| n as f64 * summary.facet_m);
+    let least_m = summary.least_length_m;
+    report.line(format!(
+        "peak wavelength {peak_m:.1} m; patch {width_m} x {height_m} m, at least {least_m:.0} m a side hold the peak of the spectrum"
+    ));
+    if width_m.min(height_m) < least_m {
+        report.warning(format!(
+            "the patch is shorter than {least_m:.0} m: few waves near the peak fit it, and its height varies much with the seed"
+        ));
+    }
+    report
 }

@@ -1,4 +1,4 @@
-//! `nereus snapshot --paths`: the scatterer paths that the window of a pulse hears, as the reference echo
+//! `nereus snapshot --paths`: the scatterer paths within the receive window of a pulse, as the reference echo
 //! takes them.
 
 use super::super::error::CliError;
@@ -11,7 +11,7 @@ use crate::recording::output::Output;
 use crate::recording::path_file::PathFile;
 use crate::scene::radar::{Sweep, Waveform};
 
-/// Writes the file and tells how many scatterer paths it holds.
+/// Writes the file; returns how many scatterer paths it holds.
 pub(super) fn write(
     output: Output,
     run: &Run,

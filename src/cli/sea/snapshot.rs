@@ -8,28 +8,26 @@
 //! `--paths` writes what the echo of the pulse is made of, facets, targets and direct paths alike
 //! ([`path_file`](crate::recording::path_file)); for that alone the scenario needs no sea.
 
-use crate::cli::scenario::ScenarioArgs;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
 
-use super::super::error::CliError;
-use super::super::{say, warn};
+use super::field::files;
 use super::{SeaError, paths};
-use crate::cli::json;
+use crate::cli::error::CliError;
 use crate::cli::outputs::{axes, outputs, save_png};
+use crate::cli::report::Report;
+use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::cli::values::counts;
-use crate::config::Run;
+use crate::cli::warn;
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;
 use crate::pipeline::{changing, fault};
 use crate::plot::colours::ColourMap;
 use crate::plot::picture::{Limits, Picture, Reduction};
-use crate::recording::field_file::Attribute;
-use crate::recording::map_file::{Layer, MapFile};
 use crate::recording::output::{FileKind, Output};
+use crate::recording::snapshot_file;
 
 /// Decibels that the colours of a picture span.
 const SPAN_DB: f64 = 60.0;
@@ -50,39 +48,18 @@ pub struct SnapshotArgs {
     /// Map to make: contributions of all channels, delays, Doppler, heights (HDF5)
     #[arg(long, value_name = "PATH.h5")]
     pub out: Option<PathBuf>,
-    /// Contacts of the pulse to write: delays, rates, amplitudes of every channel (HDF5)
+    /// Scatterer paths of the pulse to write: delays, rates, amplitudes of every channel (HDF5)
     #[arg(long, value_name = "PATH.h5")]
     pub paths: Option<PathBuf>,
     /// Picture to make
     #[arg(long, value_name = "PATH.png")]
     pub png: Option<PathBuf>,
-    /// Overwrite files that exist
-    #[arg(long)]
-    pub force: bool,
-    /// Print a summary as one JSON object
-    #[arg(long)]
-    pub json: bool,
+    /// What becomes of its output
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
-/// What is printed.
-#[derive(Debug, Serialize)]
-struct Report {
-    pulse: u64,
-    facets: usize,
-    /// Facets that return something in any channel.
-    illuminated: usize,
-    /// Of these, how many the window receives.
-    heard: usize,
-    /// By channel: name, its strongest facet, the sum of all, dBW (`None` where nothing is returned).
-    channels: Vec<(String, Option<f64>, Option<f64>)>,
-    out: Option<PathBuf>,
-    png: Option<PathBuf>,
-    paths: Option<PathBuf>,
-    /// How many there are in that file.
-    contact_count: Option<usize>,
-}
-
-/// Makes the files that the arguments ask for, and tells what is illuminated.
+/// Makes the files that the arguments ask for, and reports what is illuminated.
 pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = args.scenario.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
@@ -105,141 +82,65 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     }
     let asked = [&args.out, &args.paths, &args.png];
     let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
-    let [map, list, picture] = outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.force)?;
+    let [map, list, picture] =
+        outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.output.overwrite.force)?;
     let factory = changing::factory(&run, &Fidelity::Reference)?;
     let made = factory.snapshots(&[args.pulse]);
     // The pulse is in the run and the tracks cover it.
     let snapshot = made.map_err(|error| fault::BuildErrors::from(fault::BuildError::Radar(error)))?.pop();
-    let mut report = report(args, &names, snapshot.as_ref());
+    let mut report = Report::default();
+    add_facets(&mut report, args.pulse, &names, snapshot.as_ref());
     if let Some(snapshot) = &snapshot {
-        tell(&report);
         if let Some(output) = map {
-            write_map(output, &run, &names, snapshot)?;
+            output.write(|partial| {
+                Ok::<_, SeaError>(snapshot_file::write(partial, scene, &run.text, snapshot)?)
+            })?;
         }
         if let Some(output) = picture {
             draw(output, names[shown], snapshot, shown)?;
         }
     }
-    if let Some(output) = list {
-        let count = paths::write(output, &run, &factory, args.pulse)?;
-        say(format_args!("pulse {}: {count} paths", args.pulse));
-        report.contact_count = Some(count);
+    files(&mut report, [("out", &args.out), ("png", &args.png), ("paths", &args.paths)]);
+    let count = list.map(|output| paths::write(output, &run, &factory, args.pulse)).transpose()?;
+    if let Some(count) = count {
+        report.line(format!("pulse {}: {count} paths", args.pulse));
     }
+    report.value("contact_count", count);
     if !mapped && args.paths.is_none() {
-        say("no file was asked for: --out, --png, --paths");
+        report.line("no file was asked for: --out, --png, --paths");
     }
-    if args.json {
-        json::print(&report, out)?;
-    }
-    Ok(())
+    report.say(args.output.format.json, out)
 }
 
-fn report(args: &SnapshotArgs, names: &[&str], snapshot: Option<&Snapshot>) -> Report {
-    let [out, png, paths] =
-        [&args.out, &args.png, &args.paths].map(|path| path.as_deref().map(json::legible));
-    let Some(snapshot) = snapshot else {
-        let (pulse, channels) = (args.pulse, Vec::new());
-        return Report {
-            pulse,
-            facets: 0,
-            illuminated: 0,
-            heard: 0,
-            channels,
-            out,
-            png,
-            paths,
-            contact_count: None,
-        };
-    };
-    let illuminated =
-        |facet: &usize| snapshot.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
-    let illuminated: Vec<usize> = (0..snapshot.patch.len()).filter(illuminated).collect();
-    let heard = illuminated.iter().filter(|&&facet| snapshot.received.iter().any(|pair| pair[facet])).count();
-    let dbw = |power: f64| (power > 0.0).then(|| 10.0 * power.log10());
-    let channels = names
-        .iter()
-        .zip(&snapshot.amplitude)
-        .map(|(name, amplitude)| {
-            let power = amplitude.iter().map(|a| a.norm_sqr());
-            ((*name).to_owned(), dbw(power.clone().fold(0.0, f64::max)), dbw(power.sum()))
-        })
-        .collect();
-    Report {
-        pulse: snapshot.index,
-        facets: snapshot.patch.len(),
-        illuminated: illuminated.len(),
-        heard,
-        channels,
-        out,
-        png,
-        paths,
-        contact_count: None,
-    }
-}
-
-fn tell(report: &Report) {
-    let Report { pulse, facets, illuminated, heard, channels, .. } = report;
-    say(format_args!(
-        "pulse {pulse}: {illuminated} of {facets} facets return something; {heard} of them within the receive window"
-    ));
-    for (name, strongest, sum) in channels {
-        match (strongest, sum) {
-            (Some(strongest), Some(sum)) => {
-                say(format_args!("{name}: strongest facet {strongest:.1} dBW, sum of powers {sum:.1} dBW"));
-            }
-            _ => say(format_args!("{name}: nothing")),
+/// Facets that return something in any channel, how many of them the window receives, and by channel the
+/// strongest facet and the sum of all, dBW.
+fn add_facets(report: &mut Report, pulse: u64, names: &[&str], snapshot: Option<&Snapshot>) {
+    let (mut facets, mut illuminated, mut received, mut channels) = (0, 0, 0, Vec::new());
+    if let Some(snapshot) = snapshot {
+        let returns = |facet: usize| snapshot.amplitude.iter().any(|channel| channel[facet].norm_sqr() > 0.0);
+        facets = snapshot.patch.len();
+        for facet in (0..facets).filter(|facet| returns(*facet)) {
+            illuminated += 1;
+            received += usize::from(snapshot.received.iter().any(|pair| pair[facet]));
         }
-    }
-}
-
-fn write_map(output: Output, run: &Run, names: &[&str], snapshot: &Snapshot) -> Result<(), SeaError> {
-    let radar = &run.scene.radar;
-    let pair_name = |pair: usize, what: &str| {
-        if snapshot.delay_s.len() == 1 {
-            return what.to_owned();
-        }
-        let pair = radar.pairs()[pair];
-        let (tx, rx) = (&radar.transmitters[pair.transmitter].name, &radar.receivers[pair.receiver].name);
-        format!("{what}_{tx}_{rx}")
-    };
-    let mut columns: Vec<(String, &str, String, Vec<f64>)> =
-        vec![("height_m".into(), "m", "height above the mean surface".into(), snapshot.height_m.clone())];
-    for (channel, name) in names.iter().enumerate() {
-        let meaning = format!("elementary contribution in {name}; NaN where the facet is dark");
-        columns.push((format!("contribution_dbw_{name}"), "dBW", meaning, snapshot.power_dbw(channel)));
-    }
-    for pair in 0..snapshot.delay_s.len() {
-        let doppler_hz = snapshot.delay_rate[pair].iter().map(|rate| -rate * radar.carrier_hz).collect();
-        let heard = snapshot.received[pair].iter().map(|&heard| f64::from(u8::from(heard))).collect();
-        let delay_us = snapshot.delay_s[pair].iter().map(|delay_s| delay_s * 1e6).collect();
-        columns.push((pair_name(pair, "delay_us"), "us", "delay after the emission".into(), delay_us));
-        columns.push((
-            pair_name(pair, "doppler_hz"),
-            "Hz",
-            "Doppler, positive when closing".into(),
-            doppler_hz,
+        report.line(format!(
+            "pulse {pulse}: {illuminated} of {facets} facets return something; {received} of them within the receive window"
         ));
-        columns.push((pair_name(pair, "heard"), "1", "1 where the window hears the facet".into(), heard));
+        let dbw = |power: f64| (power > 0.0).then(|| 10.0 * power.log10());
+        for (name, amplitude) in names.iter().zip(&snapshot.amplitude) {
+            let power = amplitude.iter().map(|a| a.norm_sqr());
+            let (strongest, sum) = (dbw(power.clone().fold(0.0, f64::max)), dbw(power.sum()));
+            report.line(match (strongest, sum) {
+                (Some(strongest), Some(sum)) => {
+                    format!("{name}: strongest facet {strongest:.1} dBW, sum of powers {sum:.1} dBW")
+                }
+                _ => format!("{name}: nothing"),
+            });
+            channels.push((*name, strongest, sum));
+        }
     }
-    let layers: Vec<Layer> =
-        columns.iter().map(|(name, unit, meaning, values)| Layer { name, unit, meaning, values }).collect();
-    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
-    let attributes = [
-        ("software", Attribute::Text(&software)),
-        ("config", Attribute::Text(&run.text)),
-        ("seed", Attribute::Whole(run.scene.seed)),
-        ("pulse", Attribute::Whole(snapshot.index)),
-        ("carrier_hz", Attribute::Real(radar.carrier_hz)),
-        ("window_start_s", Attribute::Real(snapshot.window_start_s)),
-        ("facet_m", Attribute::Real(snapshot.patch.facet_m)),
-    ];
-    let file = MapFile {
-        format: "nereus-snapshot",
-        attributes: &attributes,
-        patch: &snapshot.patch,
-        layers: &layers,
-    };
-    output.write(|partial| Ok(file.write(partial)?))
+    report.value("pulse", pulse).value("facets", facets).value("illuminated", illuminated);
+    report.value("heard", received).value("channels", channels);
 }
 
 fn draw(output: Output, name: &str, snapshot: &Snapshot, channel: usize) -> Result<(), SeaError> {

@@ -6,9 +6,10 @@ use clap::{Args, ValueEnum};
 
 use super::cos_sin;
 use super::csv::{self, Cell};
-use super::error::{TableError, check};
+use super::error::TableError;
 use super::sweep::{AngleSweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::frames::Vector;
 use crate::radar::antenna::Antenna;
 use crate::scene::radar::Pattern;
@@ -68,9 +69,9 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
     let pattern = pattern(args)?;
     let wavelength_m = SPEED_OF_LIGHT_MPS / size("--carrier-hz", Some(args.carrier_hz))?;
     let angles_deg = args.sweep.sweep().values(Usual::steps(-5.0, 5.0, 0.05))?;
-    check("--from-deg/--to-deg", &angles_deg, [-90.0, 90.0])?;
+    within("--from-deg/--to-deg", &angles_deg, [-90.0, 90.0])?;
     let antenna = Antenna::open(&pattern, wavelength_m)?;
-    csv::header(out, &["angle_deg", "direction_cosine", "gain_dbi", "field_gain"])?;
+    let mut table = csv::Table::new(out);
     for angle_deg in angles_deg {
         let (ahead, cosine) = cos_sin(angle_deg);
         let direction = match args.cut {
@@ -79,9 +80,13 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
         };
         // Apertures have a real field.
         let field = antenna.field_gain(direction).re;
-        let cells =
-            [Cell::Given(angle_deg), Cell::Value(cosine), Cell::Decibels(field * field), Cell::Value(field)];
-        csv::row(out, &cells)?;
+        let cells = [
+            ("angle_deg", Cell::Given(angle_deg)),
+            ("direction_cosine", Cell::Value(cosine)),
+            ("gain_dbi", Cell::Decibels(field * field)),
+            ("field_gain", Cell::Value(field)),
+        ];
+        table.row(&cells)?;
     }
     Ok(())
 }
@@ -89,7 +94,7 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
 fn pattern(args: &TableAntennaArgs) -> Result<Pattern, TableError> {
     Ok(match args.shape {
         Aperture::Isotropic => {
-            check("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
+            within("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
             Pattern::Isotropic { gain_dbi: args.gain_dbi }
         }
         Aperture::Rect => Pattern::Rectangle {

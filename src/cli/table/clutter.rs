@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::TableError;
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sweep::{AngleSweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::clutter_nrl::{self, Copolar, GRAZING_DEG, SeaState};
 
 /// `nereus table sigma0-nrl`
@@ -50,7 +50,7 @@ pub(super) fn sigma0(args: &TableClutterArgs, out: &mut dyn Write) -> Result<(),
     let [least_deg, most_deg] = GRAZING_DEG;
     let usual = Usual::log(least_deg, most_deg, 28);
     let grazing = args.sweep.sweep().or_list("--grazing-deg", &args.grazing_deg, usual)?;
-    check("--grazing-deg", &grazing, GRAZING_DEG)?;
+    within("--grazing-deg", &grazing, GRAZING_DEG)?;
     let seas = args.seas()?;
     csv::bound(&[args.carrier_hz.len(), seas.len(), grazing.len()])?;
     // All is computed before anything is printed: a carrier may be out of range.
@@ -64,29 +64,19 @@ pub(super) fn sigma0(args: &TableClutterArgs, out: &mut dyn Write) -> Result<(),
             }
         }
     }
-    let names = [
-        "carrier_hz",
-        "sea_state",
-        "wave_height_m",
-        "u10_mps",
-        "grazing_deg",
-        "incidence_deg",
-        "sigma0_hh_db",
-        "sigma0_vv_db",
-    ];
-    csv::header(out, &names)?;
+    let mut table = csv::Table::new(out);
     for (carrier_hz, sea, u10_mps, grazing_deg, Copolar { hh, vv }) in rows {
         let cells = [
-            Cell::Given(carrier_hz),
-            Cell::Given(sea.number()),
-            Cell::Value(sea.wave_height_m()),
-            Cell::Given(u10_mps),
-            Cell::Given(grazing_deg),
-            Cell::Given(90.0 - grazing_deg),
-            Cell::Decibels(hh),
-            Cell::Decibels(vv),
+            ("carrier_hz", Cell::Given(carrier_hz)),
+            ("sea_state", Cell::Given(sea.number())),
+            ("wave_height_m", Cell::Value(sea.wave_height_m())),
+            ("u10_mps", Cell::Given(u10_mps)),
+            ("grazing_deg", Cell::Given(grazing_deg)),
+            ("incidence_deg", Cell::Given(90.0 - grazing_deg)),
+            ("sigma0_hh_db", Cell::Decibels(hh)),
+            ("sigma0_vv_db", Cell::Decibels(vv)),
         ];
-        csv::row(out, &cells)?;
+        table.row(&cells)?;
     }
     Ok(())
 }

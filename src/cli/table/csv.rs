@@ -53,6 +53,26 @@ pub(super) fn row(out: &mut dyn Write, cells: &[Cell]) -> Result<(), CliError> {
     print().map_err(CliError::Output)
 }
 
+/// A table whose rows name their columns; the names are printed before the first row.
+pub(super) struct Table<'a> {
+    out: &'a mut dyn Write,
+    begun: bool,
+}
+
+impl<'a> Table<'a> {
+    pub fn new(out: &'a mut dyn Write) -> Self {
+        Self { out, begun: false }
+    }
+
+    /// Prints a row.
+    pub fn row<const N: usize>(&mut self, cells: &[(&str, Cell); N]) -> Result<(), CliError> {
+        if !std::mem::replace(&mut self.begun, true) {
+            header(self.out, &cells.map(|(name, _)| name))?;
+        }
+        row(self.out, &cells.map(|(_, cell)| cell))
+    }
+}
+
 /// Refuses a table of too many rows, given how many values each of its keys has.
 pub(super) fn bound(values: &[usize]) -> Result<(), TableError> {
     let rows = combinations(values);

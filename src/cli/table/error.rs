@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::cli::values::OutOfRange;
 use crate::scattering::clutter_nrl::ClutterError;
 use crate::scattering::permittivity::PermittivityError;
 use crate::scene::hull::HullError;
@@ -13,17 +14,8 @@ use crate::sea::wind::WindError;
 #[derive(Debug, Error)]
 pub enum TableError {
     /// A value out of range.
-    #[error("{key} {value} is not allowed; allowed: {min} to {max}")]
-    Range {
-        /// The key.
-        key: &'static str,
-        /// What was given.
-        value: f64,
-        /// Least allowed value.
-        min: f64,
-        /// Greatest allowed value.
-        max: f64,
-    },
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// A size that is missing or not positive and finite.
     #[error("{key} {value} is not allowed; allowed: a number above 0")]
     Size {
@@ -136,12 +128,4 @@ pub enum TableError {
     /// The model of measured clutter.
     #[error(transparent)]
     Clutter(#[from] ClutterError),
-}
-
-/// Refuses values outside a range, not-a-number among them.
-pub(super) fn check(key: &'static str, values: &[f64], [min, max]: [f64; 2]) -> Result<(), TableError> {
-    match values.iter().find(|value| !(min..=max).contains(*value)) {
-        Some(&value) => Err(TableError::Range { key, value, min, max }),
-        None => Ok(()),
-    }
 }

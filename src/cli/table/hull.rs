@@ -5,13 +5,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::body_plan;
 use super::csv::{self, Cell};
-use super::error::{TableError, check};
+use super::error::TableError;
 use super::sweep::{SpeedSweep, Usual};
 use crate::cli::error::CliError;
 use crate::cli::outputs::{plan, save_canvas};
+use crate::cli::scenario::ForceArg;
 use crate::cli::sea::SeaError;
+use crate::cli::values::within;
+use crate::plot::body_plan;
 use crate::recording::output::FileKind;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::sea::wake::kochin::{self, Kochin, resistance_coefficient};
@@ -31,35 +33,32 @@ pub struct TableHullArgs {
     /// Body plan to make, at the first length
     #[arg(long, value_name = "PATH.png")]
     png: Option<PathBuf>,
-    /// Overwrite a picture that exists
-    #[arg(long)]
-    force: bool,
+    /// Files that exist
+    #[command(flatten)]
+    overwrite: ForceArg,
 }
 
 /// Prints the table.
 pub(super) fn hull(args: &TableHullArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let hulls = scaled(Hull::load(&args.file).map_err(TableError::from)?, &args.length_m)?;
     csv::bound(&[hulls.len(), QUANTITIES.len()])?;
-    let picture = plan(args.png.as_ref(), FileKind::Png, args.force).map_err(SeaError::from)?;
+    let picture = plan(args.png.as_ref(), FileKind::Png, args.overwrite.force).map_err(SeaError::from)?;
     if let (Some(output), Some(hull)) = (picture, hulls.first()) {
         save_canvas(output, &body_plan::draw(hull).map_err(SeaError::from)?)?;
     }
-    csv::header(out, &["scaled_to_m", "quantity", "computed", "stated", "difference_percent"])?;
+    let mut table = csv::Table::new(out);
     for hull in &hulls {
         let (found, stated) = (Particulars::of(hull), hull.stated());
         for ((quantity, computed), stated) in QUANTITIES.into_iter().zip(found.values()).zip(stated.values) {
-            let mut cells = [
-                Cell::Given(hull.length_m()),
-                Cell::Name(quantity),
-                Cell::Value(computed),
-                Cell::Empty,
-                Cell::Empty,
+            let difference = |stated| Particulars::difference_percent(quantity, computed, stated);
+            let cells = [
+                ("scaled_to_m", Cell::Given(hull.length_m())),
+                ("quantity", Cell::Name(quantity)),
+                ("computed", Cell::Value(computed)),
+                ("stated", stated.map_or(Cell::Empty, Cell::Given)),
+                ("difference_percent", stated.map_or(Cell::Empty, |stated| Cell::Value(difference(stated)))),
             ];
-            if let Some(stated) = stated {
-                cells[3] = Cell::Given(stated);
-                cells[4] = Cell::Value(Particulars::difference_percent(quantity, computed, stated));
-            }
-            csv::row(out, &cells)?;
+            table.row(&cells)?;
         }
     }
     Ok(())
@@ -111,8 +110,8 @@ pub(super) fn wake_resistance(args: &TableWakeResistanceArgs, out: &mut dyn Writ
         Some(path) => Hull::load(path),
         None => {
             let [beam, draught] = [args.beam_ratio.unwrap_or(0.1), args.draught_ratio.unwrap_or(0.0625)];
-            check("--beam-ratio", &[beam], [1e-3, 1.0])?;
-            check("--draught-ratio", &[draught], [1e-3, 1.0])?;
+            within("--beam-ratio", &[beam], [1e-3, 1.0])?;
+            within("--draught-ratio", &[draught], [1e-3, 1.0])?;
             Hull::wigley(100.0, 100.0 * beam, 100.0 * draught)
         }
     };
@@ -131,17 +130,20 @@ pub(super) fn wake_resistance(args: &TableWakeResistanceArgs, out: &mut dyn Writ
             let density = args.density_kg_m3;
             let resistance_n = ship.wave_resistance_n(density).map_err(TableError::from)?;
             rows.push([
-                Cell::Given(hull.length_m()),
-                Cell::Given(speed_mps),
-                Cell::Value(ship.froude()),
-                Cell::Value(wetted_surface_m2),
-                Cell::Value(resistance_n),
-                Cell::Value(resistance_coefficient(resistance_n, speed_mps, density, wetted_surface_m2)),
+                ("length_m", Cell::Given(hull.length_m())),
+                ("speed_mps", Cell::Given(speed_mps)),
+                ("froude", Cell::Value(ship.froude())),
+                ("wetted_surface_m2", Cell::Value(wetted_surface_m2)),
+                ("resistance_n", Cell::Value(resistance_n)),
+                (
+                    "cw",
+                    Cell::Value(resistance_coefficient(resistance_n, speed_mps, density, wetted_surface_m2)),
+                ),
             ]);
         }
     }
-    csv::header(out, &["length_m", "speed_mps", "froude", "wetted_surface_m2", "resistance_n", "cw"])?;
-    rows.iter().try_for_each(|cells| csv::row(out, cells))
+    let mut table = csv::Table::new(out);
+    rows.iter().try_for_each(|cells| table.row(cells))
 }
 
 /// A hull at every length asked, or as it is.

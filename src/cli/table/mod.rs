@@ -5,7 +5,6 @@
 //! may be swept instead ([`sweep`]). Columns bear their units too; decibels of nothing are `-inf`.
 
 mod antenna;
-mod body_plan;
 mod clutter;
 mod csv;
 mod error;

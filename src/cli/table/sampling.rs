@@ -5,10 +5,10 @@ use std::io::Write;
 use clap::Args;
 
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::{SpectrumKeys, WindKeys, refuse_calm};
 use super::sweep::{FrequencySweep, SpeedSweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::sea::spectrum::sampling::{BAND_STEP, FacetDensity, least_length_m};
 
 /// Carriers for which facets are counted, Hz.
@@ -34,43 +34,28 @@ pub struct TableFacetDensityArgs {
 pub(super) fn facet_density(args: &TableFacetDensityArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::steps(1e9, 10e9, 1e9);
     let carriers_hz = args.sweep.sweep().or_list("--carrier-hz", &args.carrier_hz, usual)?;
-    check("--carrier-hz", &carriers_hz, CARRIER_RANGE_HZ)?;
+    within("--carrier-hz", &carriers_hz, CARRIER_RANGE_HZ)?;
     // At the horizon itself every surface is smooth and no height is a limit.
-    check("--incidence-deg", &args.incidence_deg, [0.0, 89.999])?;
+    within("--incidence-deg", &args.incidence_deg, [0.0, 89.999])?;
     let winds = args.wind.winds(0.0)?;
     refuse_calm(&winds)?;
     csv::bound(&[carriers_hz.len(), args.incidence_deg.len(), winds.len()])?;
-    csv::header(
-        out,
-        &[
-            "u19p5_mps",
-            "ustar_cardone_mps",
-            "incidence_deg",
-            "carrier_hz",
-            "rayleigh_height_m",
-            "joint_height_m",
-            "k_rayleigh_rad_m",
-            "facets_per_m",
-        ],
-    )?;
+    let mut table = csv::Table::new(out);
     for wind in &winds {
         for &incidence_deg in &args.incidence_deg {
             for &carrier_hz in &carriers_hz {
                 let ustar_mps = wind.ustar_cardone_mps;
                 let found = FacetDensity::rayleigh(ustar_mps, carrier_hz, incidence_deg.to_radians());
-                csv::row(
-                    out,
-                    &[
-                        Cell::Given(wind.u19_5_mps),
-                        Cell::Given(ustar_mps),
-                        Cell::Given(incidence_deg),
-                        Cell::Given(carrier_hz),
-                        Cell::Value(found.rayleigh_height_m),
-                        Cell::Value(found.joint_height_m),
-                        Cell::Value(found.wave_number_rad_m),
-                        Cell::Value(found.facets_per_m),
-                    ],
-                )?;
+                table.row(&[
+                    ("u19p5_mps", Cell::Given(wind.u19_5_mps)),
+                    ("ustar_cardone_mps", Cell::Given(ustar_mps)),
+                    ("incidence_deg", Cell::Given(incidence_deg)),
+                    ("carrier_hz", Cell::Given(carrier_hz)),
+                    ("rayleigh_height_m", Cell::Value(found.rayleigh_height_m)),
+                    ("joint_height_m", Cell::Value(found.joint_height_m)),
+                    ("k_rayleigh_rad_m", Cell::Value(found.wave_number_rad_m)),
+                    ("facets_per_m", Cell::Value(found.facets_per_m)),
+                ])?;
             }
         }
     }
@@ -94,37 +79,23 @@ pub struct TableLeastLengthArgs {
 
 /// Prints the table.
 pub(super) fn least_length(args: &TableLeastLengthArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    check("--band-step", &args.band_step, [1e-3, 1.0])?;
+    within("--band-step", &args.band_step, [1e-3, 1.0])?;
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
     csv::bound(&[winds.len(), args.band_step.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
-    csv::header(
-        out,
-        &[
-            "u10_mps",
-            "u19p5_mps",
-            "band_step",
-            "k_peak_rad_m",
-            "k_low_rad_m",
-            "k_high_rad_m",
-            "least_length_m",
-        ],
-    )?;
+    let mut table = csv::Table::new(out);
     for (wind, sea) in winds.iter().zip(&seas) {
         let [low, high] = sea.half_power_band_rad_m();
         for &band_step in &args.band_step {
-            csv::row(
-                out,
-                &[
-                    Cell::Given(wind.u10_mps),
-                    Cell::Given(wind.u19_5_mps),
-                    Cell::Given(band_step),
-                    Cell::Value(sea.peak_rad_m()),
-                    Cell::Value(low),
-                    Cell::Value(high),
-                    Cell::Value(least_length_m(sea.as_ref(), band_step)),
-                ],
-            )?;
+            table.row(&[
+                ("u10_mps", Cell::Given(wind.u10_mps)),
+                ("u19p5_mps", Cell::Given(wind.u19_5_mps)),
+                ("band_step", Cell::Given(band_step)),
+                ("k_peak_rad_m", Cell::Value(sea.peak_rad_m())),
+                ("k_low_rad_m", Cell::Value(low)),
+                ("k_high_rad_m", Cell::Value(high)),
+                ("least_length_m", Cell::Value(least_length_m(sea.as_ref(), band_step))),
+            ])?;
         }
     }
     Ok(())

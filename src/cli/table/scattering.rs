@@ -7,12 +7,12 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::{SpectrumKeys, WaterKeys, WindKeys, bound_seas};
 use super::sweep::{AngleSweep, SlopeSweep, Usual};
 use super::waves::WAVE_NUMBER_RANGE_RAD_M;
 use super::{TableError, cos_sin};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::kind::Kind;
 use crate::scattering::kind::clean::Clean;
 use crate::scattering::kind::slick::Slick;
@@ -147,7 +147,7 @@ impl Angles {
             } else {
                 list.to_vec()
             };
-            check(key, &values, range)?;
+            within(key, &values, range)?;
             Ok::<_, TableError>(values)
         };
         let (rise, turn) = (Usual::steps(0.0, 80.0, 5.0), Usual::steps(0.0, 360.0, 10.0));
@@ -173,13 +173,13 @@ pub(super) fn sigma0(args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), 
 fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
     let angles = Angles::of(args)?;
     if let Some(facet_m) = args.facet_m {
-        check("--facet-m", &[facet_m], FACET_RANGE_M)?;
+        within("--facet-m", &[facet_m], FACET_RANGE_M)?;
     }
     if let Some(cut_rad_m) = args.cut_rad_m {
-        check("--cut-rad-m", &[cut_rad_m], WAVE_NUMBER_RANGE_RAD_M)?;
+        within("--cut-rad-m", &[cut_rad_m], WAVE_NUMBER_RANGE_RAD_M)?;
     }
-    check("--slope-x", &[args.slope_x], [-STEEPEST, STEEPEST])?;
-    check("--slope-y", &[args.slope_y], [-STEEPEST, STEEPEST])?;
+    within("--slope-x", &[args.slope_x], [-STEEPEST, STEEPEST])?;
+    within("--slope-y", &[args.slope_y], [-STEEPEST, STEEPEST])?;
     let waters = args.water.waters();
     let media = args.water.permittivities(&args.carrier_hz, &waters)?;
     let winds = args.wind.winds(0.0)?;
@@ -322,14 +322,14 @@ pub(super) fn slope_pdf(args: &TableSlopePdfArgs, out: &mut dyn Write) -> Result
         } else {
             list.to_vec()
         };
-        check(key, &values, [-STEEPEST, STEEPEST])?;
+        within(key, &values, [-STEEPEST, STEEPEST])?;
         Ok::<_, TableError>(values)
     };
     let downwind = slopes(Direction::Downwind, "--downwind-slope", &args.downwind_slope)?;
     let crosswind = slopes(Direction::Crosswind, "--crosswind-slope", &args.crosswind_slope)?;
     let winds = args.wind.winds(0.0)?;
     csv::bound(&[winds.len(), downwind.len(), crosswind.len()])?;
-    csv::header(out, &["u12p5_mps", "downwind_slope", "crosswind_slope", "density"])?;
+    let mut table = csv::Table::new(out);
     for wind in &winds {
         let u = wind.u12_5_mps;
         let (variances, series) = match args.surface {
@@ -340,8 +340,13 @@ pub(super) fn slope_pdf(args: &TableSlopePdfArgs, out: &mut dyn Write) -> Result
         for &down in &downwind {
             for &cross in &crosswind {
                 let density = pdf.density(down, cross);
-                let cells = [Cell::Given(u), Cell::Given(down), Cell::Given(cross), Cell::Value(density)];
-                csv::row(out, &cells)?;
+                let cells = [
+                    ("u12p5_mps", Cell::Given(u)),
+                    ("downwind_slope", Cell::Given(down)),
+                    ("crosswind_slope", Cell::Given(cross)),
+                    ("density", Cell::Value(density)),
+                ];
+                table.row(&cells)?;
             }
         }
     }

@@ -6,10 +6,10 @@ use clap::Args;
 
 use super::cos_sin;
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::WaterKeys;
 use super::sweep::{AngleSweep, FrequencySweep, Usual};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::fresnel::reflection;
 
 /// `nereus table permittivity`
@@ -32,18 +32,15 @@ pub(super) fn permittivity(args: &TablePermittivityArgs, out: &mut dyn Write) ->
     let waters = args.water.waters();
     csv::bound(&[carriers_hz.len(), waters.len()])?;
     let found = args.water.permittivities(&carriers_hz, &waters)?;
-    csv::header(out, &["carrier_hz", "temperature_c", "salinity_psu", "permittivity_re", "permittivity_im"])?;
+    let mut table = csv::Table::new(out);
     for (carrier_hz, water, permittivity) in found {
-        csv::row(
-            out,
-            &[
-                Cell::Given(carrier_hz),
-                Cell::Given(water.temperature_c),
-                Cell::Given(water.salinity_gpkg),
-                Cell::Value(permittivity.re),
-                Cell::Value(permittivity.im),
-            ],
-        )?;
+        table.row(&[
+            ("carrier_hz", Cell::Given(carrier_hz)),
+            ("temperature_c", Cell::Given(water.temperature_c)),
+            ("salinity_psu", Cell::Given(water.salinity_gpkg)),
+            ("permittivity_re", Cell::Value(permittivity.re)),
+            ("permittivity_im", Cell::Value(permittivity.im)),
+        ])?;
     }
     Ok(())
 }
@@ -68,43 +65,26 @@ pub struct TableFresnelArgs {
 pub(super) fn fresnel(args: &TableFresnelArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::steps(0.0, 90.0, 5.0);
     let angles_deg = args.sweep.sweep().or_list("--incidence-deg", &args.incidence_deg, usual)?;
-    check("--incidence-deg", &angles_deg, [0.0, 90.0])?;
+    within("--incidence-deg", &angles_deg, [0.0, 90.0])?;
     let waters = args.water.waters();
     csv::bound(&[angles_deg.len(), args.carrier_hz.len(), waters.len()])?;
     let media = args.water.permittivities(&args.carrier_hz, &waters)?;
-    csv::header(
-        out,
-        &[
-            "carrier_hz",
-            "temperature_c",
-            "salinity_psu",
-            "incidence_deg",
-            "rv_re",
-            "rv_im",
-            "rh_re",
-            "rh_im",
-            "power_v",
-            "power_h",
-        ],
-    )?;
+    let mut table = csv::Table::new(out);
     for (carrier_hz, water, permittivity) in media {
         for &angle_deg in &angles_deg {
             let found = reflection(permittivity, cos_sin(angle_deg).0);
-            csv::row(
-                out,
-                &[
-                    Cell::Given(carrier_hz),
-                    Cell::Given(water.temperature_c),
-                    Cell::Given(water.salinity_gpkg),
-                    Cell::Given(angle_deg),
-                    Cell::Value(found.v.re),
-                    Cell::Value(found.v.im),
-                    Cell::Value(found.h.re),
-                    Cell::Value(found.h.im),
-                    Cell::Value(found.v.norm_sqr()),
-                    Cell::Value(found.h.norm_sqr()),
-                ],
-            )?;
+            table.row(&[
+                ("carrier_hz", Cell::Given(carrier_hz)),
+                ("temperature_c", Cell::Given(water.temperature_c)),
+                ("salinity_psu", Cell::Given(water.salinity_gpkg)),
+                ("incidence_deg", Cell::Given(angle_deg)),
+                ("rv_re", Cell::Value(found.v.re)),
+                ("rv_im", Cell::Value(found.v.im)),
+                ("rh_re", Cell::Value(found.h.re)),
+                ("rh_im", Cell::Value(found.h.im)),
+                ("power_v", Cell::Value(found.v.norm_sqr())),
+                ("power_h", Cell::Value(found.h.norm_sqr())),
+            ])?;
         }
     }
     Ok(())

@@ -7,10 +7,10 @@ use clap::Args;
 
 use super::cos_sin;
 use super::csv::{self, Cell};
-use super::error::check;
 use super::sea_keys::{SpectrumKeys, WindKeys};
 use super::sweep::{AngleSweep, SpeedSweep, Usual, WaveNumberSweep};
 use crate::cli::error::CliError;
+use crate::cli::values::within;
 use crate::scattering::slope_pdf::MeanSquareSlope;
 use crate::sea::spectrum::moments::Moments;
 use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, WaveVector};
@@ -37,43 +37,27 @@ pub struct TableSpectrumArgs {
 pub(super) fn spectrum(args: &TableSpectrumArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::log(1e-3, 1e4, 141);
     let wave_numbers = args.sweep.sweep().or_list("--k-rad-m", &args.k_rad_m, usual)?;
-    check("--k-rad-m", &wave_numbers, WAVE_NUMBER_RANGE_RAD_M)?;
+    within("--k-rad-m", &wave_numbers, WAVE_NUMBER_RANGE_RAD_M)?;
     let winds = args.wind.winds(0.0)?;
     csv::bound(&[wave_numbers.len(), winds.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
-    csv::header(
-        out,
-        &[
-            "u10_mps",
-            "k_rad_m",
-            "s_m3",
-            "b",
-            "psi_downwind_m4",
-            "psi_upwind_m4",
-            "psi_crosswind_m4",
-            "psi_symmetric_along_m4",
-            "psi_symmetric_across_m4",
-        ],
-    )?;
+    let mut table = csv::Table::new(out);
     for (wind, sea) in winds.iter().zip(&seas) {
         for &k in &wave_numbers {
             let [down, up, cross] =
                 [WaveVector::new(k, 0.0), WaveVector::new(-k, 0.0), WaveVector::new(0.0, k)];
             let s_m3 = sea.omnidirectional_m3(k);
-            csv::row(
-                out,
-                &[
-                    Cell::Given(wind.u10_mps),
-                    Cell::Given(k),
-                    Cell::Value(s_m3),
-                    Cell::Value(k * k * k * s_m3),
-                    Cell::Value(sea.wave_m4(down)),
-                    Cell::Value(sea.wave_m4(up)),
-                    Cell::Value(sea.wave_m4(cross)),
-                    Cell::Value(sea.symmetric_m4(down)),
-                    Cell::Value(sea.symmetric_m4(cross)),
-                ],
-            )?;
+            table.row(&[
+                ("u10_mps", Cell::Given(wind.u10_mps)),
+                ("k_rad_m", Cell::Given(k)),
+                ("s_m3", Cell::Value(s_m3)),
+                ("b", Cell::Value(k * k * k * s_m3)),
+                ("psi_downwind_m4", Cell::Value(sea.wave_m4(down))),
+                ("psi_upwind_m4", Cell::Value(sea.wave_m4(up))),
+                ("psi_crosswind_m4", Cell::Value(sea.wave_m4(cross))),
+                ("psi_symmetric_along_m4", Cell::Value(sea.symmetric_m4(down))),
+                ("psi_symmetric_across_m4", Cell::Value(sea.symmetric_m4(cross))),
+            ])?;
         }
     }
     Ok(())
@@ -101,30 +85,24 @@ pub struct TableSpreadingArgs {
 pub(super) fn spreading(args: &TableSpreadingArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let usual = Usual::steps(0.0, 360.0, 10.0);
     let azimuths_deg = args.sweep.sweep().or_list("--azimuth-deg", &args.azimuth_deg, usual)?;
-    check("--azimuth-deg", &azimuths_deg, [-360.0, 360.0])?;
-    check("--k-rad-m", &args.k_rad_m, WAVE_NUMBER_RANGE_RAD_M)?;
+    within("--azimuth-deg", &azimuths_deg, [-360.0, 360.0])?;
+    within("--k-rad-m", &args.k_rad_m, WAVE_NUMBER_RANGE_RAD_M)?;
     let winds = args.wind.winds(0.0)?;
     csv::bound(&[azimuths_deg.len(), args.k_rad_m.len(), winds.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
-    csv::header(
-        out,
-        &["u10_mps", "k_rad_m", "azimuth_deg", "spreading_per_rad", "spreading_symmetric_per_rad"],
-    )?;
+    let mut table = csv::Table::new(out);
     for (wind, sea) in winds.iter().zip(&seas) {
         for &k in &args.k_rad_m {
             for &azimuth_deg in &azimuths_deg {
                 let (cos, sin) = cos_sin(azimuth_deg);
                 let wave = WaveVector::new(k * cos, k * sin);
-                csv::row(
-                    out,
-                    &[
-                        Cell::Given(wind.u10_mps),
-                        Cell::Given(k),
-                        Cell::Given(azimuth_deg),
-                        Cell::Value(sea.spreading_per_rad(wave)),
-                        Cell::Value(sea.symmetric_spreading_per_rad(wave)),
-                    ],
-                )?;
+                table.row(&[
+                    ("u10_mps", Cell::Given(wind.u10_mps)),
+                    ("k_rad_m", Cell::Given(k)),
+                    ("azimuth_deg", Cell::Given(azimuth_deg)),
+                    ("spreading_per_rad", Cell::Value(sea.spreading_per_rad(wave))),
+                    ("spreading_symmetric_per_rad", Cell::Value(sea.symmetric_spreading_per_rad(wave))),
+                ])?;
             }
         }
     }
@@ -152,42 +130,26 @@ pub struct TableMomentsArgs {
 /// Prints the table.
 pub(super) fn moments(args: &TableMomentsArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let [least, most] = WAVE_NUMBER_RANGE_RAD_M;
-    check("--low-rad-m", &[args.low_rad_m], [least, most])?;
-    check("--high-rad-m", &[args.high_rad_m], [args.low_rad_m, most])?;
+    within("--low-rad-m", &[args.low_rad_m], [least, most])?;
+    within("--high-rad-m", &[args.high_rad_m], [args.low_rad_m, most])?;
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
     csv::bound(&[winds.len()])?;
     let seas = args.spectrum.spectra(&winds)?;
-    csv::header(
-        out,
-        &[
-            "u10_mps",
-            "u12p5_mps",
-            "significant_height_m",
-            "mss",
-            "mss_up",
-            "mss_cross",
-            "cox_munk_mss",
-            "cox_munk_up",
-            "cox_munk_cross",
-        ],
-    )?;
+    let mut table = csv::Table::new(out);
     for (wind, sea) in winds.iter().zip(&seas) {
         let found = Moments::of(sea.as_ref(), [args.low_rad_m, args.high_rad_m]);
         let measured = MeanSquareSlope::cox_munk_clean(wind.u12_5_mps);
-        csv::row(
-            out,
-            &[
-                Cell::Given(wind.u10_mps),
-                Cell::Given(wind.u12_5_mps),
-                Cell::Value(found.significant_height_m()),
-                Cell::Value(found.mean_square_slope),
-                Cell::Value(found.slope_variance(0.0)),
-                Cell::Value(found.slope_variance(FRAC_PI_2)),
-                Cell::Value(measured.total()),
-                Cell::Value(measured.up),
-                Cell::Value(measured.cross),
-            ],
-        )?;
+        table.row(&[
+            ("u10_mps", Cell::Given(wind.u10_mps)),
+            ("u12p5_mps", Cell::Given(wind.u12_5_mps)),
+            ("significant_height_m", Cell::Value(found.significant_height_m())),
+            ("mss", Cell::Value(found.mean_square_slope)),
+            ("mss_up", Cell::Value(found.slope_variance(0.0))),
+            ("mss_cross", Cell::Value(found.slope_variance(FRAC_PI_2))),
+            ("cox_munk_mss", Cell::Value(measured.total())),
+            ("cox_munk_up", Cell::Value(measured.up)),
+            ("cox_munk_cross", Cell::Value(measured.cross)),
+        ])?;
     }
     Ok(())
 }

@@ -24,22 +24,16 @@ pub struct TableWindArgs {
 pub(super) fn wind(args: &TableWindArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
     csv::bound(&[winds.len()])?;
-    csv::header(
-        out,
-        &["ustar_cardone_mps", "ustar_wu_mps", "roughness_cardone_m", "u10_mps", "u12p5_mps", "u19p5_mps"],
-    )?;
+    let mut table = csv::Table::new(out);
     for wind in &winds {
-        csv::row(
-            out,
-            &[
-                Cell::Value(wind.ustar_cardone_mps),
-                Cell::Value(wind.ustar_wu_mps),
-                Cell::Value(cardone_roughness_m(wind.ustar_cardone_mps)),
-                Cell::Value(wind.u10_mps),
-                Cell::Value(wind.u12_5_mps),
-                Cell::Value(wind.u19_5_mps),
-            ],
-        )?;
+        table.row(&[
+            ("ustar_cardone_mps", Cell::Value(wind.ustar_cardone_mps)),
+            ("ustar_wu_mps", Cell::Value(wind.ustar_wu_mps)),
+            ("roughness_cardone_m", Cell::Value(cardone_roughness_m(wind.ustar_cardone_mps))),
+            ("u10_mps", Cell::Value(wind.u10_mps)),
+            ("u12p5_mps", Cell::Value(wind.u12_5_mps)),
+            ("u19p5_mps", Cell::Value(wind.u19_5_mps)),
+        ])?;
     }
     Ok(())
 }

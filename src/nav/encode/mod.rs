@@ -44,6 +44,7 @@
 //! assert!(Format::InspvaxBinary.write(&solution, &mut out).is_err());
 //! ```
 
+pub mod csv;
 mod nmea;
 mod novatel;
 

@@ -301,7 +301,7 @@ impl<'a> Focuser<'a> {
         let recording = self.recording;
         let [transmitter, receiver] = &self.paths(self.settings.nav, channel)?;
         let illuminated: Vec<usize> =
-            (0..recording.pulses()).filter(|pulse| recording.is_lit(*pulse, channel)).collect();
+            (0..recording.pulses()).filter(|pulse| recording.is_illuminated(*pulse, channel)).collect();
         if illuminated.is_empty() {
             let channel = recording.header.channels[channel].name.clone();
             return Err(FocusError::NotIlluminated { channel });

@@ -37,6 +37,7 @@
 //! ```
 
 pub mod course;
+pub mod cut;
 pub mod fault;
 pub mod free_waves;
 pub mod kochin;

@@ -12,15 +12,14 @@ use std::thread;
 
 use thiserror::Error;
 
-use super::say;
+use super::control::Control;
 use crate::motion::changes::addressed;
-use crate::pipeline::control::Control;
 
 #[cfg(unix)]
-mod socket;
+pub mod socket;
 
 /// Longest line, bytes, without its end.
-pub(super) const LONGEST_LINE: usize = 256;
+pub const LONGEST_LINE: usize = 256;
 /// Longest path of a socket, bytes: what systems allow, less the folder in which it is made.
 #[cfg(unix)]
 const LONGEST_PATH: usize = 90;
@@ -72,27 +71,36 @@ pub enum ControlFault {
 
 /// What lines are about.
 #[derive(Clone)]
-pub(super) struct Subject {
+pub struct Subject {
+    /// The run that is changed.
     pub control: Control,
+    /// Set by `stop`.
     pub stop: Arc<AtomicBool>,
 }
 
 /// Where lines come from, made ready before the run is built.
-pub(super) enum ControlSocket {
+pub enum ControlSocket {
+    /// Standard input.
     Input,
+    /// A Unix socket.
     #[cfg(unix)]
     Socket(socket::Socket),
 }
 
 /// Lines are answered until this is closed.
-pub(super) enum Open {
+pub enum Open {
+    /// Standard input.
     Input,
+    /// A Unix socket.
     #[cfg(unix)]
     Socket(socket::Listening),
 }
 
 impl ControlSocket {
     /// At a path, or `-`.
+    ///
+    /// # Errors
+    /// A path that no socket can have, or where something else is.
     pub fn at(path: &Path) -> Result<Self, ControlFault> {
         if path == Path::new("-") {
             return Ok(Self::Input);
@@ -103,8 +111,8 @@ impl ControlSocket {
         Err(ControlFault::NoSockets { path: path.to_owned() })
     }
 
-    /// Answers lines from now on.
-    pub fn open(self, subject: Subject) -> Open {
+    /// Answers lines from now on; `say` takes the answers to lines of standard input.
+    pub fn open(self, subject: Subject, say: fn(String)) -> Open {
         match self {
             Self::Input => {
                 // Ends with the program: nobody can be made to end a line.
@@ -217,8 +225,11 @@ fn converse(source: &mut impl BufRead, subject: &Subject, mut send: impl FnMut(S
 const ANSWER: std::time::Duration = std::time::Duration::from_secs(10);
 
 /// Sends a line to a run and returns its answer.
+///
+/// # Errors
+/// Nobody listens there, or answers in time.
 #[cfg(unix)]
-pub(super) fn ask(path: &Path, line: &str) -> io::Result<String> {
+pub fn ask(path: &Path, line: &str) -> io::Result<String> {
     let mut stream = std::os::unix::net::UnixStream::connect(path)?;
     stream.set_read_timeout(Some(ANSWER))?;
     // Who turns a client away says why before the line can be sent.
@@ -240,7 +251,10 @@ pub(super) fn ask(path: &Path, line: &str) -> io::Result<String> {
 }
 
 /// Sends a line to a run and returns its answer.
+///
+/// # Errors
+/// Nobody listens there, or answers in time.
 #[cfg(not(unix))]
-pub(super) fn ask(_: &Path, _: &str) -> io::Result<String> {
+pub fn ask(_: &Path, _: &str) -> io::Result<String> {
     Err(io::ErrorKind::Unsupported.into())
 }

@@ -17,7 +17,7 @@ const MOST_CLIENTS: usize = 16;
 /// How often an idle thread looks whether the run is over.
 const GLANCE: Duration = Duration::from_millis(50);
 /// How long a client may leave its answers unread.
-const PATIENCE: Duration = Duration::from_secs(1);
+const UNREAD_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A socket that nobody answers yet.
 #[derive(Debug)]
@@ -59,6 +59,9 @@ impl Drop for Socket {
 
 impl Socket {
     /// Makes the socket; one that a run has left is replaced.
+    ///
+    /// # Errors
+    /// A path that no socket can have, or where something else is.
     pub fn make(path: &Path) -> Result<Self, ControlFault> {
         let bytes = path.as_os_str().len();
         if bytes == 0 || bytes > LONGEST_PATH || path.file_name().is_none() {
@@ -143,7 +146,7 @@ fn talk(mut stream: UnixStream, subject: &Subject, over: &AtomicBool) {
     let ready = stream
         .set_nonblocking(false)
         .and_then(|()| stream.set_read_timeout(Some(GLANCE)))
-        .and_then(|()| stream.set_write_timeout(Some(PATIENCE)));
+        .and_then(|()| stream.set_write_timeout(Some(UNREAD_TIMEOUT)));
     if ready.is_err() {
         return;
     }

@@ -1,18 +1,18 @@
-//! What was planned, as rows.
+//! What is planned for an error, in figures and in words.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{Described, described, digits};
+use crate::adequacy::description::{Described, described};
 use crate::bench::settings;
-use crate::cli::counted;
 use crate::config::keys;
 use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
+use crate::units::{counted, digits};
 
 /// A plan in figures; all of it predicted.
 #[derive(Debug, Serialize)]
-pub(super) struct PlanReport {
+pub struct PlanReport {
     error_db: f64,
     settings: Map<String, Value>,
     /// What was given of the settings and is set otherwise.
@@ -42,7 +42,7 @@ const BY_DRY_RUN: &str = "dry_run";
 
 /// Parts of a predicted error, dB; what is none is left out. A dry run that found less than their sum stands
 /// for itself.
-pub(in crate::cli) fn parts_db(prediction: &Prediction) -> Map<String, Value> {
+pub fn parts_db(prediction: &Prediction) -> Map<String, Value> {
     let found = (BY_DRY_RUN, prediction.total() - prediction.modelled());
     let parts = prediction.parts().into_iter().chain([found]).filter(|(_, part)| *part > 0.0);
     parts.map(|(name, part)| (name.to_owned(), Value::from(10.0 * part.log10()))).collect()
@@ -62,7 +62,7 @@ fn set_otherwise(plan: &Plan) -> Map<String, Value> {
 }
 
 /// What to say where the error that is asked is not kept.
-pub(in crate::cli) fn not_kept(plan: &Plan) -> Option<String> {
+pub fn not_kept(plan: &Plan) -> Option<String> {
     let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
     if plan.keeps() {
         return None;
@@ -87,7 +87,7 @@ pub(in crate::cli) fn not_kept(plan: &Plan) -> Option<String> {
 }
 
 /// What the fast echo keeps of the reference, as predicted.
-pub(super) fn echo_text(plan: &Plan) -> String {
+pub fn echo_text(plan: &Plan) -> String {
     let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
     format!(
         "fast: error against the reference {predicted_db:.1} dB predicted, {asked_db} asked; settings below"
@@ -95,7 +95,7 @@ pub(super) fn echo_text(plan: &Plan) -> String {
 }
 
 impl PlanReport {
-    pub(super) fn new(plan: &Plan, real_time_factor: f64, bytes: u64) -> Self {
+    pub fn new(plan: &Plan, real_time_factor: f64, bytes: u64) -> Self {
         Self {
             error_db: plan.asked.error_db,
             settings: settings::settings(Some(&plan.chosen)),
@@ -112,7 +112,7 @@ impl PlanReport {
         }
     }
 
-    pub(super) fn rows(&self) -> Vec<Described> {
+    pub fn rows(&self) -> Vec<Described> {
         let parts = self.predicted_error_db.iter().filter_map(|(name, db)| Some((name, db.as_f64()?)));
         let name_of = |name: &str| if name == BY_DRY_RUN { "found by the dry run" } else { name }.to_owned();
         let parts: Vec<String> = parts.map(|(name, db)| format!("{} {db:.0}", name_of(name))).collect();
@@ -169,7 +169,7 @@ impl PlanReport {
 }
 
 /// `name = value` of every setting.
-pub(in crate::cli) fn settings_text(settings: &Map<String, Value>) -> String {
+pub fn settings_text(settings: &Map<String, Value>) -> String {
     let one = |(name, value): (&String, &Value)| match value {
         Value::String(word) => format!("{name} {word}"),
         value => format!("{name} {value}"),

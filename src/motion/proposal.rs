@@ -1,11 +1,11 @@
-//! The `track` of a scenario that takes a recording as it is.
+//! The `track` of a scenario that takes a recording as it is, with the smoothing that its noise asks for.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{Datum, Source, SourceArgs};
+use super::Track;
 use crate::frames::{Earth, Geodetic, SceneFrame};
-use crate::motion::Track;
+use crate::nav::inspection::{Encoding, Reading};
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Fix, Place, Smoothing, VerticalDatum};
 
 /// Acceleration that the noise of the fixes may pretend, m/s^2, before smoothing is proposed.
@@ -21,23 +21,24 @@ const TRIED: usize = 20_000;
 
 /// The block, on one line; none of a capture, which no scenario reads. Paths in a scenario are relative to
 /// its file.
-pub(super) fn block(file: &Path, format: Source, args: &SourceArgs, fixes: &[Fix]) -> Option<String> {
-    let (kind, of) = match format {
-        Source::Csv => ("csv", FileFormat::Csv),
-        Source::Nmea => ("nmea", FileFormat::Nmea),
-        Source::Inspvax => ("inspvax", FileFormat::Inspvax),
-        Source::Sbet => ("sbet", FileFormat::Sbet { gps_week: args.gps_week.unwrap_or_default() }),
-        Source::Pcap => return None,
+pub fn block(file: &Path, encoding: Encoding, how: &Reading, fixes: &[Fix]) -> Option<String> {
+    let gps_week = how.gps_week.unwrap_or_default();
+    let of = match encoding {
+        Encoding::Csv => FileFormat::Csv,
+        Encoding::Nmea => FileFormat::Nmea,
+        Encoding::Inspvax => FileFormat::Inspvax,
+        Encoding::Sbet => FileFormat::Sbet { gps_week },
+        Encoding::Pcap => return None,
     };
     let path = toml::Value::from(file.to_str()?);
-    let mut text = format!("track = {{ kind = \"{kind}\", path = {path}");
+    let mut text = format!("track = {{ kind = \"{}\", path = {path}", encoding.name());
     let local = matches!(fixes.first()?.place, Place::Local(_));
     // Writing to a String cannot fail.
-    let _ = match (format, args.datum) {
-        (Source::Sbet, _) => write!(text, ", gps_week = {}", args.gps_week.unwrap_or_default()),
-        (Source::Csv, _) if local => Ok(()),
-        (Source::Csv | Source::Nmea, Datum::Ellipsoid) => write!(text, ", datum = \"ellipsoid\""),
-        (Source::Csv | Source::Nmea, Datum::Msl) => write!(text, ", datum = \"msl\""),
+    let _ = match (encoding, how.datum) {
+        (Encoding::Sbet, _) => write!(text, ", gps_week = {gps_week}"),
+        (Encoding::Csv, _) if local => Ok(()),
+        (Encoding::Csv | Encoding::Nmea, VerticalDatum::Ellipsoid) => write!(text, ", datum = \"ellipsoid\""),
+        (Encoding::Csv | Encoding::Nmea, VerticalDatum::MeanSeaLevel) => write!(text, ", datum = \"msl\""),
         _ => Ok(()),
     };
     let intervals: Vec<f64> = fixes.windows(2).map(|pair| pair[1].time.since(pair[0].time)).collect();

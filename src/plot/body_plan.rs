@@ -4,8 +4,8 @@
 //! Every curve is a station of the offset table, with straight lines between its waterlines; one metre is as
 //! long upward as across.
 
-use crate::plot::canvas::Canvas;
-use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, PlotError, SIZE_RANGE_PX, Spacing};
+use super::canvas::Canvas;
+use super::chart::{Curve, Mark, Plot, PlotAxis, PlotError, SIZE_RANGE_PX, Spacing};
 use crate::scene::Hull;
 
 /// Sections of either half, about.
@@ -16,7 +16,10 @@ const WIDTH_PX: usize = 640;
 const ROOM: f64 = 0.06;
 
 /// Draws it.
-pub(super) fn draw(hull: &Hull) -> Result<Canvas, PlotError> {
+///
+/// # Errors
+/// Figures that cannot be drawn.
+pub fn draw(hull: &Hull) -> Result<Canvas, PlotError> {
     let stations = hull.stations_m().len();
     let middle = stations / 2;
     let step = (middle / SECTIONS).max(1);

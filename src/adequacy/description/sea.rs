@@ -1,8 +1,8 @@
-//! What `nereus check` says about a sea.
+//! A sea in words.
 
-use super::{Described, described, neat};
+use super::{Described, described};
 use crate::adequacy::{AZIMUTH_M, Adequacy};
-use crate::cli::escape;
+use crate::inputs::shown;
 use crate::scene::Scene;
 use crate::scene::sea::{
     Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing,
@@ -11,6 +11,7 @@ use crate::scene::sea::{
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
 };
+use crate::units::neat;
 
 /// What is modelled of the sea, and what is not and why.
 pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
@@ -77,7 +78,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
 }
 
 /// The figures that follow from the wind and the geometry.
-pub(super) fn rows(outlook: &Adequacy) -> Vec<Described> {
+pub fn rows(outlook: &Adequacy) -> Vec<Described> {
     let mut rows = vec![described(
         "wind",
         format!(
@@ -170,10 +171,10 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
         SpectrumKind::Measured { path, tail: true } => {
             format!(
                 "measured, {}, with Elfouhaily's waves of the wind beyond its last wave number",
-                escape::path(path)
+                shown(path)
             )
         }
-        SpectrumKind::Measured { path, tail: false } => format!("measured, {}", escape::path(path)),
+        SpectrumKind::Measured { path, tail: false } => format!("measured, {}", shown(path)),
     };
     let drawn = match &sea.realisation {
         Realisation::Drawn { averaging } => {
@@ -184,7 +185,7 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
             };
             format!("drawn{how} from seed {seed}")
         }
-        Realisation::Saved { path } => format!("saved state {}", escape::path(path)),
+        Realisation::Saved { path } => format!("saved state {}", shown(path)),
     };
     let depth = dispersion.depth_m.map_or("deep water".to_owned(), |depth_m| format!("{depth_m} m deep"));
     let tension = if dispersion.capillary { ", surface tension" } else { "" };

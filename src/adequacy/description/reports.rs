@@ -1,42 +1,43 @@
 //! Known errors in words: of reports, of the air, of clocks.
 
-use super::{Described, described, neat};
+use super::{Described, described};
 use crate::config::Run;
 use crate::motion::changes::Event;
 use crate::motion::errors::{AXES, AxisErrors, ErrorModel, Recorded, VELOCITY};
 use crate::radar::clock::adev;
 use crate::scene::clock::{Clock, NamedClock};
+use crate::units::neat;
 
-/// Events that are reported one by one.
-const MOST_TOLD: usize = 8;
+/// Events that are listed one by one.
+const MOST_LISTED: usize = 8;
 
 /// Adds what is modelled, and what not.
 pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Described>) {
     let platforms = run.scene.platforms.iter().zip(&run.nav);
-    let mut told = Vec::new();
+    let mut listed = Vec::new();
     for (name, nav) in platforms.clone() {
         if nav.reported.is_some() {
-            told.push(format!("{name} reports another track"));
+            listed.push(format!("{name} reports another track"));
         }
         if let Some(model) = &nav.errors {
-            told.push(format!("{name}: {}", model_text(model)));
+            listed.push(format!("{name}: {}", model_text(model)));
         }
     }
-    if told.is_empty() {
+    if listed.is_empty() {
         let why = "no [platform.reported], no [platform.errors]: platforms report the truth";
         without.push(described("navigation errors", why));
     } else {
-        with.push(described("navigation errors", told.join("; ")));
+        with.push(described("navigation errors", listed.join("; ")));
     }
     if !run.events.is_empty() {
         let text = |event: &Event| {
             let name = run.scene.platforms.get(event.platform).map_or("", String::as_str);
             format!("from pulse {} {} on {name}", event.pulse, event.change)
         };
-        let mut told: Vec<String> = run.events.iter().take(MOST_TOLD).map(text).collect();
-        let more = run.events.len().saturating_sub(MOST_TOLD);
-        told.extend((more > 0).then(|| format!("{more} more")));
-        with.push(described("changes of reports", told.join("; ")));
+        let mut listed: Vec<String> = run.events.iter().take(MOST_LISTED).map(text).collect();
+        let more = run.events.len().saturating_sub(MOST_LISTED);
+        listed.extend((more > 0).then(|| format!("{more} more")));
+        with.push(described("changes of reports", listed.join("; ")));
     }
     let gusts = platforms.filter_map(|(name, nav)| {
         nav.gusts.map(|gusts| format!("{name}, wind of {} m/s at 20 ft", neat(gusts.wind20_mps)))
@@ -47,7 +48,7 @@ pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Des
     } else {
         with.push(described("turbulence", gusts.join("; ")));
     }
-    let told = |named: &NamedClock| {
+    let clock = |named: &NamedClock| {
         let Clock { offset_s, drift, noise, .. } = named.clock;
         let rate = if drift == 0.0 { "0".to_owned() } else { format!("{drift:e}") };
         let noise = adev(&noise, 1.0, 0.5 * run.scene.radar.emissions.mean_prf_hz());
@@ -58,7 +59,7 @@ pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Des
             rate
         )
     };
-    let clocks: Vec<String> = run.clocks.clocks.iter().map(told).collect();
+    let clocks: Vec<String> = run.clocks.clocks.iter().map(clock).collect();
     if clocks.is_empty() {
         without.push(described("clocks", "no [transmitter.clock], no [receiver.clock]: ideal clocks"));
     } else {

@@ -1,33 +1,16 @@
-//! What the curve of the earth hides, in words.
+//! Targets that the curve of the earth hides.
 
-use super::{Described, described};
-use crate::frames::Earth;
 use crate::pipeline::build::PulseStream;
 use crate::radar::fault::RadarError;
-use crate::scene::Scene;
 
 /// Targets and antennas that are named one by one.
 const MOST_NAMED: usize = 8;
 
-/// Adds what is modelled, and what not.
-pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
-    let hides = scene.frame.hiding_earth() != Earth::Flat;
-    if hides {
-        let hidden = "the curved earth hides sea, targets and direct path beyond the horizon of an antenna";
-        with.push(described("horizon", hidden));
-        without.push(described("diffraction", "beyond the horizon nothing is seen, at any wavelength"));
-    } else if scene.frame.earth() == Earth::Flat {
-        without.push(described("horizon", "flat earth"));
-    } else {
-        without.push(described(
-            "horizon",
-            "scene.horizon = false: what lies beyond it is illuminated all the same",
-        ));
-    }
-}
-
 /// Targets that the earth hides at the first, middle or last pulse: each once for each antenna.
-pub(super) fn warnings(stream: &PulseStream) -> Result<Vec<String>, RadarError> {
+///
+/// # Errors
+/// Tracks that do not cover a pulse.
+pub fn warnings(stream: &PulseStream) -> Result<Vec<String>, RadarError> {
     let schedule = stream.schedule();
     let mut known: Vec<(String, String)> = Vec::new();
     let mut warnings = Vec::new();

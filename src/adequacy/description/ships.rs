@@ -1,10 +1,11 @@
-//! What `nereus check` says about ships.
+//! Ships in words.
 
-use super::{Described, described, neat};
+use super::{Described, described};
 use crate::adequacy::ShipOutlook;
-use crate::cli::escape;
+use crate::inputs::shown;
 use crate::scene::Scene;
 use crate::scene::ship::{HullGiven, Ship};
+use crate::units::neat;
 
 /// Below this Froude number real ships make smaller waves than thin ones.
 const SLOW_FROUDE: f64 = 0.2;
@@ -38,7 +39,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
 
 fn ship_text(ship: &Ship) -> String {
     let hull = match &ship.hull {
-        HullGiven::File(path) => escape::path(path),
+        HullGiven::File(path) => shown(path),
         HullGiven::Wigley { beam_m, draught_m } => {
             format!("Wigley's hull of {beam_m} m beam and {draught_m} m draught")
         }
@@ -73,7 +74,7 @@ fn ship_text(ship: &Ship) -> String {
 }
 
 /// The figures that follow from hull and speed.
-pub(super) fn rows(ships: &[ShipOutlook]) -> Vec<Described> {
+pub fn rows(ships: &[ShipOutlook]) -> Vec<Described> {
     ships.iter().map(|ship| described(&ship.name, figures(ship))).collect()
 }
 
@@ -82,7 +83,7 @@ fn force(newtons: f64) -> String {
 }
 
 /// A ship in a line.
-pub(in crate::cli) fn figures(ship: &ShipOutlook) -> String {
+pub fn figures(ship: &ShipOutlook) -> String {
     let mut text = format!(
         "{} of {:.1} m, beam {:.2} m, draught {:.2} m, at {} m/s: Froude number {:.3}",
         ship.hull, ship.length_m, ship.beam_m, ship.draught_m, ship.speed_mps, ship.froude

@@ -8,20 +8,19 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use crate::cli::sea::SeaError;
+use super::{Wake, WakeError};
 use crate::scene::Patch;
-use crate::sea::wake::{Wake, WakeError};
 
 /// Most points of a cut.
 const MOST_POINTS: f64 = 1e6;
 /// Steps that may be asked, m.
-const STEP_RANGE_M: [f64; 2] = [1e-4, 1e5];
+pub const STEP_RANGE_M: [f64; 2] = [1e-4, 1e5];
 /// Furthest line from a ship, m.
-const FAR_M: f64 = 1e8;
+pub const FAR_M: f64 = 1e8;
 
 /// Which way a cut runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub enum Way {
     /// Along the track.
     Along,
     /// Across it.
@@ -30,15 +29,18 @@ pub(super) enum Way {
 
 /// A line of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Line {
-    way: Way,
-    at_m: f64,
-    step_m: f64,
+pub struct Line {
+    /// Which way it runs.
+    pub way: Way,
+    /// How far to starboard or astern, m: at most [`FAR_M`].
+    pub at_m: f64,
+    /// Step, m: within [`STEP_RANGE_M`].
+    pub step_m: f64,
 }
 
 /// Height along a line.
 #[derive(Debug, Serialize)]
-pub(super) struct Cut {
+pub struct Cut {
     ship: String,
     /// `along` or `across` the track.
     way: &'static str,
@@ -55,29 +57,12 @@ struct CutPoint {
     height_m: f64,
 }
 
-impl Line {
-    pub(super) fn new(way: Way, at_m: f64, step_m: f64) -> Result<Self, SeaError> {
-        let key = if way == Way::Along { "--cut-starboard-m" } else { "--cut-astern-m" };
-        if !(-FAR_M..=FAR_M).contains(&at_m) {
-            return Err(SeaError::Range { key, value: at_m, min: -FAR_M, max: FAR_M });
-        }
-        let [min, max] = STEP_RANGE_M;
-        if !(min..=max).contains(&step_m) {
-            return Err(SeaError::Range { key: "--cut-step-m", value: step_m, min, max });
-        }
-        Ok(Self { way, at_m, step_m })
-    }
-}
-
 impl Cut {
     /// Of a ship's wake at a time.
-    pub(super) fn of(
-        ship: &str,
-        wake: &Wake,
-        line: &Line,
-        patch: &Patch,
-        time_s: f64,
-    ) -> Result<Self, WakeError> {
+    ///
+    /// # Errors
+    /// A time out of range.
+    pub fn of(ship: &str, wake: &Wake, line: &Line, patch: &Patch, time_s: f64) -> Result<Self, WakeError> {
         let pose = wake.course().pose(time_s);
         let [cos, sin] = pose.ahead;
         let place = |astern_m: f64, starboard_m: f64| {
@@ -134,7 +119,10 @@ fn crossing(patch: &Patch, origin: [f64; 2], direction: [f64; 2]) -> Option<[f64
 }
 
 /// Prints cuts as CSV.
-pub(super) fn print(cuts: &[Cut], out: &mut dyn Write) -> io::Result<()> {
+///
+/// # Errors
+/// What cannot be written.
+pub fn print(cuts: &[Cut], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "ship,cut,astern_m,starboard_m,east_m,north_m,height_m")?;
     for Cut { ship, way, points } in cuts {
         for CutPoint { astern_m, starboard_m, east_m, north_m, height_m } in points {

@@ -1,0 +1,131 @@
+//! A scenario in words: what is modelled of it, and what is not and why.
+
+mod limits;
+mod reports;
+pub mod scenario;
+pub mod sea;
+pub mod ships;
+
+use serde::Serialize;
+
+use crate::config::Run;
+use crate::echo::Fidelity;
+use crate::frames::Earth;
+use crate::radar::filter::ReceiveFilter;
+use crate::radar::receiver::thermal_noise_w;
+use crate::scene::Scene;
+use crate::scene::radar::Aim;
+use crate::units::{Decibels, neat};
+
+/// The row of the echo among what is modelled.
+pub const ECHO: &str = "echo";
+
+/// Something and what there is to say about it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Described {
+    /// What it is.
+    pub what: String,
+    /// What there is to say about it.
+    pub how: String,
+}
+
+/// Something and what there is to say about it.
+pub fn described(what: &str, how: impl Into<String>) -> Described {
+    Described { what: what.to_owned(), how: how.into() }
+}
+
+/// Effects of a run.
+#[derive(Debug)]
+pub struct Models {
+    /// What is modelled, and how.
+    pub with: Vec<Described>,
+    /// What is not, and why.
+    pub without: Vec<Described>,
+}
+
+/// What is modelled, and what is not and why.
+pub fn models(run: &Run) -> Models {
+    let radar = &run.scene.radar;
+    let (mut with, mut without) = (Vec::new(), Vec::new());
+    with.push(described(
+        "propagation",
+        "exact light time of every pulse; Doppler within the pulse, carrier and envelope stretched alike",
+    ));
+    horizon(&run.scene, &mut with, &mut without);
+    with.push(described(
+        ECHO,
+        match run.fidelity {
+            Fidelity::Reference => "the reference: every pulse from its own paths, f64".to_owned(),
+            Fidelity::Fast(asked) => {
+                // What is predicted takes its place where the run can be planned.
+                format!("fast: error against the reference {} dB asked", asked.error_db)
+            }
+        },
+    ));
+    if run.scene.targets.is_empty() {
+        without.push(described("point targets", "no [[target]]"));
+    } else {
+        with.push(described("point targets", run.scene.targets.len().to_string()));
+    }
+    if radar.direct_path {
+        with.push(described("direct path", "transmitter to receiver"));
+    } else {
+        without.push(described("direct path", "radar.direct_path = false"));
+    }
+    match radar.noise_figure_db {
+        Some(figure_db) => {
+            let bandwidth_hz = ReceiveFilter::new(radar.sample_rate_hz).noise_bandwidth_hz();
+            let noise_w = thermal_noise_w(bandwidth_hz, Decibels(figure_db));
+            with.push(described(
+                "thermal noise",
+                format!(
+                    "noise figure {figure_db} dB: k T0 F B = {:.1} dBW a sample, in the noise bandwidth of the receive filter, \
+                     {} MHz (0.875 of the sample rate)",
+                    Decibels::from_power_ratio(noise_w).0,
+                    neat(bandwidth_hz / 1e6)
+                ),
+            ));
+        }
+        None => without.push(described("thermal noise", "no radar.noise_figure_db")),
+    }
+    match radar.adc {
+        Some(adc) => with.push(described("ADC", format!("{} bits", adc.bits))),
+        None => without.push(described("ADC", "no [radar.adc]: floating-point samples")),
+    }
+    reports::models(run, &mut with, &mut without);
+    sea::models(&run.scene, &mut with, &mut without);
+    ships::models(&run.scene, &mut with, &mut without);
+    limits::models(run, &mut without);
+    Models { with, without }
+}
+
+/// What the curve of the earth hides.
+fn horizon(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    let hides = scene.frame.hiding_earth() != Earth::Flat;
+    if hides {
+        let hidden = "the curved earth hides sea, targets and direct path beyond the horizon of an antenna";
+        with.push(described("horizon", hidden));
+        without.push(described("diffraction", "beyond the horizon nothing is seen, at any wavelength"));
+    } else if scene.frame.earth() == Earth::Flat {
+        without.push(described("horizon", "flat earth"));
+    } else {
+        without.push(described(
+            "horizon",
+            "scene.horizon = false: what lies beyond it is illuminated all the same",
+        ));
+    }
+}
+
+fn aim_text(aim: &Aim, platforms: &[String]) -> String {
+    match aim {
+        Aim::Point { position, .. } => {
+            let [e, n, u] = position.to_array();
+            format!("the point {e:.1} m East, {n:.1} m North, {u:.1} m up")
+        }
+        Aim::Beside { platform, along_m, across_m } => {
+            let name = platforms.get(*platform).map_or("", String::as_str);
+            let side = if *across_m < 0.0 { "port" } else { "starboard" };
+            format!("the sea {} m to {side} and {along_m} m ahead of {name}", across_m.abs())
+        }
+    }
+}

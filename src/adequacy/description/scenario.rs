@@ -1,0 +1,188 @@
+//! What a scenario asks for, in a few rows.
+
+use super::{Described, aim_text, described};
+use crate::config::Run;
+use crate::frames::Earth;
+use crate::inputs::shown;
+use crate::motion::PlatformNav;
+use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, TrackSource, VerticalDatum};
+use crate::scene::radar::{AimFrom, Gate, Sweep, TxPolarisation, Waveform};
+use crate::sinks::Kind;
+use crate::transport::{Pace, Policy};
+use crate::units::{counted, neat};
+
+/// What the scenario asks for, without what it costs.
+pub fn rows(run: &Run) -> Vec<Described> {
+    let (scene, radar) = (&run.scene, &run.scene.radar);
+    let earth = match scene.frame.earth() {
+        Earth::Flat => "flat earth".to_owned(),
+        Earth::Curved { radius_factor } => format!("curved earth, radius factor {radius_factor}"),
+    };
+    let frame = match scene.frame.origin() {
+        Some(origin) => format!(
+            "East, North, up at latitude {:.6} deg, longitude {:.6} deg; sea level {} m above the ellipsoid; {earth}",
+            origin.lat_rad.to_degrees(),
+            origin.lon_rad.to_degrees(),
+            origin.h_m
+        ),
+        None => format!("plain East, North, up; {earth}"),
+    };
+    let waveform = match &radar.waveform {
+        Waveform::Lfm { bandwidth_hz, duration_s, sweep } => format!(
+            "linear FM {}, {} MHz in {} us, time-bandwidth product {:.1}",
+            if *sweep == Sweep::Up { "up" } else { "down" },
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6),
+            bandwidth_hz * duration_s
+        ),
+        Waveform::Samples { path, rate_hz } => {
+            format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))
+        }
+    };
+    let window_us = radar.window.samples as f64 / radar.sample_rate_hz * 1e6;
+    let gate = match &radar.window.gate {
+        Gate::Fixed { start_s } => format!("opens {} us after the emission", neat(start_s * 1e6)),
+        Gate::Follow { aim, lead_s, aim_from } => format!(
+            "opens {} us before the echo of {}, from {} tracks",
+            neat(lead_s * 1e6),
+            aim_text(aim, &scene.platforms),
+            if *aim_from == AimFrom::True { "true" } else { "reported" }
+        ),
+    };
+    let polarisation = match &radar.tx_polarisation {
+        TxPolarisation::Simultaneous => "simultaneous transmit polarisations".to_owned(),
+        TxPolarisation::Alternating(sequence) => {
+            let letters: String = sequence.iter().map(|p| p.letter()).collect();
+            format!("transmit polarisations in turn: {letters}")
+        }
+    };
+    let pace = match (run.stream.pace, run.stream.policy) {
+        (Pace::Fast, _) => "as fast as pulses are made".to_owned(),
+        (Pace::Realtime, policy) => {
+            let policy = match policy {
+                Policy::Stop => "ends when generation cannot keep up",
+                Policy::Slip => "slips when generation cannot keep up",
+                Policy::Drop => "drops pulses when generation cannot keep up",
+            };
+            format!("real time, {} ms after the emission, {policy}", neat(run.stream.latency_s * 1e3))
+        }
+    };
+    vec![
+        described("frame", frame),
+        described(
+            "time",
+            format!(
+                "{}, {} in {:.6} s, mean PRF {} Hz",
+                scene.start,
+                counted(scene.pulses, "pulse"),
+                radar.emissions.interval_s(0, scene.pulses),
+                radar.emissions.mean_prf_hz()
+            ),
+        ),
+        described(
+            "carrier",
+            format!("{} GHz, wavelength {:.6} m", neat(radar.carrier_hz / 1e9), radar.wavelength_m()),
+        ),
+        described("waveform", waveform),
+        described(
+            "window",
+            format!(
+                "{} samples at {} MHz, {window_us:.3} us, {gate}",
+                radar.window.samples,
+                neat(radar.sample_rate_hz / 1e6)
+            ),
+        ),
+        described("channels", format!("{}; {polarisation}", channels(run).join(" "))),
+        described("targets", scene.targets.len().to_string()),
+        described("release", pace),
+        described("sinks", sinks(run).join("; ")),
+    ]
+}
+
+/// Channels, those of calibration behind the others.
+pub fn channels(run: &Run) -> Vec<String> {
+    let known = run.calibration.iter().map(|known| known.name.clone());
+    run.scene.radar.channels.iter().map(|channel| channel.name.clone()).chain(known).collect()
+}
+
+/// Where pulses go.
+pub fn sinks(run: &Run) -> Vec<String> {
+    run.sinks.iter().map(|sink| sink_text(&sink.kind)).collect()
+}
+
+fn sink_text(kind: &Kind) -> String {
+    match kind {
+        Kind::Hdf5 { path, segment_s: None, .. } => format!("HDF5 recording {}", shown(path)),
+        Kind::Hdf5 { path, segment_s: Some(segment_s), .. } => {
+            format!("HDF5 recordings {} of {segment_s} s each", shown(path))
+        }
+        Kind::Plain { path, .. } => format!("plain folder {}", shown(path)),
+        Kind::Vita49(settings) => {
+            format!("VITA 49.2 over UDP to {}, packets of {} bytes", settings.address, settings.mtu_bytes)
+        }
+        Kind::Nav(nav) => format!("navigation to {}, {} a second", nav.device, nav.rate_hz),
+        Kind::Null => "none (pulses are counted)".to_owned(),
+    }
+}
+
+/// Where platforms are, and what they report.
+pub fn platforms(run: &Run) -> Vec<Described> {
+    let text = |nav: &PlatformNav| {
+        let truth = source_text(&nav.truth);
+        match &nav.reported {
+            Some(reported) => format!("{truth}; reports: {}", source_text(reported)),
+            None if nav.errors.is_some() => format!("{truth}; reports with errors"),
+            None => format!("{truth}; reported = true track"),
+        }
+    };
+    let rows = run.scene.platforms.iter().zip(&run.nav);
+    rows.map(|(name, nav)| described(name, text(nav))).collect()
+}
+
+fn source_text(source: &TrackSource) -> String {
+    match source {
+        TrackSource::Fixed { place, .. } => format!("fixed at {}", place_text(place)),
+        TrackSource::Straight { place, velocity, .. } => {
+            format!("straight from {} at {:.1} m/s", place_text(place), velocity.norm())
+        }
+        TrackSource::File(source) => file_text(source),
+        TrackSource::Live(live) => format!("live from {}", live.origin),
+    }
+}
+
+fn file_text(source: &FileSource) -> String {
+    let format = match source.format {
+        FileFormat::Csv => "CSV",
+        FileFormat::Nmea => "NMEA",
+        FileFormat::Inspvax => "INSPVAX",
+        FileFormat::Sbet { .. } => "SBET",
+    };
+    let datum = match source.datum {
+        VerticalDatum::Ellipsoid => "above the ellipsoid".to_owned(),
+        VerticalDatum::MeanSeaLevel => "above mean sea level".to_owned(),
+        VerticalDatum::Barometric { offset_m } => format!("barometric, offset {offset_m} m"),
+    };
+    let attitude = match source.attitude {
+        AttitudeSource::Automatic => "as recorded, or derived from the motion where the fixes have none",
+        AttitudeSource::Recorded => "as recorded",
+        AttitudeSource::CoordinatedTurn => "of a coordinated turn (derived)",
+        AttitudeSource::Level => "level along the track (derived)",
+        AttitudeSource::Constant(_) => "constant",
+    };
+    format!("{format} recording {}, heights {datum}, attitude {attitude}", shown(&source.path))
+}
+
+fn place_text(place: &Place) -> String {
+    match place {
+        Place::Geodetic(at) => format!(
+            "latitude {:.6} deg, longitude {:.6} deg, {:.1} m above the ellipsoid",
+            at.lat_rad.to_degrees(),
+            at.lon_rad.to_degrees(),
+            at.h_m
+        ),
+        Place::Local(at) => {
+            let [e, n, u] = at.to_array();
+            format!("{e} m East, {n} m North, {u} m up")
+        }
+    }
+}
