@@ -51,9 +51,9 @@ pub struct CheckArgs {
     pub json: bool,
 }
 
-/// What a scenario is and takes.
+/// What a scenario is and takes: what `nereus check` prints, as text ([`Self::text`]) or JSON.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub struct Report {
     scenario: String,
     start_utc: String,
     duration_s: f64,
@@ -103,17 +103,28 @@ fn described(what: &str, how: impl Into<String>) -> Described {
 /// Prints the report.
 pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = args.scenario.load(&[])?;
-    let mut report = report(&run);
+    let report = assess(&run, |warnings| warn(warnings))?;
+    let text = if args.json { json::json(&report)? + "\n" } else { report.text() };
+    out.write_all(text.as_bytes()).map_err(CliError::Output)
+}
+
+/// Validates, explains and predicts a run. Warnings go to `tell` as soon as they are known, and are in the
+/// report as well.
+///
+/// # Errors
+/// What keeps the run from being built, all at once.
+pub fn assess(run: &Run, mut tell: impl FnMut(&[String])) -> Result<Report, CliError> {
+    let mut report = report(run);
     // An output that exists stands in the way of a run, not of a look at the scenario.
     report.warnings.extend(outputs::preflight(&run.sinks).iter().map(ToString::to_string));
-    warn(&report.warnings);
-    let nominal = without_trajectory(&run);
+    tell(&report.warnings);
+    let nominal = without_trajectory(run);
     if !nominal.is_empty() {
         // What needs a trajectory is not said, rather than said of a wrong one.
         let before = report.warnings.len();
         report.warnings.extend(nominal);
-        warn(&report.warnings[before..]);
-        return print(args, &report, out);
+        tell(&report.warnings[before..]);
+        return Ok(report);
     }
     let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
     let stream = build::on_nominal_tracks(&unrecorded, 0..run.scene.pulses)?;
@@ -121,7 +132,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         let what = format!("{}, {} track", note.platform, note.role);
         report.tracks.push(described(&what, note.report.to_string()));
     }
-    report.sea = outlook(&run)?;
+    report.sea = outlook(run)?;
     if let Some(sea) = &mut report.sea {
         sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
         sea.warnings.extend(
@@ -131,7 +142,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
     let told = report.warnings.len();
     report.warnings.extend(horizon::warnings(&stream).map_err(BuildErrors::from)?);
     report.warnings.extend(report.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
-    report.warnings.extend(polarisation(&run)?.iter().map(ToString::to_string));
+    report.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
     if let Some(planned) = stream.factory().plan() {
         let speed = stream.threads() as f64 / CostTable::TABLE.seconds(&planned.work);
         let factor = speed / run.scene.radar.emissions.mean_prf_hz();
@@ -141,7 +152,7 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         }
         report.plan = Some(plan::PlanReport::new(planned, factor, stream.predicted_bytes()));
     }
-    report.warnings.extend(plausible::targets(&run)?.iter().map(ToString::to_string));
+    report.warnings.extend(plausible::targets(run)?.iter().map(ToString::to_string));
     let forecast = stream.forecast(&run.scene.radar).map_err(BuildErrors::from)?;
     let levels = forecast.converter.iter().flat_map(|converter| converter.warnings());
     report.warnings.extend(levels.map(|warning| warning.to_string()));
@@ -152,9 +163,9 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
         );
         report.warnings.push(slow);
     }
-    warn(&report.warnings[told..]);
+    tell(&report.warnings[told..]);
     report.forecast = Some(forecast);
-    print(args, &report, out)
+    Ok(report)
 }
 
 /// Live platforms of which nothing is known beforehand.
@@ -169,9 +180,11 @@ fn without_trajectory(run: &Run) -> Vec<String> {
     run.scene.platforms.iter().zip(&run.nav).filter_map(live).collect()
 }
 
-fn print(args: &CheckArgs, report: &Report, out: &mut dyn Write) -> Result<(), CliError> {
-    let text = if args.json { json::json(report)? + "\n" } else { text(report) };
-    out.write_all(text.as_bytes()).map_err(CliError::Output)
+impl Report {
+    /// For people.
+    pub fn text(&self) -> String {
+        text(self)
+    }
 }
 
 fn text(report: &Report) -> String {

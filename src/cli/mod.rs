@@ -37,11 +37,11 @@ use clap::Parser;
 
 pub use args::{Arguments, Command};
 pub use bench::BenchArgs;
-pub use check::CheckArgs;
+pub use check::{CheckArgs, Report as CheckReport, assess};
 pub use control::ControlFault;
 pub use error::CliError;
-pub use examine::ExamineArgs;
 pub use examine::error::ExamineError;
+pub use examine::{ExamineArgs, called_by};
 pub use focus::error::FocusError;
 pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
 pub use merge::MergeArgs;
@@ -54,7 +54,7 @@ pub use receive::ReceiveArgs;
 pub use run::{Pace, RunArgs};
 pub use scenario::ScenarioArgs;
 pub use sea::snapshot::SnapshotArgs;
-pub use sea::{Field, SeaArgs, SeaError};
+pub use sea::{Field, SeaArgs, SeaError, SeaMap, sea_at};
 pub use speckle::SpeckleArgs;
 pub use speckle::error::SpeckleError;
 pub use table::{
@@ -123,7 +123,12 @@ fn warn(warnings: impl IntoIterator<Item = impl std::fmt::Display>) {
     }
 }
 
-fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
+/// Carries out a command whose data go to `out`; what is for people goes to standard error. `begun` is when
+/// the program began.
+///
+/// # Errors
+/// Why the command ends early.
+pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
     match &arguments.command {
         Command::Run(args) => run::run(args, out),
         Command::Check(args) => check::check(args, out),
