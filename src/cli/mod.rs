@@ -70,6 +70,11 @@ pub use wake::WakeArgs;
 
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(status(arguments))
+}
+
+/// Runs the program and returns its exit code.
+pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let begun = Instant::now();
     report_large_files();
     let arguments = match Arguments::try_parse_from(arguments) {
@@ -77,18 +82,18 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             // Help and version are data; a failure to print them has nowhere to go.
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+            return if error.use_stderr() { 2 } else { 0 };
         }
     };
     let mut out = escape::Printable(std::io::stdout().lock());
     let done = execute(&arguments, begun, &mut out).and_then(|()| out.flush().map_err(CliError::Output));
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         // The reader of a pipe has seen enough.
-        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(error) => {
             say(format_args!("error: {error}"));
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
     }
 }

@@ -116,7 +116,7 @@ impl ReleasedPulses {
     ///
     /// # Errors
     /// Why the run failed, once, after the pulses that it has released.
-    pub fn take(&mut self, timeout: Duration) -> Result<Taken, ScenarioError> {
+    pub fn next_within(&mut self, timeout: Duration) -> Result<Taken, ScenarioError> {
         let Some(pulses) = &self.pulses else { return Ok(Taken::Ended) };
         match pulses.recv_timeout(timeout) {
             Ok(pulse) => Ok(Taken::Pulse(pulse)),
@@ -151,7 +151,7 @@ impl Iterator for ReleasedPulses {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            match self.take(GLANCE) {
+            match self.next_within(GLANCE) {
                 Ok(Taken::Pulse(pulse)) => return Some(Ok(pulse)),
                 Ok(Taken::Waiting) => {}
                 Ok(Taken::Ended) => return None,
