@@ -11,10 +11,14 @@ use pyo3::types::PyBytes;
 
 use crate::fault::{self, InputError, detached, guarded};
 
-/// Runs the program with arguments of its own and returns its exit code: `python -m nereus`.
+/// Runs the program with these arguments and returns its exit code: `python -m nereus`.
 #[pyfunction]
 pub(crate) fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
-    detached(py, |never: Infallible| match never {}, || Ok(status(arguments)))
+    detached(
+        py,
+        |never: Infallible| match never {},
+        || Ok(status(std::iter::once(OsString::from("nereus")).chain(arguments))),
+    )
 }
 
 /// Carries out a command and returns what it prints. `text` is the scenario where it has no file.
@@ -41,7 +45,8 @@ pub(crate) fn command<'py>(
 
 fn toml_of(json: &str) -> PyResult<::toml::Value> {
     let value: serde_json::Value = serde_json::from_str(json).map_err(fault::internal)?;
-    ::toml::Value::try_from(value).map_err(|error| InputError::new_err(format!("no value of a scenario: {error}")))
+    ::toml::Value::try_from(value)
+        .map_err(|error| InputError::new_err(format!("no value of a scenario: {error}")))
 }
 
 /// A scenario given as JSON, as TOML.
@@ -54,4 +59,10 @@ pub(crate) fn toml(json: &str) -> PyResult<String> {
 #[pyfunction]
 pub(crate) fn inline_toml(json: &str) -> PyResult<String> {
     guarded(|| Ok(toml_of(json)?.to_string()))
+}
+
+/// Panics: for the test that shows what becomes of it.
+#[pyfunction]
+pub(crate) fn _panic(py: Python<'_>) -> PyResult<()> {
+    detached(py, |never: Infallible| match never {}, || -> Result<(), Infallible> { panic!("on purpose") })
 }

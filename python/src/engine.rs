@@ -110,10 +110,14 @@ impl Engine {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         if hdf5 && !cfg!(feature = "hdf5") {
-            let what = format!("this build has no HDF5: {} cannot be an HDF5 file; allowed: a folder", path.display());
+            let what = format!(
+                "this build has no HDF5: {} cannot be an HDF5 file; allowed: a folder",
+                path.display()
+            );
             return Err(InputError::new_err(what));
         }
-        let kind = if hdf5 { Kind::Hdf5 { path, segment_s: None, force } } else { Kind::Plain { path, force } };
+        let kind =
+            if hdf5 { Kind::Hdf5 { path, segment_s: None, force } } else { Kind::Plain { path, force } };
         let (stop, range, scenario) = (Arc::new(AtomicBool::new(false)), self.range(pulses), self.0.clone());
         let (sender, statuses) = bounded::<Status>(8);
         let asked = Arc::clone(&stop);

@@ -24,7 +24,7 @@ pub(crate) fn object<'py>(py: Python<'py>, report: &impl Serialize) -> PyResult<
 #[pymodule]
 mod _nereus {
     #[pymodule_export]
-    use crate::command::{command, inline_toml, main, toml};
+    use crate::command::{_panic, command, inline_toml, main, toml};
     #[pymodule_export]
     use crate::engine::Engine;
     #[pymodule_export]

@@ -135,7 +135,8 @@ impl Pulse {
             let flat = codes.as_ref().map_or(Ok(&[][..]), |codes| codes.as_slice())?;
             let pairs = flat.chunks_exact(2);
             let value = |code: i16| (f32::from(code) + 0.5) * step;
-            let all: Vec<Complex32> = pairs.map(|pair| Complex32::new(value(pair[0]), value(pair[1]))).collect();
+            let all: Vec<Complex32> =
+                pairs.map(|pair| Complex32::new(value(pair[0]), value(pair[1]))).collect();
             let shape = [self.header.layout.channels, self.header.layout.samples];
             PyResult::Ok(all.into_pyarray(py).reshape(shape)?.unbind())
         };

@@ -140,7 +140,8 @@ impl Reception {
             });
             match taken {
                 None => {
-                    let what = "the reception is closed; allowed: an open one: nereus.receive() starts another";
+                    let what =
+                        "the reception is closed; allowed: an open one: nereus.receive() starts another";
                     return Err(StreamClosed::new_err(what));
                 }
                 Some(Ok((pulse, header))) => {

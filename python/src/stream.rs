@@ -120,9 +120,8 @@ impl Stream {
     /// Figures of the run once it has ended, else None.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let summary = py.detach(|| {
-            self.pulses.lock().unwrap_or_else(PoisonError::into_inner).summary().cloned()
-        });
+        let summary =
+            py.detach(|| self.pulses.lock().unwrap_or_else(PoisonError::into_inner).summary().cloned());
         summary.map(|summary| object(py, &summary)).transpose()
     }
 
