@@ -88,4 +88,6 @@ def __getattr__(name: str) -> Any:
     # What needs Dask is imported when it is asked for.
     if name in ("distributed", "dataset", "zarr"):
         return importlib.import_module(f".{name}", __name__)
+    if name == "RecordingError":
+        return importlib.import_module(".dataset", __name__).RecordingError
     raise AttributeError(f"module 'nereus' has no attribute {name!r}")

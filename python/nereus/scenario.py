@@ -90,7 +90,7 @@ class Scenario:
     ...     "receiver": [{"name": "rx", "platform": "mast", "antenna": {"kind": "isotropic"}}],
     ...     "target": [{"name": "corner", "position_m": [1000.0, 0.0, 2.0], "rcs_m2": 100.0}],
     ... })
-    >>> scene.pulses
+    >>> scene.pulse_count
     10
     >>> with scene.stream(pulses=(0, 2)) as stream:
     ...     [(pulse.index, pulse.iq.dtype, pulse.iq.shape) for pulse in stream]
@@ -124,7 +124,7 @@ class Scenario:
 
         Entries of arrays go by number from 0 (`"target.0.rcs_m2"`), `"target.+"` appends one.
 
-        >>> Scenario("configs/selftest.toml").set({"scene.duration_s": 1.0}).pulses
+        >>> Scenario("configs/selftest.toml").set({"scene.duration_s": 1.0}).pulse_count
         222
         """
         other = object.__new__(Scenario)
@@ -171,7 +171,7 @@ class Scenario:
         return self._engine_
 
     @property
-    def pulses(self) -> int:
+    def pulse_count(self) -> int:
         """Pulses of the run."""
         return self._engine.pulses
 

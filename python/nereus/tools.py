@@ -40,8 +40,8 @@ def table(quantity: str, **keys: Any) -> dict[str, NDArray[Any]]:
     `quantity` and the keys are those of the command (docs/commands.md); a list makes rows for each of its values.
 
     >>> rows = table("sigma0", wind_mps=[5, 10], vary="incidence")
-    >>> {len(column) for column in rows.values()} == {len(rows["wind_mps"])}
-    True
+    >>> sorted(set(rows["u10_mps"].tolist())), rows["sigma0_vv_db"].shape == rows["incidence_deg"].shape
+    ([5.0, 10.0], True)
     """
     text = bytes(_nereus.command(["table", quantity, *_words(keys)])).decode()
     rows = list(csv.reader(line for line in io.StringIO(text) if not line.startswith("#")))

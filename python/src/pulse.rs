@@ -309,7 +309,8 @@ fn angles_deg([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     let (starboard_up, down_up) = (2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y));
     let roll = (-starboard_up).atan2(-down_up);
     let heading = forward[0].atan2(forward[1]).to_degrees().rem_euclid(360.0);
-    [roll.to_degrees(), forward[2].asin().to_degrees(), heading]
+    // A hair West of North is rounded up to a whole turn.
+    [roll.to_degrees(), forward[2].asin().to_degrees(), if heading < 360.0 { heading } else { 0.0 }]
 }
 
 /// A header as a dict.

@@ -23,6 +23,7 @@ const WAITING: usize = 256;
 const GLANCE: Duration = Duration::from_millis(50);
 
 type Came = (Box<nereus::Pulse>, Arc<Header>);
+type Ended = Result<Report, Box<Interrupted>>;
 
 /// Takes the whole pulses of a run.
 struct Taker {
@@ -62,7 +63,7 @@ fn opener(pulses: Sender<Came>) -> Opener {
 #[pyclass(frozen, module = "nereus")]
 pub(crate) struct Reception {
     pulses: Mutex<Option<Receiver<Came>>>,
-    thread: Mutex<Option<JoinHandle<Result<Report, Box<Interrupted>>>>>,
+    thread: Mutex<Option<JoinHandle<Ended>>>,
     report: OnceLock<Report>,
     stop: Arc<AtomicBool>,
     address: String,

@@ -4,11 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 
 import numpy as np
 import pytest
-from conftest import small
+from scenes import small
 
 import nereus
 
@@ -46,10 +45,13 @@ def test_what_exists_is_replaced_with_force_alone(tmp_path, scene):
 def test_ctrl_c_leaves_a_readable_recording(tmp_path):
     endless = nereus.Scenario(small()).set({"scene.duration_s": 100_000.0})
     path = tmp_path / "flight.h5"
-    timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+
+    def interrupt(passed, *_):
+        if passed > 20:
+            os.kill(os.getpid(), signal.SIGINT)
+
     with pytest.raises(KeyboardInterrupt):
-        endless.record(path, progress=False)
+        endless.record(path, progress=interrupt)
     with h5py.File(path) as file:
         index = file["pulse/index"][()]
         assert 0 < len(index) < 10_000_000 and len(file["iq"]) == len(index)
@@ -58,8 +60,9 @@ def test_ctrl_c_leaves_a_readable_recording(tmp_path):
 
 
 def test_an_exception_of_the_progress_ends_the_recording(tmp_path, scene):
-    def refuse(*_):
-        raise RuntimeError("enough")
+    def refuse(passed, *_):
+        if passed > 20:
+            raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
         scene.set({"scene.duration_s": 1000.0}).record(tmp_path / "a.h5", progress=refuse)

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT, small
+from scenes import ROOT, small
 
 import nereus
 
@@ -23,7 +23,7 @@ def test_a_file_a_text_and_a_dict_are_the_same_scenario(tmp_path, scene):
 def test_set_returns_another_scenario(scene):
     longer = scene.set({"scene.duration_s": 2.0, "target.0.rcs_m2": np.float32(10), "target.+": {
         "name": "buoy", "position_m": np.array([900.0, 0.0, 1.0]), "rcs_m2": 1}})
-    assert (scene.pulses, longer.pulses) == (100, 200)
+    assert (scene.pulse_count, longer.pulse_count) == (100, 200)
     assert next(longer.stream()).target_delay_s.shape == (1, 2)
     assert "# --set scene.duration_s=2.0" in longer.text
 
