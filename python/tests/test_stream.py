@@ -166,3 +166,14 @@ def test_the_sea_streams_as_it_is_recorded(tmp_path):
     scene.record(tmp_path / "plain", pulses=(0, 3), progress=False)
     recorded = np.fromfile(tmp_path / "plain" / "iq.bin", np.complex64).reshape(streamed.shape)
     np.testing.assert_array_equal(streamed, recorded)
+
+
+@pytest.mark.skipif(not os.environ.get("NEREUS_ALL"), reason="takes 10 s of a quiet machine; NEREUS_ALL=1 runs it")
+def test_a_kilohertz_in_real_time_for_ten_seconds(scene):
+    scene = scene.set({"radar.prf_hz": 1000.0, "scene.duration_s": 10.0})
+    with scene.stream(pace="realtime") as stream:
+        taken = 0
+        for pulse in stream:
+            assert pulse.index == taken and not pulse.flags & nereus.Flag.AFTER_GAP
+            taken += 1
+    assert taken == 10_000 and stream.summary["dropped"] == 0
