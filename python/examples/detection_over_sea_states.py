@@ -43,7 +43,7 @@ def main():
     parser.add_argument("--small", action="store_true", help="few winds, seeds and pulses")
     parser.add_argument("--out", help="picture to make (needs matplotlib)")
     given = parser.parse_args()
-    winds, sizes, seeds, pulses = ([3, 12], [1.0], 1, LOOKS) if given.small else (range(2, 17, 2), [0.3, 1.0, 3.0], 6, 80)
+    winds, sizes, seeds, pulses = ([3, 12], [1.0], 1, LOOKS) if given.small else (range(2, 17, 2), [0.3, 1.0, 3.0], 6, 40)
 
     share = np.zeros((len(sizes), len(winds)))
     for (i, rcs), (j, wind) in itertools.product(enumerate(sizes), enumerate(winds)):
