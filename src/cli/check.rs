@@ -51,22 +51,31 @@ struct Found {
 /// Prints the report.
 pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = args.scenario.load(&[])?;
+    assess(&run, |warnings| warn(warnings))?.print(args.format.json, out)
+}
+
+/// Validates, explains and predicts a run. Warnings go to `warned` as soon as they are known, and are in the
+/// report as well.
+///
+/// # Errors
+/// What keeps the run from being built, all at once.
+pub fn assess(run: &Run, mut warned: impl FnMut(&[String])) -> Result<Report, CliError> {
     let mut warnings: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
     // An output that exists stands in the way of a run, not of a look at the scenario.
     warnings.extend(outputs::preflight(&run.sinks).iter().map(ToString::to_string));
-    warn(&warnings);
+    warned(&warnings);
     let first = warnings.len();
-    let models = models(&run);
+    let models = models(run);
     let mut found = Found { models, warnings, tracks: Vec::new(), sea: None, plan: None, forecast: None };
-    let unknown = without_trajectory(&run);
+    let unknown = without_trajectory(run);
     if unknown.is_empty() {
-        found.predict(&run)?;
+        found.predict(run)?;
     } else {
         // What needs a trajectory is left out, rather than predicted of a wrong one.
         found.warnings.extend(unknown);
     }
-    warn(&found.warnings[first..]);
-    report(&run, &found).print(args.format.json, out)
+    warned(&found.warnings[first..]);
+    Ok(report(run, &found))
 }
 
 /// Live platforms of which nothing is known beforehand.

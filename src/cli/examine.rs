@@ -8,10 +8,12 @@
 pub mod error;
 use clap::Args;
 use error::ExamineError;
+use std::ffi::OsString;
 use std::io::{self, Read};
 use std::path::Path;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -41,9 +43,26 @@ fn seconds(bytes: u64) -> u64 {
     LEAST_S.saturating_add(bytes / BYTES_PER_S)
 }
 
+/// How this program is called, where it lives in another one.
+static PROGRAM: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Says how a process that is not `nereus` itself calls the program: its file, and what stands before the
+/// subcommand. The first call holds.
+pub fn called_by(program: Vec<OsString>) {
+    let _ = PROGRAM.set(program);
+}
+
 /// The program itself, also where its file was replaced meanwhile.
-fn program() -> io::Result<std::path::PathBuf> {
-    if cfg!(target_os = "linux") { Ok("/proc/self/exe".into()) } else { std::env::current_exe() }
+fn program() -> io::Result<Command> {
+    match PROGRAM.get().and_then(|words| words.split_first()) {
+        Some((program, before)) => {
+            let mut command = Command::new(program);
+            command.args(before);
+            Ok(command)
+        }
+        None if cfg!(target_os = "linux") => Ok(Command::new("/proc/self/exe")),
+        None => std::env::current_exe().map(Command::new),
+    }
 }
 
 /// Has an HDF5 file read in a process of its own; what is none is left to who reads it.
@@ -54,7 +73,8 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
     };
     let shown = || escape::path(path);
     let failed = |source| ExamineError::Process { path: shown(), source };
-    let child = Command::new(program().map_err(failed)?)
+    let child = program()
+        .map_err(failed)?
         .arg("examine-recording")
         .arg("--")
         .arg(path)

@@ -39,10 +39,10 @@ use crate::units::counted;
 
 pub use args::{Arguments, Command};
 pub use bench::BenchArgs;
-pub use check::CheckArgs;
+pub use check::{CheckArgs, assess};
 pub use error::CliError;
-pub use examine::ExamineArgs;
 pub use examine::error::ExamineError;
+pub use examine::{ExamineArgs, called_by};
 pub use focus::error::FocusError;
 pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
 pub use merge::MergeArgs;
@@ -55,7 +55,7 @@ pub use receive::ReceiveArgs;
 pub use run::{Pace, RunArgs};
 pub use scenario::ScenarioArgs;
 pub use sea::snapshot::SnapshotArgs;
-pub use sea::{Field, SeaArgs, SeaError};
+pub use sea::{Field, SeaArgs, SeaError, SeaMap, sea_at};
 pub use speckle::SpeckleArgs;
 pub use speckle::error::SpeckleError;
 pub use table::{
@@ -71,6 +71,11 @@ pub use wake::WakeArgs;
 
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(status(arguments))
+}
+
+/// Runs the program and returns its exit code.
+pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let begun = Instant::now();
     report_large_files();
     let arguments = match Arguments::try_parse_from(arguments) {
@@ -78,18 +83,18 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             // Help and version are data; a failure to print them has nowhere to go.
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+            return if error.use_stderr() { 2 } else { 0 };
         }
     };
     let mut out = escape::Printable(std::io::stdout().lock());
     let done = execute(&arguments, begun, &mut out).and_then(|()| out.flush().map_err(CliError::Output));
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         // The reader of a pipe has seen enough.
-        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(error) => {
             say(format_args!("error: {error}"));
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
     }
 }
@@ -118,7 +123,12 @@ fn warn(warnings: impl IntoIterator<Item = impl std::fmt::Display>) {
     }
 }
 
-fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
+/// Carries out a command whose data go to `out`; what is for people goes to standard error. `begun` is when
+/// the program began.
+///
+/// # Errors
+/// Why the command ends early.
+pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
     match &arguments.command {
         Command::Run(args) => run::run(args, out),
         Command::Check(args) => check::check(args, out),

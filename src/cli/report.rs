@@ -23,7 +23,7 @@ enum Line {
 
 /// What a command found.
 #[derive(Default)]
-pub(super) struct Report {
+pub struct Report {
     lines: Vec<Line>,
     /// `"key":value`, in order.
     values: Vec<String>,
@@ -101,7 +101,10 @@ impl Report {
     }
 
     /// One JSON object on a line.
-    fn json(self) -> Result<String, CliError> {
+    ///
+    /// # Errors
+    /// A value that JSON cannot hold.
+    pub fn json(self) -> Result<String, CliError> {
         match self.fault {
             Some(fault) => Err(CliError::Output(fault.into())),
             None => Ok(escaped(format!("{{{}}}", self.values.join(",")))),
@@ -109,13 +112,13 @@ impl Report {
     }
 
     /// Prints the text, or the object instead.
-    pub fn print(self, json: bool, out: &mut dyn Write) -> Result<(), CliError> {
+    pub(super) fn print(self, json: bool, out: &mut dyn Write) -> Result<(), CliError> {
         let text = if json { self.json()? + "\n" } else { self.text() };
         out.write_all(text.as_bytes()).map_err(CliError::Output)
     }
 
     /// Says the text on standard error, and prints the object if it is asked for.
-    pub fn say(self, json: bool, out: &mut dyn Write) -> Result<(), CliError> {
+    pub(super) fn say(self, json: bool, out: &mut dyn Write) -> Result<(), CliError> {
         let text = self.text();
         if json {
             writeln!(out, "{}", self.json()?).map_err(CliError::Output)?;

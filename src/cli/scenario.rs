@@ -16,6 +16,9 @@ pub struct ScenarioArgs {
     /// Set a key of the scenario, e.g. radar.prf_hz=500 or target.0.rcs_m2=10
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<Setting>,
+    /// The scenario itself, for who has no file of it: `config` then names it in faults.
+    #[arg(skip)]
+    pub text: Option<String>,
 }
 
 /// How a command reports.
@@ -62,7 +65,10 @@ impl ScenarioArgs {
         let of = |setting: &Setting| (setting.key.clone(), setting.value.clone());
         let overrides: Vec<(String, String)> =
             self.settings.iter().map(of).chain(more.iter().cloned()).collect();
-        config::load(&self.config, &overrides)
+        match &self.text {
+            Some(text) => config::parse(text, &self.config, &overrides),
+            None => config::load(&self.config, &overrides),
+        }
     }
 
     /// The run as it is measured: without sinks, as fast as it can.

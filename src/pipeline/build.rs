@@ -328,7 +328,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, status, None::<fn(&Pulse)>).map(|(outcome, _)| outcome)
+        self.start(stop, status, None::<fn(&mut Pulse)>).map(|(outcome, _)| outcome)
     }
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
@@ -339,9 +339,24 @@ impl PulseStream {
     pub fn tap(
         self,
         stop: &Arc<AtomicBool>,
-        see: impl FnMut(&Pulse) + Send,
+        mut see: impl FnMut(&Pulse) + Send,
+    ) -> Result<RunOutcome, BuildErrors> {
+        self.hand_over(stop, move |pulse| see(pulse))
+    }
+
+    /// Runs like [`Self::tap`] for somebody who may keep a pulse and leave another of the same layout in its
+    /// place.
+    pub(super) fn hand_over(
+        self,
+        stop: &Arc<AtomicBool>,
+        see: impl FnMut(&mut Pulse) + Send,
     ) -> Result<RunOutcome, BuildErrors> {
         self.start(stop, None, Some(see)).map(|(outcome, _)| outcome)
+    }
+
+    /// What a sink is reported before the first pulse.
+    pub fn header(&self) -> &Header {
+        &self.header
     }
 
     /// The same, with progress, and reports what the workers have spent.
@@ -352,16 +367,16 @@ impl PulseStream {
         self,
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
-        see: impl FnMut(&Pulse) + Send,
+        mut see: impl FnMut(&Pulse) + Send,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        self.start(stop, status, Some(see))
+        self.start(stop, status, Some(move |pulse: &mut Pulse| see(pulse)))
     }
 
     fn start(
         self,
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
-        tap: Option<impl FnMut(&Pulse) + Send>,
+        tap: Option<impl FnMut(&mut Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
             mut factory,
@@ -409,7 +424,7 @@ impl PulseStream {
         if let Some(mut see) = tap {
             stream.sink("tap", settings.ring_slots, move |mut feed| {
                 loop {
-                    let fed = feed.next(sinks::sink::FLUSH_INTERVAL, |pulse| {
+                    let fed = feed.next_slot(sinks::sink::FLUSH_INTERVAL, |pulse| {
                         see(pulse);
                         Ok::<_, SinkError>(())
                     })?;

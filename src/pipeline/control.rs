@@ -18,9 +18,9 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::motion::changes::{Change, ChangeFault, Changes, Event};
+use crate::motion::changes::{Change, ChangeFault, Changes, Event, NotAChange, addressed};
 use crate::pulse::log::Origin;
-use crate::transport::health::Health;
+use crate::transport::health::{Health, Snapshot};
 
 /// Changes that may wait to be taken.
 const WAITING: usize = 64;
@@ -28,9 +28,12 @@ const WAITING: usize = 64;
 const GLANCE: Duration = Duration::from_millis(20);
 
 /// Why a change is not taken.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ControlError {
+    /// A line that is no change.
+    #[error(transparent)]
+    Text(#[from] NotAChange),
     /// What is wrong with it.
     #[error(transparent)]
     Fault(#[from] ChangeFault),
@@ -118,6 +121,23 @@ impl Control {
                 Err(_) => return Err(ControlError::Over),
             }
         }
+    }
+
+    /// Asks for the change that a line describes, such as `step position.up 5 m on aircraft`
+    /// (`docs/control.md`). Returns the first pulse that has it, and the line as it was understood.
+    ///
+    /// # Errors
+    /// A line that is no change, and what [`Self::change`] refuses.
+    pub fn line(&self, text: &str) -> Result<(u64, String), ControlError> {
+        let (change, platform) = addressed(text.trim())?;
+        let pulse = self.change(platform, change)?;
+        let on = platform.map_or_else(String::new, |name| format!(" on {name}"));
+        Ok((pulse, format!("{change}{on}")))
+    }
+
+    /// All counters of the run; `None` before its first pulse is made.
+    pub fn health(&self) -> Option<Snapshot> {
+        self.health.get().map(|health| health.snapshot())
     }
 
     /// How far the run is.

@@ -13,7 +13,6 @@ use std::thread;
 use thiserror::Error;
 
 use super::control::Control;
-use crate::motion::changes::addressed;
 
 #[cfg(unix)]
 pub mod socket;
@@ -154,14 +153,8 @@ fn answer(line: &[u8], subject: &Subject) -> String {
             subject.stop.store(true, Ordering::Release);
             "ok stopping".to_owned()
         }
-        _ => match addressed(text) {
-            Ok((change, platform)) => match subject.control.change(platform, change) {
-                Ok(pulse) => {
-                    let on = platform.map_or_else(String::new, |name| format!(" on {name}"));
-                    format!("ok pulse {pulse} {change}{on}")
-                }
-                Err(error) => format!("error {error}"),
-            },
+        _ => match subject.control.line(text) {
+            Ok((pulse, change)) => format!("ok pulse {pulse} {change}"),
             Err(error) => format!("error {error}"),
         },
     }

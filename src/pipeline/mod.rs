@@ -22,6 +22,7 @@ pub mod live;
 #[doc(hidden)]
 pub mod memory;
 mod navigation;
+pub mod released;
 pub(crate) mod outputs;
 #[doc(hidden)]
 pub mod plausible;

@@ -87,9 +87,18 @@ impl Feed {
         timeout: Duration,
         take: impl FnOnce(&Pulse) -> Result<R, E>,
     ) -> Result<Fed<R>, E> {
+        self.next_slot(timeout, |pulse| take(pulse))
+    }
+
+    /// The same for somebody who may keep the pulse, and leave another of the same layout in its place.
+    pub fn next_slot<R, E>(
+        &mut self,
+        timeout: Duration,
+        take: impl FnOnce(&mut Pulse) -> Result<R, E>,
+    ) -> Result<Fed<R>, E> {
         match self.queue.wait_for(timeout) {
-            Look::Slot(pulse) => {
-                let taken = take(&pulse);
+            Look::Slot(mut pulse) => {
+                let taken = take(&mut pulse);
                 self.queue.give_back(pulse);
                 if taken.is_ok() {
                     self.health.wrote();

@@ -1,6 +1,7 @@
 //! The stream with made-up pulses: order, pacing, policies, isolation, ends, allocations.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+mod released;
 mod stream_allocations;
 mod stream_ends;
 mod stream_fixture;

@@ -69,10 +69,10 @@ pub(in crate::cli) fn write_map(
 }
 
 /// Name, unit and meaning of a layer, and where its values are.
-type LayerOf = (&'static str, &'static str, &'static str, fn(&Fields<f64>) -> &[f64]);
+pub(super) type LayerOf = (&'static str, &'static str, &'static str, fn(&Fields<f64>) -> &[f64]);
 
 /// The layers of a map.
-const LAYERS: [LayerOf; 11] = [
+pub(super) const LAYERS: [LayerOf; 11] = [
     ("height_m", "m", "height above the mean surface", |f| &f.height_m),
     ("slope_x", "1", "slope dz/dx, x to the East", |f| &f.slope[0]),
     ("slope_y", "1", "slope dz/dy, y to the North", |f| &f.slope[1]),

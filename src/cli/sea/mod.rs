@@ -15,6 +15,7 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
 pub use error::SeaError;
 pub use field::{Field, MapArgs};
@@ -24,14 +25,17 @@ use super::outputs::outputs;
 use super::report::Report;
 use super::warn;
 use crate::adequacy::patch_at;
+use crate::config::Run;
 use crate::pipeline::fault::BuildErrors;
 use crate::recording::field_file::Attribute;
 use crate::recording::output::{FileKind, Output, OutputError};
+use crate::scene::Patch;
+use crate::scene::sea::Sea;
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::Fleet;
 use crate::sea::realise::{Realised, realise};
 use crate::sea::summary::Summary;
-use crate::sea::surface::Selection;
+use crate::sea::surface::{Fields, Selection};
 use field::{files, write_map};
 
 /// `nereus sea`
@@ -45,27 +49,72 @@ pub struct SeaArgs {
     pub save_state: Option<PathBuf>,
 }
 
+/// The sea of a run at a time.
+pub struct SeaMap {
+    realised: Realised,
+    patch: Patch,
+    fields: Fields<f64>,
+    summary: Summary,
+}
+
+impl SeaMap {
+    /// Every field: name, unit, meaning, and a value for each facet, from South to North and in a row from
+    /// West to East.
+    pub fn layers(&self) -> impl Iterator<Item = (&'static str, &'static str, &'static str, &[f64])> {
+        field::LAYERS
+            .into_iter()
+            .map(|(name, unit, meaning, values)| (name, unit, meaning, values(&self.fields)))
+    }
+
+    /// Centres of the facets, East and North, m.
+    pub fn axes_m(&self) -> [Vec<f64>; 2] {
+        let Patch { facets, facet_m, first } = self.patch;
+        [0, 1].map(|axis| {
+            let places = first[axis]..first[axis] + facets[axis] as i64;
+            places.map(|place| place as f64 * facet_m).collect()
+        })
+    }
+
+    /// The sea in figures: what `nereus sea --json` prints.
+    pub fn summary(&self) -> impl Serialize {
+        &self.summary
+    }
+}
+
+/// The sea of a run at a time after pulse 0, with every field.
+///
+/// # Errors
+/// A run without sea, and what keeps it from being made.
+pub fn sea_at(run: &Run, time_s: f64) -> Result<SeaMap, CliError> {
+    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: run.path.clone() })?;
+    evaluate(run, sea, time_s, Selection { slope_rate: false, ..Selection::ALL })
+}
+
+fn evaluate(run: &Run, sea: &Sea, time_s: f64, selection: Selection) -> Result<SeaMap, CliError> {
+    let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
+    let ships = &run.scene.ships;
+    // Ships do not repeat with the waves of the wind: it matters where the patch lies.
+    let patch = if ships.is_empty() { sea.patch } else { patch_at(run, sea, time_s)? };
+    let fleet = Fleet::muster(ships, &[(time_s, patch)]).map_err(BuildErrors::from)?;
+    let surface = FacetSurface::new(&realised.surface, selection);
+    let mut surface = surface.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
+    let mut fields = surface.fields(&patch);
+    surface.evaluate(time_s, &patch, &mut fields).map_err(SeaError::from)?;
+    let summary = Summary::new(&realised, &patch, &fields, time_s);
+    Ok(SeaMap { realised, patch, fields, summary })
+}
+
 /// Makes the files that the arguments ask for, and reports what sea it is.
 pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let SeaArgs { map: asked, save_state } = args;
     let run = asked.scenario.load(&[])?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let no_sea = || SeaError::NoSea { path: asked.scenario.config.clone() };
-    let sea = run.scene.sea.as_ref().ok_or_else(no_sea)?;
+    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: run.path.clone() })?;
     let [map, picture, state] = outputs(
         [(&asked.out, FileKind::Hdf5), (&asked.png, FileKind::Png), (save_state, FileKind::SeaState)],
         asked.output.overwrite.force,
     )?;
-    let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
-    let ships = &run.scene.ships;
-    // Ships do not repeat with the waves of the wind: it matters where the patch lies.
-    let patch = if ships.is_empty() { sea.patch } else { patch_at(&run, sea, asked.time_s)? };
-    let fleet = Fleet::muster(ships, &[(asked.time_s, patch)]).map_err(BuildErrors::from)?;
-    let surface = FacetSurface::new(&realised.surface, selection(asked));
-    let mut surface = surface.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
-    let mut fields = surface.fields(&patch);
-    surface.evaluate(asked.time_s, &patch, &mut fields).map_err(SeaError::from)?;
-    let summary = Summary::new(&realised, &patch, &fields, asked.time_s);
+    let SeaMap { realised, patch, fields, summary } = evaluate(&run, sea, asked.time_s, selection(asked))?;
     if let Some(output) = state {
         save(output, &realised)?;
     }

@@ -1,0 +1,93 @@
+"""nereus: a bistatic marine radar emulator.
+
+    import nereus
+
+    scene = nereus.Scenario("configs/quickstart.toml").set({"sea.wind_mps": 8.0, "scene.seed": 3})
+    print(scene.check())
+    with scene.stream(pulses=(0, 10)) as pulses:
+        for pulse in pulses:
+            print(pulse.index, pulse.iq.shape, pulse.reported["aircraft"].position_m)
+
+The engine runs in this process. SI units, angles in degrees, East-North-up; docs/python.md is the manual.
+"""
+
+from __future__ import annotations
+
+import importlib
+from enum import IntFlag
+from typing import Any
+
+from ._nereus import Antenna, Platform, Pulse, Reception, Ship, Stream, __version__
+from .arrays import pattern, spectrum, targets, trajectory, waveform
+from .errors import (
+    ArrayError,
+    InputError,
+    InternalError,
+    NereusError,
+    RunError,
+    ScenarioError,
+    StreamClosed,
+)
+from .image import Image, focus
+from .scenario import Report, Scenario
+from .tools import Sea, bench, receive, sea, table
+
+__all__ = [
+    "Antenna",
+    "ArrayError",
+    "Flag",
+    "Image",
+    "InputError",
+    "InternalError",
+    "NereusError",
+    "Platform",
+    "Pulse",
+    "Reception",
+    "Report",
+    "RunError",
+    "Scenario",
+    "ScenarioError",
+    "Sea",
+    "Ship",
+    "Stream",
+    "StreamClosed",
+    "__version__",
+    "bench",
+    "distributed",
+    "focus",
+    "open",
+    "pattern",
+    "receive",
+    "sea",
+    "spectrum",
+    "table",
+    "targets",
+    "trajectory",
+    "waveform",
+]
+
+
+class Flag(IntFlag):
+    """Bits of `Pulse.flags`."""
+
+    LATE = 1
+    AFTER_GAP = 2
+    ADC_SATURATED = 4
+    OUTSIDE_WINDOW = 8
+    NAV_EXTRAPOLATED = 16
+    NAV_STALE = 32
+    REPORT_DROPOUT = 64
+
+
+def open(path: Any, **options: Any) -> Any:
+    """Opens a recording as an `xarray.Dataset`: see `nereus.dataset.open`."""
+    return importlib.import_module(".dataset", __name__).open(path, **options)
+
+
+def __getattr__(name: str) -> Any:
+    # What needs Dask is imported when it is asked for.
+    if name in ("distributed", "dataset", "zarr"):
+        return importlib.import_module(f".{name}", __name__)
+    if name == "RecordingError":
+        return importlib.import_module(".dataset", __name__).RecordingError
+    raise AttributeError(f"module 'nereus' has no attribute {name!r}")

@@ -1,0 +1,119 @@
+"""Commands of the program that return arrays: tables of models, the sea, benchmarks, a receiver."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _nereus
+from ._nereus import Reception
+from .scenario import Scenario
+
+__all__ = ["Sea", "bench", "receive", "sea", "table"]
+
+
+def _words(options: Mapping[str, Any]) -> list[str]:
+    """Options of the command line from keywords."""
+    words: list[str] = []
+    for name, value in options.items():
+        if value is None or value is False:
+            continue
+        flag = "--" + name.replace("_", "-")
+        if value is True:
+            words.append(flag)
+            continue
+        values = np.atleast_1d(np.asarray(value)).tolist()
+        words.append(f"{flag}={','.join(str(item) for item in values)}")
+    return words
+
+
+def table(quantity: str, **keys: Any) -> dict[str, NDArray[Any]]:
+    """A table of a model, as `nereus table` prints it: an array for each column.
+
+    `quantity` and the keys are those of the command (docs/commands.md); a list makes rows for each of its values.
+
+    >>> rows = table("sigma0", wind_mps=[5, 10], vary="incidence")
+    >>> sorted(set(rows["u10_mps"].tolist())), rows["sigma0_vv_db"].shape == rows["incidence_deg"].shape
+    ([5.0, 10.0], True)
+    """
+    text = bytes(_nereus.command(["table", quantity, *_words(keys)])).decode()
+    rows = list(csv.reader(line for line in io.StringIO(text) if not line.startswith("#")))
+    columns = {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
+    return {name: _column(values) for name, values in columns.items()}
+
+
+def _column(values: list[str]) -> NDArray[Any]:
+    try:
+        return np.array([float(value) if value else np.nan for value in values])
+    except ValueError:
+        return np.array(values)
+
+
+def bench(
+    scene: Scenario, *, pulses: int | None = None, threads: int | None = None, error_pulses: int | str = 16
+) -> dict[str, Any]:
+    """Measures speed, memory and error of a scenario on this machine: what `nereus bench --json` prints."""
+    options = _words({"pulses": pulses, "threads": threads, "error_pulses": error_pulses})
+    return json.loads(bytes(_nereus.command(["bench", scene._path, "--json", *options], scene.text)))
+
+
+@dataclass(frozen=True)
+class Sea:
+    """The sea at an instant. `sea["height_m"]` is a field, [y, x]; `figures` are those of `nereus sea --json`."""
+
+    x_m: NDArray[np.float64]
+    y_m: NDArray[np.float64]
+    fields: dict[str, NDArray[np.float64]]
+    units: dict[str, str]
+    figures: dict[str, Any]
+
+    def __getitem__(self, field: str) -> NDArray[np.float64]:
+        return self.fields[field]
+
+    def to_xarray(self) -> Any:
+        """The same as an `xarray.Dataset`."""
+        import xarray
+
+        data = {name: (("y_m", "x_m"), values, {"units": self.units[name]}) for name, values in self.fields.items()}
+        return xarray.Dataset(data, {"y_m": self.y_m, "x_m": self.x_m}, self.figures)
+
+
+def sea(scene: Scenario, time_s: float = 0.0) -> Sea:
+    """The sea of a scenario at a time after pulse 0: heights, slopes, velocities, displacements of all facets.
+
+    >>> water = sea(Scenario("configs/sea.toml").set({"scene.patch_size_m": [64.0, 64.0], "scene.facet_m": 2.0}))
+    >>> water["height_m"].shape
+    (32, 32)
+    """
+    return Sea(*scene._engine.sea(time_s))
+
+
+def receive(
+    address: str = "127.0.0.1:4991",
+    *,
+    pulses: int | None = None,
+    duration_s: float | None = None,
+    idle_s: float | None = None,
+    sender: str | None = None,
+    restart: bool = False,
+) -> Reception:
+    """Receives pulses that are sent as VITA 49.2 (docs/wire.md): an iterator over whole pulses.
+
+    Args:
+        address: address and port of this machine; port 0 takes a free one (`Reception.address`).
+        pulses: ends after so many whole pulses.
+        duration_s: ends after so long.
+        idle_s: ends when nothing has come for so long, once something has.
+        sender: takes datagrams of this sender only.
+        restart: whether another run of the sender is followed.
+
+    The wire carries samples and reported navigation; `Pulse.truth` is empty.
+    """
+    return Reception(address, pulses, duration_s, idle_s, sender, restart)

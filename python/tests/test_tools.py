@@ -1,0 +1,98 @@
+"""Tables, the sea, benchmarks, images, the receiver."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from scenes import ROOT
+
+import nereus
+
+
+def test_a_table_is_arrays():
+    rows = nereus.table("moments", wind_mps=[5, 10, 15])
+    assert all(column.shape == (3,) for column in rows.values())
+    assert all(column.dtype == float for column in rows.values())
+
+
+def test_a_table_that_is_none():
+    with pytest.raises(nereus.InputError, match="unrecognized subcommand 'nothing'"):
+        nereus.table("nothing")
+
+
+def test_the_sea_as_arrays():
+    scene = nereus.Scenario(ROOT / "configs/sea.toml").set({"scene.patch_size_m": [64.0, 32.0], "scene.facet_m": 1.0})
+    water = nereus.sea(scene, time_s=2.0)
+    assert water["height_m"].shape == (32, 64) == (water.y_m.size, water.x_m.size)
+    assert np.diff(water.x_m).tolist() == [1.0] * 63
+    assert water.units["slope_x"] == "1" and water.figures["time_s"] == 2.0
+    assert 4 * water["height_m"].std() == pytest.approx(water.figures["significant_height_m"], rel=1e-2)
+
+
+def test_a_scene_without_sea(scene):
+    with pytest.raises(nereus.NereusError, match="sea"):
+        nereus.sea(scene)
+
+
+def test_bench_measures(scene):
+    report = nereus.bench(scene, pulses=20, error_pulses=2)
+    assert report["pulses"] == 20 and report["pulses_per_s"] > 0 and report["rel_rms_db"] < -40
+
+
+def test_focus_finds_the_target(tmp_path, scene):
+    pytest.importorskip("h5py")
+    scene.set({"target.0.rcs_m2": 1e5}).record(tmp_path / "flight.h5", progress=False)
+    options = {"centre_m": (1000.0, 0.0), "size_m": 64.0, "pixel_m": 1.0}
+    image = nereus.focus(tmp_path / "flight.h5", channel="VV", **options)
+    assert image.values.shape == (1, image.y_m.size, image.x_m.size) and image.channels == ["VV"]
+    row, column = np.unravel_index(np.abs(image.values[0]).argmax(), image.values[0].shape)
+    assert abs(image.x_m[column] - 1000.0) <= 4.0
+    assert image.report["nav"] == "reported"
+    with pytest.raises(nereus.InputError, match="allowed: a path, or a dataset"):
+        nereus.focus(3)
+
+
+def test_pictures(tmp_path, scene):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    scene.record(tmp_path / "flight.h5", pulses=(0, 20), progress=False)
+    image = nereus.focus(tmp_path / "flight.h5", centre_m=(1000.0, 0.0), size_m=32.0)
+    assert image.plot("HH").get_xlabel() == "East, m"
+    assert image.to_xarray().dims == ("channel", "y_m", "x_m")
+
+
+def test_receive_what_is_sent(tmp_path, scene):
+    with nereus.receive("127.0.0.1:0", idle_s=0.5, duration_s=20.0) as reception:
+        sends = scene.set({
+            "scene.duration_s": 0.4,
+            "stream.pace": "realtime",
+            "sink": [{"kind": "vita49", "address": reception.address}],
+        })
+        (tmp_path / "send.toml").write_text(sends.text)
+        sender = threading.Thread(target=nereus._nereus.main, args=(["run", str(tmp_path / "send.toml")],))
+        time.sleep(0.1)
+        sender.start()
+        pulses = list(reception)
+        sender.join()
+    assert [pulse.index for pulse in pulses][-1] == 39 and len(pulses) >= 30
+    sent = list(sends.stream())
+    for pulse in pulses:
+        np.testing.assert_array_equal(pulse.iq, sent[pulse.index].iq)
+        assert pulse.truth == {}
+    np.testing.assert_array_equal(
+        pulses[0].reported["aircraft"].position_m, sent[pulses[0].index].reported["aircraft"].position_m
+    )
+    assert reception.report["pulses"] == len(pulses) and reception.info["channels"] == ["HH", "VV"]
+
+
+def test_a_closed_reception_says_so():
+    reception = nereus.receive("127.0.0.1:0")
+    reception.close()
+    with pytest.raises(nereus.StreamClosed, match="nereus.receive"):
+        next(reception)
+
+
+def test_an_address_that_is_none():
+    with pytest.raises(nereus.InputError, match="cannot listen at"):
+        nereus.receive("nowhere")
