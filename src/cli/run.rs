@@ -26,6 +26,7 @@ use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::live::{FlightReport, LiveNav};
 use crate::pipeline::plausible::{self, ConverterReport, PhysicsWarning};
 use crate::pulse::log::Entry;
+use crate::sinks::shard::Shard;
 use crate::sinks::sink::SinkReport;
 use crate::sinks::{self, Kind};
 use crate::transport;
@@ -56,6 +57,9 @@ pub struct RunArgs {
     /// Make only these pulses of the run, the last one excluded
     #[arg(long, value_name = "A..B")]
     pub pulses: Option<PulseRange>,
+    /// Make only the K-th of N shards of the run, K from 1: for arrays of jobs (docs/scale-out.md)
+    #[arg(long, value_name = "K/N", conflicts_with = "pulses")]
+    pub shard: Option<Shard>,
     /// Recording (instead of the path of the scenario's recording)
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
@@ -378,7 +382,13 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
             }
         }
     }
-    let pulses = args.pulses.map_or(0..run.scene.pulses, |range| range.first..range.end);
+    run.shard = args.shard;
+    let all = run.scene.pulses;
+    let pulses = match (args.shard, args.pulses) {
+        (Some(shard), _) => shard.pulses(all).ok_or(CliError::MoreShardsThanPulses { shard, pulses: all })?,
+        (None, Some(range)) => range.first..range.end,
+        (None, None) => 0..all,
+    };
     Ok((run, pulses))
 }
 

@@ -69,6 +69,7 @@ use crate::motion::changes::Event;
 use crate::scene::Scene;
 use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
+use crate::sinks::shard::Shard;
 use crate::{sinks, transport};
 
 use error::{At, Problem};
@@ -95,6 +96,8 @@ pub struct Run {
     pub events: Vec<Event>,
     /// Whether more of them may come while the run goes on; no scenario says so.
     pub control: bool,
+    /// Which shard of it is made; no scenario says so.
+    pub shard: Option<Shard>,
     /// How echoes are made.
     pub fidelity: Fidelity,
     /// How pulses are released.
@@ -177,6 +180,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)]) -> Outcome {
         calibration: parts.calibration,
         events: parts.events,
         control: false,
+        shard: None,
         fidelity: parts.fidelity,
         stream: parts.stream,
         sinks: parts.sinks,

@@ -229,6 +229,7 @@ fn header(meta: &Value) -> Option<Header> {
         start: TimeTag::new(start_ns.div_euclid(1_000_000_000), fraction_s),
         first_pulse: meta["first_pulse"].as_u64()?,
         pulses: meta["pulses"].as_u64()?,
+        shard: meta["shard"].as_str().and_then(|shard| shard.parse().ok()),
         truth: meta["truth"].as_bool().unwrap_or(true),
         changes: None,
     })

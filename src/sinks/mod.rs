@@ -21,6 +21,7 @@ use crate::files;
 use sink::SinkError;
 
 mod fault;
+pub mod shard;
 pub mod sink;
 #[doc(hidden)]
 pub mod columns;

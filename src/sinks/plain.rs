@@ -379,6 +379,7 @@ fn meta(header: &Header, list: &[Column]) -> Value {
         "first_pulse": header.first_pulse,
         "truth": header.truth,
         "pulses": header.pulses,
+        "shard": header.shard.map(|shard| shard.to_string()),
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,
         "descriptions": others,

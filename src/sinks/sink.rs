@@ -10,6 +10,7 @@ use num_complex::Complex32;
 use serde::Serialize;
 
 use super::port::PortCounts;
+use super::shard::Shard;
 use crate::files::{self, Draft, FileFault, Holding};
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat};
@@ -347,6 +348,8 @@ pub struct Header {
     pub first_pulse: u64,
     /// Pulses of this run.
     pub pulses: u64,
+    /// Which shard of the run this is, where it is made in shards.
+    pub shard: Option<Shard>,
     /// Whether the true motion is recorded; what was received over the wire has the reported one only.
     pub truth: bool,
     /// What is changed while the run goes on; `None` where nothing may be.
@@ -486,6 +489,7 @@ impl Header {
             ("adc", self.adc == other.adc),
             ("start time", self.start == other.start),
             ("truth", self.truth == other.truth),
+            ("number of shards", self.shard.map(Shard::of) == other.shard.map(Shard::of)),
         ]
         .into_iter()
         .find_map(|(field, same)| (!same).then_some(field))

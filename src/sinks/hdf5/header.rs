@@ -11,6 +11,7 @@ use num_complex::{Complex, Complex32};
 use crate::pulse::{Layout, SampleFormat};
 use crate::sinks::columns::Column;
 use crate::sinks::descriptions::{self, Description};
+use crate::sinks::shard::NotAShard;
 use crate::sinks::sink::{AdcRow, ChannelRow, FORMAT_VERSION, Header, Origin, PairRow};
 use crate::time::TimeTag;
 
@@ -64,6 +65,9 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
     attribute(file, "start_time_fraction_s", &header.start.fraction_s())?;
     attribute(file, "first_pulse", &header.first_pulse)?;
     attribute(file, "pulses", &header.pulses)?;
+    if let Some(shard) = header.shard {
+        attribute(file, "shard", &text(&shard.to_string())?)?;
+    }
     if !header.truth {
         // Absent in recordings that have it.
         attribute(file, "truth", &0u8)?;
@@ -194,6 +198,14 @@ pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
     let (transmit_basis, receive_basis) = (strings(file, "transmit_basis")?, strings(file, "receive_basis")?);
     let (platforms, transmitters, receivers) =
         (strings(file, "platforms")?, strings(file, "transmitters")?, strings(file, "receivers")?);
+    // A run in one piece has none.
+    let shard =
+        match strings(file, "shard")?.first() {
+            None => None,
+            Some(words) => Some(words.parse().map_err(|error: NotAShard| {
+                Fault::Text(format!("shard '{}': {error}", words.escape_debug()))
+            })?),
+        };
     Ok(Header {
         software: string(file, "software")?,
         carrier_hz: value(file, "carrier_hz")?,
@@ -241,6 +253,7 @@ pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
         start: TimeTag::new(value(file, "start_time_s")?, value(file, "start_time_fraction_s")?),
         first_pulse: value(file, "first_pulse")?,
         pulses: value(file, "pulses")?,
+        shard,
         truth: optional::<u8>(file, "truth")?.is_none_or(|truth| truth != 0),
         changes: changes::read(file, file_bytes)?,
     })
