@@ -278,8 +278,11 @@ def _hdf5(path):
         raise RecordingError(f"{path}: not a recording of nereus: no HDF5 file, no folder")
     try:
         h5py.File(path, "r").close()
-    except OSError:
-        # A run that goes on, or was killed, leaves the mark of its writer.
+    except OSError as error:
+        # A run that goes on, or was killed, leaves the mark of its writer. Nothing else is tried twice: of a
+        # damaged file that way would take for ever.
+        if "already open" not in str(error):
+            raise damaged(path, error) from error
         swmr = True
     manager = CachingFileManager(h5py.File, path, mode="r", kwargs={"swmr": swmr})
     try:

@@ -148,7 +148,6 @@ class Draft:
             gone = missing_chunks(self.path, name, array)
             if gone:
                 raise RuntimeError(f"{self.out}: {gone} chunks of /{name} were not written; please report it")
-        os.sync()
         self.complete = True
         old = self.path.with_suffix(".old")
         try:
