@@ -218,6 +218,8 @@ class _Lazy:
     convert: object
 
     def read(self, key):
+        # A growing recording has more rows by now.
+        key = tuple(slice(*k.indices(n)) if isinstance(k, slice) else k for k, n in zip(key, self.shape))
         # The pair of a code is read whole.
         whole = (slice(None),) * (len(self.rec.columns[self.name].shape) - len(self.shape))
         values = self.rec.read(self.name, (*key, *whole))
