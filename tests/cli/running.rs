@@ -233,7 +233,7 @@ fn an_array_of_jobs_makes_the_whole_run() {
 
     for (more, says) in [
         (&["--shard", "0/3"] as &[&str], "allowed: K/N, K from 1 to N, such as 3/16"),
-        (&["--shard", "1/1000"], "--shard 1/1000: the run has 88 pulses; allowed: at most as many shards"),
+        (&["--shard", "1/1000"], "--shard 1/1000: the run has 89 pulses; allowed: at most as many shards"),
         (&["--shard", "1/3", "--pulses", "0..5"], "cannot be used with"),
     ] {
         let refused = run(more);
