@@ -116,9 +116,10 @@ def sweep(scene, keys, function, client=None, *, progress=True, timeout_s=None):
     if not keys or empty:
         raise InputError(f"nothing to sweep: {', '.join(empty) or 'no key'} has no value; allowed: at least one for each key")
     cases = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
-    for key, values in keys.items():  # faults of keys and values are found here, not on a worker
+    for key, values in keys.items():
         for value in values:
-            pickle.loads(_pickled(scene)).set({**cases[0], key: value})
+            # Read here, so that a fault of a key or a value is no worker's.
+            scene.set({**cases[0], key: value}).pulse_count
     blob, call = _pickled(scene), _pickled(function)
     with _client(client) as client:
         farm = _Farm(client, timeout_s or math.inf, progress, "sweep")
@@ -141,8 +142,7 @@ def _threads():
 
 def _owned(blob):
     """The scenario with the threads that this worker owns."""
-    scene = pickle.loads(blob)
-    return scene.set({"stream.threads": _threads()}) or scene
+    return pickle.loads(blob).set({"stream.threads": _threads()})
 
 
 @contextmanager
@@ -184,7 +184,7 @@ def _make(blob, outline, store, first, last):
 
 
 def _case(blob, case, call):
-    return pickle.loads(call)(_owned(_pickled(pickle.loads(blob).set(case))))
+    return pickle.loads(call)(pickle.loads(blob).set({"stream.threads": _threads(), **case}))
 
 
 def _caller():

@@ -197,7 +197,8 @@ def test_a_sweep_is_labelled_by_its_keys(client):
     assert np.array_equal(found.power.sel(case).values, here["power"])
     assert (found.peak.sel({"target.0.rcs_m2": 100.0}) > found.peak.sel({"target.0.rcs_m2": 1.0})).all()
 
-    single = distributed.sweep(scenario(), {"scene.duration_s": [1, 2]}, lambda scene: scene.pulse_count, client, progress=False)
+    quiet = nereus.Scenario(CONFIGS / "errors.toml")
+    single = distributed.sweep(quiet, {"scene.duration_s": [1, 2]}, lambda scene: scene.pulse_count, client, progress=False)
     assert isinstance(single, xr.DataArray)
     assert list(single.values) == [222, 444] and list(single["scene.duration_s"].values) == [1, 2]
 
@@ -209,7 +210,7 @@ def test_a_sweep_is_labelled_by_its_keys(client):
 
 
 def test_faults_of_a_sweep_are_named(client):
-    scene = scenario()
+    scene, quiet = scenario(), nereus.Scenario(CONFIGS / "errors.toml")
     for keys in ({}, {"scene.seed": []}):
         with pytest.raises(nereus.InputError, match="nothing to sweep"):
             distributed.sweep(scene, keys, strongest, client)
@@ -220,4 +221,4 @@ def test_faults_of_a_sweep_are_named(client):
     with pytest.raises(distributed.SweepError, match="case {'scene.seed': 7}: ZeroDivisionError: division by zero"):
         distributed.sweep(scene, {"scene.seed": [7]}, lambda scene: 1 / 0, client, progress=False)
     with pytest.raises(nereus.InputError, match="allowed: the same for all"):
-        distributed.sweep(scene, {"scene.duration_s": [1, 2]}, lambda scene: np.zeros(scene.pulse_count), client, progress=False)
+        distributed.sweep(quiet, {"scene.duration_s": [1, 2]}, lambda scene: np.zeros(scene.pulse_count), client, progress=False)
