@@ -11,15 +11,21 @@ Datasets keep their paths as names. Dimensions are those of their attribute `axe
 `ds.attrs`. ADC counts are read as sqrt(W). The columns of a table are datasets of their own
 (`truth/changes/text`).
 """
+from __future__ import annotations
+
 import json
 import os
 import re
 import time
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
 
 WORDS = ("description", "unit", "axes", "frame")
 INDEX = "pulse/index"
@@ -126,7 +132,7 @@ def source(path):
     return _hdf5(path)
 
 
-def open(path, chunks=None):  # noqa: A001
+def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  # noqa: A001
     """A recording as an `xarray.Dataset` that reads samples when they are used.
 
     `path` is an HDF5 file, finished, growing or left by a killed run; a folder of plain files; or a Zarr store.

@@ -13,6 +13,8 @@ complete.
 In a script that has no client, call these below `if __name__ == "__main__":`, as for every multiprocessing
 program.
 """
+from __future__ import annotations
+
 import itertools
 import math
 import os
@@ -21,8 +23,10 @@ import sys
 import tempfile
 import time
 from collections import Counter, deque
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +34,12 @@ from . import __version__ as VERSION
 from .dataset import CHANGES, INDEX, source
 from .errors import InputError, RunError
 from .zarr import Draft, Outline, chunk_length, write_rows
+
+if TYPE_CHECKING:
+    import xarray
+    from distributed import Client
+
+    from .scenario import Scenario
 
 #: Pulses that are tried to measure the price of one.
 TRIAL = 32
@@ -61,7 +71,17 @@ class Report:
     seconds: float
 
 
-def record(scene, path, client=None, shards=None, *, force=False, progress=True, timeout_s=None, chunk_pulses=None):
+def record(
+    scene: Scenario,
+    path: str | os.PathLike[str],
+    client: Client | None = None,
+    shards: int | None = None,
+    *,
+    force: bool = False,
+    progress: bool = True,
+    timeout_s: float | None = None,
+    chunk_pulses: int | None = None,
+) -> Report:
     """Records a scenario as a Zarr store, shard by shard on the workers of a `dask.distributed.Client`.
 
     `path` is on a file system that all workers share, and so are the files that the scenario names. `shards` is
@@ -103,7 +123,15 @@ def record(scene, path, client=None, shards=None, *, force=False, progress=True,
     return Report(str(draft.out), total, len(ranges), chunk, farm.remade, estimate, time.monotonic() - begun)
 
 
-def sweep(scene, keys, function, client=None, *, progress=True, timeout_s=None):
+def sweep(
+    scene: Scenario,
+    keys: Mapping[str, Iterable[Any]],
+    function: Callable[[Scenario], Any],
+    client: Client | None = None,
+    *,
+    progress: bool = True,
+    timeout_s: float | None = None,
+) -> xarray.DataArray | xarray.Dataset:
     """`function(scene)` for every combination of values of some keys of the scenario, labelled by them.
 
     `keys` has values by key: `{"scene.seed": range(100), "sea.wind_mps": [5, 10]}`. `function` returns a number, an

@@ -8,12 +8,15 @@ A store is made from a recorded HDF5 part rather than from the stream: columns, 
 one writer that the engine has, memory stays bounded, and a run that ends early still leaves a recording. It grows
 under a hidden name beside its own, and gets its name when it is complete.
 """
+from __future__ import annotations
+
 import os
 import shutil
 import tempfile
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +35,7 @@ MOST_CHUNKS = 4096
 WRITING = ".writing"
 
 
-def chunk_length(pulses, row_bytes):
+def chunk_length(pulses: int, row_bytes: int) -> int:
     """Pulses of a chunk: a power of two that depends on the run alone, so that every way of making it has the same.
 
     >>> chunk_length(2220, 7168), chunk_length(800_000, 7168), chunk_length(19_180_800, 7168)
@@ -221,7 +224,9 @@ def write_rows(store, rec, at, rows=None):
             first = last
 
 
-def convert(recording, out, force=False, chunk_pulses=None):
+def convert(
+    recording: str | os.PathLike[str], out: str | os.PathLike[str], force: bool = False, chunk_pulses: int | None = None
+) -> str:
     """Makes a Zarr store of a recording: an HDF5 file, a plain folder, or another store."""
     draft = Draft(out, force)
     with source(recording) as rec:
@@ -234,7 +239,15 @@ def convert(recording, out, force=False, chunk_pulses=None):
     return str(draft.out)
 
 
-def record(scene, out, force=False, progress=True, pulses=None, chunk_pulses=None, scratch=None):
+def record(
+    scene: Any,
+    out: str | os.PathLike[str],
+    force: bool = False,
+    progress: Any = True,
+    pulses: Any = None,
+    chunk_pulses: int | None = None,
+    scratch: str | os.PathLike[str] | None = None,
+) -> str:
     """Records a scenario as a Zarr store: into an HDF5 part in the folder `scratch` first (default: beside `out`).
 
     Ctrl-C leaves a store of the pulses so far, and goes on as KeyboardInterrupt.
