@@ -60,6 +60,7 @@ fn header(format: SampleFormat) -> Header {
         start: TimeTag::default(),
         first_pulse: 0,
         pulses: u64::MAX,
+        shard: None,
         truth: false,
         changes: None,
     }

@@ -124,6 +124,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         calibration: Vec::new(),
         events: Vec::new(),
         control: false,
+        shard: None,
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
             pace: Pace::Realtime,

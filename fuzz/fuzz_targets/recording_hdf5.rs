@@ -63,6 +63,7 @@ fn header() -> Header {
         start: TimeTag::default(),
         first_pulse: 0,
         pulses: 16,
+        shard: None,
         truth: true,
         changes: None,
     }

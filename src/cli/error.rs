@@ -22,6 +22,7 @@ use crate::receive::ReceiveError;
 use crate::recording::RecordingError;
 #[cfg(feature = "hdf5")]
 use crate::recording::merge::MergeError;
+use crate::recording::shard::Shard;
 
 /// Why a command ends early.
 #[derive(Debug, Error)]
@@ -68,6 +69,14 @@ pub enum CliError {
         out: PathBuf,
         /// Recordings of the scenario.
         recordings: usize,
+    },
+    /// Shards without a pulse.
+    #[error("--shard {shard}: the run has {pulses} pulses; allowed: at most as many shards")]
+    MoreShardsThanPulses {
+        /// What was asked.
+        shard: Shard,
+        /// Pulses of the run.
+        pulses: u64,
     },
     /// An HDF5 file asked of a build without HDF5.
     #[error(
@@ -123,6 +132,7 @@ impl CliError {
             | Self::Build(_)
             | Self::Pattern(_)
             | Self::WhichSink { .. }
+            | Self::MoreShardsThanPulses { .. }
             | Self::NoHdf5 { .. }
             | Self::Control(_)
             | Self::Examine(_)

@@ -21,6 +21,7 @@ use crate::pipeline::control_lines::{ControlSocket, Subject};
 use crate::pipeline::live::FlightReport;
 use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWarning};
 use crate::pulse::log::Entry;
+use crate::recording::shard::Shard;
 use crate::sinks::sink::SinkReport;
 use crate::sinks::{self, Kind, names_hdf5};
 use crate::transport;
@@ -50,6 +51,9 @@ pub struct RunArgs {
     /// Make only these pulses of the run, the last one excluded
     #[arg(long, value_name = "A..B")]
     pub pulses: Option<PulseRange>,
+    /// Make only the K-th of N shards of the run, K from 1: for arrays of jobs (docs/scale-out.md)
+    #[arg(long, value_name = "K/N", conflicts_with = "pulses")]
+    pub shard: Option<Shard>,
     /// Recording (instead of the path of the scenario's recording)
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
@@ -337,7 +341,13 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
             }
         }
     }
-    let pulses = args.pulses.map_or(0..run.scene.pulses, |range| range.first..range.end);
+    run.shard = args.shard;
+    let all = run.scene.pulses;
+    let pulses = match (args.shard, args.pulses) {
+        (Some(shard), _) => shard.pulses(all).ok_or(CliError::MoreShardsThanPulses { shard, pulses: all })?,
+        (None, Some(range)) => range.first..range.end,
+        (None, None) => 0..all,
+    };
     Ok((run, pulses))
 }
 

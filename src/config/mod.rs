@@ -67,6 +67,7 @@ use crate::echo::Fidelity;
 use crate::inputs;
 use crate::motion::PlatformNav;
 use crate::motion::changes::Event;
+use crate::recording::shard::Shard;
 use crate::scene::Scene;
 use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
@@ -97,6 +98,8 @@ pub struct Run {
     pub events: Vec<Event>,
     /// Whether more of them may come while the run goes on; no scenario says so.
     pub control: bool,
+    /// Which shard of it is made; no scenario says so.
+    pub shard: Option<Shard>,
     /// How echoes are made.
     pub fidelity: Fidelity,
     /// How pulses are released.
@@ -198,6 +201,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)], files: Files) -
         calibration: parts.calibration,
         events: parts.events,
         control: false,
+        shard: None,
         fidelity: parts.fidelity,
         stream: parts.stream,
         sinks: parts.sinks,

@@ -99,6 +99,7 @@ pub(super) fn header(
         start: scene.start,
         first_pulse: schedule.first,
         pulses: schedule.count,
+        shard: run.shard,
         truth: true,
         changes: changes.map(|changes| Arc::clone(changes.log())),
     }

@@ -223,6 +223,7 @@ impl Roster {
             start: TimeTag::new(seconds, fraction_s),
             first_pulse: run.first_pulse,
             pulses: run.pulses,
+            shard: None,
             truth: false,
             changes: None,
         };

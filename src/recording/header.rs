@@ -7,6 +7,7 @@ use num_complex::Complex32;
 use serde::{Deserialize, Serialize};
 
 use super::fault::RecordingError;
+use super::shard::Shard;
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, SampleFormat};
 use crate::scene::radar::Polarisation;
@@ -127,6 +128,8 @@ pub struct Header {
     pub first_pulse: u64,
     /// Pulses of this run.
     pub pulses: u64,
+    /// Which shard of the run this is, where it is made in shards.
+    pub shard: Option<Shard>,
     /// Whether the true motion is recorded; what was received over the wire has the reported one only.
     pub truth: bool,
     /// What is changed while the run goes on; `None` where nothing may be.
@@ -316,6 +319,7 @@ impl Header {
             ("layout", self.layout == other.layout),
             ("adc", self.adc == other.adc),
             ("start time", self.start == other.start),
+            ("number of shards", self.shard.map(Shard::of) == other.shard.map(Shard::of)),
             ("truth", self.truth == other.truth),
         ]
         .into_iter()

@@ -6,10 +6,12 @@
 //! itself dropped those pulses: then the pulse after it carries `AFTER_GAP`, and the shard before it is the
 //! one that its segment followed (`after_pulse`), or the part of the run before its own. The recording of the
 //! whole run would have the same gap. The datasets of the result are those of the whole run, bit for bit.
+//! Recordings of `nereus run --shard` know how many of them there are: all must be given, each whole.
 //! Shards are copied in blocks of bounded size into a file beside the output, which gets its name at the end
 //! ([`crate::files`]): a merge that fails leaves nothing, and what was there before. A complete result that
 //! cannot be put in its place stays beside it, and the error names it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -26,6 +28,7 @@ use super::hdf5::file::recognise;
 use super::hdf5::reader::Reader;
 use super::hdf5::writer::Writer;
 use super::header::Header;
+use super::shard::Shard as Number;
 
 /// A block of a copy takes about this much memory.
 const BLOCK_BYTES: usize = 8 << 20;
@@ -97,6 +100,32 @@ pub enum MergeError {
         /// The shard after.
         after: PathBuf,
     },
+    /// Shards of a run of shards are not given.
+    #[error("{missing} of {of} shards are missing: {}; allowed: all shards of a run (nereus run --shard {}/{of} makes one)", named(numbers, *missing), numbers.first().unwrap_or(&1))]
+    Missing {
+        /// The first numbers of those that are missing.
+        numbers: Vec<u64>,
+        /// Missing shards.
+        missing: u64,
+        /// Shards of the run.
+        of: u64,
+    },
+    /// A shard of a run of shards ended early.
+    #[error(
+        "{path}: shard {shard} was to make pulses {from}..{to} and has {pulses} of them; make it again with nereus run --shard {shard} --force"
+    )]
+    Short {
+        /// The shard.
+        path: PathBuf,
+        /// Its number.
+        shard: Number,
+        /// First pulse that it was to make.
+        from: u64,
+        /// One past the last one.
+        to: u64,
+        /// Pulses that it holds.
+        pulses: usize,
+    },
     /// A shard's pulses are not in order.
     #[error("{path}: pulse {index} comes after pulse {before}; a recording's pulses ascend")]
     Order {
@@ -110,6 +139,14 @@ pub enum MergeError {
     /// A file cannot be read or written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+}
+
+/// Missing shards that are named.
+const NAMED: usize = 8;
+
+fn named(numbers: &[u64], missing: u64) -> String {
+    let list: Vec<String> = numbers.iter().map(u64::to_string).collect();
+    format!("{}{}", list.join(", "), if missing > numbers.len() as u64 { ", ..." } else { "" })
 }
 
 /// A recording to be joined. It is closed meanwhile: there may be more of them than files that may be open.
@@ -157,6 +194,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
     let ends = list.iter().map(|s| s.header.first_pulse.saturating_add(s.header.pulses));
     header.first_pulse = list.iter().map(|s| s.header.first_pulse).min().unwrap_or(header.first_pulse);
     header.pulses = ends.max().unwrap_or(0).saturating_sub(header.first_pulse);
+    header.shard = None;
     // Every shard has all changes up to its last pulse.
     header.changes = list.iter().rev().find_map(|shard| shard.header.changes.clone());
 
@@ -187,6 +225,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
 /// Opens the shards that hold pulses and puts them in order; refuses what does not fit together.
 fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
     let mut list: Vec<Shard> = Vec::with_capacity(shards.len());
+    let mut numbers: Vec<Number> = Vec::new();
     for path in shards {
         if path.is_dir() {
             return Err(MergeError::Folder { path: path.clone() });
@@ -198,6 +237,8 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
         {
             return Err(MergeError::Different { path: path.clone(), other: other.path.clone(), field });
         }
+        short(path, &recorded)?;
+        numbers.extend(recorded.header.shard);
         if recorded.pulses > 0 {
             list.push(Shard {
                 path: path.clone(),
@@ -211,6 +252,7 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
         }
     }
     list.sort_by_key(|shard| shard.first);
+    all_given(&numbers)?;
     for pair in list.windows(2) {
         let [before, after] = pair else { continue };
         if before.changes(before.last) != after.changes(before.last) {
@@ -238,6 +280,33 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
         }
     }
     Ok(list)
+}
+
+/// Refuses a shard of a run of shards that ended early: nothing after it would show the gap.
+fn short(path: &Path, recorded: &Reader) -> Result<(), MergeError> {
+    let Some(shard) = recorded.header.shard else { return Ok(()) };
+    let to = recorded.header.first_pulse.saturating_add(recorded.header.pulses);
+    let last = match recorded.pulses.checked_sub(1) {
+        Some(row) => Some(recorded.index(row).map_err(Fault::at(path, "reading the shard"))?),
+        None => None,
+    };
+    if last.is_some_and(|last| last.saturating_add(1) >= to) {
+        return Ok(());
+    }
+    let (path, from, pulses) = (path.to_owned(), recorded.header.first_pulse, recorded.pulses);
+    Err(MergeError::Short { path, shard, from, to, pulses })
+}
+
+/// Refuses a run of shards of which some are not given.
+fn all_given(numbers: &[Number]) -> Result<(), MergeError> {
+    let Some(of) = numbers.first().map(|shard| shard.of()) else { return Ok(()) };
+    let given: BTreeSet<u64> = numbers.iter().map(|shard| shard.number()).collect();
+    if given.len() as u64 == of {
+        return Ok(());
+    }
+    // A damaged file may claim any number of shards.
+    let numbers = (1..=of).filter(|number| !given.contains(number)).take(NAMED).collect();
+    Err(MergeError::Missing { numbers, missing: of.saturating_sub(given.len() as u64), of })
 }
 
 fn copy(shard: &Shard, recording: &mut Writer) -> Result<(), MergeError> {

@@ -44,6 +44,8 @@ pub mod path_file;
 pub mod plain;
 mod rows;
 #[doc(hidden)]
+pub mod shard;
+#[doc(hidden)]
 pub mod snapshot_file;
 mod source;
 mod unwritten;

@@ -200,6 +200,42 @@ fn shards_merge_to_the_whole_run() {
     }
 }
 
+/// An array of jobs: each element makes its shard, one fails and is run again.
+#[cfg(feature = "hdf5")]
+#[test]
+fn an_array_of_jobs_makes_the_whole_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| {
+        let scenario = ["run", &calibration(), "--pace", "fast", "--duration-s", "0.4"];
+        nereus(folder.path(), &[&scenario, more].concat())
+    };
+    assert_eq!(run(&["--out", "whole.h5"]).code, 0);
+    for (shard, out) in [("1/3", "1.h5"), ("3/3", "3.h5")] {
+        let ended = run(&["--shard", shard, "--out", out]);
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+    }
+    let join = || nereus(folder.path(), &["merge", "1.h5", "2.h5", "3.h5", "--out", "joined.h5"]);
+    // What an element leaves that ended early.
+    fs::copy(folder.path().join("1.h5"), folder.path().join("2.h5")).unwrap();
+    let refused = join();
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("1 of 3 shards are missing: 2;"), "{}", refused.stderr);
+    assert_eq!(run(&["--shard", "2/3", "--out", "2.h5", "--force"]).code, 0);
+    let ended = join();
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    same_datasets(&folder.path().join("whole.h5"), &folder.path().join("joined.h5"));
+
+    for (more, says) in [
+        (&["--shard", "0/3"] as &[&str], "allowed: K/N, K from 1 to N, such as 3/16"),
+        (&["--shard", "1/1000"], "--shard 1/1000: the run has 89 pulses; allowed: at most as many shards"),
+        (&["--shard", "1/3", "--pulses", "0..5"], "cannot be used with"),
+    ] {
+        let refused = run(more);
+        assert_eq!(refused.code, 2, "{}", refused.stderr);
+        assert!(refused.stderr.contains(says), "{}", refused.stderr);
+    }
+}
+
 /// Every dataset of a group, by path, as raw bytes.
 #[cfg(feature = "hdf5")]
 fn same_datasets(a: &Path, b: &Path) {

@@ -230,7 +230,8 @@ mod hdf5_files {
     fn the_page_lists_every_attribute_of_the_file() {
         let dir = tempfile::tempdir().unwrap();
         let header = full(SampleFormat::Cf32);
-        // A second segment, and one as received over the wire.
+        // A second segment of a shard, and one as received over the wire.
+        let header = Header { shard: "1/2".parse().ok(), ..header };
         let segments = record(&dir.path().join("s.h5"), Some(0.1), &header, 0, 40).files;
         let received = dir.path().join("received.h5");
         record(&received, None, &Header { truth: false, ..header }, 0, 1);

@@ -59,6 +59,7 @@ pub fn header(format: SampleFormat) -> Header {
         start: TimeTag::from_iso8601("2018-05-30T20:15:00.25Z").unwrap(),
         first_pulse: 0,
         pulses: 100,
+        shard: None,
         truth: true,
         changes: None,
     }

@@ -8,6 +8,7 @@ use nereus::pulse::{SampleFormat, flags};
 use nereus::recording::RecordingError;
 use nereus::recording::header::Header;
 use nereus::recording::merge::{MergeError, merge};
+use nereus::recording::shard::Shard;
 use nereus::sinks::hdf5::Hdf5Sink;
 use nereus::sinks::sink::Sink;
 
@@ -178,4 +179,70 @@ fn a_lost_segment_is_no_dropped_pulse() {
     let lost = [files[0].clone(), files[1].clone(), files[3].clone()];
     let refused = merge(&lost, &out, true).unwrap_err();
     assert!(matches!(refused, MergeError::Gap { from: 20, to: 30, .. }), "{refused}");
+}
+
+/// A shard of a run of shards: element `number` of `of` of 100 pulses, which holds them up to `to`.
+fn element(folder: &Path, header: &Header, number: u64, of: u64, to: Option<u64>) -> PathBuf {
+    let shard: Shard = format!("{number}/{of}").parse().unwrap();
+    let pulses = shard.pulses(header.pulses).unwrap();
+    let path = folder.join(format!("{number}of{of}_{}.h5", to.unwrap_or(pulses.end)));
+    let count = pulses.end - pulses.start;
+    let part = Header { first_pulse: pulses.start, pulses: count, shard: Some(shard), ..header.clone() };
+    record(&path, None, &part, pulses.start, to.unwrap_or(pulses.end));
+    path
+}
+
+#[test]
+fn all_shards_of_a_run_are_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let header = header(SampleFormat::Cf32);
+    let at = |number, of, to| element(dir.path(), &header, number, of, to);
+    let whole = dir.path().join("whole.h5");
+    record(&whole, None, &header, 0, header.pulses);
+    let [one, two, three] = [1, 2, 3].map(|number| at(number, 3, None));
+    let out = dir.path().join("out.h5");
+    merge(&[three.clone(), one.clone(), two.clone()], &out, false).unwrap();
+    assert!(content(&out) == content(&whole));
+    assert!(File::open(&out).unwrap().attr("shard").is_err(), "the whole is no shard");
+    let others = dir.path().join("others.h5");
+    let part = Header { first_pulse: 33, pulses: 33, ..header.clone() };
+    record(&others, None, &part, 33, 66);
+
+    let refused = [
+        (vec![one.clone(), two.clone()], "1 of 3 shards are missing: 3;"),
+        (
+            vec![two.clone()],
+            "2 of 3 shards are missing: 1, 3; allowed: all shards of a run (nereus run --shard 1/3",
+        ),
+        (
+            vec![one.clone(), two.clone(), at(3, 3, Some(80))],
+            "shard 3/3 was to make pulses 66..100 and has 14 of them",
+        ),
+        (vec![one.clone(), two.clone(), at(3, 3, Some(66))], "has 0 of them"),
+        (vec![one.clone(), two.clone(), three.clone(), two.clone()], "begins with pulse 33"),
+        (vec![one.clone(), two.clone(), at(3, 4, None)], "number of shards differs"),
+        (vec![one, others, three], "number of shards differs"),
+    ];
+    for (shards, says) in refused {
+        let error = merge(&shards, &out, true).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}\n{says}");
+    }
+}
+
+/// Whatever the number of shards, every pulse is in one of them.
+#[test]
+fn shards_cover_all_pulses_once() {
+    for (pulses, of) in [(1, 1), (10, 3), (2220, 16), (100, 100), (u64::MAX, 7)] {
+        let mut next = 0;
+        for number in 1..=of {
+            let shard = format!("{number}/{of}").parse::<Shard>().unwrap().pulses(pulses).unwrap();
+            assert!(shard.start == next && shard.end > shard.start, "{number}/{of} of {pulses}");
+            next = shard.end;
+        }
+        assert_eq!(next, pulses);
+    }
+    assert_eq!("2/3".parse::<Shard>().unwrap().pulses(2), None);
+    for text in ["", "3", "0/2", "3/2", "1/0", "-1/2", "1/2/3", "a/b", "1/99999999999999999999"] {
+        assert!(text.parse::<Shard>().is_err(), "{text}");
+    }
 }

@@ -13,6 +13,7 @@ use crate::pulse::SampleFormat;
 use crate::recording::columns::Column;
 use crate::recording::descriptions::{Description, of_header};
 use crate::recording::header::{AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, Origin, PairRow};
+use crate::recording::shard::{NotAShard, Shard};
 use crate::time::TimeTag;
 
 #[derive(Clone, H5Type)]
@@ -62,6 +63,9 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
     attribute(file, "start_time_frac_ns", &start_frac_ns)?;
     attribute(file, "start_time_s", &header.start.seconds())?;
     attribute(file, "start_time_fraction_s", &header.start.fraction_s())?;
+    if let Some(shard) = header.shard {
+        attribute(file, "shard", &text(&shard.to_string())?)?;
+    }
     if !header.truth {
         // Absent in recordings that have it.
         attribute(file, "truth", &0u8)?;
@@ -143,6 +147,7 @@ pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
         start: TimeTag::new(value(file, "start_time_s")?, value(file, "start_time_fraction_s")?),
         truth: optional::<u8>(file, "truth")?.is_none_or(|truth| truth != 0),
         changes: changes::read(file, file_bytes)?,
+        shard: shard(file)?,
         ..Header::default()
     };
     for (name, field) in header.fields() {
@@ -172,6 +177,15 @@ fn sizes_of(iq: &Dataset) -> Result<(usize, usize, SampleFormat), Fault> {
     } else {
         Err(Fault::Text("/iq is neither complex64 nor a pair {r, i} of int16".to_owned()))
     }
+}
+
+/// The shard of the run; a run in one piece has none.
+fn shard(file: &File) -> Result<Option<Shard>, Fault> {
+    let words = strings(file, "shard")?;
+    let parsed = words.first().map(|words| words.parse().map_err(|error| (words, error)));
+    parsed.transpose().map_err(|(words, error): (_, NotAShard)| {
+        Fault::Text(format!("shard '{}': {error}", words.escape_debug()))
+    })
 }
 
 fn origin(file: &File) -> Result<Option<Origin>, Fault> {

@@ -47,6 +47,7 @@ pub(super) fn meta(header: &Header, list: &[Column]) -> Value {
         "adc_step": header.adc.map(|a| a.step),
         "start_time_ns": start_ns,
         "start_time_frac_ns": start_frac_ns,
+        "shard": header.shard.map(|shard| shard.to_string()),
         "truth": header.truth,
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,
@@ -121,6 +122,7 @@ fn header(meta: &Value) -> Option<Header> {
         }),
         adc: real("adc_step").and_then(|step| Some(AdcRow { step, bits: read(&meta["adc_bits"])? })),
         start: TimeTag::new(start_ns.div_euclid(1_000_000_000), fraction_s),
+        shard: meta["shard"].as_str().and_then(|shard| shard.parse().ok()),
         truth: meta["truth"].as_bool().unwrap_or(true),
         ..Header::default()
     };

@@ -40,8 +40,8 @@
 //! let header = Header { software: "example".into(), carrier_hz: 10e9, sample_rate_hz: 100e6, bandwidth_hz: 60e6,
 //!     pulse_s: 1e-6, prf_hz: 222.0, channels: vec![channel], pairs: vec![], origin: None, seed: 1, config: String::new(),
 //!     replica: vec![], platforms: vec!["aircraft".into()], transmitters: vec![], receivers: vec![], targets: vec![],
-//!     ships: vec![], clocks: vec![], layout, adc: None, start: TimeTag::default(), first_pulse: 0, pulses: 1, truth: false,
-//!     changes: None };
+//!     ships: vec![], clocks: vec![], layout, adc: None, start: TimeTag::default(), first_pulse: 0, pulses: 1, shard: None,
+//!     truth: false, changes: None };
 //! let receiver = std::net::UdpSocket::bind("127.0.0.1:0")?;
 //! let settings = Settings { address: receiver.local_addr()?.to_string(), ..Settings::default() };
 //! let mut sink = Box::new(Vita49Sink::open(&settings, &header)?);

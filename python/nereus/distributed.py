@@ -1,0 +1,448 @@
+"""More than one process, more than one machine: any Dask cluster.
+
+    nereus.distributed.record(scene, "flight.zarr")                    # all cores of this machine
+    nereus.distributed.record(scene, "flight.zarr", client)            # a dask.distributed.Client
+    nereus.distributed.sweep(scene, {"scene.seed": range(100)}, function, client)
+
+A worker makes one shard at a time with the threads that it owns, as an HDF5 part in its scratch folder, and
+writes the chunks of its pulses into the one store. What is made depends on the number of a pulse alone, so the
+store is bit-identical to one run's. A worker that is lost, or does not answer in time, has its shard made by
+another one; a shard that is made twice is written twice, with the same bytes. The store gets its name when it is
+complete.
+
+In a script that has no client, call these below `if __name__ == "__main__":`, as for every multiprocessing
+program.
+"""
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import pickle
+import sys
+import tempfile
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import __version__ as VERSION
+from .dataset import CHANGES, INDEX, source
+from .errors import InputError, RunError
+from .zarr import Draft, Outline, chunk_length, write_rows
+
+if TYPE_CHECKING:
+    import xarray
+    from distributed import Client
+
+    from .scenario import Scenario
+
+#: Pulses that are tried to measure the price of one.
+TRIAL = 32
+#: A shard that takes this many times what was measured, and this many seconds, is given up.
+SLACK, LEAST_S = 10.0, 60.0
+#: The trial is given up after this time.
+LONGEST_S = 3600.0
+#: Times that a shard or case may raise before its exception is passed on.
+TRIES = 3
+#: A start should be at most this share of a shard.
+START_SHARE = 0.1
+GLANCE_S = 0.05
+
+
+class WorkerError(RunError):
+    """The workers cannot do it: the package is missing there or another version, or none of them answers."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a distributed recording came to."""
+
+    path: str
+    pulses: int
+    shards: int
+    chunk_pulses: int
+    remade: int
+    estimate_s: float
+    seconds: float
+
+
+def record(
+    scene: Scenario,
+    path: str | os.PathLike[str],
+    client: Client | None = None,
+    shards: int | None = None,
+    *,
+    force: bool = False,
+    progress: bool = True,
+    timeout_s: float | None = None,
+    chunk_pulses: int | None = None,
+) -> Report:
+    """Records a scenario as a Zarr store, shard by shard on the workers of a `dask.distributed.Client`.
+
+    `path` is on a file system that all workers share, and so are the files that the scenario names. `shards` is
+    their number (default: about four for each worker, fewer where starting would take more than a tenth);
+    `chunk_pulses` the pulses of a chunk (default: as `nereus.zarr`, from the scenario alone). A shard that has not
+    come after `timeout_s` (default: ten times what was measured, at least 60 s) is made elsewhere, and its worker
+    gets no other. Without a client: a LocalCluster of all cores, one thread each, closed afterwards.
+
+    Prints an estimate of the cost first, then progress; returns a `Report`. Raises `FileExistsError` for a store
+    that exists unless `force`, `WorkerError` where workers lack the package or none answers, and what the engine
+    raises. What fails leaves nothing under the name.
+    """
+    begun = time.monotonic()
+    draft, total, blob = Draft(path, force), scene.pulse_count, _pickled(scene)
+    if shards is not None and not 1 <= shards <= total:
+        raise InputError(f"shards = {shards}; allowed: 1 to the {total} pulses of the run")
+    with _client(client) as client, draft:
+        farm = _Farm(client, timeout_s, progress, os.path.basename(path))
+        trial = min(TRIAL, total)
+        outline, start_s, pulse_s = farm.run([_Job("the trial", "_try", (blob, trial), None)])[0]
+        outline = replace(outline, attrs={**outline.attrs, "first_pulse": 0, "pulses": total})
+        chunk = chunk_pulses or chunk_length(total, outline.row_bytes())
+        workers = farm.size()
+        ranges = _ranges(total, chunk, shards or _shards(workers, total * pulse_s, start_s))
+        estimate = (math.ceil(len(ranges) / workers) * start_s) + total * pulse_s / min(workers, len(ranges))
+        farm.say(
+            f"{total} pulses in {len(ranges)} shards on {workers} workers: about {_span(estimate)} "
+            f"({start_s:.1f} s to start a shard, {1 / pulse_s:.0f} pulses/s each), {total * outline.pulse_bytes() / 1e6:.0f} MB"
+        )
+        draft.create(outline, total, chunk)
+        jobs = [
+            _Job(f"pulses {a}..{b}", "_make", (blob, outline, str(draft.path), a, b), start_s + (b - a) * pulse_s)
+            for a, b in ranges
+        ]
+        # Every shard knows the changes of reports up to its last pulse: those of the last one are the run's.
+        for name, (dims, values, attrs) in farm.run(jobs)[-1].items():
+            draft.fixed(name, dims, values, attrs)
+        draft.finish()
+    return Report(str(draft.out), total, len(ranges), chunk, farm.remade, estimate, time.monotonic() - begun)
+
+
+def sweep(
+    scene: Scenario,
+    keys: Mapping[str, Iterable[Any]],
+    function: Callable[[Scenario], Any],
+    client: Client | None = None,
+    *,
+    progress: bool = True,
+    timeout_s: float | None = None,
+) -> xarray.DataArray | xarray.Dataset:
+    """`function(scene)` for every combination of values of some keys of the scenario, labelled by them.
+
+    `keys` has values by key: `{"scene.seed": range(100), "sea.wind_mps": [5, 10]}`. `function` returns a number, an
+    array, an `xarray.DataArray`, or a dict of them; all cases the same shapes. The result is a `DataArray`, or a
+    `Dataset` for dicts, whose first dimensions are the keys. Cases of lost workers are made again, also those that
+    have not come after `timeout_s` (default: no limit). An exception of `function` is passed on as `SweepError`.
+    """
+    keys = {key: list(values) for key, values in keys.items()}
+    empty = [key for key, values in keys.items() if not values]
+    if not keys or empty:
+        raise InputError(f"nothing to sweep: {', '.join(empty) or 'no key'} has no value; allowed: at least one for each key")
+    cases = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
+    for key, values in keys.items():
+        for value in values:
+            # Read here, so that a fault of a key or a value is no worker's.
+            scene.set({**cases[0], key: value}).pulse_count
+    blob, call = _pickled(scene), _pickled(function)
+    with _client(client) as client:
+        farm = _Farm(client, timeout_s or math.inf, progress, "sweep")
+        jobs = [_Job(f"case {case}", "_case", (blob, case, call), None) for case in cases]
+        return _labelled(keys, cases, farm.run(jobs))
+
+
+class SweepError(RunError):
+    """A case of a sweep failed; the text names it, `__cause__` is its exception."""
+
+
+# On the workers. They are called by name (`_call`), so that a scheduler needs no nereus.
+
+
+def _threads():
+    from distributed import get_worker
+
+    return max(1, get_worker().state.nthreads)
+
+
+def _owned(blob):
+    """The scenario with the threads that this worker owns."""
+    return pickle.loads(blob).set({"stream.threads": _threads()})
+
+
+@contextmanager
+def _part(scene, first, last):
+    """A recorded part of the run."""
+    from distributed import get_worker
+
+    with tempfile.TemporaryDirectory(prefix="nereus-", dir=get_worker().local_directory) as folder:
+        path = os.path.join(folder, "part.h5")
+        scene.record(path, pulses=(first, last), progress=False)
+        with source(path) as rec:
+            yield rec
+
+
+def _try(blob, pulses):
+    """The outline of the recording, seconds to start, seconds a pulse."""
+    begun = time.monotonic()
+    with _part(pickle.loads(blob), 0, 1) as rec:
+        outline = Outline.of(rec)
+    started = time.monotonic()
+    with _part(_owned(blob), 0, pulses):
+        pass
+    start_s, trial_s = started - begun, time.monotonic() - started
+    # The trial starts as the single pulse does: what it took more is its pulses'.
+    return outline, min(start_s, trial_s), max(trial_s - start_s, 0.1 * trial_s) / pulses
+
+
+def _make(blob, outline, store, first, last):
+    """Writes a shard into the store; returns its changes of reports."""
+    with _part(_owned(blob), first, last) as rec:
+        difference = outline.difference(Outline.of(rec))
+        if difference:
+            raise WorkerError(f"pulses {first}..{last} are of another recording: {difference} differ; allowed: the same nereus and the same files on all workers")
+        index = rec.read(INDEX, (slice(0, rec.pulses),))
+        if not np.array_equal(index, np.arange(first, last, dtype=index.dtype)):
+            raise RunError(f"pulses {first}..{last}: {rec.pulses} were recorded; a run that may drop or stop pulses cannot be made in shards")
+        write_rows(store, rec, first)
+        return {name: fixed for name, fixed in rec.fixed.items() if name.startswith(CHANGES)}
+
+
+def _case(blob, case, call):
+    return pickle.loads(call)(pickle.loads(blob).set({"stream.threads": _threads(), **case}))
+
+
+def _caller():
+    """What is sent to a worker: pickled by value, because it is no function of a module."""
+
+    def call(name, arguments):
+        import importlib
+        import pickle
+
+        return getattr(importlib.import_module("nereus.distributed"), name)(*pickle.loads(arguments))
+
+    def version():
+        try:
+            import importlib
+
+            module = importlib.import_module("nereus.distributed")
+            return "", module.VERSION
+        except ImportError as error:
+            return str(error), None
+
+    return call, version
+
+
+# Here.
+
+
+def _pickled(what):
+    import cloudpickle
+
+    return cloudpickle.dumps(what)
+
+
+@contextmanager
+def _client(given):
+    """The client, or one of a cluster of all cores."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise ImportError(f"{error}; nereus.distributed needs dask, distributed and zarr: pip install 'nereus[dask]'") from error
+    if given is not None:
+        yield given
+        return
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    with LocalCluster(n_workers=cores, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        with Client(cluster) as client:
+            yield client
+
+
+def _shards(workers, work_s, start_s):
+    """Four shards a worker, so that all end at about the same time; fewer, but one each, where starts would weigh."""
+    return max(workers, min(4 * workers, int(START_SHARE * work_s / max(start_s, 1e-3))))
+
+
+def _ranges(total, chunk, shards):
+    """Ranges of whole chunks that cover all pulses, at most so many."""
+    chunks = -(-total // chunk)
+    shards = min(shards, chunks)
+    edges = [min(total, chunks * k // shards * chunk) for k in range(shards + 1)]
+    return list(zip(edges, edges[1:]))
+
+
+def _span(seconds):
+    for unit, length in (("days", 86400), ("h", 3600), ("min", 60)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.0f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+@dataclass
+class _Job:
+    """What a worker is asked: a function of this module by name, and its arguments."""
+
+    name: str
+    call: str
+    arguments: tuple
+    expected_s: float | None
+
+
+@dataclass
+class _Asked:
+    """What a worker is doing."""
+
+    future: object
+    job: int | None  # None: whether it has the package
+    until: float
+
+
+class _Farm:
+    """Jobs on the workers of a client, one at a time on each.
+
+    Workers are asked by name rather than through Dask's own placement: a job belongs to one worker alone, whatever
+    its threads, and one that does not answer can be left out.
+    """
+
+    def __init__(self, client, timeout_s, progress, name):
+        self.client, self.timeout_s, self.progress, self.name = client, timeout_s, progress, name
+        self.asked, self.ready, self.silent = {}, set(), set()
+        self.call, self.version = _caller()
+        self.remade, self.shown = 0, ""
+
+    def workers(self):
+        return self.client.scheduler_info(n_workers=-1)["workers"]
+
+    def size(self):
+        """Workers that answer, or may."""
+        return max(1, len(set(self.workers()) - self.silent))
+
+    def say(self, text, stay=True):
+        """A line of progress: in place on a terminal, else now and then."""
+        if not self.progress:
+            return
+        terminal = sys.stderr.isatty()
+        if stay or terminal:
+            blank = " " * max(0, len(self.shown) - len(text))
+            print(f"{self.name}: {text}{blank}", end="\n" if stay or not terminal else "\r", file=sys.stderr, flush=True)
+            self.shown = "" if stay else text
+
+    def run(self, jobs):
+        """Results of all jobs, in order."""
+        waiting, results, raised = deque(range(len(jobs))), {}, Counter()
+        begun = heard = time.monotonic()
+        try:
+            while len(results) < len(jobs):
+                here = set(self.workers())
+                heard = time.monotonic() if here - self.silent else heard
+                if time.monotonic() - heard > self.limit(None):
+                    raise WorkerError(f"no worker answers: {len(here)} connected, {len(self.silent & here)} given up after a timeout")
+                for worker, asked in list(self.asked.items()):
+                    self.collect(worker, asked, here, jobs, waiting, results, raised)
+                self.give(here, jobs, waiting)
+                if len(jobs) > 1:
+                    self.show(len(results), len(jobs), begun)
+                time.sleep(GLANCE_S)
+        finally:
+            for asked in self.asked.values():
+                if asked.job is not None:
+                    asked.future.cancel()
+            self.asked = {w: a for w, a in self.asked.items() if a.job is None}
+        if len(jobs) > 1:
+            self.say(f"{len(jobs)} of {len(jobs)} in {_span(time.monotonic() - begun)}" + (f", {self.remade} made again" if self.remade else ""))
+        return [results[k] for k in range(len(jobs))]
+
+    def limit(self, job):
+        """Seconds after which a job is given up."""
+        if job is None:
+            return LEAST_S  # a first import, on a file system that all share
+        return self.timeout_s or max(LEAST_S, SLACK * (job.expected_s or LONGEST_S / SLACK))
+
+    def give(self, here, jobs, waiting):
+        """Asks new workers for their version, and gives a job to each that has none."""
+        for worker in here - self.silent - self.asked.keys():
+            if worker not in self.ready:
+                self.ask(worker, None, self.version, (), self.limit(None))
+            elif waiting:
+                k = waiting.popleft()
+                self.ask(worker, k, self.call, (jobs[k].call, _pickled(jobs[k].arguments)), self.limit(jobs[k]))
+
+    def ask(self, worker, job, function, arguments, limit_s):
+        future = self.client.submit(function, *arguments, workers=[worker], allow_other_workers=False, pure=False)
+        self.asked[worker] = _Asked(future, job, time.monotonic() + limit_s)
+
+    def collect(self, worker, asked, here, jobs, waiting, results, raised):
+        """Takes what a worker has answered; one that is lost or silent has its job made elsewhere."""
+        status = asked.future.status
+        lost = worker not in here or status in ("cancelled", "lost")
+        if not lost and status == "pending" and time.monotonic() < asked.until:
+            return
+        del self.asked[worker]
+        error = None
+        if status == "finished":
+            try:
+                result = asked.future.result(timeout=LEAST_S)
+            except Exception as problem:  # lost on the way
+                lost, error = True, problem
+        elif status == "error" and not lost:
+            error = asked.future.exception()
+            lost = type(error).__name__ == "KilledWorker"
+        if status == "pending" or lost:
+            asked.future.cancel()
+            self.ready.discard(worker)
+            if not lost:
+                self.silent.add(worker)
+                self.say(f"worker {worker} does not answer: given up")
+            if asked.job is not None:
+                self.remade += 1
+                waiting.appendleft(asked.job)
+        elif asked.job is None:
+            self.admit(worker, error, None if error else result)
+        elif error is None:
+            results[asked.job] = result
+        else:
+            raised[asked.job] += 1
+            waiting.append(asked.job)
+            if raised[asked.job] == TRIES or jobs[asked.job].call != "_make" or isinstance(error, WorkerError):
+                if jobs[asked.job].call == "_case":
+                    raise SweepError(f"{jobs[asked.job].name}: {type(error).__name__}: {error}") from error
+                raise error
+
+    def admit(self, worker, error, answer):
+        """Lets a worker take part that has the same package."""
+        why, version = (str(error), None) if error else answer
+        if why:
+            raise WorkerError(f"worker {worker} cannot import nereus: {why}; allowed: nereus {VERSION} with its dask extra on every worker")
+        if version != VERSION:
+            raise WorkerError(f"worker {worker} has nereus {version}; allowed: {VERSION}, as here")
+        self.ready.add(worker)
+
+    def show(self, done, total, begun):
+        left = (time.monotonic() - begun) * (total - done) / done if done else None
+        self.say(f"{done} of {total}, {len(self.asked)} workers" + (f", about {_span(left)} left" if left else ""), stay=False)
+
+
+def _labelled(keys, cases, results):
+    """Results of all combinations as one xarray object."""
+    import xarray as xr
+
+    tables = [result if isinstance(result, dict) else {None: result} for result in results]
+    sizes = [len(values) for values in keys.values()]
+    coords = {key: (key, np.asarray(values) if np.ndim(values[0]) == 0 and not isinstance(values[0], dict) else np.arange(len(values))) for key, values in keys.items()}
+    arrays = {}
+    for name, first in tables[0].items():
+        values = []
+        for case, table in zip(cases, tables):
+            if table.keys() != tables[0].keys() or np.shape(table[name]) != np.shape(first):
+                what = f"{sorted(map(str, table))}" if table.keys() != tables[0].keys() else f"shape {np.shape(table[name])}"
+                raise InputError(f"case {case} returned {what}, the first case {sorted(map(str, tables[0]))} of shape {np.shape(first)}; allowed: the same for all")
+            values.append(np.asarray(table[name]))
+        dims, own = [f"{name or 'result'}_{k}" for k in range(np.ndim(first))], {}
+        if isinstance(first, xr.DataArray):
+            dims, own = list(first.dims), {k: v for k, v in first.coords.items()}
+        data = np.stack(values).reshape(*sizes, *np.shape(first))
+        arrays[name] = xr.DataArray(data, {**coords, **own}, [*keys, *dims], name=name)
+    return arrays[None] if None in arrays else xr.Dataset(arrays)
