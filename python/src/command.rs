@@ -34,7 +34,7 @@ pub(crate) fn command<'py>(
     let mut parsed =
         Arguments::try_parse_from(words).map_err(|error| InputError::new_err(error.to_string()))?;
     if let Command::Bench(of) = &mut parsed.command {
-        of.scenario.text = text;
+        of.measured.scenario.text = text;
     }
     let out = detached(py, fault::command, || {
         let mut out = Vec::new();

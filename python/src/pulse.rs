@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nereus::Samples;
 use nereus::pulse::{AntennaRecord, PlatformRecord};
-use nereus::sinks::sink::Header;
+use nereus::recording::header::Header;
 use num_complex::Complex32;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;

@@ -9,7 +9,8 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use nereus::receive::Listener;
 use nereus::receive::listener::{Interrupted, Opener, Senders, Until, senders};
 use nereus::receive::report::Report;
-use nereus::sinks::sink::{Closed, Header, Sink, SinkError, SinkReport};
+use nereus::recording::header::Header;
+use nereus::sinks::sink::{Closed, Sink, SinkError, SinkReport};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use nereus::pipeline::control::Control;
 use nereus::pipeline::released::{ReleasedPulses, Taken};
-use nereus::sinks::sink::Header;
+use nereus::recording::header::Header;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
