@@ -45,12 +45,12 @@ use crate::time::TimeTag;
 pub struct PlatformTracks {
     /// What happens: drives delays, phases and gains.
     pub truth: Track,
-    /// What the platform says: all that a servo, a receive window and the record's reader know.
+    /// What the platform reports: all that a servo, a receive window and the record's reader know.
     pub reported: Track,
 }
 
 impl PlatformTracks {
-    /// The tracks of a platform that flies as `nav` says, from its track and, where it has one of its own,
+    /// The tracks of a platform that flies as `nav` has it, from its track and, where it has one of its own,
     /// its report. Turbulence is true motion; errors are those of the report, or of the truth where the track
     /// is what was reported.
     ///
@@ -64,19 +64,19 @@ impl PlatformTracks {
         of: &Circumstances,
         start: TimeTag,
     ) -> Result<Self, SourceError> {
-        let said = nav.errors.as_ref().filter(|model| model.recorded == Recorded::Reported);
-        let mut truth = match said {
+        let recorded = nav.errors.as_ref().filter(|model| model.recorded == Recorded::Reported);
+        let mut truth = match recorded {
             Some(model) => track.less_errors(model, of, start)?,
             None => track.clone(),
         };
         if let Some(gusts) = &nav.gusts {
             truth = truth.in_gusts(gusts, frame, of, start)?;
         }
-        let says = reported.unwrap_or_else(|| if said.is_some() { track } else { truth.clone() });
-        let reported = match (&nav.errors, said) {
-            (None, _) => says,
-            // What was said is right by definition; it may still come late.
-            (_, Some(model)) => says.with_errors(
+        let report = reported.unwrap_or_else(|| if recorded.is_some() { track } else { truth.clone() });
+        let reported = match (&nav.errors, recorded) {
+            (None, _) => report,
+            // What is recorded as reported is right by definition; it may still come late.
+            (_, Some(model)) => report.with_errors(
                 &ErrorModel {
                     rate_hz: model.rate_hz,
                     latency_s: model.latency_s,
@@ -88,7 +88,7 @@ impl PlatformTracks {
                 of,
                 start,
             )?,
-            (Some(model), None) => says.with_errors(model, of, start)?,
+            (Some(model), None) => report.with_errors(model, of, start)?,
         };
         Ok(Self { truth, reported })
     }

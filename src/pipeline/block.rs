@@ -210,10 +210,10 @@ impl BlockEcho {
         let pulses = (end - first) as usize;
         let instants = Instants::of_block(first, pulses, self.epochs_per_node, self.gain_pulses);
         work.tiers = Tiers::new(instants, self.sidelobe);
-        let heard = instants.nodes.map(|place| first + place as u64);
+        let node_pulses = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.length == 1 || !generator.receives_itself_alone(&heard, memory)? {
+        if self.length == 1 || !generator.receives_itself_alone(&node_pulses, memory)? {
             // A pulse by itself: exact scatterer paths, one node.
             let paths = &mut work.nodes[0];
             generator.pulse(index, memory, paths, pulse)?;
@@ -285,18 +285,18 @@ impl BlockEcho {
         for pair in 0..generator.pairs().len() {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let of_facets = sample.received_power_w * facets;
-            let (mut heard, mut all) = ((0.0, 0.0), (0.0, 0.0));
+            let (mut received, mut all) = ((0.0, 0.0), (0.0, 0.0));
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
                 let share = |delay_s| generator.received_share(index, opens_s, delay_s);
                 for (sums, own) in [
-                    (&mut heard, generator.rates(points, pair, share)),
+                    (&mut received, generator.rates(points, pair, share)),
                     (&mut all, generator.rates(points, pair, |_| 1.0)),
                 ] {
                     *sums = (sums.0 + own.0, sums.1 + own.1);
                 }
             }
-            let rate = mean_rate((of_facets, sample.mean_rate), heard, all);
+            let rate = mean_rate((of_facets, sample.mean_rate), received, all);
             mean_hz.push(self.synth.carrier_hz() * rate);
         }
         Ok(())

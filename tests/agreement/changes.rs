@@ -84,7 +84,10 @@ fn what_is_asked_for_meanwhile_is_what_the_same_events_make() {
         assert_eq!((whole.len() as u64, taken[0].pulse > 0), (end, asked[0].0 > 0));
         let from_pulse: Vec<u64> = taken.iter().map(|event| event.pulse).collect();
         let again = Run { events: taken.clone(), ..run.clone() };
-        assert!(pulses(&again, 0..end) == whole, "{name}, {echo}: events at {from_pulse:?} make other pulses");
+        assert!(
+            pulses(&again, 0..end) == whole,
+            "{name}, {echo}: events at {from_pulse:?} make other pulses"
+        );
         let one = scenario(name, &[settings[0], ("stream.threads", "1"), duration, size]);
         let (from, to) = (taken[1].pulse - 5, (taken[1].pulse + 40).min(end));
         let part = pulses(&Run { events: taken, ..one }, from..to);

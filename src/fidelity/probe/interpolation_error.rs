@@ -142,17 +142,17 @@ impl ErrorSampler<'_> {
             let none: Parts = std::array::from_fn(|_| vec![Binned::new(candidates); channels]);
             let mut sums = vec![none; probes.len()];
             let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
-            self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |heard| {
-                let runs = runs_of(heard, candidates);
+            self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |sampled| {
+                let runs = runs_of(sampled, candidates);
                 for (((interval, (_, probe)), truths), sum) in
                     intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
                 {
-                    let truth = &truths[heard.tile * pairs + heard.pair];
-                    let own = &self.channels[heard.pair];
+                    let truth = &truths[sampled.tile * pairs + sampled.pair];
+                    let own = &self.channels[sampled.pair];
                     for (lanes, bin) in &runs {
                         interval.compare(
                             *probe,
-                            heard,
+                            sampled,
                             lanes.clone(),
                             truth,
                             waves,
@@ -213,19 +213,19 @@ impl Interval<'_> {
     fn compare(
         &self,
         probe: usize,
-        heard: &SampledTile<'_>,
+        sampled: &SampledTile<'_>,
         lanes: Range<usize>,
         truth: &Truth,
         (carrier_hz, half_pulse_s): (f64, f64),
         (channels, cells): (&[usize], Cells),
         (sum, bin): (&mut Parts, usize),
     ) {
-        let [a, b] = [0, 1].map(|n| &heard.of.nodes()[self.at + n].paths);
+        let [a, b] = [0, 1].map(|n| &sampled.of.nodes()[self.at + n].paths);
         let length = (self.nodes[1] - self.nodes[0]) as f64;
         let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
         let weights = through(self.epochs, probe);
-        let epochs = &heard.of.epochs()[self.from..self.from + self.epochs.len()];
-        let pulses = heard.of.factor.len();
+        let epochs = &sampled.of.epochs()[self.from..self.from + self.epochs.len()];
+        let pulses = sampled.of.factor.len();
         let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
         let (first, gain_weights) = gain_weights(&steps, probe);
         for i in lanes {
@@ -234,8 +234,8 @@ impl Interval<'_> {
             }
             // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has
             // turned away.
-            let rough: f32 = heard.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
-            let turned = rough != 0.0 && heard.of.factor[probe][i] == 0.0;
+            let rough: f32 = sampled.gains[first..].iter().zip(gain_weights).map(|(row, w)| row[i] * w).sum();
+            let turned = rough != 0.0 && sampled.of.factor[probe][i] == 0.0;
             let exact = f64::from(truth.factor[i]);
             let found = if turned { 0.0 } else { exact };
             if exact == 0.0 {

@@ -323,8 +323,8 @@ impl<'a> ErrorSampler<'a> {
     }
 
     fn worst_ratio(&self, powers: &Powers) -> f64 {
-        let heard = powers.iter().zip(&self.power).filter(|(_, mean)| **mean > 0.0);
-        heard.map(|(own, mean)| own / mean).fold(0.0, f64::max)
+        let received = powers.iter().zip(&self.power).filter(|(_, mean)| **mean > 0.0);
+        received.map(|(own, mean)| own / mean).fold(0.0, f64::max)
     }
 
     /// Largest rate of a delay.
@@ -366,8 +366,8 @@ impl<'a> ErrorSampler<'a> {
 
     fn open(&mut self, place: usize) -> Result<(), RadarError> {
         let first = self.places[place].first;
-        let heard = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
-        self.interpolates &= self.generator.receives_itself_alone(&heard, &mut self.memory)?;
+        let pulses = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
+        self.interpolates &= self.generator.receives_itself_alone(&pulses, &mut self.memory)?;
         let patch = self.places[place].patch;
         let truths = self.illuminate(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
@@ -408,9 +408,10 @@ impl<'a> ErrorSampler<'a> {
                     }
                     for (truth, channels) in tile.iter().zip(&self.channels) {
                         for (a, channel) in truth.amplitude.iter().zip(channels) {
-                            let heard = lost().filter(|i| truth.received[*i]);
-                            sums[*channel] +=
-                                heard.map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2)).sum::<f64>();
+                            let received = lost().filter(|i| truth.received[*i]);
+                            sums[*channel] += received
+                                .map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2))
+                                .sum::<f64>();
                         }
                     }
                 }
@@ -457,15 +458,15 @@ impl<'a> ErrorSampler<'a> {
         let within = (opens_s - self.pulse_s)..closes_s;
         let instants = Instants::of_block(at, 1, 1, 1).into();
         let candidates = &self.candidates;
-        self.generator.sample_tiles(&instants, patch, TILES, keep, tiles, |heard| {
-            let (node, epoch) = (&heard.of.nodes()[0].paths, &heard.of.epochs()[0]);
+        self.generator.sample_tiles(&instants, patch, TILES, keep, tiles, |sampled| {
+            let (node, epoch) = (&sampled.of.nodes()[0].paths, &sampled.of.epochs()[0]);
             truths.push(Truth {
-                count: heard.count,
-                runs: runs_of(heard, candidates),
+                count: sampled.count,
+                runs: runs_of(sampled, candidates),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
                 amplitude: epoch.rows(),
-                factor: heard.of.factor[0],
+                factor: sampled.of.factor[0],
                 received: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
                 cosine: epoch.cosine,
             });
@@ -498,13 +499,13 @@ pub fn spread_over(pulses: u64, count: u64) -> impl Iterator<Item = u64> {
 }
 
 /// Lanes of the runs of a tile, and the bins of their gains.
-fn runs_of(heard: &SampledTile<'_>, candidates: &Candidates) -> Vec<(Range<usize>, usize)> {
+fn runs_of(sampled: &SampledTile<'_>, candidates: &Candidates) -> Vec<(Range<usize>, usize)> {
     let mut at = 0;
-    let lanes = heard.runs.iter().map(|run| {
+    let lanes = sampled.runs.iter().map(|run| {
         at += run.count;
         at - run.count..at
     });
-    lanes.zip(heard.shares.iter().map(|share| candidates.bin(*share))).collect()
+    lanes.zip(sampled.shares.iter().map(|share| candidates.bin(*share))).collect()
 }
 
 fn square([re, im]: &[Row; 2], i: usize) -> f64 {

@@ -82,8 +82,8 @@ pub fn of_points(pulses: usize) -> [usize; 3] {
 
 /// Mean delay rate of a block: of facets, power and mean rate, and of points, sums over the three pulses of
 /// [`of_points`]: of those that are received, or, where there is nothing else, of all.
-pub fn mean_rate((of_facets, rate): (f64, f64), heard: (f64, f64), all: (f64, f64)) -> f64 {
-    let points = if of_facets + heard.0 > 0.0 { heard } else { all };
+pub fn mean_rate((of_facets, rate): (f64, f64), received: (f64, f64), all: (f64, f64)) -> f64 {
+    let points = if of_facets + received.0 > 0.0 { received } else { all };
     let power = of_facets + points.0 / 3.0;
     if power > 0.0 { (of_facets * rate + points.1 / 3.0) / power } else { 0.0 }
 }
@@ -155,8 +155,8 @@ impl ErrorSampler<'_> {
                 for &channel in channels {
                     let amplitude = &paths.amplitude[channel];
                     let power = line.power(|n| {
-                        let heard = self.generator.received_share(index, opens_s, delays_s[n]).sqrt();
-                        amplitude[n] * heard * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
+                        let received = self.generator.received_share(index, opens_s, delays_s[n]).sqrt();
+                        amplitude[n] * received * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
                     });
                     self.points.power[channel] += power / count as f64;
                     all += power;
@@ -273,8 +273,9 @@ impl ErrorSampler<'_> {
         let (weight, carrier_hz) = (self.sampled(), self.radar.carrier_hz);
         let mut paths = self.no_points();
         let (_, rates) = self.points_at(index, &mut paths)?;
-        for ((power, weighted), [heard, _]) in self.dopplers_of_points.iter_mut().zip(rates) {
-            (*power, *weighted) = (*power + weight * heard.0, *weighted + weight * heard.1 * carrier_hz);
+        for ((power, weighted), [received, _]) in self.dopplers_of_points.iter_mut().zip(rates) {
+            (*power, *weighted) =
+                (*power + weight * received.0, *weighted + weight * received.1 * carrier_hz);
         }
         Ok(())
     }
@@ -432,7 +433,7 @@ mod tests {
     fn blocks_have_the_mean_of_what_is_heard() {
         assert_eq!(of_points(64), [0, 32, 63]);
         assert_eq!((of_points(1), of_points(0)), ([0; 3], [0; 3]));
-        // Facets of 2 W, and points of 6 W over three pulses; nothing but what is not heard; nothing.
+        // Facets of 2 W, and points of 6 W over three pulses; nothing but what is not received; nothing.
         assert_eq!(mean_rate((2.0, 1e-6), (6.0, -6e-6), (60.0, 1.0)), 0.0);
         assert_eq!(mean_rate((0.0, 0.0), (0.0, 0.0), (3.0, 6e-6)), 2e-6);
         assert_eq!(mean_rate((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)), 0.0);

@@ -169,17 +169,18 @@ impl ErrorSampler<'_> {
                 Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, epochs: 2 }));
             let keep =
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
-            self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |heard| {
+            self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |sampled| {
                 if tier == 0 {
                     exact.push(Exact {
-                        gains: heard.gains.to_vec(),
-                        factor: heard.of.factor.clone(),
-                        amplitude: heard.of.epochs()[0].rows(),
-                        delay_s: heard.of.nodes()[0].paths.delay_s.to_vec(),
-                        runs: runs_of(heard, candidates),
+                        gains: sampled.gains.to_vec(),
+                        factor: sampled.of.factor.clone(),
+                        amplitude: sampled.of.epochs()[0].rows(),
+                        delay_s: sampled.of.nodes()[0].paths.delay_s.to_vec(),
+                        runs: runs_of(sampled, candidates),
                     });
                 }
-                let (own, exact) = (&self.channels[heard.pair], &exact[heard.tile * pairs + heard.pair]);
+                let (own, exact) =
+                    (&self.channels[sampled.pair], &exact[sampled.tile * pairs + sampled.pair]);
                 for ((step, probes), sums) in steps.iter().zip(&probes).zip(sums.iter_mut()) {
                     let (_, places) = instants_of(*step);
                     for ((pulse, from, weights), sum) in probes.iter().zip(sums) {
@@ -187,7 +188,7 @@ impl ErrorSampler<'_> {
                             for i in lanes.clone() {
                                 let rows = places[*from..].iter().zip(weights);
                                 let found: f32 =
-                                    rows.map(|(place, weight)| weight * heard.gains[*place][i]).sum();
+                                    rows.map(|(place, weight)| weight * sampled.gains[*place][i]).sum();
                                 let off = exact.off(*pulse, i, found);
                                 let cell = cells.of(exact.delay_s[i]);
                                 for (channel, a) in own.iter().zip(&exact.amplitude) {
