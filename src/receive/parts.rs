@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use super::RUNS;
 use super::listener::Opener;
 use crate::files;
-use crate::sinks;
 #[cfg(feature = "hdf5")]
 use crate::sinks::names_hdf5;
 use crate::sinks::plain::PlainSink;
@@ -58,7 +57,7 @@ pub fn opener(path: PathBuf, force: bool) -> Opener {
     Box::new(move |header| {
         #[cfg(feature = "hdf5")]
         if names_hdf5(&path) {
-            let sink = sinks::hdf5::Hdf5Sink::create(&path, None, force, header)?;
+            let sink = crate::sinks::hdf5::Hdf5Sink::create(&path, None, force, header)?;
             return Ok(Box::new(sink) as Box<dyn Sink>);
         }
         Ok(Box::new(PlainSink::create(&path, force, header)?) as Box<dyn Sink>)
