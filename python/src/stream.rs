@@ -52,6 +52,15 @@ impl Stream {
     }
 }
 
+impl Drop for Stream {
+    fn drop(&mut self) {
+        let pulses = self.pulses.get_mut().unwrap_or_else(PoisonError::into_inner);
+        // The run ends with the block under way: other threads of Python do not wait for it. An interpreter that
+        // ends has none, and the run ends with what is dropped.
+        Python::try_attach(|py| py.detach(|| drop(pulses.close())));
+    }
+}
+
 #[pymethods]
 impl Stream {
     fn __iter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {

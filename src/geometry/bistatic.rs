@@ -20,8 +20,6 @@
 
 use glam::DVec3;
 
-use crate::frames::{Antenna, Enu, Rotation, Vector};
-
 /// Sine of the angle to the vertical below which `h` is taken as `y`.
 const VERTICAL_SINE: f64 = 1e-12;
 
@@ -65,13 +63,6 @@ pub fn incidence_rad(k: DVec3) -> f64 {
 pub fn bistatic_angle_rad(incident: DVec3, scattered: DVec3) -> f64 {
     // Half-angle form: exact near 0 and near pi, where the arc cosine is not.
     2.0 * (incident + scattered).length().atan2((scattered - incident).length())
-}
-
-/// Direction cosines `(u, v)` of a direction in the antenna frame, and its part along the boresight
-/// (the visible half space has it positive): `u = d . y_a`, `v = d . z_a`.
-pub fn direction_cosines(frame: Rotation<Antenna, Enu>, direction: Vector<Enu>) -> (f64, f64, f64) {
-    let d = (frame.inverse() * direction).raw();
-    (d.y, d.z, d.x)
 }
 
 #[cfg(test)]

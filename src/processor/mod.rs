@@ -15,6 +15,7 @@ pub mod range_compress;
 pub mod backproject;
 pub mod multilook;
 pub mod point_target;
+#[doc(hidden)]
 pub mod degradation;
 pub mod focus;
 pub(crate) mod comparison;

@@ -11,7 +11,8 @@
 //! ([`crate::files`]): a merge that fails leaves nothing, and what was there before. A complete result that
 //! cannot be put in its place stays beside it, and the error names it.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -225,7 +226,7 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
 /// Opens the shards that hold pulses and puts them in order; refuses what does not fit together.
 fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
     let mut list: Vec<Shard> = Vec::with_capacity(shards.len());
-    let mut numbers: Vec<Number> = Vec::new();
+    let mut numbers: BTreeMap<u64, Ended> = BTreeMap::new();
     for path in shards {
         if path.is_dir() {
             return Err(MergeError::Folder { path: path.clone() });
@@ -237,14 +238,17 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
         {
             return Err(MergeError::Different { path: path.clone(), other: other.path.clone(), field });
         }
-        short(path, &recorded)?;
-        numbers.extend(recorded.header.shard);
-        if recorded.pulses > 0 {
+        let last =
+            recorded.pulses.checked_sub(1).map(|row| recorded.index(row)).transpose().map_err(fault())?;
+        if let Some(number) = recorded.header.shard {
+            Ended::count(&mut numbers, number, path, &recorded, last);
+        }
+        if let Some(last) = last {
             list.push(Shard {
                 path: path.clone(),
                 pulses: recorded.pulses,
                 first: recorded.index(0).map_err(fault())?,
-                last: recorded.index(recorded.pulses - 1).map_err(fault())?,
+                last,
                 after: recorded.after_pulse(),
                 after_gap: recorded.flags(0).map_err(fault())? & flags::AFTER_GAP != 0,
                 header: recorded.header,
@@ -252,7 +256,7 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
         }
     }
     list.sort_by_key(|shard| shard.first);
-    all_given(&numbers)?;
+    all_given(numbers)?;
     for pair in list.windows(2) {
         let [before, after] = pair else { continue };
         if before.changes(before.last) != after.changes(before.last) {
@@ -282,31 +286,43 @@ fn ordered(shards: &[PathBuf]) -> Result<Vec<Shard>, MergeError> {
     Ok(list)
 }
 
-/// Refuses a shard of a run of shards that ended early: nothing after it would show the gap.
-fn short(path: &Path, recorded: &Reader) -> Result<(), MergeError> {
-    let Some(shard) = recorded.header.shard else { return Ok(()) };
-    let to = recorded.header.first_pulse.saturating_add(recorded.header.pulses);
-    let last = match recorded.pulses.checked_sub(1) {
-        Some(row) => Some(recorded.index(row).map_err(Fault::at(path, "reading the shard"))?),
-        None => None,
-    };
-    if last.is_some_and(|last| last.saturating_add(1) >= to) {
-        return Ok(());
-    }
-    let (path, from, pulses) = (path.to_owned(), recorded.header.first_pulse, recorded.pulses);
-    Err(MergeError::Short { path, shard, from, to, pulses })
+/// How far a numbered shard goes, over all its files: a sink may have cut it into segments.
+struct Ended {
+    path: PathBuf,
+    shard: Number,
+    /// Pulses that it was to make, and those that its files hold.
+    asked: Range<u64>,
+    pulses: usize,
+    last: Option<u64>,
 }
 
-/// Refuses a run of shards of which some are not given.
-fn all_given(numbers: &[Number]) -> Result<(), MergeError> {
-    let Some(of) = numbers.first().map(|shard| shard.of()) else { return Ok(()) };
-    let given: BTreeSet<u64> = numbers.iter().map(|shard| shard.number()).collect();
-    if given.len() as u64 == of {
-        return Ok(());
+impl Ended {
+    /// Takes a file of a shard into account.
+    fn count(of: &mut BTreeMap<u64, Self>, shard: Number, path: &Path, file: &Reader, last: Option<u64>) {
+        let from = file.header.first_pulse;
+        let asked = from..from.saturating_add(file.header.pulses);
+        let fresh = || Self { path: path.to_owned(), shard, asked, pulses: 0, last: None };
+        let ended = of.entry(shard.number()).or_insert_with(fresh);
+        (ended.pulses, ended.last) = (ended.pulses + file.pulses, ended.last.max(last));
     }
-    // A damaged file may claim any number of shards.
-    let numbers = (1..=of).filter(|number| !given.contains(number)).take(NAMED).collect();
-    Err(MergeError::Missing { numbers, missing: of.saturating_sub(given.len() as u64), of })
+}
+
+/// Refuses a run of shards of which some are not given, or one ended early: nothing after it would show the gap.
+fn all_given(shards: BTreeMap<u64, Ended>) -> Result<(), MergeError> {
+    let Some(of) = shards.values().next().map(|ended| ended.shard.of()) else { return Ok(()) };
+    let given = shards.len() as u64;
+    if given != of {
+        // A damaged file may claim any number of shards.
+        let numbers = (1..=of).filter(|number| !shards.contains_key(number)).take(NAMED).collect();
+        return Err(MergeError::Missing { numbers, missing: of.saturating_sub(given), of });
+    }
+    let short = |ended: &Ended| ended.last.is_none_or(|last| last.saturating_add(1) < ended.asked.end);
+    match shards.into_values().find(short) {
+        None => Ok(()),
+        Some(Ended { path, shard, asked, pulses, .. }) => {
+            Err(MergeError::Short { path, shard, from: asked.start, to: asked.end, pulses })
+        }
+    }
 }
 
 fn copy(shard: &Shard, recording: &mut Writer) -> Result<(), MergeError> {

@@ -30,6 +30,7 @@ pub mod ground;
 #[doc(hidden)]
 pub mod hdf5;
 pub mod header;
+#[doc(hidden)]
 pub mod image_file;
 #[doc(hidden)]
 pub mod map_file;

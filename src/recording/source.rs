@@ -30,7 +30,6 @@ impl Source {
         }
         #[cfg(feature = "hdf5")]
         {
-            use crate::recording::hdf5::fault::Fault;
             let recorded = hdf5::reader::Reader::open(path).map_err(Fault::at(path, READING))?;
             Ok(Self::Hdf5(recorded))
         }

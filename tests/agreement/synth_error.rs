@@ -101,7 +101,7 @@ fn gridding_alone_errs_as_predicted_from_both_sides() {
 }
 
 #[test]
-fn every_number_of_contacts_and_channels_is_whole() {
+fn every_number_of_paths_and_channels_is_whole() {
     let patch = &patches()[0];
     let layouts: [&[usize]; 5] = [&[0], &[0, 0], &[0, 0, 0], &[0, 1, 0, 1, 1], &[0, 0, 0, 0, 0]];
     for channel_pairs in layouts {

@@ -1,4 +1,5 @@
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use hdf5::{Dataset, File, Group};
@@ -204,6 +205,23 @@ fn all_shards_of_a_run_are_asked_for() {
     merge(&[three.clone(), one.clone(), two.clone()], &out, false).unwrap();
     assert!(content(&out) == content(&whole));
     assert!(File::open(&out).unwrap().attr("shard").is_err(), "the whole is no shard");
+    // Each shard in segments, as a sink with segment_s records it; the last segment of one is missing.
+    let mut segments: Vec<PathBuf> = (1..=3)
+        .flat_map(|number| {
+            let shard: Shard = format!("{number}/3").parse().unwrap();
+            let Range { start, end } = shard.pulses(header.pulses).unwrap();
+            let part =
+                Header { first_pulse: start, pulses: end - start, shard: Some(shard), ..header.clone() };
+            record(&dir.path().join(format!("s{number}.h5")), Some(0.02), &part, start, end).files
+        })
+        .collect();
+    assert!(segments.len() > 3);
+    merge(&segments, &out, true).unwrap();
+    assert!(content(&out) == content(&whole), "segments of shards differ from the whole run");
+    segments.pop();
+    let short = merge(&segments, &out, true).unwrap_err().to_string();
+    assert!(short.contains("shard 3/3 was to make pulses 66..100 and has"), "{short}");
+
     let others = dir.path().join("others.h5");
     let part = Header { first_pulse: 33, pulses: 33, ..header.clone() };
     record(&others, None, &part, 33, 66);

@@ -280,6 +280,9 @@ fn check(args: &FocusArgs) -> Result<(), FocusError> {
     if !(1..=4096).contains(&args.looks) {
         return bad("looks", args.looks.to_string(), "a whole number from 1 to 4096");
     }
+    if !(-100.0..0.0).contains(&args.interpolation_db) {
+        return bad("interpolation-db", args.interpolation_db.to_string(), "a number from -100 to below 0");
+    }
     Ok(())
 }
 

@@ -157,15 +157,6 @@ impl<T: Scalar> BlockPaths<T> {
     pub(super) fn middle(&self) -> i32 {
         (self.pulses() / 2) as i32
     }
-
-    /// Bytes per scatterer path that a pulse reads.
-    pub fn bytes_per_contact(&self) -> usize {
-        let polynomial = 3 * size_of::<T::Turns>() + 5 * size_of::<T>() + size_of::<i32>();
-        let amplitude: usize =
-            self.amplitude.iter().flatten().map(|a| size_of_val(a.as_slice())).sum::<usize>()
-                / self.len().max(1);
-        self.polynomials.len() * polynomial + amplitude
-    }
 }
 
 /// A polynomial in `m` through values at the nodes.
@@ -232,7 +223,7 @@ impl<T: Scalar> Synth<T> {
         }
         self.fill_replicas(&mut block.frame);
         block.start = 0;
-        self.fill_contacts(nodes, windows_s, block);
+        self.fill_paths(nodes, windows_s, block);
         Ok(())
     }
 
@@ -252,7 +243,7 @@ impl<T: Scalar> Synth<T> {
         self.check(nodes, windows_s)?;
         block.frame.mean_hz.clone_from(&frame.mean_hz);
         block.start = pulses.start;
-        self.fill_contacts(nodes, windows_s, block);
+        self.fill_paths(nodes, windows_s, block);
         Ok(())
     }
 
@@ -282,7 +273,7 @@ impl<T: Scalar> Synth<T> {
         reference_s
     }
 
-    fn fill_contacts(&self, nodes: &[Node<'_>], windows_s: &[f64], block: &mut BlockPaths<T>) {
+    fn fill_paths(&self, nodes: &[Node<'_>], windows_s: &[f64], block: &mut BlockPaths<T>) {
         let middle = (windows_s.len() / 2) as f64;
         let reference_s = self.fill_shifts(windows_s, &mut block.shifts);
         let mut places = [0.0; MAX_NODES];

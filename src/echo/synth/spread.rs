@@ -90,10 +90,10 @@ pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usiz
     job: &Job<'_, T>,
     grids: &mut [T],
 ) {
-    let of_contacts = |power: usize| job.amplitude[power].as_chunks::<C>().0;
+    let of_paths = |power: usize| job.amplitude[power].as_chunks::<C>().0;
     match job.amplitude.len() {
-        2 => spread_powers::<T, FUSED, W, C, 2>(variant, job, std::array::from_fn(of_contacts), grids),
-        4 => spread_powers::<T, FUSED, W, C, 4>(variant, job, std::array::from_fn(of_contacts), grids),
+        2 => spread_powers::<T, FUSED, W, C, 2>(variant, job, std::array::from_fn(of_paths), grids),
+        4 => spread_powers::<T, FUSED, W, C, 4>(variant, job, std::array::from_fn(of_paths), grids),
         // The block keeps two powers or four.
         _ => {}
     }

@@ -8,7 +8,7 @@
 //! | --- | --- |
 //! | grid | [`Ground`]: pixel `(i, j)` is `values[j * pixels[0] + i]`, `i` to the East, `j` to the North, both of [`Settings::pixel_m`], on a plane of one height in the frame of the scene (ENU, m) |
 //! | value | complex; a point whose echo has the amplitude `a` gives `a` at its place, sqrt(W), whatever filter and tapers; its phase is that of the scatterer, without the carrier's `-2 pi f0 tau` |
-//! | middle | where the radar looks at the middle pulse, to a metre: what the receive window follows, else the aim of the receiver, else that of the transmitter, else the middle of the patch |
+//! | middle | where the radar looks at the middle pulse, to a metre: what the receive window follows, else the aim of the receiver, else that of the transmitter, else the middle of a patch that stays, else the origin |
 //! | pulses | those that left in the channel's polarisation; a pixel takes those in whose Doppler band it lies ([`DopplerBand`]) |
 //!
 //! Neither gain nor range is taken out. The scenario in the recording is needed for the middle, where

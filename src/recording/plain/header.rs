@@ -122,7 +122,10 @@ fn header(meta: &Value) -> Option<Header> {
         }),
         adc: real("adc_step").and_then(|step| Some(AdcRow { step, bits: read(&meta["adc_bits"])? })),
         start: TimeTag::new(start_ns.div_euclid(1_000_000_000), fraction_s),
-        shard: meta["shard"].as_str().and_then(|shard| shard.parse().ok()),
+        shard: match &meta["shard"] {
+            Value::Null => None,
+            shard => Some(shard.as_str()?.parse().ok()?),
+        },
         truth: meta["truth"].as_bool().unwrap_or(true),
         ..Header::default()
     };
