@@ -19,7 +19,7 @@
 //! costs.accumulated(50);
 //! costs.made();
 //! assert_eq!((costs.counts().pulses, costs.illuminated_share()), (1, 0.6));
-//! assert!(costs.total_s() >= costs.seconds(Stage::Surface));
+//! assert_eq!(costs.seconds_per_pulse(Stage::Surface), costs.seconds(Stage::Surface));
 //! ```
 
 use std::time::{Duration, Instant};

@@ -30,7 +30,8 @@
 //!
 //! ```
 //! use nereus::pulse::{Layout, Pulse, SampleFormat};
-//! use nereus::sinks::{sink::{ChannelRow, Header, Sink}, vita49::{Settings, Vita49Sink}};
+//! use nereus::recording::header::{ChannelRow, Header};
+//! use nereus::sinks::{sink::Sink, vita49::{Settings, Vita49Sink}};
 //! use nereus::time::TimeTag;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let layout = Layout { channels: 1, samples: 384, format: SampleFormat::Cf32, platforms: 1,
