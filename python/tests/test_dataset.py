@@ -238,6 +238,20 @@ def test_a_store_replaces_nothing_unasked(recorded, tmp_path, monkeypatch):
     same(nereus.open(recorded / "r.h5"), nereus.open(tmp_path / "s.zarr"))
 
 
+def test_blocks_are_the_chunks_of_the_recording(recorded):
+    with h5py.File(recorded / "r.h5") as file:
+        chunks = {name: file[name].chunks[0] for name in ("iq", "pulse/index")}
+    ds = nereus.open(recorded / "r.h5", chunks={})
+    assert {name: ds[name].chunks[0][0] for name in chunks} == {name: min(n, 444) for name, n in chunks.items()}
+    assert len(ds.iq.chunks[0]) > 1
+    with_store = nereus.open(recorded / "r.zarr", chunks={"channel": 1})
+    assert with_store.iq.chunks[:2] == ((64,) * 6 + (60,), (1,) * ds.sizes["channel"])
+    assert with_store.time.chunks[0] == with_store["truth/delay_s"].chunks[0] == (64,) * 6 + (60,)
+    whole = nereus.open(recorded / "r.h5")
+    for lazily in (ds, with_store):
+        same(whole, lazily)
+
+
 def test_rows_written_twice_are_the_same(recorded, tmp_path):
     once = tmp_path / "once.zarr"
     store.convert(recorded / "r.h5", once, chunk_pulses=64)
