@@ -439,6 +439,9 @@ def _labelled(keys, cases, results):
             if table.keys() != tables[0].keys() or np.shape(table[name]) != np.shape(first):
                 what = f"{sorted(map(str, table))}" if table.keys() != tables[0].keys() else f"shape {np.shape(table[name])}"
                 raise InputError(f"case {case} returned {what}, the first case {sorted(map(str, tables[0]))} of shape {np.shape(first)}; allowed: the same for all")
+            different = _difference(table[name], first)
+            if different:
+                raise InputError(f"case {case} returned {name or 'a result'} of other {different} than the first case; allowed: the same for all, in the same order")
             values.append(np.asarray(table[name]))
         dims, own = [f"{name or 'result'}_{k}" for k in range(np.ndim(first))], {}
         if isinstance(first, xr.DataArray):
@@ -446,3 +449,17 @@ def _labelled(keys, cases, results):
         data = np.stack(values).reshape(*sizes, *np.shape(first))
         arrays[name] = xr.DataArray(data, {**coords, **own}, [*keys, *dims], name=name)
     return arrays[None] if None in arrays else xr.Dataset(arrays)
+
+
+def _difference(one, first):
+    """What two results of the same shape are labelled by differently; None of the same."""
+    import xarray as xr
+
+    if not isinstance(one, xr.DataArray) and not isinstance(first, xr.DataArray):
+        return None
+    if getattr(one, "dims", None) != getattr(first, "dims", None):
+        return f"dimensions ({', '.join(map(str, getattr(one, 'dims', ()))) or 'none'})"
+    for name in sorted(one.coords.keys() | first.coords.keys(), key=str):
+        if name not in one.coords or name not in first.coords or not one.coords[name].equals(first.coords[name]):
+            return f"coordinates ({name})"
+    return None

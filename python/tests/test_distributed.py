@@ -222,3 +222,21 @@ def test_faults_of_a_sweep_are_named(client):
         distributed.sweep(scene, {"scene.seed": [7]}, lambda scene: 1 / 0, client, progress=False)
     with pytest.raises(nereus.InputError, match="allowed: the same for all"):
         distributed.sweep(quiet, {"scene.duration_s": [1, 2]}, lambda scene: np.zeros(scene.pulse_count), client, progress=False)
+
+
+@pytest.mark.parametrize(
+    "other, what",
+    [
+        (xr.DataArray([[1.0, 2.0], [3.0, 4.0]], {"channel": ["HH", "VV"]}, ["sample", "channel"]), "dimensions .sample, channel."),
+        (xr.DataArray([[1.0, 2.0], [3.0, 4.0]], {"channel": ["VV", "HH"]}, ["channel", "sample"]), "coordinates .channel."),
+        (xr.DataArray([[1.0, 2.0], [3.0, 4.0]], dims=["channel", "sample"]), "coordinates .channel."),
+        (np.zeros((2, 2)), "dimensions .none."),
+    ],
+)
+def test_results_of_a_sweep_are_labelled_alike(other, what):
+    first = xr.DataArray([[1.0, 2.0], [3.0, 4.0]], {"channel": ["HH", "VV"]}, ["channel", "sample"])
+    keys, cases = {"scene.seed": [1, 2]}, [{"scene.seed": 1}, {"scene.seed": 2}]
+    assert distributed._labelled(keys, cases, [first, first]).dims == ("scene.seed", "channel", "sample")
+    for results in ([first, other], [{"a": first}, {"a": other}]):
+        with pytest.raises(nereus.InputError, match=f"case {{'scene.seed': 2}} returned .* of other {what}.*allowed: the same for all"):
+            distributed._labelled(keys, cases, results)
