@@ -277,8 +277,6 @@ def record(
             if _has_pulses(part):
                 _convert_or_keep(part, kept, draft.out, force, chunk_pulses)
             raise
-        if draft.out.exists() and not _has_pulses(part):
-            raise InputError(f"{draft.out}: stays: the run has no pulses; allowed: at least one to replace a store")
         return _convert_or_keep(part, kept, draft.out, force, chunk_pulses)
 
 
