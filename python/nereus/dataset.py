@@ -17,6 +17,7 @@ import json
 import os
 import re
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -58,12 +59,13 @@ class RecordingError(InputError):
 
 @dataclass
 class Column:
-    """A dataset with a row for each pulse: dimensions, type and shape of all rows, attributes."""
+    """A dataset with a row for each pulse: dimensions, type and shape of all rows, attributes, shape of a chunk."""
 
     dims: tuple
     dtype: np.dtype
     shape: tuple
     attrs: dict
+    chunks: tuple | None = None
 
 
 @dataclass
@@ -137,7 +139,8 @@ def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  #
 
     `path` is an HDF5 file, finished, growing or left by a killed run; a folder of plain files; or a Zarr store.
     What a growing recording holds now is what is there: open it again for more. `chunks` as in
-    `xarray.open_dataset` gives dask arrays (`chunks={}`: those of the recording). Close it by `ds.close()` or `with`.
+    `xarray.open_dataset` gives dask arrays, with the chunks of the recording along dimensions that a dict does not
+    name (`chunks={}`: all; plain folders have none). Close it by `ds.close()` or `with`.
 
     Raises `FileNotFoundError`, and `RecordingError` where the path is no recording or a damaged one; a damaged
     chunk is found when it is read.
@@ -174,9 +177,16 @@ def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  #
     ds = xr.Dataset(variables, coords, rec.attrs)
     ds.encoding["source"] = rec.path
     ds.set_close(rec.close)
-    if chunks is not None:
-        ds = ds.chunk(chunks)
-    return ds
+    return ds if chunks is None else _chunked(ds, chunks, rec)
+
+
+def _chunked(ds, chunks, rec):
+    """A dataset of dask arrays."""
+    if isinstance(chunks, Mapping):
+        for name, column in [*rec.columns.items(), ("time", rec.columns["pulse/time_ns"])]:
+            own = {dim: n for dim, n in zip(column.dims, column.chunks or ()) if dim in ds[name].dims}
+            ds[name] = ds[name].chunk({**own, **{dim: n for dim, n in chunks.items() if dim in ds[name].dims}})
+    return ds.chunk(chunks)
 
 
 def _words(attrs):
@@ -322,7 +332,7 @@ def _hdf5(path):
                     dtype, shape = np.dtype("int16"), (*shape, 2)
                     words["axes"] = f"{words.get('axes', 'pulse, channel, sample')}, {CODES}"
                 dims = dimensions(name, words.get("axes"), len(shape))
-                columns[name] = Column(dims, dtype, shape, words)
+                columns[name] = Column(dims, dtype, shape, words, item.chunks)
             else:
                 values = item[:]
                 values = _texts(values) if values.dtype.kind in "OS" else values
@@ -452,7 +462,7 @@ def _zarr(path):
                 raise damaged(path, f"{gone} chunks of /{name} are missing")
             dims, words = array.metadata.dimension_names, dict(array.attrs)
             if dims[0] == "pulse":
-                columns[name] = Column(dims, np.dtype(array.dtype), array.shape, words)
+                columns[name] = Column(dims, np.dtype(array.dtype), array.shape, words, array.chunks)
             else:
                 values = array[:]
                 fixed[name] = (dims, values if values.dtype.kind in "uifc" else _texts(values), words)

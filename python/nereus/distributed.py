@@ -7,8 +7,8 @@
 A worker makes one shard at a time with the threads that it owns, as an HDF5 part in its scratch folder, and
 writes the chunks of its pulses into the one store. What is made depends on the number of a pulse alone, so the
 store is bit-identical to one run's. A worker that is lost, or does not answer in time, has its shard made by
-another one; a shard that is made twice is written twice, with the same bytes. The store gets its name when it is
-complete.
+another one, unless it is the shard that ends them; a shard that is made twice is written twice, with the same
+bytes. The store gets its name when it is complete.
 
 In a script that has no client, call these below `if __name__ == "__main__":`, as for every multiprocessing
 program.
@@ -47,15 +47,19 @@ TRIAL = 32
 SLACK, LEAST_S = 10.0, 60.0
 #: The trial is given up after this time.
 LONGEST_S = 3600.0
-#: Times that a shard or case may raise before its exception is passed on.
+#: Times that a shard or case may raise, or lose its worker, before that is passed on.
 TRIES = 3
 #: A start should be at most this share of a shard.
 START_SHARE = 0.1
+#: Work of a shard of a long run, so that workers that come later get some, too.
+SHARD_S = 60.0
+#: Without any worker, jobs may be waiting in a queue.
+WAIT_S = 3600.0
 GLANCE_S = 0.05
 
 
 class WorkerError(RunError):
-    """The workers cannot do it: the package is missing there or another version, or none of them answers."""
+    """The workers cannot do it: they lack the package or have another version, none answers, or a job ends them."""
 
 
 @dataclass(frozen=True)
@@ -80,26 +84,29 @@ def record(
     force: bool = False,
     progress: bool = True,
     timeout_s: float | None = None,
+    wait_s: float = WAIT_S,
     chunk_pulses: int | None = None,
 ) -> Report:
     """Records a scenario as a Zarr store, shard by shard on the workers of a `dask.distributed.Client`.
 
     `path` is on a file system that all workers share, and so are the files that the scenario names. `shards` is
-    their number (default: about four for each worker, fewer where starting would take more than a tenth);
-    `chunk_pulses` the pulses of a chunk (default: as `nereus.zarr`, from the scenario alone). A shard that has not
-    come after `timeout_s` (default: ten times what was measured, at least 60 s) is made elsewhere, and its worker
-    gets no other. Without a client: a LocalCluster of all cores, one thread each, closed afterwards.
+    their number (default: four for each worker, more where a shard would be longer than a minute, fewer where
+    starting would take more than a tenth); `chunk_pulses` the pulses of a chunk (default: as `nereus.zarr`, from the
+    scenario alone). A shard that has not come after `timeout_s` (default: ten times what was measured, at least
+    60 s) is made elsewhere, with twice the time, and its worker gets no other until it answers. Without any worker
+    for `wait_s` (default: an hour, for jobs in a queue) the run is given up. Without a client: a LocalCluster of all
+    cores, one thread each, closed afterwards.
 
     Prints an estimate of the cost first, then progress; returns a `Report`. Raises `FileExistsError` for a store
-    that exists unless `force`, `WorkerError` where workers lack the package or none answers, and what the engine
-    raises. What fails leaves nothing under the name.
+    that exists unless `force`, `WorkerError` where workers lack the package, none answers, or a shard has ended
+    three of them, and what the engine raises. What fails leaves nothing under the name.
     """
     begun = time.monotonic()
     draft, total, blob = Draft(path, force), scene.pulse_count, _pickled(scene)
     if shards is not None and not 1 <= shards <= total:
         raise InputError(f"shards = {shards}; allowed: 1 to the {total} pulses of the run")
     with _client(client) as client, draft:
-        farm = _Farm(client, timeout_s, progress, os.path.basename(path))
+        farm = _Farm(client, timeout_s, wait_s, progress, os.path.basename(path))
         trial = min(TRIAL, total)
         outline, start_s, pulse_s = farm.run([_Job("the trial", "_try", (blob, trial), None)])[0]
         outline = replace(outline, attrs={**outline.attrs, "first_pulse": 0, "pulses": total})
@@ -131,13 +138,16 @@ def sweep(
     *,
     progress: bool = True,
     timeout_s: float | None = None,
+    wait_s: float = WAIT_S,
 ) -> xarray.DataArray | xarray.Dataset:
     """`function(scene)` for every combination of values of some keys of the scenario, labelled by them.
 
     `keys` has values by key: `{"scene.seed": range(100), "sea.wind_mps": [5, 10]}`. `function` returns a number, an
-    array, an `xarray.DataArray`, or a dict of them; all cases the same shapes. The result is a `DataArray`, or a
-    `Dataset` for dicts, whose first dimensions are the keys. Cases of lost workers are made again, also those that
-    have not come after `timeout_s` (default: no limit). An exception of `function` is passed on as `SweepError`.
+    array, an `xarray.DataArray`, or a dict of them; all cases the same shapes, dimensions and coordinates. The
+    result is a `DataArray`, or a `Dataset` for dicts, whose first dimensions are the keys. Cases of lost workers are
+    made again, also those that have not come after `timeout_s` (default: no limit); a case that has ended three
+    workers raises `WorkerError`, and so does `wait_s` without any worker. An exception of `function` is passed on as
+    `SweepError`.
     """
     keys = {key: list(values) for key, values in keys.items()}
     empty = [key for key, values in keys.items() if not values]
@@ -150,7 +160,7 @@ def sweep(
             scene.set({**cases[0], key: value}).pulse_count
     blob, call = _pickled(scene), _pickled(function)
     with _client(client) as client:
-        farm = _Farm(client, timeout_s or math.inf, progress, "sweep")
+        farm = _Farm(client, timeout_s or math.inf, wait_s, progress, "sweep")
         jobs = [_Job(f"case {case}", "_case", (blob, case, call), None) for case in cases]
         return _labelled(keys, cases, farm.run(jobs))
 
@@ -262,8 +272,10 @@ def _client(given):
 
 
 def _shards(workers, work_s, start_s):
-    """Four shards a worker, so that all end at about the same time; fewer, but one each, where starts would weigh."""
-    return max(workers, min(4 * workers, int(START_SHARE * work_s / max(start_s, 1e-3))))
+    """Four shards a worker, so that all end at about the same time, and one for each SHARD_S of work, whoever is there
+    by now; fewer, but one for each worker, where starts would weigh."""
+    wanted = max(4 * workers, int(work_s / SHARD_S))
+    return max(workers, min(wanted, int(START_SHARE * work_s / max(start_s, 1e-3))))
 
 
 def _ranges(total, chunk, shards):
@@ -304,21 +316,24 @@ class _Farm:
     """Jobs on the workers of a client, one at a time on each.
 
     Workers are asked by name rather than through Dask's own placement: a job belongs to one worker alone, whatever
-    its threads, and one that does not answer can be left out.
+    its threads, and one that does not answer can be left out until it does.
     """
 
-    def __init__(self, client, timeout_s, progress, name):
-        self.client, self.timeout_s, self.progress, self.name = client, timeout_s, progress, name
-        self.asked, self.ready, self.silent = {}, set(), set()
+    def __init__(self, client, timeout_s, wait_s, progress, name):
+        self.client, self.timeout_s, self.wait_s, self.progress, self.name = client, timeout_s, wait_s, progress, name
+        # Silent: what workers were asked that did not answer in time.
+        self.asked, self.ready, self.silent = {}, set(), {}
         self.call, self.version = _caller()
         self.remade, self.shown = 0, ""
+        # By job.
+        self.lost, self.late = Counter(), Counter()
 
     def workers(self):
         return self.client.scheduler_info(n_workers=-1)["workers"]
 
     def size(self):
         """Workers that answer, or may."""
-        return max(1, len(set(self.workers()) - self.silent))
+        return max(1, len(self.workers().keys() - self.silent.keys()))
 
     def say(self, text, stay=True):
         """A line of progress: in place on a terminal, else now and then."""
@@ -333,13 +348,25 @@ class _Farm:
     def run(self, jobs):
         """Results of all jobs, in order."""
         waiting, results, raised = deque(range(len(jobs))), {}, Counter()
+        self.lost, self.late = Counter(), Counter()
         begun = heard = time.monotonic()
+        waits = False
         try:
             while len(results) < len(jobs):
                 here = set(self.workers())
-                heard = time.monotonic() if here - self.silent else heard
-                if time.monotonic() - heard > self.limit(None):
-                    raise WorkerError(f"no worker answers: {len(here)} connected, {len(self.silent & here)} given up after a timeout")
+                for worker in [worker for worker, asked in self.silent.items() if asked.future.status != "pending"]:
+                    del self.silent[worker]
+                if here - self.silent.keys():
+                    heard, waits = time.monotonic(), False
+                elif not waits:
+                    waits = True
+                    self.say(f"no worker answers: waiting for one, {_span(self.wait_s)} at most")
+                if time.monotonic() - heard > self.wait_s:
+                    silent = len(self.silent.keys() & here)
+                    raise WorkerError(
+                        f"no worker answers: {len(here)} connected, {silent} given up after a timeout; "
+                        "remedy: start workers, or wait longer for those of a queue (wait_s)"
+                    )
                 for worker, asked in list(self.asked.items()):
                     self.collect(worker, asked, here, jobs, waiting, results, raised)
                 self.give(here, jobs, waiting)
@@ -347,7 +374,7 @@ class _Farm:
                     self.show(len(results), len(jobs), begun)
                 time.sleep(GLANCE_S)
         finally:
-            for asked in self.asked.values():
+            for asked in [*self.asked.values(), *self.silent.values()]:
                 if asked.job is not None:
                     asked.future.cancel()
             self.asked = {w: a for w, a in self.asked.items() if a.job is None}
@@ -356,19 +383,21 @@ class _Farm:
         return [results[k] for k in range(len(jobs))]
 
     def limit(self, job):
-        """Seconds after which a job is given up."""
+        """Seconds after which a job is asked of another worker."""
         if job is None:
             return LEAST_S  # a first import, on a file system that all share
         return self.timeout_s or max(LEAST_S, SLACK * (job.expected_s or LONGEST_S / SLACK))
 
     def give(self, here, jobs, waiting):
         """Asks new workers for their version, and gives a job to each that has none."""
-        for worker in here - self.silent - self.asked.keys():
+        for worker in here - self.silent.keys() - self.asked.keys():
             if worker not in self.ready:
                 self.ask(worker, None, self.version, (), self.limit(None))
             elif waiting:
                 k = waiting.popleft()
-                self.ask(worker, k, self.call, (jobs[k].call, _pickled(jobs[k].arguments)), self.limit(jobs[k]))
+                # Twice the time at each repeat, for machines that are merely slow.
+                limit_s = self.limit(jobs[k]) * 2.0 ** self.late[k]
+                self.ask(worker, k, self.call, (jobs[k].call, _pickled(jobs[k].arguments)), limit_s)
 
     def ask(self, worker, job, function, arguments, limit_s):
         future = self.client.submit(function, *arguments, workers=[worker], allow_other_workers=False, pure=False)
@@ -385,17 +414,21 @@ class _Farm:
         if status == "finished":
             try:
                 result = asked.future.result(timeout=LEAST_S)
+                lost = False  # it ended afterwards
             except Exception as problem:  # lost on the way
                 lost, error = True, problem
         elif status == "error" and not lost:
             error = asked.future.exception()
             lost = type(error).__name__ == "KilledWorker"
         if status == "pending" or lost:
-            asked.future.cancel()
             self.ready.discard(worker)
-            if not lost:
-                self.silent.add(worker)
-                self.say(f"worker {worker} does not answer: given up")
+            if lost:
+                asked.future.cancel()
+                self.count(asked.job, jobs)
+            else:
+                self.silent[worker] = asked
+                self.late[asked.job] += 1
+                self.say(f"worker {worker} does not answer: left out until it does")
             if asked.job is not None:
                 self.remade += 1
                 waiting.appendleft(asked.job)
@@ -411,6 +444,17 @@ class _Farm:
                     raise SweepError(f"{jobs[asked.job].name}: {type(error).__name__}: {error}") from error
                 raise error
 
+    def count(self, job, jobs):
+        """Counts a lost worker; what ends them one after the other would do so for ever."""
+        self.lost[job] += 1
+        if self.lost[job] < TRIES or (job is None and self.ready):
+            return
+        what = "the import of nereus" if job is None else jobs[job].name
+        raise WorkerError(
+            f"{what}: {TRIES} workers ended at it, out of memory or by a crash (their logs say which); "
+            "remedy: fewer workers with more threads, or more memory for each"
+        )
+
     def admit(self, worker, error, answer):
         """Lets a worker take part that has the same package."""
         why, version = (str(error), None) if error else answer
@@ -419,6 +463,7 @@ class _Farm:
         if version != VERSION:
             raise WorkerError(f"worker {worker} has nereus {version}; allowed: {VERSION}, as here")
         self.ready.add(worker)
+        del self.lost[None]
 
     def show(self, done, total, begun):
         left = (time.monotonic() - begun) * (total - done) / done if done else None
@@ -439,6 +484,9 @@ def _labelled(keys, cases, results):
             if table.keys() != tables[0].keys() or np.shape(table[name]) != np.shape(first):
                 what = f"{sorted(map(str, table))}" if table.keys() != tables[0].keys() else f"shape {np.shape(table[name])}"
                 raise InputError(f"case {case} returned {what}, the first case {sorted(map(str, tables[0]))} of shape {np.shape(first)}; allowed: the same for all")
+            different = _difference(table[name], first)
+            if different:
+                raise InputError(f"case {case} returned {name or 'a result'} of other {different} than the first case; allowed: the same for all, in the same order")
             values.append(np.asarray(table[name]))
         dims, own = [f"{name or 'result'}_{k}" for k in range(np.ndim(first))], {}
         if isinstance(first, xr.DataArray):
@@ -446,3 +494,17 @@ def _labelled(keys, cases, results):
         data = np.stack(values).reshape(*sizes, *np.shape(first))
         arrays[name] = xr.DataArray(data, {**coords, **own}, [*keys, *dims], name=name)
     return arrays[None] if None in arrays else xr.Dataset(arrays)
+
+
+def _difference(one, first):
+    """What two results of the same shape are labelled by differently; None of the same."""
+    import xarray as xr
+
+    if not isinstance(one, xr.DataArray) and not isinstance(first, xr.DataArray):
+        return None
+    if getattr(one, "dims", None) != getattr(first, "dims", None):
+        return f"dimensions ({', '.join(map(str, getattr(one, 'dims', ()))) or 'none'})"
+    for name in sorted(one.coords.keys() | first.coords.keys(), key=str):
+        if name not in one.coords or name not in first.coords or not one.coords[name].equals(first.coords[name]):
+            return f"coordinates ({name})"
+    return None

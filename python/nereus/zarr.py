@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from .dataset import CHANGES, Source, arrays_of, missing_chunks, source
-from .errors import InputError
+from .errors import InputError, RunError
 
 #: Chunks of a run, at least, where they can have `LEAST` pulses.
 CHUNKS = 32
@@ -113,7 +113,7 @@ class Draft:
             if os.path.exists(self.out / "zarr.json") and source(self.out).attrs:
                 return
         except InputError as error:
-            raise FileExistsError(f"{self.out}: not replaced: {error}") from error
+            raise FileExistsError(f"{self.out}: not replaced: {error}; rename or remove it, or give another name") from error
         raise FileExistsError(f"{self.out}: exists and is no Zarr store of nereus; only those are replaced")
 
     def create(self, outline, rows, chunk):
@@ -145,7 +145,7 @@ class Draft:
         import zarr
 
         # Whoever still writes a chunk that is there already has to give up.
-        shutil.rmtree(self.path / WRITING, ignore_errors=True)
+        _remove(self.path / WRITING, self.path.with_suffix(".writing"))
         group = zarr.open_group(str(self.path), mode="r")
         for name, array in arrays_of(group):
             gone = missing_chunks(self.path, name, array)
@@ -157,9 +157,15 @@ class Draft:
             self.refuse()
             if self.out.exists():
                 self.out.rename(old)
-            self.path.rename(self.out)
+            try:
+                self.path.rename(self.out)
+            except BaseException:
+                if old.exists():
+                    old.rename(self.out)
+                raise
         except OSError as error:
-            raise FileExistsError(f"{self.out}: cannot be put in place; the complete store is {self.path}: {error}") from error
+            older = next((f", the older one {p}" for p in (old, self.out) if p.exists()), "")
+            raise FileExistsError(f"{self.out}: cannot be put in place; the complete store is {self.path}{older}: {error}") from error
         shutil.rmtree(old, ignore_errors=True)
 
     def __enter__(self):
@@ -167,8 +173,14 @@ class Draft:
 
     def __exit__(self, *_):
         # A complete one that could not be put in its place stays, and the exception names it.
-        if not self.complete:
-            shutil.rmtree(self.path, ignore_errors=True)
+        if not self.complete and self.path.exists():
+            _remove(self.path, self.path.with_suffix(".gone"))
+
+
+def _remove(folder, aside):
+    """Removes a folder into which others may still write: under another name, where they do not find it."""
+    folder.rename(aside)
+    shutil.rmtree(aside, ignore_errors=True)
 
 
 def _create(group, name, shape, dtype, chunks, dims, attrs):
@@ -250,17 +262,40 @@ def record(
 ) -> str:
     """Records a scenario as a Zarr store: into an HDF5 part in the folder `scratch` first (default: beside `out`).
 
-    Ctrl-C leaves a store of the pulses so far, and goes on as KeyboardInterrupt.
+    Ctrl-C, a run that fails, and an exception of `progress` leave a store of the pulses so far and go on as what they
+    are; without any pulse they leave what was there. A part that cannot be converted stays, and `RunError` names it.
     """
-    Draft(out, force)
-    folder = scratch or os.path.dirname(os.path.abspath(out))
+    draft = Draft(out, force)
+    folder = os.path.abspath(scratch or draft.out.parent)
     more = {} if pulses is None else {"pulses": tuple(pulses)}
+    kept = os.path.join(folder, f"{draft.out.stem}.{uuid.uuid4().hex[:8]}.h5")
     with tempfile.TemporaryDirectory(prefix=".nereus-", dir=folder) as folder:
         part = os.path.join(folder, "part.h5")
         try:
             scene.record(part, progress=progress, **more)
-        except KeyboardInterrupt:
-            if os.path.exists(part):
-                convert(part, out, force, chunk_pulses)
+        except BaseException:
+            if _has_pulses(part):
+                _convert_or_keep(part, kept, draft.out, force, chunk_pulses)
             raise
+        return _convert_or_keep(part, kept, draft.out, force, chunk_pulses)
+
+
+def _has_pulses(part):
+    """Whether there is something to lose; of a damaged part, too."""
+    try:
+        with source(part) as rec:
+            return rec.pulses > 0
+    except FileNotFoundError:
+        return False
+    except InputError:
+        return True
+
+
+def _convert_or_keep(part, kept, out, force, chunk_pulses):
+    """Makes a store of a part; where that fails, the part gets a name of its own."""
+    try:
         return convert(part, out, force, chunk_pulses)
+    except BaseException as error:
+        os.rename(part, kept)
+        text = f"{out}: not made: {str(error) or type(error).__name__}; the pulses are in {kept}: nereus.zarr.convert() makes the store of it"
+        raise (RunError if isinstance(error, Exception) else KeyboardInterrupt)(text) from error

@@ -238,6 +238,105 @@ def test_a_store_replaces_nothing_unasked(recorded, tmp_path, monkeypatch):
     same(nereus.open(recorded / "r.h5"), nereus.open(tmp_path / "s.zarr"))
 
 
+class Ends:
+    """A run that leaves a part and raises."""
+
+    def __init__(self, part, error):
+        self.part, self.error = part, error
+
+    def record(self, path, **_):
+        if self.part:
+            shutil.copy(self.part, path)
+        raise self.error
+
+
+@pytest.fixture(scope="module")
+def without_pulses(recorded, tmp_path_factory):
+    path = shutil.copy(recorded / "r.h5", tmp_path_factory.mktemp("empty") / "empty.h5")
+    with h5py.File(path, "r+") as file:
+        columns = []
+        file.visititems(lambda _, item: columns.append(item) if isinstance(item, h5py.Dataset) and item.maxshape[0] is None else None)
+        for column in columns:
+            column.resize(0, axis=0)
+    return path
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), nereus.RunError("disk full"), ZeroDivisionError("of progress")])
+def test_a_run_that_ends_early_leaves_its_pulses_or_what_was_there(recorded, without_pulses, tmp_path, error):
+    out = tmp_path / "s.zarr"
+    shutil.copytree(recorded / "r.zarr", out)
+    before = tree(out)
+    for part in (None, without_pulses):
+        with pytest.raises(type(error)):
+            store.record(Ends(part, error), out, force=True)
+        assert tree(out) == before and os.listdir(tmp_path) == ["s.zarr"]
+    new = tmp_path / "new.zarr"
+    with pytest.raises(type(error)):
+        store.record(Ends(recorded / "r.h5", error), new)
+    same(nereus.open(recorded / "r.h5"), nereus.open(new))
+    assert sorted(os.listdir(tmp_path)) == ["new.zarr", "s.zarr"]
+
+
+@pytest.mark.parametrize("error, raised", [(OSError("no space left"), nereus.RunError), (KeyboardInterrupt(), KeyboardInterrupt)])
+def test_a_part_that_cannot_be_converted_stays(recorded, tmp_path, monkeypatch, error, raised):
+    def full(*_):
+        raise error
+
+    monkeypatch.setattr(store, "write_rows", full)
+    with pytest.raises(raised, match="s.zarr: not made: .*the pulses are in .*/s.*h5") as met:
+        store.record(Ends(recorded / "r.h5", nereus.RunError("ended")), tmp_path / "s.zarr")
+    (kept,) = os.listdir(tmp_path)
+    assert str(tmp_path / kept) in str(met.value)
+    monkeypatch.undo()
+    store.convert(tmp_path / kept, tmp_path / "s.zarr")
+    same(nereus.open(recorded / "r.h5"), nereus.open(tmp_path / "s.zarr"))
+
+
+def test_a_store_that_cannot_be_replaced_stays(recorded, tmp_path, monkeypatch):
+    out, rename = tmp_path / "s.zarr", Path.rename
+    store.convert(recorded / "r.h5", out)
+    before = tree(out)
+
+    def busy(path, target):
+        if path.suffix == ".partial" and Path(target) == out:
+            raise OSError("busy")
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", busy)
+    with pytest.raises(FileExistsError, match="the complete store is .*partial, the older one .*/s.zarr: busy") as met:
+        store.convert(recorded / "r.h5", out, force=True)
+    monkeypatch.undo()
+    assert tree(out) == before
+    complete = str(met.value).split("complete store is ")[1].split(",")[0]
+    assert tree(complete) == before
+    assert sorted(os.listdir(tmp_path)) == sorted([Path(complete).name, "s.zarr"])
+
+    (out / "iq" / "c.1.0.0").unlink()
+    with pytest.raises(FileExistsError, match="damaged: .*; rename or remove it, or give another name"):
+        store.convert(recorded / "r.h5", out, force=True)
+
+
+def test_what_late_writers_hold_up_is_not_in_the_store(recorded, tmp_path, monkeypatch):
+    rmtree = shutil.rmtree
+    monkeypatch.setattr(shutil, "rmtree", lambda path, **more: None if "writing" in Path(path).name else rmtree(path, **more))
+    store.convert(recorded / "r.h5", tmp_path / "s.zarr")
+    assert not (tmp_path / "s.zarr" / store.WRITING).exists()
+
+
+def test_blocks_are_the_chunks_of_the_recording(recorded):
+    with h5py.File(recorded / "r.h5") as file:
+        chunks = {name: file[name].chunks[0] for name in ("iq", "pulse/index")}
+    ds = nereus.open(recorded / "r.h5", chunks={})
+    assert {name: ds[name].chunks[0][0] for name in chunks} == {name: min(n, 444) for name, n in chunks.items()}
+    assert len(ds.iq.chunks[0]) > 1
+    with_store = nereus.open(recorded / "r.zarr", chunks={"channel": 1})
+    assert with_store.iq.chunks[:2] == ((64,) * 6 + (60,), (1,) * ds.sizes["channel"])
+    assert with_store.time.chunks[0] == with_store["truth/delay_s"].chunks[0] == (64,) * 6 + (60,)
+    whole = nereus.open(recorded / "r.h5")
+    for lazily in (ds, with_store):
+        same(whole, lazily)
+
+
 def test_rows_written_twice_are_the_same(recorded, tmp_path):
     once = tmp_path / "once.zarr"
     store.convert(recorded / "r.h5", once, chunk_pulses=64)

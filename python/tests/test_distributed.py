@@ -157,17 +157,48 @@ def test_workers_without_the_package_are_named(tmp_path):
     alone(tmp_path)
 
 
-def test_a_cluster_that_does_not_answer_is_given_up(tmp_path, monkeypatch):
+def test_a_cluster_that_does_not_answer_is_given_up(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(distributed, "LEAST_S", 2.0)
+    with cluster(0) as client:
+        with pytest.raises(distributed.WorkerError, match="no worker answers: 0 connected, .*wait_s"):
+            distributed.record(scenario(), tmp_path / "d.zarr", client, wait_s=1)
+        assert "d.zarr: no worker answers: waiting for one, 1 s at most" in capsys.readouterr().err
     with cluster(1) as client:
         (pid,) = client.run(os.getpid).values()
         os.kill(pid, signal.SIGSTOP)
         try:
             with pytest.raises(distributed.WorkerError, match="no worker answers: 1 connected, 1 given up"):
-                distributed.record(scenario(), tmp_path / "d.zarr", client)
+                distributed.record(scenario(), tmp_path / "d.zarr", client, wait_s=3)
         finally:
             os.kill(pid, signal.SIGKILL)
     alone(tmp_path)
+
+
+def test_a_case_that_ends_its_workers_is_named():
+    def crash(scene):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    with cluster(1) as client:
+        expected = "case {'scene.seed': 7}: 3 workers ended at it.*remedy: fewer workers with more threads, or more memory"
+        with pytest.raises(distributed.WorkerError, match=expected):
+            distributed.sweep(scenario(), {"scene.seed": [7]}, crash, client, progress=False)
+
+
+def test_a_slow_worker_gets_more_time_and_another_job():
+    def slow(scene):
+        time.sleep(1.5)
+        return 1.0
+
+    with cluster(1) as client:
+        found = distributed.sweep(scenario(), {"scene.seed": [7]}, slow, client, timeout_s=0.5, wait_s=20, progress=False)
+    assert found.item() == 1.0
+
+
+def test_long_runs_have_shards_for_workers_that_come_later():
+    assert distributed._shards(2, 8.0, 0.1) == 8
+    assert distributed._shards(2, 8.0, 2.5) == 2
+    assert distributed._shards(1, 86_400.0, 1.4) == 1440
+    assert distributed._shards(1, 86_400.0, 550.0) == 15, "a start is a tenth of a shard"
 
 
 def strongest(scene):
@@ -222,3 +253,21 @@ def test_faults_of_a_sweep_are_named(client):
         distributed.sweep(scene, {"scene.seed": [7]}, lambda scene: 1 / 0, client, progress=False)
     with pytest.raises(nereus.InputError, match="allowed: the same for all"):
         distributed.sweep(quiet, {"scene.duration_s": [1, 2]}, lambda scene: np.zeros(scene.pulse_count), client, progress=False)
+
+
+@pytest.mark.parametrize(
+    "other, what",
+    [
+        (xr.DataArray([[1.0, 2.0], [3.0, 4.0]], {"channel": ["HH", "VV"]}, ["sample", "channel"]), "dimensions .sample, channel."),
+        (xr.DataArray([[1.0, 2.0], [3.0, 4.0]], {"channel": ["VV", "HH"]}, ["channel", "sample"]), "coordinates .channel."),
+        (xr.DataArray([[1.0, 2.0], [3.0, 4.0]], dims=["channel", "sample"]), "coordinates .channel."),
+        (np.zeros((2, 2)), "dimensions .none."),
+    ],
+)
+def test_results_of_a_sweep_are_labelled_alike(other, what):
+    first = xr.DataArray([[1.0, 2.0], [3.0, 4.0]], {"channel": ["HH", "VV"]}, ["channel", "sample"])
+    keys, cases = {"scene.seed": [1, 2]}, [{"scene.seed": 1}, {"scene.seed": 2}]
+    assert distributed._labelled(keys, cases, [first, first]).dims == ("scene.seed", "channel", "sample")
+    for results in ([first, other], [{"a": first}, {"a": other}]):
+        with pytest.raises(nereus.InputError, match=f"case {{'scene.seed': 2}} returned .* of other {what}.*allowed: the same for all"):
+            distributed._labelled(keys, cases, results)
