@@ -84,7 +84,7 @@ def focus(
 
     Args:
         recording: a path, or a dataset of `nereus.open` (its file is read again).
-        nav: which navigation the processor believes.
+        nav: which navigation the processor takes.
         pulses: first and one past the last, instead of all.
         channel: instead of all channels of echoes.
         centre_m: middle of the image, East and North, instead of where the radar looks.

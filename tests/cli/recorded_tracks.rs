@@ -21,8 +21,8 @@ fn gaps_and_turns_of_a_track_are_reported_at_once() {
                 max_gap_s = 10 interpolates them all\n";
     let turn = "the attitude turns by 93.7 deg to the fix at 2020-04-17T05:46:10.000000Z; allowed: 90 deg between fixes; \
                 where it is derived from noisy fixes, track.smoothing (kind = \"rts\") evens them out";
-    let told = check("");
-    assert!(told.contains(gaps) && told.contains(turn), "{told}");
-    let told = check(", max_gap_s = 10");
-    assert!(!told.contains("no fix for") && told.contains(turn), "{told}");
+    let report = check("");
+    assert!(report.contains(gaps) && report.contains(turn), "{report}");
+    let report = check(", max_gap_s = 10");
+    assert!(!report.contains("no fix for") && report.contains(turn), "{report}");
 }

@@ -24,6 +24,14 @@ fn files_that_are_no_scenarios() {
     assert!(!load(&path, &[]).unwrap_err().faults().is_empty());
 }
 
+/// A text whose characters from `at` of its length on, `cut` of them, are replaced.
+pub(super) fn corrupted(text: &str, at: f64, cut: usize, put: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let start = (at * chars.len() as f64) as usize;
+    let end = (start + cut).min(chars.len());
+    chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect()
+}
+
 /// A refused scenario always says why.
 pub(super) fn survives(text: &str) {
     if let Err(error) = parse(text, &in_configs(), &[]) {
@@ -48,12 +56,7 @@ proptest! {
         put in "[a-z0-9_.=\\[\\]{}\"'\\-+#\n ,é]{0,12}",
     ) {
         let text = [COASTAL, CALIBRATION, MONOSTATIC, SPACEBORNE, QUICKSTART][which];
-        let chars: Vec<char> = text.chars().collect();
-        let start = (at * chars.len() as f64) as usize;
-        let end = (start + cut).min(chars.len());
-        let corrupted: String =
-            chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect();
-        survives(&corrupted);
+        survives(&corrupted(text, at, cut, &put));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::refused::survives;
+use super::refused::{corrupted, survives};
 use super::*;
 use crate::scattering::permittivity::Model;
 use crate::scene::radar::{Sweep, Waveform};
@@ -529,12 +529,7 @@ proptest! {
         cut in 0usize..40,
         put in "[a-z0-9_.=\\[\\]{}\"'\\-+#\n ,é]{0,12}",
     ) {
-        let chars: Vec<char> = SEA.chars().collect();
-        let start = (at * chars.len() as f64) as usize;
-        let end = (start + cut).min(chars.len());
-        let corrupted: String =
-            chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect();
-        survives(&corrupted);
+        survives(&corrupted(SEA, at, cut, &put));
     }
 
     #[test]
