@@ -33,7 +33,7 @@ def measured(work):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("scenario", nargs="?", default="configs/mars-1.toml")
-    parser.add_argument("--duration-s", type=float, default=40.0)
+    parser.add_argument("--duration-s", type=float, default=160.0)
     parser.add_argument("--workers", type=int, default=2)
     args = parser.parse_args()
     scene = nereus.Scenario(args.scenario).set({"scene.duration_s": args.duration_s})

@@ -41,8 +41,9 @@ if TYPE_CHECKING:
 
     from .scenario import Scenario
 
-#: Pulses that are tried to measure the price of one.
-TRIAL = 32
+#: Pulses that are tried to measure the price of one, unless they take longer than TRIAL_S: several blocks of
+#: a fast scenario.
+TRIAL, TRIAL_S = 256, 10.0
 #: A shard that takes this many times what was measured, and this many seconds, is given up.
 SLACK, LEAST_S = 10.0, 60.0
 #: The trial is given up after this time.
@@ -184,33 +185,45 @@ def _owned(blob):
 
 
 @contextmanager
-def _part(scene, first, last):
-    """A recorded part of the run."""
+def _part(scene, first, last, progress=False):
+    """A recorded part of the run, and what its run reports; none where `progress` has ended it by `_Enough`."""
     from distributed import get_worker
 
     with tempfile.TemporaryDirectory(prefix="nereus-", dir=get_worker().local_directory) as folder:
-        path = os.path.join(folder, "part.h5")
-        scene.record(path, pulses=(first, last), progress=False)
+        path, report = os.path.join(folder, "part.h5"), None
+        try:
+            report = scene.record(path, pulses=(first, last), progress=progress)
+        except _Enough:
+            pass
         with source(path) as rec:
-            yield rec
+            yield rec, report
+
+
+class _Enough(Exception):
+    """The trial has taken its time."""
 
 
 def _try(blob, pulses):
     """The outline of the recording, seconds to start, seconds a pulse."""
-    begun = time.monotonic()
-    with _part(pickle.loads(blob), 0, 1) as rec:
-        outline = Outline.of(rec)
-    started = time.monotonic()
-    with _part(_owned(blob), 0, pulses):
-        pass
-    start_s, trial_s = started - begun, time.monotonic() - started
-    # The trial starts as the single pulse does: what it took more is its pulses'.
-    return outline, min(start_s, trial_s), max(trial_s - start_s, 0.1 * trial_s) / pulses
+    times = [time.monotonic()]
+
+    def enough(passed, *_):
+        if passed:
+            times.append(time.monotonic())
+        if passed and times[-1] - times[0] > TRIAL_S:
+            raise _Enough
+
+    with _part(_owned(blob), 0, pulses, enough) as (rec, report):
+        taken = time.monotonic() - times[0]
+        if report:
+            return Outline.of(rec), taken - report["elapsed_s"], report["elapsed_s"] / pulses
+        # Whoever ends it does not say what starting took: less than until the first pulses were made.
+        return Outline.of(rec), times[1] - times[0], taken / rec.pulses
 
 
 def _make(blob, outline, store, first, last):
     """Writes a shard into the store; returns its changes of reports."""
-    with _part(_owned(blob), first, last) as rec:
+    with _part(_owned(blob), first, last) as (rec, _):
         difference = outline.difference(Outline.of(rec))
         if difference:
             raise WorkerError(f"pulses {first}..{last} are of another recording: {difference} differ; allowed: the same nereus and the same files on all workers")
