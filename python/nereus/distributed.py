@@ -110,7 +110,7 @@ def record(
         farm = _Farm(client, timeout_s, wait_s, progress, os.path.basename(path))
         trial = min(TRIAL, total)
         outline, start_s, pulse_s = farm.run([_Job("the trial", "_try", (blob, trial), None)])[0]
-        outline = replace(outline, attrs={**outline.attrs, "first_pulse": 0, "pulses": total})
+        outline = replace(outline, attrs={**outline.attrs, "config": scene.text, "first_pulse": 0, "pulses": total})
         chunk = chunk_pulses or chunk_length(total, outline.row_bytes())
         workers = farm.size()
         ranges = _ranges(total, chunk, shards or _shards(workers, total * pulse_s, start_s))

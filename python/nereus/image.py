@@ -83,7 +83,8 @@ def focus(
     """Makes an image of a recording, as `nereus focus` does.
 
     Args:
-        recording: a path, or a dataset of `nereus.open` (its file is read again).
+        recording: a path, or a dataset of `nereus.open`, whose file is read again: of it the pulses and channels that
+            the dataset has.
         nav: which navigation the processor takes.
         pulses: first and one past the last, instead of all.
         channel: instead of all channels of echoes.
@@ -96,12 +97,16 @@ def focus(
 
     if nav not in ("true", "reported"):
         raise InputError(f'nav: {nav!r}; allowed: "true", "reported"')
+    path = _path(recording)
+    if getattr(recording, "encoding", None):
+        selected = _selected(recording, path)
+        pulses, channel = pulses or selected[0], channel or selected[1]
     if pulses is not None:
         options["pulses"] = f"{pulses[0]}..{pulses[1]}"
     options.update(nav=nav, channel=channel, centre_m=centre_m, size_m=size_m, pixel_m=pixel_m)
     with tempfile.TemporaryDirectory(prefix="nereus-") as folder:
         out = os.path.join(folder, "image.h5")
-        words = ["focus", _path(recording), "--json", f"--out={out}", *_words(options)]
+        words = ["focus", path, "--json", f"--out={out}", *_words(options)]
         report = json.loads(bytes(_nereus.command(words)))
         report.pop("out", None)
         with h5py.File(out) as file:
@@ -110,10 +115,30 @@ def focus(
 
 
 def _path(recording: Any) -> str:
-    if isinstance(recording, (str, os.PathLike)):
-        return os.fspath(recording)
-    source = getattr(recording, "encoding", {}).get("source")
+    source = recording
+    if not isinstance(recording, (str, os.PathLike)):
+        source = getattr(recording, "encoding", {}).get("source")
     if not source:
         what = type(recording).__name__
         raise InputError(f"a recording of {what}; allowed: a path, or a dataset of nereus.open")
-    return os.fspath(source)
+    path = os.fspath(source)
+    if os.path.exists(os.path.join(path, "zarr.json")):
+        raise InputError(f"{path}: focus reads no Zarr store; remedy: record an HDF5 file or a folder")
+    return path
+
+
+def _selected(recording: Any, path: str) -> tuple[tuple[int, int] | None, list[str] | None]:
+    """Pulses, first and one past the last, and channels of a dataset, where it has not all that its file has."""
+    from . import dataset
+
+    with dataset.open(path) as whole:
+        wanted, recorded = (np.atleast_1d(ds.pulse.values).astype(np.int64) for ds in (recording, whole))
+        channels, names = (np.atleast_1d(ds.channel.values).astype(str).tolist() for ds in (recording, whole))
+    pulses = None
+    if not np.array_equal(wanted, recorded):
+        if wanted.size == 0 or not np.array_equal(wanted, recorded[np.searchsorted(recorded, wanted[0]) :][: wanted.size]):
+            raise InputError(
+                f"{path}: {wanted.size} pulses selected; allowed: all that are recorded from one pulse to another, at least one"
+            )
+        pulses = int(wanted[0]), int(wanted[-1]) + 1
+    return pulses, None if channels == names else channels

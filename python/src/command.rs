@@ -9,7 +9,7 @@ use nereus::cli::{Arguments, Command, execute, status};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::fault::{self, InputError, detached, guarded};
+use crate::fault::{self, InputError, detached, guarded, interruptible};
 
 /// Runs the program with these arguments and returns its exit code: `python -m nereus`.
 #[pyfunction]
@@ -36,7 +36,7 @@ pub(crate) fn command<'py>(
     if let Command::Bench(of) = &mut parsed.command {
         of.measured.scenario.text = text;
     }
-    let out = detached(py, fault::command, || {
+    let out = interruptible(py, fault::command, move || {
         let mut out = Vec::new();
         execute(&parsed, begun, &mut out).map(|()| out)
     })?;

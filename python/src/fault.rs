@@ -2,6 +2,8 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread;
+use std::time::Duration;
 
 use nereus::ScenarioError as Fault;
 use nereus::cli::CliError;
@@ -32,6 +34,21 @@ pub(crate) fn detached<T: Send, E: Send>(
         Ok(done) => done.map_err(raise),
         Err(panic) => Err(internal(panic)),
     }
+}
+
+/// The same in a thread of its own, so that Ctrl-C is an exception at once. The work goes on unseen to its end: it has
+/// nothing that could stop it.
+pub(crate) fn interruptible<T: Send + 'static, E: Send + 'static>(
+    py: Python<'_>,
+    raise: impl FnOnce(E) -> PyErr,
+    work: impl FnOnce() -> Result<T, E> + Send + 'static,
+) -> PyResult<T> {
+    let thread = thread::Builder::new().name("command".to_owned()).spawn(work).map_err(internal)?;
+    while !thread.is_finished() {
+        py.check_signals()?;
+        py.detach(|| thread::sleep(Duration::from_millis(5)));
+    }
+    thread.join().map_err(|panic| internal(said(panic.as_ref())))?.map_err(raise)
 }
 
 fn said(panic: &(dyn Any + Send)) -> String {

@@ -1,5 +1,7 @@
 """Tables, the sea, benchmarks, images, the receiver."""
 
+import os
+import signal
 import threading
 import time
 
@@ -40,6 +42,15 @@ def test_bench_measures(scene):
     assert report["pulses"] == 20 and report["pulses_per_s"] > 0 and report["rel_rms_db"] < -40
 
 
+def test_ctrl_c_ends_a_command():
+    timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        nereus.bench(nereus.Scenario(ROOT / "configs/mars-1.toml"))
+    assert time.monotonic() - begun < 1.5
+
+
 def test_focus_finds_the_target(tmp_path, scene):
     pytest.importorskip("h5py")
     scene.set({"target.0.rcs_m2": 1e5}).record(tmp_path / "flight.h5", progress=False)
@@ -51,6 +62,26 @@ def test_focus_finds_the_target(tmp_path, scene):
     assert image.report["nav"] == "reported"
     with pytest.raises(nereus.InputError, match="allowed: a path, or a dataset"):
         nereus.focus(3)
+
+
+def test_focus_takes_what_a_dataset_selects(tmp_path, scene):
+    pytest.importorskip("xarray")
+    path = tmp_path / "flight.h5"
+    scene.record(path, pulses=(0, 30), progress=False)
+    options = {"centre_m": (1000.0, 0.0), "size_m": 32.0}
+    with nereus.open(path) as flight:
+        part = flight.sel(channel="HH").isel(pulse=slice(10, 20))
+        image, same = nereus.focus(part, **options), nereus.focus(path, pulses=(10, 20), channel="HH", **options)
+        assert image.channels == ["HH"] and image.report["pulses"] == same.report["pulses"]
+        assert np.array_equal(image.values, same.values)
+        assert np.array_equal(nereus.focus(flight, **options).values, nereus.focus(path, **options).values)
+        for thinned in (flight.isel(pulse=slice(None, None, 2)), flight.isel(pulse=slice(0, 0))):
+            with pytest.raises(nereus.InputError, match="all that are recorded from one pulse to another"):
+                nereus.focus(thinned, **options)
+    pytest.importorskip("zarr")
+    scene.record(tmp_path / "flight.zarr", pulses=(0, 3), progress=False)
+    with pytest.raises(nereus.InputError, match="remedy: record an HDF5 file"):
+        nereus.focus(tmp_path / "flight.zarr", **options)
 
 
 def test_pictures(tmp_path, scene):
