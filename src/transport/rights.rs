@@ -45,10 +45,10 @@ pub(super) fn lock_memory() -> Right {
 }
 
 /// Priority of 1 to 99 among threads that run ahead of ordinary ones.
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 const AHEAD: u8 = 50;
 
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 fn fifo() -> Result<(), String> {
     use thread_priority::{
         RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
@@ -60,7 +60,7 @@ fn fifo() -> Result<(), String> {
         .map_err(|error| error.to_string())
 }
 
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 fn affine(core: usize) -> Result<(), String> {
     use nix::sched::{CpuSet, sched_setaffinity};
     use nix::unistd::Pid;
@@ -71,27 +71,27 @@ fn affine(core: usize) -> Result<(), String> {
     sched_setaffinity(Pid::from_raw(0), &cores).map_err(|error| format!("core {core}: {error}"))
 }
 
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 fn locked() -> Result<(), String> {
     use nix::sys::mman::{MlockAllFlags, mlockall};
     // Not what comes later: beyond a limit, taking memory would fail then.
     mlockall(MlockAllFlags::MCL_CURRENT).map_err(|error| error.to_string())
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", not(miri))))]
 const ELSEWHERE: &str = "not asked on this system";
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", not(miri))))]
 fn fifo() -> Result<(), String> {
     Err(ELSEWHERE.to_owned())
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", not(miri))))]
 fn affine(_: usize) -> Result<(), String> {
     Err(ELSEWHERE.to_owned())
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", not(miri))))]
 fn locked() -> Result<(), String> {
     Err(ELSEWHERE.to_owned())
 }
