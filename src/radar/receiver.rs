@@ -280,11 +280,11 @@ impl Receiver {
     }
 
     /// The transmitted pulse after the receive filter, `q(i/fs)` with `Q(f) = P(f) H(f)`, unit amplitude, for
-    /// every sample of the pulse: `i = 0 .. ceil(Tc fs)`.
+    /// every sample of the pulse: `i = 0 .. ceil(Tc fs) - 1`.
     ///
     /// Entry 0 is the start of the pulse (no lead), so `sum_i s[j + i] conj(replica[i])` peaks at the `j` of
     /// the scatterer path's delay, where it is `a e^{-j 2 pi f0 tau} sum |replica|^2`. What the filter rings
-    /// before and after the pulse is cut on both sides, so the peak stays where it is (within 1e-2 sample for
+    /// before and after the pulse is cut on both sides, so the peak stays where it is (within 1.5e-2 sample for
     /// a short chirp).
     pub fn replica(&self, waveform: &dyn Waveform) -> Vec<Complex32> {
         let fs = self.sample_rate_hz;
