@@ -106,7 +106,7 @@ pub enum Pace {
 /// What happens when generation cannot keep up in real time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
-    /// End with an error that names the stage that is short.
+    /// End with an error that names the stage that cannot keep up.
     Stop,
     /// Lossless: time stretches, late pulses are flagged and counted.
     Slip,

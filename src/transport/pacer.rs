@@ -74,12 +74,12 @@ const STATUS_EVERY: Duration = Duration::from_millis(100);
 pub enum PacerError {
     /// Policy `stop`: a pulse was not made in time.
     #[error(
-        "{stage} is short: {:.1} ms after its deadline pulse {index} is not made yet; {}. Allowed: {}, a lighter \
+        "{stage} cannot keep up: {:.1} ms after its deadline pulse {index} is not made yet; {}. Allowed: {}, a lighter \
          scene, policy = \"slip\" or \"drop\", or --pace fast",
         late_by_s * 1e3, so_far(*made_hz, *needed_hz), latency.more()
     )]
     Underrun {
-        /// The stage that is short.
+        /// The stage that cannot keep up.
         stage: &'static str,
         /// The pulse that was missing.
         index: u64,
@@ -557,8 +557,8 @@ pub(super) mod tests {
             needed_hz: 222.0,
             latency: InHand { latency_s, batch_s: 74.0 / 222.0 },
         };
-        insta::assert_snapshot!(error(812, 111.0, 0.5), @r#"echo generation is short: 5.1 ms after its deadline pulse 812 is not made yet; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_ms, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
-        insta::assert_snapshot!(error(0, 0.0, 0.0015), @r#"echo generation is short: 5.1 ms after its deadline pulse 0 is not made yet; no other is, either. Allowed: stream.latency_ms = 334 or more (it is 1.5; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip" or "drop", or --pace fast"#);
+        insta::assert_snapshot!(error(812, 111.0, 0.5), @r#"echo generation cannot keep up: 5.1 ms after its deadline pulse 812 is not made yet; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_ms, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
+        insta::assert_snapshot!(error(0, 0.0, 0.0015), @r#"echo generation cannot keep up: 5.1 ms after its deadline pulse 0 is not made yet; no other is, either. Allowed: stream.latency_ms = 334 or more (it is 1.5; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip" or "drop", or --pace fast"#);
     }
 
     #[test]

@@ -83,7 +83,7 @@ fn stop_names_the_stage_that_is_short() {
         panic!("{:?}", outcome.result)
     };
     println!("{error}");
-    assert!(error.to_string().starts_with("echo generation is short: "), "{error}");
+    assert!(error.to_string().starts_with("echo generation cannot keep up: "), "{error}");
     assert!(error.to_string().contains(&format!("pulse {index} is not made yet; ")), "{error}");
     // A latency of 20 pulses at half the rate runs dry after about 40; made_hz cannot exceed the rate
     // at which generation sleeps.
