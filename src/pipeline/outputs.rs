@@ -8,6 +8,7 @@ use crate::config::Run;
 use crate::motion::changes::Changes;
 use crate::pipeline::fault::PulseError;
 use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
+use crate::recording::instrument::Instrument;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
@@ -88,6 +89,7 @@ pub(super) fn header(
         seed: scene.seed,
         config: run.text.clone(),
         replica: factory.replica(),
+        instrument: Some(Instrument::of(scene)),
         platforms: scene.platforms.clone(),
         transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),

@@ -28,6 +28,7 @@ mod polarisation_check;
 mod program;
 mod python_tools;
 mod receive;
+mod received_image;
 mod recorded_tracks;
 mod running;
 mod sea;

@@ -19,6 +19,7 @@ mod wire;
 mod wire_fixture;
 mod wire_forged;
 mod wire_hostile;
+mod wire_radar;
 mod wire_receive;
 mod wire_recordings;
 mod wire_tshark;
