@@ -116,7 +116,7 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         #[cfg(not(feature = "hdf5"))]
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
-        Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
+        Kind::Vita49(settings) => sinks::vita49::open(settings, header)?,
         Kind::Nav(settings) => {
             let encoder = navigation::encoder(&settings.messages, header).ok_or(SinkError::NoOrigin)?;
             Box::new(sinks::nav::NavSink::open(settings, encoder, header)?)

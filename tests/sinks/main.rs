@@ -16,6 +16,7 @@ mod recording_replaced;
 mod recording_rule;
 mod recording_verify;
 mod wire;
+mod wire_difi;
 mod wire_fixture;
 mod wire_forged;
 mod wire_hostile;

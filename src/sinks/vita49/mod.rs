@@ -57,13 +57,14 @@
 //! ```
 
 mod datagram;
+pub mod difi;
 mod link;
 mod report;
 mod packets;
 mod radar;
 mod stamp;
 
-use crate::pulse::{Pulse, SampleFormat, Samples, flags};
+use crate::pulse::{Layout, Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
 use super::sink::{Closed, Sink, SinkError, SinkReport};
@@ -92,12 +93,35 @@ pub struct Settings {
     pub bind: Option<String>,
     /// Greatest IP packet, bytes.
     pub mtu_bytes: usize,
+    /// Which packets.
+    pub profile: Profile,
+}
+
+/// Which packets are sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Profile {
+    /// All of `docs/wire.md`: samples, states, descriptions.
+    #[default]
+    Nereus,
+    /// Those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel.
+    Difi,
+}
+
+/// A sink of a profile.
+///
+/// # Errors
+/// Those of [`Vita49Sink::open`] and [`difi::DifiSink::open`].
+pub fn open(settings: &Settings, header: &Header) -> Result<Box<dyn Sink>, SinkError> {
+    Ok(match settings.profile {
+        Profile::Nereus => Box::new(Vita49Sink::open(settings, header)?),
+        Profile::Difi => Box::new(difi::DifiSink::open(settings, header)?),
+    })
 }
 
 impl Default for Settings {
     /// The standard's port on this machine, Ethernet's MTU.
     fn default() -> Self {
-        Self { address: "127.0.0.1:4991".to_owned(), bind: None, mtu_bytes: 1500 }
+        Self { address: "127.0.0.1:4991".to_owned(), bind: None, mtu_bytes: 1500, profile: Profile::Nereus }
     }
 }
 
@@ -153,7 +177,7 @@ struct Replica {
     samples: usize,
     /// Samples in a piece.
     piece: usize,
-    /// First sample that this second has not sent.
+    /// First sample that this round has not sent.
     next: usize,
     /// Samples that a pulse after the first sends.
     per_pulse: usize,
@@ -304,26 +328,25 @@ impl Vita49Sink {
             }
         }
     }
+}
 
-    /// Whether a pulse has the sizes announced.
-    fn check(&self, pulse: &Pulse) -> Result<(), RecordingError> {
-        let layout = &self.header.layout;
-        let samples = match (&pulse.samples, layout.format) {
-            (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
-            (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
-            _ => 0,
-        };
-        for (column, found, expected) in [
-            ("iq", samples, layout.channels * layout.samples),
-            ("nav", pulse.nav_reported.len(), layout.platforms),
-        ] {
-            if found != expected {
-                let column = column.to_owned();
-                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
-            }
+/// Whether a pulse has the sizes announced.
+fn check_pulse(pulse: &Pulse, layout: &Layout) -> Result<(), RecordingError> {
+    let samples = match (&pulse.samples, layout.format) {
+        (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
+        (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
+        _ => 0,
+    };
+    for (column, found, expected) in [
+        ("iq", samples, layout.channels * layout.samples),
+        ("nav", pulse.nav_reported.len(), layout.platforms),
+    ] {
+        if found != expected {
+            let column = column.to_owned();
+            return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
         }
-        Ok(())
     }
+    Ok(())
 }
 
 impl Sink for Vita49Sink {
@@ -336,13 +359,16 @@ impl Sink for Vita49Sink {
     }
 
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
-        self.check(pulse)?;
+        check_pulse(pulse, &self.header.layout)?;
         let emission = Stamp::new(pulse.time, Span::default(), Span::default());
         let first = self.due.is_none();
         if self.due.is_none_or(|due| pulse.time >= due) {
             self.describe_run(emission, first);
             self.due = Some(pulse.time.plus(DESCRIBE_S));
-            self.replica.next = 0;
+            // What drops of pulses have left of the last round comes first.
+            if self.replica.next >= self.replica.samples {
+                self.replica.next = 0;
+            }
         }
         self.send_replica(emission, first);
         self.send_states(pulse, emission);
