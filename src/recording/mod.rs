@@ -46,7 +46,10 @@ pub mod path_file;
 pub mod plain;
 mod rows;
 #[doc(hidden)]
+pub mod sha512;
+#[doc(hidden)]
 pub mod shard;
+pub mod sigmf;
 #[doc(hidden)]
 pub mod snapshot_file;
 mod source;

@@ -14,6 +14,7 @@ mod recording_outputs;
 mod recording_plain;
 mod recording_replaced;
 mod recording_rule;
+mod recording_sigmf;
 mod recording_verify;
 mod wire;
 mod wire_difi;
