@@ -21,6 +21,8 @@
 #[doc(hidden)]
 pub mod columns;
 #[doc(hidden)]
+pub mod crsd;
+#[doc(hidden)]
 pub mod descriptions;
 mod fault;
 #[doc(hidden)]
