@@ -44,7 +44,7 @@ pub use check::{CheckArgs, assess};
 pub use error::CliError;
 pub use examine::error::ExamineError;
 pub use examine::{ExamineArgs, called_by};
-pub use export::{ExportArgs, ExportCommand, ExportCrsdArgs};
+pub use export::{ExportArgs, ExportCommand, ExportCrsdArgs, ExportSigmfArgs};
 pub use focus::error::FocusError;
 pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
 pub use merge::MergeArgs;
