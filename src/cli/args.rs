@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use super::bench::BenchArgs;
 use super::check::CheckArgs;
 use super::examine::ExamineArgs;
+use super::export::ExportArgs;
 use super::focus::FocusArgs;
 use super::merge::MergeArgs;
 use super::nav::NavArgs;
@@ -52,6 +53,8 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
+    /// Turn a recording into a format of others: CRSD 1.0
+    Export(ExportArgs),
     /// Read all of a recording and say whether it is whole: exit 0 if so, 1 if not
     Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection

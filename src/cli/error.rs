@@ -20,6 +20,7 @@ use crate::pipeline::fault::BuildErrors;
 use crate::radar::pattern::PatternError;
 use crate::receive::ReceiveError;
 use crate::recording::RecordingError;
+use crate::recording::crsd::ExportError;
 #[cfg(feature = "hdf5")]
 use crate::recording::merge::MergeError;
 use crate::recording::shard::Shard;
@@ -113,6 +114,9 @@ pub enum CliError {
         /// Faults found.
         faults: u64,
     },
+    /// A recording that cannot be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// No statistics of speckle.
     #[error(transparent)]
     Speckle(#[from] SpeckleError),
@@ -149,6 +153,13 @@ impl CliError {
             Self::Focus(error) => error.exit_code(),
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
+            Self::Export(error) => {
+                if error.is_wrong_input() {
+                    2
+                } else {
+                    1
+                }
+            }
             Self::NotWhole { .. } | Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
             #[cfg(not(feature = "hdf5"))]
             Self::MergeNeedsHdf5 => 2,

@@ -9,6 +9,7 @@ mod check;
 mod error;
 mod escape;
 mod examine;
+mod export;
 mod focus;
 mod json;
 mod merge;
@@ -43,6 +44,7 @@ pub use check::{CheckArgs, assess};
 pub use error::CliError;
 pub use examine::error::ExamineError;
 pub use examine::{ExamineArgs, called_by};
+pub use export::{ExportArgs, ExportCommand, ExportCrsdArgs, ExportSigmfArgs};
 pub use focus::error::FocusError;
 pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
 pub use merge::MergeArgs;
@@ -140,6 +142,7 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Export(args) => export::export(args, out),
         Command::Verify(args) => verify::verify(args, out),
         Command::Focus(args) => focus::focus(args, out),
         Command::Speckle(args) => speckle::speckle(args, out),

@@ -8,6 +8,7 @@ use crate::config::Run;
 use crate::motion::changes::Changes;
 use crate::pipeline::fault::PulseError;
 use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
+use crate::recording::instrument::Instrument;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
@@ -88,6 +89,7 @@ pub(super) fn header(
         seed: scene.seed,
         config: run.text.clone(),
         replica: factory.replica(),
+        instrument: Some(Instrument::of(scene)),
         platforms: scene.platforms.clone(),
         transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
@@ -114,7 +116,7 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         #[cfg(not(feature = "hdf5"))]
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
-        Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
+        Kind::Vita49(settings) => sinks::vita49::open(settings, header)?,
         Kind::Nav(settings) => {
             let encoder = navigation::encoder(&settings.messages, header).ok_or(SinkError::NoOrigin)?;
             Box::new(sinks::nav::NavSink::open(settings, encoder, header)?)

@@ -62,6 +62,14 @@ pub enum SinkError {
         /// What was asked.
         mtu_bytes: usize,
     },
+    /// What cannot be sent as DIFI.
+    #[error("profile = \"difi\": {found}; allowed: {allowed}, or profile = \"nereus\" (docs/wire.md)")]
+    Difi {
+        /// What there is.
+        found: String,
+        /// What there may be.
+        allowed: String,
+    },
     /// Built without HDF5.
     #[error("{path}: this build has no HDF5 (feature hdf5); use kind = \"plain\"")]
     NoHdf5 {

@@ -6,6 +6,8 @@ mod bench;
 mod control;
 mod examples;
 #[cfg(unix)]
+mod export_sigmf;
+#[cfg(unix)]
 mod files;
 mod focus;
 #[cfg(unix)]
@@ -28,6 +30,7 @@ mod polarisation_check;
 mod program;
 mod python_tools;
 mod receive;
+mod received_image;
 mod recorded_tracks;
 mod running;
 mod sea;

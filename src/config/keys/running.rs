@@ -29,6 +29,7 @@ tables! {
         ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
         BIND "bind", Kind::Address, Means("any free port"), "vita49: local address and port to send from.";
         MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
+        PROFILE "profile", Choice(&["nereus", "difi"]), Word("nereus"), "vita49: all packets of docs/wire.md, or those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel. difi needs radar.adc.";
         DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, tcp://ADDRESS:PORT (somebody who listens there), or udp://ADDRESS:PORT.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits a second.";
         PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";

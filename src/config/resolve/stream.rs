@@ -10,6 +10,7 @@ use crate::echo::synth::doppler::Doppler;
 use crate::echo::{Asked, Fidelity};
 use crate::scene::Radar;
 use crate::sinks;
+use crate::sinks::vita49::Profile;
 use crate::transport::{self, Pace, Policy};
 
 /// Memory of the ring between generation and release.
@@ -165,7 +166,7 @@ fn sink(
     default_queue: Option<u64>,
     taken: &mut Vec<PathBuf>,
 ) -> Option<sinks::Settings> {
-    use keys::sink::{ADDRESS, BIND, KIND, MTU_BYTES, PATH, QUEUE_PULSES as QUEUE, SEGMENT_S};
+    use keys::sink::{ADDRESS, BIND, KIND, MTU_BYTES, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S};
     let kind = match section.choice(&KIND) {
         Some("hdf5") => {
             let has_segments = section.has(&SEGMENT_S);
@@ -179,9 +180,11 @@ fn sink(
             let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));
             let bind = section.address(&BIND);
             let fine = bind.is_some() || !section.has(&BIND);
+            let profile = section.choice(&PROFILE);
             address.zip(mtu_bytes).filter(|_| fine).and_then(|(address, mtu_bytes)| {
                 let mtu_bytes = usize::try_from(mtu_bytes).ok()?;
-                Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes }))
+                let profile = if profile? == "difi" { Profile::Difi } else { Profile::Nereus };
+                Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes, profile }))
             })
         }
         Some(_) => Some(sinks::Kind::Null),

@@ -49,6 +49,7 @@ pub(super) fn meta(header: &Header, list: &[Column]) -> Value {
         "start_time_frac_ns": start_frac_ns,
         "shard": header.shard.map(|shard| shard.to_string()),
         "truth": header.truth,
+        "instrument": header.instrument,
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,
         "descriptions": others,
@@ -127,6 +128,10 @@ fn header(meta: &Value) -> Option<Header> {
             shard => Some(shard.as_str()?.parse().ok()?),
         },
         truth: meta["truth"].as_bool().unwrap_or(true),
+        instrument: match &meta["instrument"] {
+            Value::Null => None,
+            instrument => Some(read(instrument)?),
+        },
         ..Header::default()
     };
     for (name, field) in header.fields() {
