@@ -37,6 +37,8 @@ pub mod packet;
 pub mod parts;
 mod recording;
 pub mod report;
+#[cfg(feature = "shm")]
+pub mod shm;
 mod roster;
 mod track;
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::fault::RecordingError;
 use super::shard::Shard;
 use crate::pulse::log::Log;
-use crate::pulse::{Layout, SampleFormat};
+use crate::pulse::{Layout, Pulse, SampleFormat, Samples};
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 
@@ -291,6 +291,29 @@ impl Header {
         if samples > MOST_SAMPLES || channels.checked_mul(samples).is_none_or(|all| all > MOST_IN_ALL) {
             let found = format!("{channels} channels of {samples} samples");
             return refuse("layout", found, "at most 2^24 samples a channel and 2^32 in all channels");
+        }
+        Ok(())
+    }
+
+    /// Whether a pulse has the samples and the states announced here.
+    ///
+    /// # Errors
+    /// The first that has another size.
+    pub(crate) fn check_pulse(&self, pulse: &Pulse) -> Result<(), RecordingError> {
+        let layout = &self.layout;
+        let samples = match (&pulse.samples, layout.format) {
+            (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
+            (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
+            _ => 0,
+        };
+        for (column, found, expected) in [
+            ("iq", samples, layout.channels * layout.samples),
+            ("nav", pulse.nav_reported.len(), layout.platforms),
+        ] {
+            if found != expected {
+                let column = column.to_owned();
+                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
+            }
         }
         Ok(())
     }

@@ -15,6 +15,8 @@ mod recording_plain;
 mod recording_replaced;
 mod recording_rule;
 mod recording_verify;
+#[cfg(all(feature = "shm", target_os = "linux"))]
+mod shm;
 mod wire;
 mod wire_fixture;
 mod wire_forged;
@@ -22,6 +24,7 @@ mod wire_hostile;
 mod wire_receive;
 mod wire_recordings;
 mod wire_tshark;
+mod zmq;
 
 #[cfg(feature = "hdf5")]
 mod recording_breakdowns;
