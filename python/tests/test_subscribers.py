@@ -250,6 +250,30 @@ def test_a_port_in_use_is_reported_before_anything_is_made(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("kind", ["zmq", "shm"])
+def test_the_manual_runs(tmp_path, kind):
+    blocks = [rest.split("```")[0] for rest in (ROOT / "docs/formats.md").read_text().split("```py\n")[1:]]
+    (block,) = [block for block in blocks if kind in block]
+    if kind == "zmq":
+        pytest.importorskip("zmq")
+        port = ports(1)
+        block = block.replace("5555", str(port))
+        sink = {"kind": "zmq", "bind": f"127.0.0.1:{port}", "messages": "multipart"}
+    else:
+        needs_shm()
+        block = block.replace('"nereus"', f'"manual-{os.getpid()}"')
+        sink = {"kind": "shm", "service": f"manual-{os.getpid()}"}
+    reads = begin([sys.executable, "-c", block])
+    try:
+        time.sleep(0.3)
+        report(begin(run_words([sink], 1.0)))
+        out, err = reads.communicate(timeout=60)
+    finally:
+        reads.kill()
+    assert reads.returncode == 0, err
+    assert "(2, 64)" in out
+
+
 def test_nobody_publishes():
     pytest.importorskip("iceoryx2")
     import nereus.shm
