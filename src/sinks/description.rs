@@ -6,7 +6,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
@@ -76,7 +76,27 @@ struct PulseText<'a> {
     sample_format: &'static str,
     adc_step: Option<f64>,
     source: u64,
-    platforms: Vec<PlatformText<'a>>,
+    platforms: States<'a>,
+}
+
+/// What every platform reports.
+#[derive(Debug)]
+struct States<'a> {
+    names: &'a [String],
+    records: &'a [PlatformRecord],
+}
+
+impl Serialize for States<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.names.iter().zip(self.records).map(|(name, record)| PlatformText {
+            name,
+            position_m: record.position_m,
+            velocity_mps: record.velocity_mps,
+            attitude_quat: record.attitude_quat,
+            age_s: record.age_s,
+            flags: record.flags,
+        }))
+    }
 }
 
 /// What a platform reports.
@@ -90,17 +110,9 @@ struct PlatformText<'a> {
     flags: u32,
 }
 
-/// Appends the text of a pulse, the `sequence`-th that was published.
+/// Appends the text of a pulse, the `sequence`-th that was published. Allocates only to grow `out`.
 pub fn write_pulse(out: &mut Vec<u8>, header: &Header, source: u64, pulse: &Pulse, sequence: u64) {
     let (time_ns, time_frac_ns) = pulse.time.to_unix_ns();
-    let platform = |name, record: &PlatformRecord| PlatformText {
-        name,
-        position_m: record.position_m,
-        velocity_mps: record.velocity_mps,
-        attitude_quat: record.attitude_quat,
-        age_s: record.age_s,
-        flags: record.flags,
-    };
     let text = PulseText {
         sequence,
         index: pulse.index,
@@ -114,12 +126,7 @@ pub fn write_pulse(out: &mut Vec<u8>, header: &Header, source: u64, pulse: &Puls
         sample_format: format_name(header.layout.format),
         adc_step: header.adc.map(|adc| adc.step),
         source,
-        platforms: header
-            .platforms
-            .iter()
-            .zip(&pulse.nav_reported)
-            .map(|(name, record)| platform(name, record))
-            .collect(),
+        platforms: States { names: &header.platforms, records: &pulse.nav_reported },
     };
     // Numbers and texts into memory: nothing of it can fail.
     let _ = serde_json::to_writer(out, &text);

@@ -115,6 +115,8 @@ pub struct ZmqSink {
     header: Header,
     messages: Messages,
     source: u64,
+    /// Description of the run.
+    run: String,
     sockets: Vec<Publisher>,
     /// Messages that were published: those that nobody holds any more are used again.
     spare: VecDeque<Arc<Message>>,
@@ -143,10 +145,12 @@ impl ZmqSink {
             .collect::<Result<_, _>>()?;
         // What waits for the slowest of them, and the pulse that is being made.
         let most = (settings.buffer_pulses + 2) * sockets.len();
+        let source = description::source();
         Ok(Self {
             header: header.clone(),
             messages: settings.messages,
-            source: description::source(),
+            source,
+            run: description::of_run(header, source).to_string(),
             sockets,
             spare: VecDeque::with_capacity(most),
             most,
@@ -180,8 +184,7 @@ impl ZmqSink {
     }
 
     /// Publishes topic and text on the first socket.
-    fn send_text(&mut self, topic: &str, text: &serde_json::Value) {
-        let text = text.to_string();
+    fn send_text(&mut self, topic: &str, text: &str) {
         let message = self.message(|_, message| {
             message.frame(topic.as_bytes(), true);
             message.frame(text.as_bytes(), false);
@@ -194,8 +197,9 @@ impl ZmqSink {
     fn send_multipart(&mut self, pulse: &Pulse) {
         if self.due.is_none_or(|due| pulse.time >= due) {
             self.due = Some(pulse.time.plus(DESCRIBE_S));
-            let text = description::of_run(&self.header, self.source);
+            let text = std::mem::take(&mut self.run);
             self.send_text("run", &text);
+            self.run = text;
         }
         let message = self.message(|sink, message| {
             sink.text.clear();
@@ -265,7 +269,7 @@ impl Sink for ZmqSink {
     fn close(&mut self) -> Result<Closed, SinkError> {
         if self.messages == Messages::Multipart {
             let text = serde_json::json!({ "source": self.source, "sequence": self.pulses });
-            self.send_text("end", &text);
+            self.send_text("end", &text.to_string());
         }
         let mut all = SubscriberCounts { at: self.describe(), ..SubscriberCounts::default() };
         for socket in &mut self.sockets {
