@@ -85,8 +85,8 @@ def open(path: Any, **options: Any) -> Any:
 
 
 def __getattr__(name: str) -> Any:
-    # What needs Dask is imported when it is asked for.
-    if name in ("distributed", "dataset", "zarr"):
+    # What needs Dask, HDF5 or shared memory is imported when it is asked for.
+    if name in ("distributed", "dataset", "reader", "shm", "zarr"):
         return importlib.import_module(f".{name}", __name__)
     if name == "RecordingError":
         return importlib.import_module(".dataset", __name__).RecordingError

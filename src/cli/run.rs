@@ -231,6 +231,16 @@ fn add_recordings(report: &mut Report, outcome: &RunOutcome) {
         for note in sink.notes() {
             report.warning(note);
         }
+        if let Some(all) = &sink.subscribers {
+            let (messages, seen) = (counted(all.messages, "message"), counted(all.seen, "subscriber"));
+            report.line(format!("{name}: {messages} to {seen}; {}", all.at));
+            if all.lost > 0 {
+                report.warning(format_args!(
+                    "sink '{name}': subscribers were too slow for {} or went before they had them; see buffer_pulses",
+                    counted(all.lost, "message")
+                ));
+            }
+        }
         if let Some(wire) = &sink.wire {
             report.line(format!("{name}: {} datagrams to {}", wire.datagrams, wire.address));
             if wire.lost() > 0 {
@@ -337,7 +347,7 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
             match &mut sink.kind {
                 Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } => *force = true,
                 Kind::Nav(settings) => settings.force = true,
-                Kind::Vita49(_) | Kind::Null => {}
+                Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Null => {}
             }
         }
     }
@@ -358,7 +368,7 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         .iter_mut()
         .filter_map(|sink| match &mut sink.kind {
             Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } => Some(path),
-            Kind::Vita49(_) | Kind::Nav(_) | Kind::Null => None,
+            Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Nav(_) | Kind::Null => None,
         })
         .collect();
     match &mut paths[..] {

@@ -117,6 +117,11 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
         Kind::Vita49(settings) => sinks::vita49::open(settings, header)?,
+        #[cfg(feature = "shm")]
+        Kind::Shm(settings) => Box::new(sinks::shm::ShmSink::open(settings, header)?),
+        #[cfg(not(feature = "shm"))]
+        Kind::Shm(settings) => return Err(SinkError::NoShm { service: settings.service.clone() }),
+        Kind::Zmq(settings) => Box::new(sinks::zmq::ZmqSink::open(settings, header)?),
         Kind::Nav(settings) => {
             let encoder = navigation::encoder(&settings.messages, header).ok_or(SinkError::NoOrigin)?;
             Box::new(sinks::nav::NavSink::open(settings, encoder, header)?)

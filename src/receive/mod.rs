@@ -38,6 +38,8 @@ pub mod parts;
 mod radar;
 mod recording;
 pub mod report;
+#[cfg(feature = "shm")]
+pub mod shm;
 mod roster;
 mod track;
 

@@ -10,7 +10,7 @@ use super::fault::RecordingError;
 use super::instrument::{AntennaRow, Instrument, Look};
 use super::shard::Shard;
 use crate::pulse::log::Log;
-use crate::pulse::{Layout, SampleFormat};
+use crate::pulse::{Layout, Pulse, SampleFormat, Samples};
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 
@@ -328,6 +328,29 @@ impl Header {
         }
         let lengths = antennas.iter().flat_map(|antenna| antenna.lever_arm_m).chain(instrument.middle_m);
         lengths.into_iter().find(|m| !m.is_finite()).map(|m| format!("a length of {m} m"))
+    }
+
+    /// Whether a pulse has the samples and the states announced here.
+    ///
+    /// # Errors
+    /// The first that has another size.
+    pub(crate) fn check_pulse(&self, pulse: &Pulse) -> Result<(), RecordingError> {
+        let layout = &self.layout;
+        let samples = match (&pulse.samples, layout.format) {
+            (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
+            (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
+            _ => 0,
+        };
+        for (column, found, expected) in [
+            ("iq", samples, layout.channels * layout.samples),
+            ("nav", pulse.nav_reported.len(), layout.platforms),
+        ] {
+            if found != expected {
+                let column = column.to_owned();
+                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
+            }
+        }
+        Ok(())
     }
 
     /// The first part in which two headers of one run differ; range of pulses aside.

@@ -21,6 +21,7 @@ use crate::files;
 use crate::recording::plain::recognise;
 use sink::SinkError;
 
+pub(crate) mod description;
 mod fault;
 pub mod sink;
 #[doc(hidden)]
@@ -33,6 +34,10 @@ pub mod null;
 pub mod plain;
 #[doc(hidden)]
 pub mod vita49;
+#[doc(hidden)]
+pub mod zmq;
+#[doc(hidden)]
+pub mod shm;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod hdf5;
@@ -68,6 +73,10 @@ pub enum Kind {
     },
     /// VITA 49.2 over UDP.
     Vita49(vita49::Settings),
+    /// Shared memory (iceoryx2).
+    Shm(shm::Settings),
+    /// A ZeroMQ PUB socket.
+    Zmq(zmq::Settings),
     /// What a platform reports, on a port.
     Nav(nav::NavSettings),
     /// Counts pulses and forgets them.
@@ -96,6 +105,8 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     let mut faults = Vec::new();
     let mut seen: Vec<Claim> = Vec::new();
     let mut sent_to = Vec::new();
+    let mut listens = Vec::new();
+    let mut services = Vec::new();
     let mut devices: Vec<&port::Device> = Vec::new();
     for settings in sinks {
         let (path, segmented, result) = match &settings.kind {
@@ -107,6 +118,27 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                     faults.push(SinkError::SameAddress { address: settings.address.clone() });
                 }
                 sent_to.push(to);
+                continue;
+            }
+            Kind::Shm(settings) => {
+                if services.contains(&&settings.service) {
+                    faults.push(SinkError::Twice { path: (&settings.service).into() });
+                }
+                services.push(&settings.service);
+                faults.extend(shm::preflight(settings).err());
+                continue;
+            }
+            Kind::Zmq(settings) => {
+                match zmq::preflight(settings) {
+                    Ok(addresses) => {
+                        let twice = addresses.iter().find(|address| listens.contains(*address));
+                        faults.extend(
+                            twice.map(|address| SinkError::Twice { path: address.to_string().into() }),
+                        );
+                        listens.extend(addresses);
+                    }
+                    Err(fault) => faults.push(fault),
+                }
                 continue;
             }
             Kind::Nav(settings) => match settings.device.file() {

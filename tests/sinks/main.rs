@@ -16,6 +16,8 @@ mod recording_replaced;
 mod recording_rule;
 mod recording_sigmf;
 mod recording_verify;
+#[cfg(all(feature = "shm", target_os = "linux"))]
+mod shm;
 mod wire;
 mod wire_difi;
 mod wire_fixture;
@@ -25,6 +27,7 @@ mod wire_radar;
 mod wire_receive;
 mod wire_recordings;
 mod wire_tshark;
+mod zmq;
 
 #[cfg(feature = "hdf5")]
 mod recording_breakdowns;

@@ -236,10 +236,13 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
         println!("skipped: python3 cannot {imports}");
         return None;
     }
-    let tools = concat!(env!("CARGO_MANIFEST_DIR"), "/tools");
+    // The one file alone, as it may be copied: nothing beside it can be imported.
+    let reader = concat!(env!("CARGO_MANIFEST_DIR"), "/python/nereus/reader.py");
     let text = format!(
-        "import sys; sys.dont_write_bytecode = True; sys.path.insert(0, {tools:?})\n\
-         import numpy as np, reader, json, os, time\n{CHECK}\n{script}\n"
+        "import sys; sys.dont_write_bytecode = True\n\
+         import numpy as np, json, os, time, importlib.util\n\
+         spec = importlib.util.spec_from_file_location('reader', {reader:?})\n\
+         reader = importlib.util.module_from_spec(spec); spec.loader.exec_module(reader)\n{CHECK}\n{script}\n"
     );
     let output = Command::new("python3").args(["-c", &text]).output().unwrap();
     let out = String::from_utf8_lossy(&output.stdout).into_owned();

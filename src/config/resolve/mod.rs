@@ -222,8 +222,9 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         sources.live,
     );
     let fidelity = stream::fidelity(&root);
-    let sinks =
-        stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
+    let target_count = targets.as_ref().map_or(0, Vec::len);
+    let known = calibration.as_ref().map_or(0, Vec::len);
+    let sinks = stream::sinks(&root, radar.as_ref(), &ground, &platforms, target_count, known);
     let events = event::events(&root, &platforms, radar.as_ref(), time.duration_s);
     root.finish();
 

@@ -19,7 +19,7 @@ use super::datagram::{Datagram, Difi, Type};
 use super::link::{self, Link};
 use super::packets::{CHANNEL_STREAM, ci16};
 use super::stamp::{Span, Stamp};
-use super::{Counts, DESCRIBE_S, MTU_BYTES, Settings, check_pulse};
+use super::{Counts, DESCRIBE_S, MTU_BYTES, Settings};
 use crate::pulse::{Pulse, Samples};
 use crate::recording::header::{AdcRow, Header};
 use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport};
@@ -204,7 +204,7 @@ impl Sink for DifiSink {
     }
 
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
-        check_pulse(pulse, &self.header.layout)?;
+        self.header.check_pulse(pulse)?;
         let first = self.due.is_none();
         if self.due.is_none_or(|due| pulse.time >= due) {
             let emission = Stamp::new(pulse.time, Span::default(), Span::default());

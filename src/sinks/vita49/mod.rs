@@ -64,11 +64,10 @@ mod packets;
 mod radar;
 mod stamp;
 
-use crate::pulse::{Layout, Pulse, SampleFormat, Samples, flags};
+use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
 use super::sink::{Closed, Sink, SinkError, SinkReport};
-use crate::recording::RecordingError;
 use crate::recording::header::Header;
 use datagram::{Datagram, PROLOGUE, TRAILER, Type};
 use link::Link;
@@ -330,25 +329,6 @@ impl Vita49Sink {
     }
 }
 
-/// Whether a pulse has the sizes announced.
-fn check_pulse(pulse: &Pulse, layout: &Layout) -> Result<(), RecordingError> {
-    let samples = match (&pulse.samples, layout.format) {
-        (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
-        (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
-        _ => 0,
-    };
-    for (column, found, expected) in [
-        ("iq", samples, layout.channels * layout.samples),
-        ("nav", pulse.nav_reported.len(), layout.platforms),
-    ] {
-        if found != expected {
-            let column = column.to_owned();
-            return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
-        }
-    }
-    Ok(())
-}
-
 impl Sink for Vita49Sink {
     fn name(&self) -> &'static str {
         "vita49"
@@ -359,7 +339,7 @@ impl Sink for Vita49Sink {
     }
 
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
-        check_pulse(pulse, &self.header.layout)?;
+        self.header.check_pulse(pulse)?;
         let emission = Stamp::new(pulse.time, Span::default(), Span::default());
         let first = self.due.is_none();
         if self.due.is_none_or(|due| pulse.time >= due) {
