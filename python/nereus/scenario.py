@@ -225,8 +225,8 @@ class Scenario:
             progress: whether a progress bar is shown, or what is called with pulses passed, all pulses, late and dropped.
             force: whether a recording that exists is replaced.
 
-        Returns what `nereus run --json` reports (docs/python.md). Ctrl-C ends the run; the recording then holds the pulses
-        so far.
+        Returns what `nereus run --json` reports (docs/python.md), of a Zarr store its path. Ctrl-C ends the run; the
+        recording then holds the pulses so far.
 
         Raises:
             OutputExistsError: `path` exists, and is not to be replaced, or no recording.
