@@ -47,11 +47,12 @@ class ArrayError(InputError):
     """An array cannot be part of a scenario: its type, its shape or its values."""
 
 
-class MissingFileError(InputError, FileNotFoundError):
+# The builtin kind first: `__new__` is that of the kind with more of a layout, as unpickling takes it.
+class MissingFileError(FileNotFoundError, InputError):
     """A scenario, a recording or the folder of an output does not exist."""
 
 
-class OutputExistsError(InputError, FileExistsError):
+class OutputExistsError(FileExistsError, InputError):
     """An output exists already: `force=True` replaces it, if it is a recording of nereus."""
 
 
