@@ -63,7 +63,7 @@ pub fn metrics(hub: &Hub) -> String {
     for (bucket, pulses) in counters.lateness.iter().enumerate() {
         below += pulses;
         let bound =
-            LATENESS_BOUNDS_NS.get(bucket).map_or("+Inf".to_owned(), |ns| (*ns as f64 * 1e-9).to_string());
+            LATENESS_BOUNDS_NS.get(bucket).map_or("+Inf".to_owned(), |ns| (*ns as f64 / 1e9).to_string());
         let _ = writeln!(page.0, "nereus_lateness_seconds_bucket{} {below}", label("le", &bound));
     }
     let _ = writeln!(page.0, "nereus_lateness_seconds_sum {}", counters.lateness_sum_s);

@@ -202,7 +202,8 @@ async fn guarded(request: Request, next: Next) -> Response {
     let host = text(header::HOST).unwrap_or("").to_owned();
     let one = headers.get_all(header::HOST).iter().count() == 1;
     let own = request.uri().authority().is_none_or(|authority| authority.as_str() == host);
-    let mut answer = if !(one && own && guard::is_host(&host)) {
+    let known = one && own && guard::is_host(&host);
+    let mut answer = if !known {
         let why = "refused: the Host of a request must be an IP address or localhost";
         refused(StatusCode::FORBIDDEN, why)
     } else if text(header::ORIGIN).is_some_and(|origin| !guard::is_origin(origin, &host)) {
@@ -210,9 +211,10 @@ async fn guarded(request: Request, next: Next) -> Response {
     } else {
         next.run(request).await
     };
+    let own = if known { format!("ws://{host}") } else { String::new() };
     let policy = format!(
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
-         connect-src 'self' ws://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+         connect-src 'self' {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     );
     let policy = HeaderValue::from_str(&policy).unwrap_or(HeaderValue::from_static("default-src 'none'"));
     let fixed = [

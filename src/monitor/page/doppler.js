@@ -2,7 +2,7 @@
 
 import { axes, bar, begin, empty, font, label, tick, ticks, upright } from "./plot.js";
 import { image, theme } from "./colours.js";
-import { csv, whole } from "./format.js";
+import { csv } from "./format.js";
 
 const id = (name) => document.getElementById(name);
 
@@ -39,7 +39,7 @@ export function draw(model) {
   upright(ctx, "closing speed of the path, m/s", box.x + box.w + 48, box.y + box.h / 2);
   bar(ctx, box, low, high, size);
   if (model.markers) marks(model, map, ctx, box, X, Y);
-  id("doppler-note").textContent = `${map.rows} pulses to ${whole(map.pulse)}; Doppler folds every ${map.spanHz.toFixed(0)} Hz`;
+  id("doppler-note").textContent = `last ${map.rows} pulses; folds every ${map.spanHz.toFixed(0)} Hz`;
   canvas.setAttribute("aria-label", `Range-Doppler map of ${map.rows} pulses up to pulse ${map.pulse}`);
 }
 

@@ -37,7 +37,7 @@ export function draw(model) {
   const inks = [colours.true, colours.reported, colours.third];
   const changes = model.changes.filter((one) => one.platform === model.about.platforms[place]);
   PLOTS.forEach((plot, row) => {
-    const box = { x: 66, y: top + row * each + (row ? 5 : 0), w: width - 66 - 88, h: each - (row ? 13 : 8) };
+    const box = { x: 66, y: top + row * each + (row ? 5 : 0), w: width - 66 - 112, h: each - (row ? 13 : 8) };
     const values = plot.names.map((_, axis) => points.map((point) => point[2 + SET * place + plot.at + axis]));
     const known = values.flat().filter(Number.isFinite);
     const low = Math.min(...known, -plot.least / 4);
@@ -103,7 +103,7 @@ function names(ctx, changes, model, X, box, size) {
     if (x < box.x || x > box.x + box.w + 1) continue;
     const text = `pulse ${whole(change.pulse)}: ${change.text}`;
     const wide = ctx.measureText(text).width;
-    const left = Math.min(x - 4, box.x + box.w + 84 - wide);
+    const left = Math.min(x - 4, box.x + box.w + 108 - wide);
     if (left < end) continue;
     ({ right: end } = label(ctx, text, Math.max(4, left), 10));
     end += 8;

@@ -48,14 +48,24 @@ export function csv(rows) {
   return rows.map((row) => row.map(cell).join(",")).join("\n") + "\n";
 }
 
-/** What a misreport says, as a sentence. */
-export function sentence(one) {
+/** What a platform misreports, in a line each. */
+export function sentences(misreported, changes) {
+  const platforms = [...new Set(misreported.map((one) => one.platform))];
+  return platforms.map((platform) => {
+    const parts = misreported.filter((one) => one.platform === platform).map((one) => part(one, changes));
+    return `${platform} misreports ${parts.join("; ")}`;
+  });
+}
+
+function part(one, changes) {
   const size = `${digits(one.error)} ${one.unit}`;
-  const what = { position: "its position", velocity: "its velocity", attitude: "its attitude" }[one.quantity];
   const where = one.direction ? ` ${one.direction}` : " off";
   const since = one.since_pulse === null
     ? "since the start"
     : `since pulse ${whole(one.since_pulse)} (${clock(one.since_s)} into the run)`;
   const cause = one.cause ? `, by “${one.cause}”` : "";
-  return `${one.platform} misreports ${what}: ${size}${where}, ${since}${cause}`;
+  const later = changes.findLast((change) => change.platform === one.platform
+    && change.text.includes(` ${one.quantity}.`) && change.pulse > (one.since_pulse ?? -1));
+  const again = later ? `, changed at pulse ${whole(later.pulse)} by “${later.text}”` : "";
+  return `its ${one.quantity}: ${size}${where}, ${since}${cause}${again}`;
 }

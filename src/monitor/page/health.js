@@ -2,7 +2,7 @@
 
 import { begin, empty, font } from "./plot.js";
 import { theme } from "./colours.js";
-import { csv, digits, sentence, span, whole } from "./format.js";
+import { csv, digits, sentences, span, whole } from "./format.js";
 
 const id = (name) => document.getElementById(name);
 const SHORT = ["1 µs", "10 µs", "100 µs", "1 ms", "10 ms", "100 ms", "1 s", "10 s"];
@@ -64,7 +64,7 @@ export function tell(model) {
   if (status.slipped_s > 0) notes.push(`schedule moved by ${span(status.slipped_s)}`);
   id("not-shown").textContent = notes.join("; ");
   banner("losses", status.losses.map(lost));
-  banner("misreports", status.misreported.map(sentence));
+  banner("misreports", sentences(status.misreported, status.changes));
 }
 
 /** Share of releases by lateness. */
@@ -101,10 +101,13 @@ export function draw(model) {
   ctx.fillStyle = colours.text;
   ctx.textAlign = "left";
   ctx.textBaseline = "alphabetic";
-  const text = `lateness: half within ${span(half)}, 99 % within ${span(most99)}`;
+  const text = `lateness: half within ${round(half)}, 99 % within ${round(most99)}`;
   ctx.fillText(text, box.x, 12);
   canvas.setAttribute("aria-label", `${text}, of ${whole(total)} releases`);
 }
+
+/** A bound: 1, 2 or 5 of a decade. */
+const round = (seconds) => span(seconds).replace(/\.0+(?= )/, "");
 
 function quantile(pulses, bounds, total, part) {
   let sum = 0;
@@ -123,7 +126,7 @@ export function lines({ status }) {
   return [`released ${whole(status.released)}, late ${whole(status.late)}, dropped ${whole(status.dropped)}`,
     `made at ${digits(status.real_time_factor)} times real time; ready ${status.ring.filled} of ${status.ring.slots}`,
     ...status.sinks.map((sink) => `sink ${sink.name}: taken ${whole(sink.written)}, queue ${sink.queue} of ${sink.queue_slots}, lost ${whole(sink.dropped)}`),
-    ...status.misreported.map(sentence)];
+    ...sentences(status.misreported, status.changes)];
 }
 
 export function table({ status }) {

@@ -64,22 +64,33 @@ function waterfall(model, view, x, [low, high], columns) {
   const canvas = id("c-waterfall");
   const last = model.lines.at(-1);
   const box = { x: ROOM.left, y: 8, w: width - ROOM.left - ROOM.right, h: height - 18 };
-  const rows = model.lines.map((line) => ({ levels: line.levels, shift: Math.round((line.startS - last.startS) / model.columnS) }));
-  const first = model.lines[0];
-  const since = Math.min(first.timeS, last.timeS - 0.5);
+  const since = Math.min(model.lines[0].timeS, last.timeS - 0.5);
+  const rows = byTime(model, last, since, Math.min(400, Math.round(box.h)));
   ctx.fillStyle = theme().page;
   ctx.fillRect(box.x, box.y, box.w, box.h);
   ctx.imageSmoothingEnabled = false;
   // Slow time runs down: the latest line is the lowest, above the plot of it.
-  const tall = box.h * (last.timeS - first.timeS || 0.02) / (last.timeS - since);
-  ctx.drawImage(image(columns, rows, low, high), 0, 0, columns, rows.length, box.x, box.y + box.h - tall, box.w, tall);
+  ctx.drawImage(image(columns, rows, low, high), box.x, box.y, box.w, box.h);
   const y = { min: last.timeS, max: since, label: "time in the run, s", grid: false, room: 46 };
   // Axes turned over: later is lower.
   const { X, Y } = axes(ctx, box, { ...x, text: false, grid: false }, flipped(y), size);
   const at = (time) => Y(-time);
   if (model.markers) tracks(model, ctx, box, X, at, since);
   bar(ctx, box, low, high, size);
-  canvas.setAttribute("aria-label", `Waterfall of ${rows.length} range lines of channel ${model.about.channels[model.channel].name}, latest pulse ${last.pulse}`);
+  canvas.setAttribute("aria-label", `Waterfall of ${model.lines.length} range lines of channel ${model.about.channels[model.channel].name}, latest pulse ${last.pulse}`);
+}
+
+/** Lines at even steps of time: each holds until the next, but no longer than a second. */
+function byTime(model, last, since, count) {
+  const none = new Int16Array(0);
+  let place = -1;
+  return Array.from({ length: count }, (_, row) => {
+    const time = since + (row + 1) / count * (last.timeS - since);
+    while (place + 1 < model.lines.length && model.lines[place + 1].timeS <= time + 1e-9) place++;
+    const line = model.lines[place];
+    if (!line || time - line.timeS > 1) return { levels: none };
+    return { levels: line.levels, shift: Math.round((line.startS - last.startS) / model.columnS) };
+  });
 }
 
 function flipped(y) {
