@@ -1,6 +1,7 @@
 //! A recording through the same page, at the pace at which it was made.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::{Door, Monitor, MonitorFault, Scenery};
 use crate::config;
 use crate::pulse::{Pulse, flags};
-use crate::recording::{Recording, RecordingError};
+use crate::recording::{Recording, RecordingError, plain};
 use crate::transport::health::Counters;
 
 /// Samples that are held at a time, bytes.
@@ -82,12 +83,15 @@ impl Replay {
     /// # Errors
     /// A recording that cannot be read or holds no pulse; no page.
     pub fn open(path: &Path, door: Door) -> Result<Self, ReplayError> {
-        let one = Recording::open(path, Some(0..1)).or_else(|error| match error {
+        let mut one = Recording::open(path, Some(0..1)).or_else(|error| match error {
             RecordingError::NoPulses { first, end, .. } if first < end => {
                 Recording::open(path, Some(first..first + 1))
             }
             error => Err(error),
         })?;
+        if path.is_dir() {
+            one.header.changes = plain::changes(path)?.map(Arc::new);
+        }
         let header = &one.header;
         let fit = BLOCK_BYTES / (8 * header.layout.channels * header.layout.samples).max(1);
         let block = (fit as u64).min(header.prf_hz.ceil() as u64).clamp(BLOCK_PULSES[0], BLOCK_PULSES[1]);
