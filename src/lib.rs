@@ -104,7 +104,6 @@ pub mod pipeline;
 pub mod adequacy;
 #[doc(hidden)]
 pub mod bench;
-#[cfg(feature = "monitor")]
 #[doc(hidden)]
 pub mod monitor;
 #[doc(hidden)]

@@ -13,6 +13,7 @@
 //!
 //! The page is embedded in the program ([`assets`]): nothing is read from the file system, whatever is asked.
 //! Who may ask what is decided in [`guard`].
+#![cfg(feature = "monitor")]
 
 mod about;
 mod assets;
