@@ -10,12 +10,18 @@ import { join, resolve } from "node:path";
 const [chromiumPath, programPath, modules, option] = process.argv.slice(2);
 const { chromium } = createRequire(resolve(modules, "node_modules") + "/")("playwright-core");
 const program = resolve(programPath);
-const LIMIT_MS = 60_000;
+const LIMIT_MS = 120_000;
+const children = new Set();
+// Nothing that was started here goes on, however this ends.
+process.on("exit", () => children.forEach((child) => child.kill("SIGKILL")));
+for (const signal of ["SIGINT", "SIGTERM", "SIGHUP"]) process.on(signal, () => process.exit(1));
 
 /** A program that serves a page: its address, and how it ends. */
 async function served(args) {
   const folder = mkdtempSync(join(tmpdir(), "nereus-browser-"));
   const child = spawn(program, args, { cwd: folder });
+  children.add(child);
+  child.on("close", () => children.delete(child));
   let [told, out] = ["", ""];
   child.stdout.on("data", (bytes) => { out += bytes; });
   const ended = new Promise((done) => child.on("close", done));
@@ -270,6 +276,7 @@ else {
       console.log(`ok     ${name} (${((Date.now() - begun) / 1000).toFixed(1)} s)`);
     } catch (error) {
       failed++;
+      children.forEach((child) => child.kill("SIGKILL"));
       console.log(`FAILED ${name}: ${error.stack}`);
     }
   }
