@@ -364,7 +364,8 @@ fn hostile_clients_do_no_harm() {
     assert!(matches!(code(&raw(&address, b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03")), 0 | 400));
 
     // Frames that are too long, of the wrong kind, no text, not the page's, or too many.
-    let bad: [(&str, fn(&mut Browser)); 6] = [
+    type Act = fn(&mut Browser);
+    let bad: [(&str, Act); 6] = [
         ("a frame of 2^62 bytes", |browser| drop(browser.frame(1, 1 << 62, b"{"))),
         ("a frame of 64 KiB", |browser| drop(browser.frame(1, 65_535, &[b' '; 65_535]))),
         ("a binary frame", |browser| drop(browser.frame(2, 2, b"{}"))),
