@@ -8,6 +8,7 @@ use super::examine::ExamineArgs;
 use super::export::ExportArgs;
 use super::focus::FocusArgs;
 use super::merge::MergeArgs;
+use super::monitor::MonitorArgs;
 use super::nav::NavArgs;
 use super::new::NewArgs;
 use super::receive::ReceiveArgs;
@@ -53,8 +54,10 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
-    /// Turn a recording into a format of others: CRSD 1.0
+    /// Turn a recording into a format of others: CRSD 1.0, SigMF
     Export(ExportArgs),
+    /// Show a recording in the browser, as `run --monitor` shows a run
+    Monitor(MonitorArgs),
     /// Read all of a recording and say whether it is whole: exit 0 if so, 1 if not
     Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection

@@ -13,6 +13,7 @@ mod export;
 mod focus;
 mod json;
 mod merge;
+mod monitor;
 mod nav;
 mod outputs;
 mod new;
@@ -48,6 +49,7 @@ pub use export::{ExportArgs, ExportCommand, ExportCrsdArgs, ExportSigmfArgs};
 pub use focus::error::FocusError;
 pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
 pub use merge::MergeArgs;
+pub use monitor::MonitorArgs;
 pub use nav::{
     NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
     NavToolError,
@@ -143,6 +145,7 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
         Command::Export(args) => export::export(args, out),
+        Command::Monitor(args) => monitor::monitor(args, out),
         Command::Verify(args) => verify::verify(args, out),
         Command::Focus(args) => focus::focus(args, out),
         Command::Speckle(args) => speckle::speckle(args, out),

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, ValueEnum};
 
 use super::error::CliError;
+use super::monitor::page::Page;
 use super::report::Report;
 use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, duration};
@@ -61,6 +62,13 @@ pub struct RunArgs {
     /// (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
+    /// Serve a live page in the browser at this address, such as 127.0.0.1:8080 (docs/monitor.md); port 0: any
+    /// that is free
+    #[arg(long, value_name = "ADDR")]
+    pub monitor: Option<String>,
+    /// Let whoever has the address of the page inject navigation errors from it
+    #[arg(long)]
+    pub monitor_control: bool,
     /// What becomes of its output
     #[command(flatten)]
     pub output: OutputArgs,
@@ -71,6 +79,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let (run, pulses) = prepare(args)?;
     warn(&run.warnings);
     let socket = args.control.as_deref().map(ControlSocket::at).transpose()?;
+    let page = run.monitor.as_deref().map(Page::at).transpose()?;
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
     let nominal = stream.nominal().unwrap_or(&run);
@@ -108,7 +117,13 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let control = socket.zip(stream.control());
     let open =
         control.map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }, say));
-    let outcome = stream.run(&stop, Some(status));
+    let control = stream.control().filter(|_| args.monitor_control);
+    let shown = page.map(|page| page.show(&stream, &run.scene, &run.path, control)).transpose()?;
+    let (view, shown) = shown.unzip();
+    let outcome = stream.run_in_view(&stop, Some(status), view);
+    if let Some(shown) = shown {
+        shown.close();
+    }
     if let Some(open) = open {
         open.close();
     }
@@ -332,7 +347,11 @@ fn add_navigation(report: &mut Report, run: &Run, flights: &[FlightReport], outc
 fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     let duration_s = args.duration_s.iter().map(|text| ("scene.duration_s".to_owned(), text.clone()));
     let mut run = args.scenario.load(&duration_s.collect::<Vec<_>>())?;
-    run.control = args.control.is_some();
+    run.control = args.control.is_some() || args.monitor_control;
+    run.monitor = args.monitor.clone().or(run.monitor);
+    if args.monitor_control && run.monitor.is_none() {
+        return Err(CliError::ControlWithoutMonitor);
+    }
     if let Some(pace) = args.pace {
         run.stream.pace = match pace {
             Pace::Realtime => transport::Pace::Realtime,

@@ -40,6 +40,7 @@ use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
+use crate::transport::view::{self, Onlooker, View};
 use crate::transport::{self};
 
 use super::changing;
@@ -283,6 +284,12 @@ impl PulseStream {
         self.control.as_ref().map(|(control, _)| control.clone())
     }
 
+    /// A view of what will be released, for [`Self::run_in_view`], and who looks: through a queue of so many
+    /// pulses. Nobody waits for him, and what he misses is not lost to anybody else.
+    pub fn view(&self, queue_pulses: usize) -> (View, Onlooker) {
+        view::view(queue_pulses, self.factory.layout())
+    }
+
     /// What the converter of each channel is fed with: set when the run has ended, empty without a converter.
     pub fn levels(&self) -> Arc<OnceLock<Vec<Level>>> {
         Arc::clone(&self.levels)
@@ -328,7 +335,20 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, status, None::<fn(&mut Pulse)>).map(|(outcome, _)| outcome)
+        self.run_in_view(stop, status, None)
+    }
+
+    /// Runs like [`Self::run`] while somebody looks on.
+    ///
+    /// # Errors
+    /// As of [`Self::run`].
+    pub fn run_in_view(
+        self,
+        stop: &Arc<AtomicBool>,
+        status: Option<Sender<Status>>,
+        view: Option<View>,
+    ) -> Result<RunOutcome, BuildErrors> {
+        self.start(stop, status, view, None::<fn(&mut Pulse)>).map(|(outcome, _)| outcome)
     }
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
@@ -351,7 +371,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         see: impl FnMut(&mut Pulse) + Send,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, None, Some(see)).map(|(outcome, _)| outcome)
+        self.start(stop, None, None, Some(see)).map(|(outcome, _)| outcome)
     }
 
     /// What a sink is reported before the first pulse.
@@ -369,13 +389,14 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         mut see: impl FnMut(&Pulse) + Send,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        self.start(stop, status, Some(move |pulse: &mut Pulse| see(pulse)))
+        self.start(stop, status, None, Some(move |pulse: &mut Pulse| see(pulse)))
     }
 
     fn start(
         self,
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
+        view: Option<View>,
         tap: Option<impl FnMut(&mut Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
@@ -398,6 +419,9 @@ impl PulseStream {
         let mut stream = Stream::new(settings, schedule, *factory.layout(), Arc::clone(stop));
         if let Some(status) = status {
             stream.status(status);
+        }
+        if let Some(view) = view {
+            stream.view(view);
         }
         let mut workspaces: Vec<Workspace> =
             (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();

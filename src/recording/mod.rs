@@ -46,6 +46,7 @@ pub mod output;
 pub mod path_file;
 #[doc(hidden)]
 pub mod plain;
+mod released;
 mod rows;
 #[doc(hidden)]
 pub mod sha512;
@@ -101,6 +102,10 @@ pub struct Recording {
     /// Place of the pulses in use among those rows.
     rows: Range<usize>,
     numbers: BTreeMap<String, (usize, Vec<f64>)>,
+    /// Flags of pulses and platforms, of the same rows.
+    flags: BTreeMap<String, Vec<u32>>,
+    /// Emission of the first of those rows, UTC nanoseconds since 1970, rounded down.
+    zero_ns: i64,
     /// Channels whose samples are held.
     channels: Vec<usize>,
     samples: Vec<Complex32>,
@@ -217,7 +222,7 @@ impl Recording {
             return Err(RecordingError::NoPulses { path: path.to_owned(), first, end, asked });
         }
         let known = used.start.saturating_sub(AROUND)..(used.end + AROUND).min(all);
-        let mut numbers = BTreeMap::new();
+        let (mut numbers, mut flags) = (BTreeMap::new(), BTreeMap::new());
         let (mut time_ns, mut tx_pol) = (Vec::new(), Vec::new());
         for column in list.iter().filter(|c| c.path != "iq") {
             if column.may_be_missing() && !source.has(column) {
@@ -229,6 +234,9 @@ impl Recording {
                 }
                 Rows::I64(values) if column.path == "pulse/time_ns" => time_ns = values,
                 Rows::U8(values) if column.path == "pulse/tx_pol" => tx_pol = values,
+                Rows::U32(values) => {
+                    flags.insert(column.path.clone(), values);
+                }
                 _ => {}
             }
         }
@@ -279,6 +287,8 @@ impl Recording {
             start_s,
             rows,
             numbers,
+            flags,
+            zero_ns,
             channels,
             samples,
         })

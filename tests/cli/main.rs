@@ -25,6 +25,10 @@ mod pages;
 mod pages_run;
 mod plausible;
 mod mocomp;
+#[cfg(all(unix, feature = "monitor"))]
+mod monitor;
+#[cfg(all(unix, feature = "monitor"))]
+mod monitor_client;
 mod nav;
 mod polarisation_check;
 mod program;

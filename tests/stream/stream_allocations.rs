@@ -17,6 +17,7 @@ use nereus::time::PulseTimes;
 use nereus::transport::fanout::Fed;
 use nereus::transport::schedule::Schedule;
 use nereus::transport::stage::Stream;
+use nereus::transport::view;
 use nereus::transport::{Pace, Policy, Settings};
 
 use crate::stream_fixture::{LAYOUT, generate};
@@ -100,7 +101,16 @@ fn counted_run() {
         }
         let (sender, _receiver) = crossbeam_channel::bounded(4);
         run.status(sender);
+        // Somebody looks on, as the live page does.
+        let (view, mut onlooker) = view::view(16, &LAYOUT);
+        run.view(view);
+        let looking = std::thread::spawn(move || {
+            while onlooker.look(|_| {}) != view::Seen::Ended {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        });
         let outcome = run.run(|source| generate(source, 0, end, 8, Duration::ZERO));
+        looking.join().unwrap();
         outcome.result.unwrap();
         for (name, (before, after)) in outcome.reports {
             let (before, after) = (before.unwrap(), after.unwrap());

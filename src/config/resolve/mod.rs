@@ -47,6 +47,7 @@ pub(super) struct Parts {
     pub(super) events: Vec<Event>,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
+    pub(super) monitor: Option<String>,
     pub(super) sinks: Vec<sinks::Settings>,
 }
 
@@ -240,6 +241,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         ships: ships?,
         targets: targets?,
     };
+    let (stream, monitor) = stream?;
     Some(Parts {
         scene,
         start_live: time.live,
@@ -248,7 +250,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         calibration: calibration?,
         events: events?,
         fidelity: fidelity?,
-        stream: stream?,
+        stream,
+        monitor,
         sinks: sinks?,
     })
 }

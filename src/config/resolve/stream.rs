@@ -33,15 +33,15 @@ fn slot_bytes(radar: &Radar, platforms: usize, targets: usize) -> u64 {
     radar.layout(platforms, targets).slot_bytes() as u64
 }
 
-/// `[stream]`.
+/// `[stream]`, and where its live page is served.
 pub(super) fn stream(
     root: &Section<'_>,
     radar: Option<&Radar>,
     platforms: usize,
     targets: usize,
     live: bool,
-) -> Option<transport::Settings> {
-    use keys::stream::{LATENCY_MS, LOCK_MEMORY, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
+) -> Option<(transport::Settings, Option<String>)> {
+    use keys::stream::{LATENCY_MS, LOCK_MEMORY, MONITOR, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
     let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
     let policy = section.choice(&POLICY).map(|word| match word {
@@ -68,6 +68,7 @@ pub(super) fn stream(
         false => Some(None),
     };
     let lock_memory = section.flag(&LOCK_MEMORY);
+    let monitor = section.address(&MONITOR);
     section.finish();
     let latency_s = latency_ms? / 1e3;
     let radar = radar?;
@@ -79,7 +80,7 @@ pub(super) fn stream(
         root.reader().warn(Warning::ShortRing { wanted, slots, mebibytes });
     }
     let threads = usize::try_from(threads?).ok()?;
-    Some(transport::Settings {
+    let settings = transport::Settings {
         pace: pace?,
         policy: policy?,
         latency_s,
@@ -91,7 +92,8 @@ pub(super) fn stream(
         pacer_ahead: ahead?,
         pacer_core: pacer_core?,
         lock_memory: lock_memory?,
-    })
+    };
+    Some((settings, monitor))
 }
 
 /// `[fidelity]`.
