@@ -27,6 +27,7 @@ const CLASSIFICATION: &str = "UNCLASSIFIED";
 const RELEASE: &str = "UNRESTRICTED";
 const ELEMENT: &str = ":element";
 const RESPONSE_NAME: &str = ":response";
+const REPLICA: &str = ":replica";
 /// Name of the middle of the recording and its length, as dwell times.
 const DWELL: &str = "recording";
 /// Half the side of the image area where there is neither sea nor target, m.
@@ -317,7 +318,9 @@ impl Facts {
     fn support_arrays(&self) -> Vec<(&str, [usize; 2])> {
         let of = |end: &'_ End| end.array.size;
         let ends = self.description.ends.iter().map(|end| (end.name.as_str(), of(end)));
-        ends.chain([(ELEMENT, [3, 3]), (RESPONSE_NAME, [1, RESPONSE_COLUMNS])]).collect()
+        let replica = [1, self.description.header.replica.len()];
+        let shared = [(ELEMENT, [3, 3]), (RESPONSE_NAME, [1, RESPONSE_COLUMNS]), (REPLICA, replica)];
+        ends.chain(shared).collect()
     }
 
     fn data(&self, xml: &mut Xml) -> io::Result<()> {
@@ -555,6 +558,19 @@ impl Facts {
                 xml.text("ElementFormat", "Amp=F4;Phase=F4;")?;
                 xml.real("Fx0FXR", header.carrier_hz - 0.5 * header.sample_rate_hz)?;
                 xml.real("FxSSFXR", 0.5 * header.sample_rate_hz)
+            })?;
+            xml.within("AddedSupportArray", |xml| {
+                xml.text("Identifier", support_id(REPLICA))?;
+                xml.text("ElementFormat", "CF8")?;
+                xml.real("X0", 0.0)?;
+                xml.real("Y0", 0.0)?;
+                xml.real("XSS", 1.0)?;
+                xml.real("YSS", 1.0 / header.sample_rate_hz)?;
+                xml.text("XUnits", "none")?;
+                xml.text("YUnits", "s")?;
+                xml.text("ZUnits", "1")?;
+                let what = "transmitted pulse behind the receive filter, from its first edge on";
+                xml.text_with("Parameter", &[("name", "meaning")], what)
             })
         })
     }

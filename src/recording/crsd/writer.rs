@@ -397,13 +397,15 @@ fn encode(signal: Signal, code: Complex<i16>, buffer: &mut Vec<u8>) {
     }
 }
 
-/// The support block: the gains of every antenna, an element that is the same everywhere, a flat response.
+/// The support block: the gains of every antenna, an element that is the same everywhere, a flat response,
+/// the pulse behind the receive filter.
 fn support(description: &Description) -> Vec<u8> {
     let element = GainArray::flat();
     let arrays = description.ends.iter().map(|end| &end.array).chain([&element]);
     let values = arrays.flat_map(|array| array.values.iter().flatten().copied());
     let response = [1.0_f32, 0.0].repeat(document::RESPONSE_COLUMNS);
-    values.chain(response).flat_map(canonical).collect()
+    let replica = description.header.replica.iter().flat_map(|z| [z.re, z.im]);
+    values.chain(response).chain(replica).flat_map(canonical).collect()
 }
 
 /// Bytes of a value; what is none has those of `NODATA`.
@@ -434,7 +436,7 @@ impl Description {
             .real(sequence.intensity_dbw)
             .axes(state)
             .whole(0)
-            .real(-shift_s)
+            .real(0.0 - shift_s)
             .whole(index as i64);
         record
     }
@@ -463,7 +465,7 @@ impl Description {
             .real(self.scale)
             .real(0.0)
             .whole(pulse)
-            .real(-shift_s);
+            .real(0.0 - shift_s);
         record
     }
 }
