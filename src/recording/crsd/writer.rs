@@ -15,15 +15,13 @@ use std::sync::Arc;
 use num_complex::{Complex, Complex32};
 
 use super::description::{Channel, Description, FLAT, Sequence, Signal};
-use super::document;
+use super::document::{self, Blocks, XML_AT};
 use super::fault::CrsdError;
 use super::pattern::GainArray;
 use super::records::{Grid, Known, PPP, PVP, Record, bytes};
 use super::states::{PulseRow, State, state};
 use crate::time::TimeTag;
 
-/// Where the XML begins: behind a header that is always shorter.
-pub(super) const XML_AT: u64 = 2048;
 /// Blocks begin at multiples of this.
 const ALIGNED: u64 = 64;
 /// What an array holds back before it is written.
@@ -54,15 +52,6 @@ impl Array {
     fn bytes(&self) -> u64 {
         self.written * self.record as u64
     }
-}
-
-/// Where the blocks of a complete file are, and how long they are.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Blocks {
-    pub support: (u64, u64),
-    pub ppp: (u64, u64),
-    pub pvp: (u64, u64),
-    pub signal: (u64, u64),
 }
 
 /// A CRSD file under way.
@@ -96,9 +85,7 @@ impl Writer {
         planned: &[u64],
     ) -> Result<Self, CrsdError> {
         let of = |sequence: usize| planned.get(sequence).copied().unwrap_or(0);
-        if let Some(channel) = description.channels.iter().find(|channel| of(channel.sequence) < 2) {
-            return Err(CrsdError::FewPulses { channel: channel.id.clone(), pulses: of(channel.sequence) });
-        }
+        description.check_planned(planned)?;
         let support = support(&description);
         let names: usize = description.channels.iter().map(|c| c.id.len()).sum::<usize>()
             + description.ends.iter().map(|end| end.name.len() + end.platform.len()).sum::<usize>();
@@ -255,6 +242,11 @@ impl Writer {
         file.write_all(&array.buffer).map_err(io)?;
         array.buffer.clear();
         Ok(())
+    }
+
+    /// What the file holds.
+    pub fn description(&self) -> &Description {
+        &self.description
     }
 
     /// Pulses taken.
