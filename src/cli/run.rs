@@ -24,7 +24,7 @@ use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWa
 use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::sink::SinkReport;
-use crate::sinks::{self, Kind, names_hdf5};
+use crate::sinks::{self, Kind, names_crsd, names_hdf5};
 use crate::transport;
 
 /// How pulses are released.
@@ -364,7 +364,9 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     if args.output.overwrite.force {
         for sink in &mut run.sinks {
             match &mut sink.kind {
-                Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } => *force = true,
+                Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } | Kind::Crsd { force, .. } => {
+                    *force = true
+                }
                 Kind::Nav(settings) => settings.force = true,
                 Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Null => {}
             }
@@ -386,7 +388,7 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         .sinks
         .iter_mut()
         .filter_map(|sink| match &mut sink.kind {
-            Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } => Some(path),
+            Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } | Kind::Crsd { path, .. } => Some(path),
             Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Nav(_) | Kind::Null => None,
         })
         .collect();
@@ -416,14 +418,18 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A recording whose new name says HDF5 becomes one, where this build can make it.
+/// A recording whose new name says HDF5 or CRSD becomes one, where this build can make it.
 fn record_as_named(run: &mut Run, out: &Path) {
-    if !cfg!(feature = "hdf5") || !names_hdf5(out) {
-        return;
-    }
+    let (to_hdf5, to_crsd) = (cfg!(feature = "hdf5") && names_hdf5(out), names_crsd(out));
     for sink in &mut run.sinks {
-        if let Kind::Plain { path, force } = &sink.kind {
-            sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
+        match &sink.kind {
+            Kind::Plain { path, force } | Kind::Crsd { path, force } if to_hdf5 => {
+                sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
+            }
+            Kind::Plain { path, force } | Kind::Hdf5 { path, force, .. } if to_crsd => {
+                sink.kind = Kind::Crsd { path: path.clone(), force: *force };
+            }
+            _ => {}
         }
     }
 }

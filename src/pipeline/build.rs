@@ -35,6 +35,7 @@ use crate::recording::header::Header;
 use crate::sea::fleet::{self, FleetError};
 use crate::sea::realise::realise;
 use crate::sinks;
+use crate::sinks::crsd::Plan as CrsdPlan;
 use crate::sinks::sink::{SinkError, SinkReport, drain};
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
@@ -47,7 +48,7 @@ use super::changing;
 use super::control::{CommandQueue, Control, control};
 use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
-use super::outputs::{self, header, open_all, placed, same_kind};
+use super::outputs::{self, crsd_plan, header, open_all, placed, same_kind};
 use super::plausible;
 use super::stages::{PulseFactory, Workspace};
 use super::tracks::set_tracks;
@@ -71,6 +72,7 @@ pub struct PulseStream {
     is_whole: bool,
     header: Header,
     sinks: Vec<sinks::Settings>,
+    crsd: Option<CrsdPlan>,
     pool: ThreadPool,
     notes: Vec<TrackNote>,
     sea_bytes: u64,
@@ -207,6 +209,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
     let scene = hull_scatterers::with_scatterers(scene)?;
     let header = header(run, &scene, &factory, &schedule, changes.as_ref());
     header.check().map_err(SinkError::from)?;
+    let crsd = crsd_plan(run, &scene, &header)?;
     // Every worker has a block in hand while one waits to be released.
     let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
     let layout = factory.layout();
@@ -221,6 +224,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         schedule,
         header,
         sinks: run.sinks.clone(),
+        crsd,
         pool,
         notes,
         sea_bytes: needed,
@@ -405,6 +409,7 @@ impl PulseStream {
             schedule,
             header,
             sinks,
+            crsd,
             pool,
             live,
             control,
@@ -437,7 +442,7 @@ impl PulseStream {
             None => None,
         };
         let factory = factory;
-        let opened = open_all(&sinks, &header)?;
+        let opened = open_all(&sinks, &header, crsd.as_ref())?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
                 0 => sink.name().to_owned(),

@@ -80,6 +80,11 @@ impl FileKind {
     }
 }
 
+/// What a new CRSD file may replace.
+pub(crate) fn recognise_crsd(path: &Path) -> Recognised {
+    FileKind::Crsd.recognise(path)
+}
+
 /// The attribute `format` of an HDF5 file.
 #[cfg(feature = "hdf5")]
 fn format(path: &Path) -> Vec<u8> {

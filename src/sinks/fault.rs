@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::files::FileFault;
 use crate::recording::RecordingError;
+use crate::recording::crsd::CrsdError;
 
 /// Why a sink cannot be opened or has failed.
 #[derive(Debug, Error)]
@@ -17,6 +18,15 @@ pub enum SinkError {
     /// A recording cannot be made or written.
     #[error(transparent)]
     Recording(RecordingError),
+    /// A CRSD file cannot be made or written.
+    #[error("CRSD: {0}")]
+    Crsd(Box<CrsdError>),
+    /// A CRSD file of a run by live navigation.
+    #[error(
+        "CRSD: live navigation sets the start of the run and may end it, and the file is planned before; \
+         allowed: kind = \"hdf5\" or \"plain\", and nereus export crsd when the run has ended"
+    )]
+    CrsdLive,
     /// Two sinks have the same output.
     #[error("{path}: is the output of two sinks; each needs its own")]
     Twice {
@@ -143,6 +153,7 @@ impl SinkError {
             Self::File(fault) => fault.is_wrong_input(),
             Self::Recording(error) => error.is_wrong_input(),
             Self::NoSharedMemory { .. } | Self::Shm { .. } => false,
+            Self::Crsd(error) => error.is_wrong_input(),
             _ => true,
         }
     }

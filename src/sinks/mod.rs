@@ -18,6 +18,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::files;
+use crate::recording::output::recognise_crsd;
 use crate::recording::plain::recognise;
 use sink::SinkError;
 
@@ -32,6 +33,8 @@ pub mod nav;
 pub mod null;
 #[doc(hidden)]
 pub mod plain;
+#[doc(hidden)]
+pub mod crsd;
 #[doc(hidden)]
 pub mod vita49;
 #[doc(hidden)]
@@ -71,6 +74,13 @@ pub enum Kind {
         /// Overwrite an existing folder.
         force: bool,
     },
+    /// CRSD 1.0.
+    Crsd {
+        /// The file.
+        path: PathBuf,
+        /// Overwrite an existing file.
+        force: bool,
+    },
     /// VITA 49.2 over UDP.
     Vita49(vita49::Settings),
     /// Shared memory (iceoryx2).
@@ -84,12 +94,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// A recording at a path: HDF5 if its name says so, or else a folder of plain files.
+    /// A recording at a path: HDF5 or CRSD if its name says so, or else a folder of plain files.
     pub fn recording_at(path: &Path, force: bool) -> Self {
         let owned = path.to_owned();
-        match names_hdf5(path) {
-            true => Self::Hdf5 { path: owned, segment_s: None, force },
-            false => Self::Plain { path: owned, force },
+        match (names_hdf5(path), names_crsd(path)) {
+            (true, _) => Self::Hdf5 { path: owned, segment_s: None, force },
+            (_, true) => Self::Crsd { path: owned, force },
+            _ => Self::Plain { path: owned, force },
         }
     }
 }
@@ -97,6 +108,11 @@ impl Kind {
 /// Whether a name is that of an HDF5 file.
 pub fn names_hdf5(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
+}
+
+/// Whether a name is that of a CRSD file.
+pub fn names_crsd(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "crsd")
 }
 
 /// All that stands in the way of these sinks: outputs that exist (without force) or are no recordings (with
@@ -154,6 +170,10 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
             },
             Kind::Plain { path, force } => {
                 (path.as_path(), false, files::preflight(path, *force, &recognise).map_err(SinkError::from))
+            }
+            Kind::Crsd { path, force } => {
+                let free = files::preflight(path, *force, &recognise_crsd);
+                (path.as_path(), false, free.map_err(SinkError::from))
             }
             Kind::Hdf5 { path, segment_s, force } => {
                 (path.as_path(), segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))

@@ -118,6 +118,7 @@ fn sink_text(kind: &Kind) -> String {
             format!("HDF5 recordings {} of {segment_s} s each", shown(path))
         }
         Kind::Plain { path, .. } => format!("plain folder {}", shown(path)),
+        Kind::Crsd { path, .. } => format!("CRSD file {}", shown(path)),
         Kind::Vita49(settings) => {
             format!("VITA 49.2 over UDP to {}, packets of {} bytes", settings.address, settings.mtu_bytes)
         }

@@ -24,8 +24,8 @@ tables! {
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {
-        KIND "kind", Choice(&["hdf5", "plain", "vita49", "shm", "zmq", "nav", "null"]), Required, "HDF5 recording; folder of plain files; VITA 49.2 over UDP (docs/wire.md); shared memory and ZeroMQ (docs/formats.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
-        PATH "path", Output, Required, "hdf5: the file; plain: the folder.";
+        KIND "kind", Choice(&["hdf5", "plain", "crsd", "vita49", "shm", "zmq", "nav", "null"]), Required, "HDF5 recording; folder of plain files; CRSD 1.0 (docs/formats.md); VITA 49.2 over UDP (docs/wire.md); shared memory and ZeroMQ (docs/formats.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
+        PATH "path", Output, Required, "hdf5, crsd: the file; plain: the folder.";
         SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
         ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
         BIND "bind", Kind::Address, Means("vita49: any free port; zmq: \"127.0.0.1:5555\""), "vita49: local address and port to send from. zmq: where subscribers connect to; with messages = \"samples\" channel 0 has this port, and each other channel the one after that of the channel before.";

@@ -193,6 +193,7 @@ fn sink(
             path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
         }
         Some("nav") => nav_out::nav(&section, ground, platforms).map(sinks::Kind::Nav),
+        Some("crsd") => output(&section, taken).map(|path| sinks::Kind::Crsd { path, force: false }),
         Some("plain") => output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false }),
         Some("vita49") => {
             let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));

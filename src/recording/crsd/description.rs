@@ -301,6 +301,18 @@ impl Description {
         self.sequences.iter().map(in_all).collect()
     }
 
+    /// Whether every channel has pulses enough for a file.
+    ///
+    /// # Errors
+    /// The first that has fewer than two.
+    pub fn check_planned(&self, planned: &[u64]) -> Result<(), CrsdError> {
+        let of = |channel: &Channel| planned.get(channel.sequence).copied().unwrap_or(0);
+        match self.channels.iter().find(|channel| of(channel) < 2) {
+            Some(short) => Err(CrsdError::FewPulses { channel: short.id.clone(), pulses: of(short) }),
+            None => Ok(()),
+        }
+    }
+
     /// Whether a pulse with this code belongs to a sequence.
     pub(super) fn is_in(&self, tx_pol: u8, sequence: usize) -> bool {
         tx_pol == 0 || self.sequences[sequence].polarisation.code() == tx_pol

@@ -6,12 +6,11 @@ use std::path::Path;
 
 use super::description::Description;
 use super::fault::CrsdError;
-use super::states::{AntennaRow, BEFORE, BEYOND, PulseRow};
+use super::states::{AntennaRow, BEFORE, BEYOND, PulseRow, recorded_time};
 use super::writer::{PulseSamples, Writer};
 use crate::recording::RecordingError;
 use crate::recording::columns::{Column, Rows, columns};
 use crate::recording::source::Source;
-use crate::time::TimeTag;
 
 /// Samples that are read at a time, bytes.
 const BLOCK_BYTES: usize = 8 << 20;
@@ -136,10 +135,8 @@ impl Table<'_> {
         let windows = self.reals::<1>("pulse/window_start_s", range.clone())?;
         let mut rows: Vec<PulseRow> = Vec::with_capacity(range.len());
         for place in 0..range.len() {
-            let (ns, [part_ns]) = (time_ns[place], parts_ns[place]);
-            let fraction_s = (ns.rem_euclid(1_000_000_000) as f64 + part_ns) * 1e-9;
-            let time = TimeTag::new(ns.div_euclid(1_000_000_000), fraction_s);
-            let [window_start_s] = windows[place];
+            let ([part_ns], [window_start_s]) = (parts_ns[place], windows[place]);
+            let time = recorded_time(time_ns[place], part_ns);
             if let Some(last) = rows.last()
                 && !(last.index < index[place] && time.since(last.time) > 0.0)
             {

@@ -11,7 +11,7 @@
 //! | `records` | parameters per pulse and per vector, times on the grid of samples |
 //! | `pattern`, `covariance`, `reference` | support arrays, errors, reference geometry and polarisation |
 //! | `writer`, `document`, `xml` | the file |
-//! | `export` | from a recording |
+//! | `export`, `nearby` | from a recording, from a run |
 //!
 //! Positions are those **reported**: the truth stays in the recording.
 
@@ -20,6 +20,7 @@ mod description;
 mod document;
 mod export;
 mod fault;
+mod nearby;
 mod pattern;
 mod records;
 mod reference;
@@ -30,4 +31,5 @@ mod xml;
 pub use description::{Described, Description};
 pub use export::{Exported, export};
 pub use fault::{CrsdError, ExportError};
+pub use nearby::Nearby;
 pub use writer::{PulseSamples, Writer};

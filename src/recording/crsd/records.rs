@@ -99,14 +99,15 @@ impl Record {
     pub fn cycles(&mut self, hz: f64, seconds: f64) -> &mut Self {
         let product = hz * seconds;
         let lost = hz.mul_add(seconds, -product);
-        let whole = (product + lost).floor();
-        let fraction = (product - whole) + lost;
+        let (mut whole, mut fraction) = (product.floor(), product - product.floor() + lost);
+        if fraction < 0.0 {
+            (whole, fraction) = (whole - 1.0, fraction + 1.0);
+        }
         // A fraction that rounds to 1.
         if fraction >= 1.0 {
-            self.whole(whole as i64 + 1).real(0.0)
-        } else {
-            self.whole(whole as i64).real(fraction)
+            (whole, fraction) = (whole + 1.0, fraction - 1.0);
         }
+        self.whole(whole as i64).real(fraction)
     }
 
     /// Position, velocity, and later the axes, stand apart in a record.
@@ -191,6 +192,12 @@ mod tests {
         assert_eq!(i64::from_be_bytes(known.word("Phi", 0)), 49_441_358);
         let fraction = f64::from_be_bytes(known.word("Phi", 1));
         assert!((fraction - 0.013_969_13).abs() < 1e-7, "{fraction}");
+        // A product that is rounded up to a whole number: the fraction stays below 1.
+        let mut record = Record::default();
+        record.cycles(10e9, 0.333e-6 / 2.0);
+        let known = Known { fields: &[("Phi", INT_FRAC, 2)], bytes: record.0 };
+        assert_eq!(i64::from_be_bytes(known.word("Phi", 0)), 1664);
+        assert!((0.0..1.0).contains(&f64::from_be_bytes(known.word("Phi", 1))));
     }
 
     #[test]

@@ -24,7 +24,7 @@ const AT_REST_MPS: f64 = 1e-9;
 
 /// What is reported of an antenna at an emission, in the frame of the scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AntennaRow {
+pub struct AntennaRow {
     pub centre_m: [f64; 3],
     pub velocity_mps: [f64; 3],
     /// Antenna to the frame of the scene.
@@ -55,6 +55,12 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> DQuat {
     DQuat::from_xyzw(x, y, z, w).normalize()
 }
 
+/// The emission that a recording holds: rounded down to nanoseconds, and the rest of it.
+pub(super) fn recorded_time(ns: i64, part_ns: f64) -> TimeTag {
+    const NS: i64 = 1_000_000_000;
+    TimeTag::new(ns.div_euclid(NS), (ns.rem_euclid(NS) as f64 + part_ns) * 1e-9)
+}
+
 impl AntennaRow {
     /// From axes and attitudes as recorded.
     pub fn new(
@@ -83,9 +89,11 @@ impl PulseRow {
                 reported.attitude_quat,
             ))
         };
+        let (ns, part_ns) = pulse.time.to_unix_ns();
         Some(Self {
             index: pulse.index,
-            time: pulse.time,
+            // As a recording rounds it, so that its export is the same file.
+            time: recorded_time(ns, part_ns),
             window_start_s: pulse.window_start_s,
             tx_pol: pulse.tx_pol,
             antennas: description.ends.iter().map(antenna).collect::<Option<_>>()?,

@@ -15,15 +15,13 @@ use std::sync::Arc;
 use num_complex::{Complex, Complex32};
 
 use super::description::{Channel, Description, FLAT, Sequence, Signal};
-use super::document;
+use super::document::{self, Blocks, XML_AT};
 use super::fault::CrsdError;
 use super::pattern::GainArray;
 use super::records::{Grid, Known, PPP, PVP, Record, bytes};
 use super::states::{PulseRow, State, state};
 use crate::time::TimeTag;
 
-/// Where the XML begins: behind a header that is always shorter.
-pub(super) const XML_AT: u64 = 2048;
 /// Blocks begin at multiples of this.
 const ALIGNED: u64 = 64;
 /// What an array holds back before it is written.
@@ -54,15 +52,6 @@ impl Array {
     fn bytes(&self) -> u64 {
         self.written * self.record as u64
     }
-}
-
-/// Where the blocks of a complete file are, and how long they are.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Blocks {
-    pub support: (u64, u64),
-    pub ppp: (u64, u64),
-    pub pvp: (u64, u64),
-    pub signal: (u64, u64),
 }
 
 /// A CRSD file under way.
@@ -96,9 +85,7 @@ impl Writer {
         planned: &[u64],
     ) -> Result<Self, CrsdError> {
         let of = |sequence: usize| planned.get(sequence).copied().unwrap_or(0);
-        if let Some(channel) = description.channels.iter().find(|channel| of(channel.sequence) < 2) {
-            return Err(CrsdError::FewPulses { channel: channel.id.clone(), pulses: of(channel.sequence) });
-        }
+        description.check_planned(planned)?;
         let support = support(&description);
         let names: usize = description.channels.iter().map(|c| c.id.len()).sum::<usize>()
             + description.ends.iter().map(|end| end.name.len() + end.platform.len()).sum::<usize>();
@@ -257,6 +244,11 @@ impl Writer {
         Ok(())
     }
 
+    /// What the file holds.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
     /// Pulses taken.
     pub fn pulses(&self) -> u64 {
         self.pulses
@@ -397,13 +389,15 @@ fn encode(signal: Signal, code: Complex<i16>, buffer: &mut Vec<u8>) {
     }
 }
 
-/// The support block: the gains of every antenna, an element that is the same everywhere, a flat response.
+/// The support block: the gains of every antenna, an element that is the same everywhere, a flat response,
+/// the pulse behind the receive filter.
 fn support(description: &Description) -> Vec<u8> {
     let element = GainArray::flat();
     let arrays = description.ends.iter().map(|end| &end.array).chain([&element]);
     let values = arrays.flat_map(|array| array.values.iter().flatten().copied());
     let response = [1.0_f32, 0.0].repeat(document::RESPONSE_COLUMNS);
-    values.chain(response).flat_map(canonical).collect()
+    let replica = description.header.replica.iter().flat_map(|z| [z.re, z.im]);
+    values.chain(response).chain(replica).flat_map(canonical).collect()
 }
 
 /// Bytes of a value; what is none has those of `NODATA`.
@@ -434,7 +428,7 @@ impl Description {
             .real(sequence.intensity_dbw)
             .axes(state)
             .whole(0)
-            .real(-shift_s)
+            .real(0.0 - shift_s)
             .whole(index as i64);
         record
     }
@@ -463,7 +457,7 @@ impl Description {
             .real(self.scale)
             .real(0.0)
             .whole(pulse)
-            .real(-shift_s);
+            .real(0.0 - shift_s);
         record
     }
 }

@@ -64,7 +64,7 @@ mod packets;
 mod radar;
 mod stamp;
 
-use crate::pulse::{Pulse, Samples, flags};
+use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
 use super::sink::{Closed, Sink, SinkError, SinkReport};

@@ -3,6 +3,9 @@
 //! Elements stand in the order of the standard's schema. The reference pulse and vector of a sequence or
 //! channel are in its middle, the reference channel is the first one.
 
+mod antennas;
+mod channels;
+
 use std::io;
 use std::sync::Arc;
 
@@ -12,12 +15,13 @@ use super::description::{Channel, Description, End, FLAT, NOISE, Sequence};
 use super::records::{ADDED, Field, Known, PPP, PVP, bytes};
 use super::reference::{Bistatic, OneWay, TwoAxes, at_point, local, port};
 use super::states::State;
-use super::writer::{Blocks, XML_AT};
 use super::xml::Xml;
 use crate::frames::{Ecef, Enu, Point, Vector};
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 
+/// Where the XML begins: behind a header that is always shorter.
+pub(super) const XML_AT: u64 = 2048;
 /// Ends a section of text.
 pub(super) const SECTION_END: &[u8] = b"\x0c\n";
 /// Columns of the frequency response.
@@ -27,10 +31,20 @@ const CLASSIFICATION: &str = "UNCLASSIFIED";
 const RELEASE: &str = "UNRESTRICTED";
 const ELEMENT: &str = ":element";
 const RESPONSE_NAME: &str = ":response";
+const REPLICA: &str = ":replica";
 /// Name of the middle of the recording and its length, as dwell times.
 const DWELL: &str = "recording";
 /// Half the side of the image area where there is neither sea nor target, m.
 const HALF_SIDE_M: f64 = 256.0;
+
+/// Where the blocks of a complete file are, and how long they are.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Blocks {
+    pub support: (u64, u64),
+    pub ppp: (u64, u64),
+    pub pvp: (u64, u64),
+    pub signal: (u64, u64),
+}
 
 /// The text before the XML.
 pub(super) fn file_header(blocks: &Blocks, xml: usize) -> Vec<u8> {
@@ -119,22 +133,6 @@ fn parameters(xml: &mut Xml, block: &str, fields: &[Field]) -> io::Result<()> {
 fn state(record: &Known, end: &str) -> State {
     let of = |name: &str| record.vector(&format!("{end}{name}"));
     State { position_m: of("Pos"), velocity_mps: of("Vel"), acx: of("ACX"), acy: of("ACY") }
-}
-
-fn polarisation(xml: &mut Xml, name: &str, of: Polarisation, at: &TwoAxes) -> io::Result<()> {
-    let id = match of {
-        Polarisation::H => "H",
-        Polarisation::V => "V",
-        Polarisation::R => "RHC",
-        Polarisation::L => "LHC",
-    };
-    xml.within(name, |xml| {
-        xml.text("PolarizationID", id)?;
-        xml.real("AmpH", at.amplitudes[0])?;
-        xml.real("AmpV", at.amplitudes[1])?;
-        xml.real("PhaseH", at.phases[0])?;
-        xml.real("PhaseV", at.phases[1])
-    })
 }
 
 fn reference_point(xml: &mut Xml, name: &str, area: &Area) -> io::Result<()> {
@@ -317,7 +315,9 @@ impl Facts {
     fn support_arrays(&self) -> Vec<(&str, [usize; 2])> {
         let of = |end: &'_ End| end.array.size;
         let ends = self.description.ends.iter().map(|end| (end.name.as_str(), of(end)));
-        ends.chain([(ELEMENT, [3, 3]), (RESPONSE_NAME, [1, RESPONSE_COLUMNS])]).collect()
+        let replica = [1, self.description.header.replica.len()];
+        let shared = [(ELEMENT, [3, 3]), (RESPONSE_NAME, [1, RESPONSE_COLUMNS]), (REPLICA, replica)];
+        ends.chain(shared).collect()
     }
 
     fn data(&self, xml: &mut Xml) -> io::Result<()> {
@@ -374,284 +374,6 @@ impl Facts {
             })
         })
     }
-
-    fn sequences(&self, xml: &mut Xml, area: &Area) -> io::Result<()> {
-        let description = &self.description;
-        let header = &description.header;
-        let (_, reference, ..) = self.reference();
-        xml.within("TxSequence", |xml| {
-            xml.text("RefTxId", &reference.id)?;
-            xml.text("TxWFType", "LFM")?;
-            description.sequences.iter().enumerate().try_for_each(|(i, sequence)| {
-                let [tx1, tx2] = Self::span(&self.pulses[i..=i], "TxTime");
-                let seen = state(&self.pulses[i][1], "Tx");
-                let name = &description.ends[sequence.end].name;
-                xml.within("Parameters", |xml| {
-                    xml.text("Identifier", &sequence.id)?;
-                    xml.text("RefPulseIndex", self.counts[i] / 2)?;
-                    xml.text("FxResponseId", support_id(RESPONSE_NAME))?;
-                    xml.text("FxBWFixed", true)?;
-                    xml.real("FxC", header.carrier_hz)?;
-                    xml.real("FxBW", header.bandwidth_hz)?;
-                    xml.real("TXmtMin", header.pulse_s)?;
-                    xml.real("TXmtMax", header.pulse_s)?;
-                    xml.real("TxTime1", tx1)?;
-                    xml.real("TxTime2", tx2)?;
-                    xml.text("TxAPCId", name)?;
-                    xml.text("TxAPATId", pattern_id(name, sequence.polarisation))?;
-                    reference_point(xml, "TxRefPoint", area)?;
-                    let at = at_point(&seen, port(sequence.polarisation), area.middle, 1.0);
-                    polarisation(xml, "TxPolarization", sequence.polarisation, &at)?;
-                    xml.real("TxRefRadIntensity", sequence.intensity_dbw)?;
-                    xml.real("TxRadIntErrorStdDev", 0.0)?;
-                    xml.real("TxRefLAtm", self.air_db(&seen, area))
-                })
-            })
-        })
-    }
-
-    fn air_db(&self, seen: &State, area: &Area) -> f64 {
-        self.description.air_db_per_m * seen.position_m.distance(area.middle)
-    }
-
-    fn channels(&self, xml: &mut Xml, area: &Area) -> io::Result<()> {
-        let description = &self.description;
-        xml.within("Channel", |xml| {
-            xml.text("RefChId", &description.channels[0].id)?;
-            (0..description.channels.len()).try_for_each(|i| self.channel(xml, area, i))
-        })
-    }
-
-    fn channel(&self, xml: &mut Xml, area: &Area, i: usize) -> io::Result<()> {
-        let description = &self.description;
-        let header = &description.header;
-        let channel = &description.channels[i];
-        let sequence = &description.sequences[channel.sequence];
-        let middle = self.counts[channel.sequence] / 2;
-        let [start1, start2] = Self::span(&self.vectors[i..=i], "RcvStart");
-        let band = self.received_band();
-        let seen = state(&self.vectors[i][1], "Rcv");
-        let name = &description.ends[channel.end].name;
-        xml.within("Parameters", |xml| {
-            xml.text("Identifier", &channel.id)?;
-            xml.text("RefVectorIndex", middle)?;
-            xml.text("RefFreqFixed", true)?;
-            xml.text("FrcvFixed", true)?;
-            xml.text("SignalNormal", true)?;
-            xml.real("F0Ref", header.carrier_hz)?;
-            xml.real("Fs", header.sample_rate_hz)?;
-            xml.real("BWInst", FLAT * header.sample_rate_hz)?;
-            xml.real("RcvStartTime1", start1)?;
-            xml.real("RcvStartTime2", start2)?;
-            xml.real("FrcvMin", band[0])?;
-            xml.real("FrcvMax", band[1])?;
-            xml.text("RcvAPCId", name)?;
-            xml.text("RcvAPATId", pattern_id(name, channel.polarisation))?;
-            reference_point(xml, "RcvRefPoint", area)?;
-            let at = at_point(&seen, port(channel.polarisation), area.middle, -1.0);
-            polarisation(xml, "RcvPolarization", channel.polarisation, &at)?;
-            xml.real("RcvRefIrradiance", channel.irradiance_dbw)?;
-            xml.real("RcvIrradianceErrorStdDev", 0.0)?;
-            xml.real("RcvRefLAtm", self.air_db(&seen, area))?;
-            xml.real("PNCRSD", description.noise_w)?;
-            xml.real("BNCRSD", NOISE)?;
-            xml.within("SARImage", |xml| {
-                xml.text("TxId", &sequence.id)?;
-                xml.text("RefVectorPulseIndex", middle)?;
-                let sent = state(&self.pulses[channel.sequence][1], "Tx");
-                let at = at_point(&sent, port(sequence.polarisation), area.middle, 1.0);
-                polarisation(xml, "TxPolarization", sequence.polarisation, &at)?;
-                xml.within("DwellTimes", |xml| {
-                    xml.within("Polynomials", |xml| {
-                        xml.text("CODId", DWELL)?;
-                        xml.text("DwellId", DWELL)
-                    })
-                })?;
-                image_area(xml, area)
-            })
-        })
-    }
-
-    /// Middle and length of the recording, s.
-    fn dwell_s(&self) -> [f64; 2] {
-        let [first, last] = Self::span(&self.pulses, "TxTime");
-        [0.5 * (first + last), last - first]
-    }
-
-    fn reference_geometry(&self, xml: &mut Xml, area: &Area) -> io::Result<()> {
-        let (_, _, pulse, vector) = self.reference();
-        let (sent, received) = (state(pulse, "Tx"), state(vector, "Rcv"));
-        let axes = local(area.middle);
-        let transmitter = OneWay::of(sent.position_m, sent.velocity_mps, area.middle, axes);
-        let receiver = OneWay::of(received.position_m, received.velocity_mps, area.middle, axes);
-        let both = Bistatic::of(&transmitter, &receiver, area.middle, axes);
-        let (sent_s, received_s) = (pulse.time_s("TxTime"), vector.time_s("RcvStart"));
-        let part = transmitter.slant_m / (transmitter.slant_m + receiver.slant_m);
-        xml.within("ReferenceGeometry", |xml| {
-            reference_point(xml, "RefPoint", area)?;
-            xml.within("SARImage", |xml| {
-                let [middle_s, length_s] = self.dwell_s();
-                xml.real("CODTime", middle_s)?;
-                xml.real("DwellTime", length_s)?;
-                xml.real("ReferenceTime", sent_s + part * (received_s - sent_s))?;
-                xml.vector("ARPPos", both.reference.position_m)?;
-                xml.vector("ARPVel", both.reference.velocity_mps)?;
-                xml.real("BistaticAngle", both.angle_deg)?;
-                xml.real("BistaticAngleRate", both.angle_rate_deg)?;
-                angles(xml, &both.reference)?;
-                xml.real("TwistAngle", both.twist_deg)?;
-                xml.real("SlopeAngle", both.slope_deg)?;
-                xml.real("LayoverAngle", both.layover_deg)
-            })?;
-            for (name, time_s, way) in
-                [("TxParameters", sent_s, &transmitter), ("RcvParameters", received_s, &receiver)]
-            {
-                xml.within(name, |xml| {
-                    xml.real("Time", time_s)?;
-                    xml.vector("APCPos", way.position_m)?;
-                    xml.vector("APCVel", way.velocity_mps)?;
-                    angles(xml, way)
-                })?;
-            }
-            Ok(())
-        })
-    }
-
-    fn dwell(&self, xml: &mut Xml) -> io::Result<()> {
-        let [middle_s, length_s] = self.dwell_s();
-        let times = [("COD", "CODTime", middle_s), ("Dwell", "DwellTime", length_s)];
-        xml.within("DwellPolynomials", |xml| {
-            times.into_iter().try_for_each(|(_, name, seconds)| {
-                xml.text(&format!("Num{name}s"), 1)?;
-                xml.within(name, |xml| {
-                    xml.text("Identifier", DWELL)?;
-                    xml.with(&format!("{name}Poly"), &[("order1", "0"), ("order2", "0")], |xml| {
-                        let place = [("exponent1", "0"), ("exponent2", "0")];
-                        xml.text_with("Coef", &place, format!("{seconds:?}"))
-                    })
-                })
-            })
-        })
-    }
-
-    fn support(&self, xml: &mut Xml) -> io::Result<()> {
-        let header = &self.description.header;
-        let flat = super::pattern::GainArray::flat();
-        let ends = self.description.ends.iter().map(|end| (end.name.as_str(), &end.array));
-        xml.within("SupportArray", |xml| {
-            ends.chain([(ELEMENT, &flat)]).try_for_each(|(name, array)| {
-                xml.within("GainPhaseArray", |xml| {
-                    xml.text("Identifier", support_id(name))?;
-                    xml.text("ElementFormat", "Gain=F4;Phase=F4;")?;
-                    xml.real("X0", array.first(0))?;
-                    xml.real("Y0", array.first(1))?;
-                    xml.real("XSS", array.step[0])?;
-                    xml.real("YSS", array.step[1])?;
-                    if array.has_gaps() { xml.text("NODATA", "7fc000007fc00000") } else { Ok(()) }
-                })
-            })?;
-            xml.within("FxResponseArray", |xml| {
-                xml.text("Identifier", support_id(RESPONSE_NAME))?;
-                xml.text("ElementFormat", "Amp=F4;Phase=F4;")?;
-                xml.real("Fx0FXR", header.carrier_hz - 0.5 * header.sample_rate_hz)?;
-                xml.real("FxSSFXR", 0.5 * header.sample_rate_hz)
-            })
-        })
-    }
-
-    /// Antennas with the polarisations of their ports, each once.
-    fn ports(&self) -> Vec<(&str, Polarisation)> {
-        let description = &self.description;
-        let sent = description.sequences.iter().map(|s| (s.end, s.polarisation));
-        let received = description.channels.iter().map(|c| (c.end, c.polarisation));
-        let mut ports = Vec::new();
-        for (end, polarisation) in sent.chain(received) {
-            let port = (description.ends[end].name.as_str(), polarisation);
-            if !ports.contains(&port) {
-                ports.push(port);
-            }
-        }
-        ports
-    }
-
-    fn antennas(&self, xml: &mut Xml) -> io::Result<()> {
-        let ends = &self.description.ends;
-        let ports = self.ports();
-        xml.within("Antenna", |xml| {
-            xml.text("NumACFs", ends.len())?;
-            xml.text("NumAPCs", ends.len())?;
-            xml.text("NumAPATs", ports.len())?;
-            for end in ends {
-                xml.within("AntCoordFrame", |xml| xml.text("Identifier", &end.name))?;
-            }
-            for end in ends {
-                xml.within("AntPhaseCenter", |xml| {
-                    xml.text("Identifier", &end.name)?;
-                    xml.text("ACFId", &end.name)?;
-                    xml.vector("APCXYZ", DVec3::ZERO)
-                })?;
-            }
-            ports.into_iter().try_for_each(|(name, polarisation)| {
-                xml.within("AntPattern", |xml| {
-                    xml.text("Identifier", pattern_id(name, polarisation))?;
-                    xml.real("FreqZero", self.description.header.carrier_hz)?;
-                    xml.text("ArrayGPId", support_id(name))?;
-                    xml.text("ElemGPId", support_id(ELEMENT))?;
-                    for scale in ["EBFreqShift", "MLFreqDilation"] {
-                        xml.within(scale, |xml| {
-                            xml.real("DCXSF", 0.0)?;
-                            xml.real("DCYSF", 0.0)
-                        })?;
-                    }
-                    xml.with("GainBSPoly", &[("order1", "0")], |xml| {
-                        xml.text_with("Coef", &[("exponent1", "0")], "0.0")
-                    })?;
-                    let TwoAxes { amplitudes, phases } = port(polarisation);
-                    xml.within("AntPolRef", |xml| {
-                        xml.real("AmpX", amplitudes[0])?;
-                        xml.real("AmpY", amplitudes[1])?;
-                        xml.real("PhaseX", phases[0])?;
-                        xml.real("PhaseY", phases[1])
-                    })
-                })
-            })
-        })
-    }
-
-    fn errors(&self, xml: &mut Xml) -> io::Result<()> {
-        let (channel, sequence, ..) = self.reference();
-        let [sent, received] = [sequence.end, channel.end].map(|end| &self.description.ends[end]);
-        let is_monostatic = self.description.is_monostatic();
-        xml.within("ErrorParameters", |xml| {
-            xml.within("SARImage", |xml| {
-                xml.within(if is_monostatic { "Monostatic" } else { "Bistatic" }, |xml| {
-                    xml.within("PosVelError", |xml| {
-                        if is_monostatic {
-                            xml.text("Frame", "ECF")?;
-                            return xml.matrix("PVCov", &received.covariance);
-                        }
-                        xml.text("TxFrame", "ECF")?;
-                        xml.matrix("TxPVCov", &sent.covariance)?;
-                        xml.text("RcvFrame", "ECF")?;
-                        xml.matrix("RcvPVCov", &received.covariance)?;
-                        xml.matrix("TxRcvPVCov", &[[0.0; 6]; 6])
-                    })?;
-                    let [[tx_s2, tx_rate2], [rcv_s2, rcv_rate2]] = [sent.clock, received.clock];
-                    xml.within("RadarSensor", |xml| {
-                        if is_monostatic {
-                            let rate2 = tx_rate2.max(rcv_rate2);
-                            return xml.matrix("TimeFreqCov", &diagonal([tx_s2, rcv_s2, rate2]));
-                        }
-                        xml.matrix("TimeFreqCov", &diagonal([tx_s2, rcv_s2, tx_rate2, rcv_rate2]))
-                    })
-                })
-            })
-        })
-    }
-}
-
-fn diagonal<const N: usize>(values: [f64; N]) -> [[f64; N]; N] {
-    std::array::from_fn(|row| std::array::from_fn(|column| if row == column { values[row] } else { 0.0 }))
 }
 
 /// Names of support arrays; no antenna has that of one that all share, which begins with a colon.
@@ -661,15 +383,4 @@ fn support_id(name: &str) -> String {
 
 fn pattern_id(antenna: &str, polarisation: Polarisation) -> String {
     format!("{antenna}-{}", polarisation.letter())
-}
-
-fn angles(xml: &mut Xml, way: &OneWay) -> io::Result<()> {
-    xml.text("SideOfTrack", way.side)?;
-    xml.real("SlantRange", way.slant_m)?;
-    xml.real("GroundRange", way.ground_m)?;
-    xml.real("DopplerConeAngle", way.cone_deg)?;
-    xml.real("SquintAngle", way.squint_deg)?;
-    xml.real("AzimuthAngle", way.azimuth_deg)?;
-    xml.real("GrazeAngle", way.graze_deg)?;
-    xml.real("IncidenceAngle", way.incidence_deg)
 }
