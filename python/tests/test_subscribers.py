@@ -162,14 +162,15 @@ def test_every_subscriber_gets_every_pulse_beside_a_recording(tmp_path):
     first = ports(3)
     sinks: list[dict[str, object]] = [
         {"kind": "hdf5", "path": str(tmp_path / "all.h5")},
-        {"kind": "zmq", "bind": f"127.0.0.1:{first}"},
-        {"kind": "zmq", "bind": f"127.0.0.1:{first + 2}", "messages": "multipart"},
+        # A subscriber that a busy machine lets sleep for a second is no fault of a sink either.
+        {"kind": "zmq", "bind": f"127.0.0.1:{first}", "buffer_pulses": PULSES},
+        {"kind": "zmq", "bind": f"127.0.0.1:{first + 2}", "messages": "multipart", "buffer_pulses": PULSES},
     ]
     service = f"test-{os.getpid()}"
     samples = [Zmq(first + channel, PULSES) for channel in range(2)]
     whole = Zmq(first + 2, 2 * PULSES)
     if shm:
-        sinks.append({"kind": "shm", "service": service})
+        sinks.append({"kind": "shm", "service": service, "buffer_pulses": PULSES})
         shared = Shm(service)
     ended = report(begin(run_words(sinks, SECONDS)))
     assert ended["pulses"] == PULSES and ended["dropped"] == 0
@@ -205,24 +206,24 @@ def test_a_subscriber_that_is_killed_or_stopped_costs_nobody_else_a_pulse(tmp_pa
     if kind == "zmq":
         pytest.importorskip("zmq")
         port = ports(1)
-        sink = {"kind": "zmq", "bind": f"127.0.0.1:{port}", "messages": "multipart", "buffer_pulses": 400}
+        sink = {"kind": "zmq", "bind": f"127.0.0.1:{port}", "messages": "multipart", "buffer_pulses": 1000}
         words = [sys.executable, "-c", ZMQ, f"tcp://127.0.0.1:{port}"]
     else:
         needs_shm()
         service = f"test-{os.getpid()}-killed"
-        sink = {"kind": "shm", "service": service, "buffer_pulses": 400}
+        sink = {"kind": "shm", "service": service, "buffer_pulses": 1000}
         words = [sys.executable, "-c", SHM, service, str(ROOT / "python/nereus/shm.py")]
     good, killed, stopped = everybody = [begin(words) for _ in range(3)]
     try:
         for each in everybody:
             assert each.stdout is not None and each.stdout.readline() == "ready\n"
         # 16 KiB a pulse: what one sleeps through does not fit the buffers of its connection.
-        run = begin(run_words([sink, {"kind": "hdf5", "path": str(tmp_path / "all.h5")}], 3.0, samples=1024))
+        run = begin(run_words([sink, {"kind": "hdf5", "path": str(tmp_path / "all.h5")}], 4.0, samples=1024))
         for each in everybody:
             assert each.stdout is not None and each.stdout.readline() == "began\n"
         killed.send_signal(signal.SIGKILL)
         stopped.send_signal(signal.SIGSTOP)
-        time.sleep(2.0)
+        time.sleep(3.0)
         stopped.send_signal(signal.SIGCONT)
         ended = report(run)
         counts = json.loads(good.communicate(timeout=60)[0])
@@ -231,11 +232,11 @@ def test_a_subscriber_that_is_killed_or_stopped_costs_nobody_else_a_pulse(tmp_pa
         for each in everybody:
             each.kill()
             each.wait()
-    assert ended["pulses"] == 3000 and ended["dropped"] == 0
+    assert ended["pulses"] == 4000 and ended["dropped"] == 0
     assert all(each["dropped"] == 0 for each in ended["sinks"])
-    assert (counts["received"], counts["missed"]) == (3000, 0)
+    assert (counts["received"], counts["missed"]) == (4000, 0)
     # It knows how many it has missed, and goes on.
-    assert late["received"] + late["missed"] == 3000 and late["missed"] > 100, late
+    assert late["received"] + late["missed"] == 4000 and late["missed"] > 100, late
 
 
 def test_a_port_in_use_is_reported_before_anything_is_made(tmp_path):

@@ -214,7 +214,7 @@ fn nobody_waits_for_a_subscriber() {
     drop(sleeps);
     // 38 MB were published; the sockets of the one that sleeps hold a few of them, its queue 16 pulses.
     assert!(all.seen == 4 && all.lost > 100, "{all:?}");
-    assert!(slowest < Duration::from_secs(1), "{slowest:?}");
+    assert!(slowest < Duration::from_secs(5), "{slowest:?}");
 }
 
 #[test]
