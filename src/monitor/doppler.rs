@@ -4,6 +4,7 @@
 //! and `w` Hann's window. Windows of different starts are aligned to whole cells: their carrier phase needs no
 //! correction, since delays are absolute. Frequencies are known up to multiples of the PRF.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use num_complex::Complex32;
@@ -44,8 +45,11 @@ pub struct Burst {
     /// Numbers from one pulse to the next: 2 where the channel is radiated every second time.
     step: u64,
     last: Option<u64>,
-    starts_s: Vec<f64>,
-    windows: Vec<Vec<Complex32>>,
+    /// Emission of the last pulse, s.
+    last_s: f64,
+    /// Starts of the windows, and the windows, the oldest first; more of these may be left from an earlier burst.
+    starts_s: VecDeque<f64>,
+    windows: VecDeque<Vec<Complex32>>,
 }
 
 /// Pulses of a map of windows of so many samples.
@@ -67,22 +71,27 @@ impl Burst {
         self.channel
     }
 
-    /// Takes a pulse in which the channel is illuminated; what does not continue the burst begins a new one.
-    pub fn take(&mut self, pulse: &Pulse, ranges: &mut Ranges) {
+    /// Takes a pulse in which the channel is illuminated, and holds no more than so many; what does not continue the
+    /// burst begins a new one.
+    pub fn take(&mut self, pulse: &Pulse, time_s: f64, most: usize, ranges: &mut Ranges) {
         let step = self.last.map(|last| pulse.index.saturating_sub(last));
         match (self.starts_s.len(), step) {
             (1, Some(step @ 1..=8)) => self.step = step,
             (2.., Some(step)) if step == self.step => {}
             _ => self.starts_s.clear(),
         }
-        self.last = Some(pulse.index);
+        (self.last, self.last_s) = (Some(pulse.index), time_s);
+        if self.starts_s.len() >= most {
+            self.starts_s.pop_front();
+            self.windows.rotate_left(1);
+        }
         let place = self.starts_s.len();
         if self.windows.len() <= place {
-            self.windows.push(Vec::new());
+            self.windows.push_back(Vec::new());
         }
         self.windows[place].clear();
         self.windows[place].extend_from_slice(ranges.window(pulse, self.channel));
-        self.starts_s.push(pulse.window_start_s);
+        self.starts_s.push_back(pulse.window_start_s);
     }
 
     /// Whether there are enough pulses for a map.
@@ -125,6 +134,8 @@ impl Burst {
             powers.chunks_exact(cells.max(1)).flat_map(|row| ranges.peaks(row.iter().copied())).collect();
         self.starts_s.clear();
         Map {
+            pulse: self.last.unwrap_or_default(),
+            time_s: self.last_s,
             rows,
             levels,
             start_s: first_s,
@@ -155,19 +166,20 @@ mod tests {
         let mut ranges = Ranges::new(&header).unwrap();
         let mut burst = Burst::default();
         let prf_hz = 256.0;
-        for n in 0..64_u64 {
+        // The map is of the last 64 of them.
+        for n in 0..80_u64 {
             let mut pulse = Pulse::new(&header.layout);
             pulse.index = n;
-            let drift = (n / 16) as usize;
+            let drift = (n / 20) as usize;
             pulse.window_start_s = 1e-5 + drift as f64 / 100e6;
             let Samples::Cf32(values) = &mut pulse.samples else { panic!() };
             values[200 - drift] = Complex32::from_polar(1e-3, (TAU * 30.0 * n as f64 / prf_hz) as f32);
-            burst.take(&pulse, &mut ranges);
+            burst.take(&pulse, n as f64, 64, &mut ranges);
         }
         assert!(burst.is_full(64) && !burst.is_full(65));
         let map = burst.map(&ranges, prf_hz);
         let columns = ranges.columns();
-        assert_eq!((map.rows, map.levels.len(), map.span_hz), (64, 64 * columns, prf_hz));
+        assert_eq!((map.rows, map.levels.len(), map.span_hz, map.pulse), (64, 64 * columns, prf_hz, 79));
         let peak = (0..map.levels.len()).max_by_key(|place| map.levels[*place]).unwrap();
         let doppler_hz = (peak / columns) as f64 / 64.0 * map.span_hz - 0.5 * map.span_hz;
         assert!((doppler_hz - 30.0).abs() <= 0.5 * prf_hz / 64.0, "{doppler_hz}");
@@ -191,7 +203,7 @@ mod tests {
         let mut pulse = Pulse::new(&header.layout);
         for index in [0, 2, 4, 6, 7] {
             pulse.index = index;
-            burst.take(&pulse, &mut ranges);
+            burst.take(&pulse, 0.0, 128, &mut ranges);
         }
         assert_eq!((burst.starts_s.len(), pulses(400), pulses(1 << 17), pulses(1 << 24)), (1, 128, 16, 16));
     }

@@ -188,16 +188,14 @@ impl Watcher {
             return;
         }
         let Some(ranges) = &mut self.ranges else { return };
-        if !self.burst.is_full(self.burst_pulses) {
-            self.burst.take(pulse, ranges);
-        }
+        self.burst.take(pulse, time_s, self.burst_pulses, ranges);
         if !self.burst.is_full(self.burst_pulses) || self.mapped.is_some_and(|at| at.elapsed() < MAP_EVERY) {
             return;
         }
         let (burst, prf_hz) = (&mut self.burst, self.hub.prf_hz);
         let Some(mut map) = self.budget.spend(|| burst.map(ranges, prf_hz)) else { return };
         self.maps += 1;
-        (map.number, map.pulse, map.time_s) = (self.maps, pulse.index, time_s);
+        map.number = self.maps;
         self.mapped = Some(Instant::now());
         self.hub.state().map = Some(map);
     }

@@ -6,7 +6,7 @@ import { clock, csv, whole } from "./format.js";
 
 const id = (name) => document.getElementById(name);
 const MOST_LINES = 400;
-const ROOM = { left: 58, right: 66 };
+const ROOM = { left: 58, right: 74 };
 const DECIBEL = 0.01;
 
 /** Takes range lines of the channel shown. */
@@ -20,7 +20,9 @@ export function take(model, message) {
 /** Low and high end of the colours, dBW. */
 export function scale(model) {
   if (!model.auto) return [model.low, Math.max(model.low + 1, model.high)];
-  const latest = model.lines.slice(-40);
+  // Of all that is in view, some sixty lines.
+  const each = Math.ceil(model.lines.length / 60);
+  const latest = model.lines.filter((_, place) => place % each === 0);
   const at = performance.now();
   if (latest.length && (!model.scaled || at - model.scaled > 1000)) {
     const all = latest.flatMap((line) => Array.from(line.levels).filter((_, k) => k % 3 === 0)).filter((v) => v > -30000);
