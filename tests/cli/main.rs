@@ -6,6 +6,8 @@ mod bench;
 mod control;
 mod examples;
 #[cfg(unix)]
+mod export;
+#[cfg(unix)]
 mod files;
 mod focus;
 #[cfg(unix)]
