@@ -2,7 +2,7 @@
 //!
 //! Arrays are written where they will be if all pulses of the run come; what is missing in the end is closed up.
 //! The file has no name of its own until it is complete: before that nobody could read it. A pulse waits for
-//! those after it that tell where antennas are when its window opens: two, and as many as leave before.
+//! those after it that tell where antennas are when its window opens: three, and as many as leave before.
 
 use std::collections::VecDeque;
 use std::fs::OpenOptions;

@@ -7,6 +7,7 @@ mod control;
 mod examples;
 #[cfg(unix)]
 mod export_sigmf;
+mod export;
 #[cfg(unix)]
 mod files;
 mod focus;

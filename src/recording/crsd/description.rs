@@ -158,9 +158,6 @@ impl Description {
         let Waveform::Lfm { bandwidth_hz, duration_s, sweep } = radar.waveform else {
             return Err(CrsdError::Waveform);
         };
-        if bandwidth_hz == 0.0 {
-            return Err(CrsdError::Waveform);
-        }
         let mut description = Self {
             header: header.clone(),
             frame,

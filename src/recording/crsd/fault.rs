@@ -65,7 +65,7 @@ pub enum CrsdError {
     },
     /// A waveform from a file.
     #[error(
-        "the waveform is read from a file; allowed for CRSD: linear frequency modulation with a bandwidth (radar.waveform.kind = \"lfm\")"
+        "the waveform is read from a file; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")"
     )]
     Waveform,
     /// Too few pulses in the polarisation of a channel.

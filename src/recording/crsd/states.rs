@@ -16,9 +16,9 @@ use crate::pulse::Pulse;
 use crate::time::TimeTag;
 
 /// Rows before a pulse from which its states are found.
-pub(super) const BEFORE: usize = 16;
+pub(super) const BEFORE: usize = 64;
 /// Rows beyond an instant from which the state there is found.
-pub(super) const BEYOND: usize = 2;
+pub(super) const BEYOND: usize = 3;
 /// Speed of a platform at rest, m/s, to the North: the angles of the reference geometry divide by it.
 const AT_REST_MPS: f64 = 1e-9;
 
