@@ -68,6 +68,9 @@ pub enum CrsdError {
         "the waveform is read from a file; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")"
     )]
     Waveform,
+    /// The transmitted pulse is missing.
+    #[error("has no replica of finite samples, which range compression needs; allowed: a whole recording")]
+    Replica,
     /// Too few pulses in the polarisation of a channel.
     #[error(
         "channel {}: {pulses} of the pulses left in its polarisation; allowed for CRSD: 2 or more",
