@@ -29,7 +29,7 @@ pub enum CrsdError {
     NoOrigin,
     /// What came over the wire.
     #[error(
-        "holds no antennas: what was received over the wire has neither phase centres nor a scenario; \
+        "was received over the wire, which carries neither powers nor losses nor where antennas truly look; \
          allowed: the recording of the run that sent it"
     )]
     Received,
