@@ -26,7 +26,7 @@ use tokio::sync::{Notify, Semaphore};
 use super::hub::Hub;
 use super::{MonitorFault, assets, client, guard, metrics, status, watch};
 
-/// Connections at a time, those of browsers that look on included.
+/// Connections at a time, those of browsers that look on apart.
 const CONNECTIONS: usize = 64;
 /// Browsers that look on.
 const BROWSERS: usize = 16;

@@ -40,7 +40,8 @@ pub struct Watcher {
     hub: Arc<Hub>,
     scenery: Scenery,
     ranges: Option<Ranges>,
-    budget: Budget,
+    line_budget: Budget,
+    map_budget: Budget,
     start: TimeTag,
     /// Code of the polarisation that a channel is radiated in; `None`: in every pulse.
     radiated: Vec<Option<u8>>,
@@ -50,7 +51,8 @@ pub struct Watcher {
     burst_pulses: usize,
     maps: u64,
     mapped: Option<Instant>,
-    wanted: Option<Instant>,
+    /// When somebody last looked at the map of each channel.
+    wanted: Vec<Option<Instant>>,
     /// Pulses made and seconds of work, some time ago.
     speed: Option<(u64, f64)>,
 }
@@ -109,7 +111,8 @@ impl Watcher {
             hub: Arc::clone(hub),
             scenery: scenery.clone(),
             ranges: Ranges::new(header),
-            budget: Budget::of_this_machine(),
+            line_budget: Budget::of_this_machine(),
+            map_budget: Budget::of_this_machine(),
             start: header.start,
             radiated: header.channels.iter().map(|channel| radiated(&channel.polarisations)).collect(),
             lines: vec![None; header.channels.len()],
@@ -117,7 +120,7 @@ impl Watcher {
             burst_pulses: doppler::pulses(header.layout.samples),
             maps: 0,
             mapped: None,
-            wanted: None,
+            wanted: vec![None; header.channels.len()],
             speed: None,
         }
     }
@@ -160,28 +163,31 @@ impl Watcher {
     }
 
     fn range_lines(&mut self, pulse: &Pulse, time_s: f64) {
-        for channel in 0..self.lines.len() {
-            let due = self.lines[channel].is_none_or(|at| at.elapsed() >= ROW_EVERY);
-            if !due || !self.is_illuminated(pulse, channel) {
-                continue;
-            }
-            let (Some(ranges), budget) = (&mut self.ranges, &mut self.budget) else { return };
+        // The oldest first: where there is time for one line alone, channels take turns.
+        let due = |of: &Self, channel: usize| {
+            of.lines[channel].is_none_or(|at| at.elapsed() >= ROW_EVERY) && of.is_illuminated(pulse, channel)
+        };
+        while let Some(channel) = (0..self.lines.len())
+            .filter(|channel| due(self, *channel))
+            .min_by_key(|channel| self.lines[*channel])
+        {
+            let (Some(ranges), budget) = (&mut self.ranges, &mut self.line_budget) else { return };
             let Some(levels) = budget.spend(|| ranges.levels(pulse, channel)) else { return };
             self.lines[channel] = Some(Instant::now());
-            let (pulse, start_s) = (pulse.index, pulse.window_start_s);
+            let (pulse, start_s) = (pulse.index, pulse.window_start_s - 0.5 * ranges.cell_s());
             self.hub.state().push_row(channel, Row { number: 0, pulse, time_s, start_s, levels });
         }
     }
 
     fn range_doppler(&mut self, pulse: &Pulse, time_s: f64) {
-        if let Some(channel) = self.hub.wanted_doppler().filter(|channel| *channel < self.lines.len()) {
-            if self.wanted.is_none() || self.burst.channel() != channel {
-                self.burst.restart(channel);
+        for channel in 0..self.wanted.len() {
+            if self.hub.is_doppler_wanted(channel) {
+                self.wanted[channel] = Some(Instant::now());
+            } else if self.wanted[channel].is_some_and(|at| at.elapsed() > MAP_WANTED) {
+                self.wanted[channel] = None;
             }
-            self.wanted = Some(Instant::now());
         }
-        if self.wanted.is_none_or(|at| at.elapsed() > MAP_WANTED) {
-            self.wanted = None;
+        if !self.wanted.get(self.burst.channel()).is_some_and(Option::is_some) && !self.next_map() {
             return;
         }
         if !self.is_illuminated(pulse, self.burst.channel()) {
@@ -193,11 +199,24 @@ impl Watcher {
             return;
         }
         let (burst, prf_hz) = (&mut self.burst, self.hub.prf_hz);
-        let Some(mut map) = self.budget.spend(|| burst.map(ranges, prf_hz)) else { return };
+        let Some(mut map) = self.map_budget.spend(|| burst.map(ranges, prf_hz)) else { return };
         self.maps += 1;
         map.number = self.maps;
         self.mapped = Some(Instant::now());
         self.hub.state().map = Some(map);
+        self.next_map();
+    }
+
+    /// Goes on to the next channel that somebody looks at; `false` if there is none. Several browsers at several
+    /// channels get their maps by turns.
+    fn next_map(&mut self) -> bool {
+        let (channels, last) = (self.wanted.len(), self.burst.channel());
+        let next =
+            (1..=channels).map(|step| (last + step) % channels).find(|next| self.wanted[*next].is_some());
+        if let Some(channel) = next {
+            self.burst.restart(channel);
+        }
+        next.is_some()
     }
 
     /// Shows how the stream counts.
@@ -214,5 +233,62 @@ impl Watcher {
         let mut state = self.hub.state();
         state.real_time_factor = factor.or(state.real_time_factor);
         state.count(counters, not_shown, elapsed_s);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex32;
+
+    use super::*;
+    use crate::pulse::Layout;
+    use crate::recording::header::ChannelRow;
+
+    /// A watcher of two channels, and a pulse for it.
+    fn watcher() -> (Arc<Hub>, Watcher, Pulse) {
+        let header = Header {
+            sample_rate_hz: 1e6,
+            bandwidth_hz: 1e6,
+            prf_hz: 1000.0,
+            replica: vec![Complex32::ONE],
+            layout: Layout { channels: 2, samples: 8, ..Layout::default() },
+            channels: vec![ChannelRow::default(); 2],
+            ..Header::default()
+        };
+        let hub = Arc::new(Hub::new(&header, &Scenery::default(), None));
+        let watcher = Watcher::new(&hub, &header, &Scenery::default());
+        (hub, watcher, Pulse::new(&header.layout))
+    }
+
+    /// Two browsers that look at two channels both get maps: neither puts the other's burst back to its begin.
+    #[test]
+    fn maps_of_several_channels_come_by_turns() {
+        let (hub, mut watcher, mut pulse) = watcher();
+        let begun = Instant::now();
+        let mut seen = [false; 2];
+        while seen != [true; 2] {
+            hub.look_at_doppler((pulse.index / 20 % 2) as usize);
+            watcher.show(&pulse);
+            if let Some(map) = &hub.state().map {
+                seen[map.channel] = true;
+            }
+            pulse.index += 1;
+            assert!(begun.elapsed() < Duration::from_secs(20), "{seen:?}");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Where there is time for a line now and then, the first channel does not take all of it.
+    #[test]
+    fn channels_take_turns_where_time_is_scarce() {
+        let (hub, mut watcher, mut pulse) = watcher();
+        for lines in 1..=4 {
+            watcher.line_budget = Budget::of(0.0, 1e-9);
+            watcher.show(&pulse);
+            pulse.index += 1;
+            let held: Vec<usize> = hub.state().rows.iter().map(std::collections::VecDeque::len).collect();
+            assert_eq!(held, [(lines + 1) / 2, lines / 2]);
+            thread::sleep(ROW_EVERY);
+        }
     }
 }
