@@ -261,6 +261,30 @@ const tests = {
     made.clean();
     shown.clean();
   },
+
+  /** What came over the wire has no truth: the other panels are drawn, and those that lack it say so. */
+  async wire(browser) {
+    const port = 20000 + process.pid % 20000;
+    const folder = mkdtempSync(join(tmpdir(), "nereus-browser-"));
+    const receiver = spawn(program, ["receive", "--listen", `127.0.0.1:${port}`, "--idle-s", "2", "--out", join(folder, "wire.plain")]);
+    children.add(receiver);
+    const received = new Promise((done) => receiver.on("close", done));
+    await new Promise((open) => receiver.stderr.once("data", open));
+    const sender = spawn(program, ["run", scenario("errors"), "--set", `sink=[{kind="vita49",address="127.0.0.1:${port}"}]`,
+      "--set", 'stream.policy="slip"'], { cwd: folder });
+    children.add(sender);
+    assert.equal(await received, 0);
+    const shown = await served(["monitor", join(folder, "wire.plain"), "--listen", "127.0.0.1:0"]);
+    const page = await opened(browser, shown.address);
+    await until(page, "model.lines.length > 3 && model.map && model.history.length > 3");
+    await page.waitForTimeout(500);
+    for (const canvas of ["c-waterfall", "c-plan", "c-doppler", "c-errors"]) assert.ok(await drawn(page, canvas) > 0.002, `${canvas} is empty`);
+    assert.equal(await page.evaluate(() => document.querySelector("#ages tbody").textContent.includes("0 m")), false, "nothing is known of errors");
+    assert.deepEqual(page.faults, []);
+    await shown.end();
+    shown.clean();
+    rmSync(folder, { recursive: true, force: true });
+  },
 };
 
 /** The pictures of the documentation: the aircraft of the quickstart after a step of its reported height. */

@@ -15,7 +15,7 @@ const PLOTS = [
 /** Distance between reported and true position of every platform, m. */
 export function distances(model) {
   const last = model.history.at(-1);
-  return last ? model.about.platforms.map((_, place) => Math.hypot(...last.slice(2 + SET * place + 6, 2 + SET * place + 9))) : [];
+  return last ? model.about.platforms.map((_, place) => Math.hypot(...last.slice(2 + SET * place + 6, 2 + SET * place + 9).map((part) => part ?? NaN))) : [];
 }
 
 export function draw(model) {

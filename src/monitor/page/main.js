@@ -121,7 +121,10 @@ function frame(at) {
   dirty = false;
   facts();
   health.tell(model);
-  for (const panel of Object.values(panels)) panel.draw(model);
+  for (const panel of Object.values(panels)) {
+    // What one panel cannot draw keeps no other from being drawn.
+    try { panel.draw(model); } catch (error) { console.error(error); }
+  }
 }
 
 const connection = new Connection(take, (now) => {

@@ -121,9 +121,15 @@ export function draw(model) {
   write(ctx, names, width, height);
   north(ctx, width);
   scaleBar(ctx, width, height);
-  legend(ctx, height);
+  legend(ctx, height, model.about.truth);
   const misreported = model.status?.misreported ?? [];
-  canvas.setAttribute("aria-label", `Plan view: ${model.now.platforms.map((one, place) => `${model.about.platforms[place]} at ${one.true_m[0].toFixed(0)} m East, ${one.true_m[1].toFixed(0)} m North`).join("; ")}${misreported.length ? `; ${misreported.map((one) => one.platform).join(", ")} misreport` : ""}`);
+  canvas.setAttribute("aria-label", `Plan view: ${model.now.platforms.map((one, place) => `${model.about.platforms[place]} at ${whereabouts(model, one)}`).join("; ")}${misreported.length ? `; ${misreported.map((one) => one.platform).join(", ")} misreport` : ""}`);
+}
+
+/** Where a platform is: truly, or as reported where the truth is not known. */
+function whereabouts(model, one) {
+  const [east, north] = model.about.truth ? one.true_m : one.reported_m;
+  return `${digits(east, 1)} m East, ${digits(north, 1)} m North`;
 }
 
 function grid(ctx, reach, at, width, height) {
@@ -211,6 +217,7 @@ function platforms(model, ctx, at, names) {
     trace(reported, colours.reported, [6, 5], 1.8);
     const wrong = (model.status?.misreported ?? []).find((of) => of.platform === model.about.platforms[place] && of.quantity === "position");
     const known = model.about.truth ? one.true_m : one.reported_m;
+    if (!finite(known)) return;
     const [x, y] = at(known);
     if (finite(one.reported_m)) {
       const [rx, ry] = at(one.reported_m);
@@ -294,10 +301,10 @@ function scaleBar(ctx, width, height) {
   ctx.fillText(length >= 1000 ? `${length / 1000} km` : `${length} m`, x + wide / 2, y - 4);
 }
 
-function legend(ctx, height) {
+function legend(ctx, height, truth) {
   const colours = theme();
   font(ctx, 12);
-  [["true path", colours.true, [], 3], ["reported path", colours.reported, [6, 5], 1.8]].forEach(([text, stroke, dash, thick], row) => {
+  [["true path", colours.true, [], 3], ["reported path", colours.reported, [6, 5], 1.8]].slice(truth ? 0 : 1).forEach(([text, stroke, dash, thick], row) => {
     const y = height - 44 + 17 * row;
     ctx.strokeStyle = stroke;
     ctx.lineWidth = thick;
