@@ -16,7 +16,7 @@ export function draw(model) {
   if (!map || map.channel !== model.channel) return empty(view, model.about.columns ? "gathering pulses" : "no replica: nothing can be compressed");
   const { ctx, width, height, size } = view;
   const colours = theme();
-  const box = { x: 62, y: 8, w: width - 62 - 136, h: height - 8 - size - 27, gap: 62 };
+  const box = { x: 62, y: 8, w: width - 62 - 140, h: height - 8 - size - 27, gap: 62 };
   const high = 5 * Math.ceil((map.levels.reduce((a, b) => Math.max(a, b), -32767) * 0.01 + 1) / 5);
   const low = high - 50;
   const rows = [];

@@ -131,7 +131,7 @@ export function bar(ctx, box, low, high, size) {
   ctx.textBaseline = "middle";
   for (const value of all) ctx.fillText(tick(value, all), x + w + 4, box.y + box.h * (high - value) / (high - low));
   ctx.fillStyle = theme().text;
-  upright(ctx, "dBW", x + w + 46, box.y + box.h / 2);
+  upright(ctx, "dBW", x + w + 49, box.y + box.h / 2);
 }
 
 /** A word where there is nothing to show yet. */

@@ -6,7 +6,7 @@ import { clock, csv, whole } from "./format.js";
 
 const id = (name) => document.getElementById(name);
 const MOST_LINES = 400;
-const ROOM = { left: 58, right: 74 };
+const ROOM = { left: 58, right: 78 };
 const DECIBEL = 0.01;
 
 /** Takes range lines of the channel shown. */
