@@ -20,6 +20,8 @@ use crate::time::TimeTag;
 use crate::transport::health::Counters;
 use crate::transport::view::{Onlooker, Seen};
 
+/// Most pulses between two looks at the counters: a stream that is faster than this thread never lets it rest.
+const BATCH: usize = 256;
 /// Pause between two looks at the queue.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Shortest time between two range lines of a channel.
@@ -82,10 +84,12 @@ pub fn start(
             // Looked at before the queue: what came before the end is shown.
             let last = over.load(Ordering::Acquire);
             let mut seen = Seen::Pulse;
-            while seen == Seen::Pulse {
-                seen = onlooker.look(|pulse| watcher.show(pulse));
+            let mut shown = 0;
+            while seen == Seen::Pulse && shown < BATCH {
+                shown += 1;
+                seen = onlooker.look(|pulse, waiting| watcher.show(pulse, waiting == 0 || shown == BATCH));
             }
-            let ended = last || seen == Seen::Ended;
+            let ended = seen == Seen::Ended || (last && seen == Seen::Nothing);
             if (ended || counted.is_none_or(|at| at.elapsed() >= COUNT_EVERY))
                 && let Some(health) = onlooker.health()
             {
@@ -95,7 +99,9 @@ pub fn start(
             if ended {
                 return;
             }
-            thread::sleep(PAUSE);
+            if seen == Seen::Nothing {
+                thread::sleep(PAUSE);
+            }
         }
     };
     thread::Builder::new().name("monitor".to_owned()).spawn(watch).map_err(MonitorFault::Thread)
@@ -131,11 +137,18 @@ impl Watcher {
             || self.radiated.get(channel).copied().flatten().is_none_or(|code| code == pulse.tx_pol)
     }
 
-    /// Shows a pulse.
-    pub fn show(&mut self, pulse: &Pulse) {
+    /// Shows a pulse; the plan and the figures are those of the latest one.
+    pub fn show(&mut self, pulse: &Pulse, is_latest: bool) {
         let time_s = pulse.time.since(self.start);
         self.range_lines(pulse, time_s);
         self.range_doppler(pulse, time_s);
+        if self.hub.state().history.wants(time_s) {
+            let point = history::Instant::of(pulse, time_s);
+            self.hub.state().history.push(point);
+        }
+        if !is_latest {
+            return;
+        }
         let outline = |(place, antenna)| {
             self.scenery.outline(place).map_or_else(Footprint::default, |outline| outline.on_the_sea(antenna))
         };
@@ -155,11 +168,7 @@ impl Watcher {
             headings_deg: pulse.ship_heading_deg.clone(),
             patch_m: self.scenery.patch_centre_m(time_s, &pulse.nav_true, &pulse.nav_reported),
         };
-        let mut state = self.hub.state();
-        if state.history.wants(time_s) {
-            state.history.push(history::Instant::of(pulse, time_s));
-        }
-        state.now = Some(now);
+        self.hub.state().now = Some(now);
     }
 
     fn range_lines(&mut self, pulse: &Pulse, time_s: f64) {
@@ -268,7 +277,7 @@ mod tests {
         let mut seen = [false; 2];
         while seen != [true; 2] {
             hub.look_at_doppler((pulse.index / 20 % 2) as usize);
-            watcher.show(&pulse);
+            watcher.show(&pulse, true);
             if let Some(map) = &hub.state().map {
                 seen[map.channel] = true;
             }
@@ -284,10 +293,11 @@ mod tests {
         let (hub, mut watcher, mut pulse) = watcher();
         for lines in 1..=4 {
             watcher.line_budget = Budget::of(0.0, 1e-9);
-            watcher.show(&pulse);
+            watcher.show(&pulse, false);
             pulse.index += 1;
             let held: Vec<usize> = hub.state().rows.iter().map(std::collections::VecDeque::len).collect();
             assert_eq!(held, [(lines + 1) / 2, lines / 2]);
+            assert!(hub.state().now.is_none(), "the plan is that of the latest pulse");
             thread::sleep(ROW_EVERY);
         }
     }

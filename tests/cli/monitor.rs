@@ -374,16 +374,22 @@ fn figures_for_dashboards() {
         if let Some(rest) = line.strip_prefix("# ") {
             let words: Vec<&str> = rest.splitn(3, ' ').collect();
             assert!(["HELP", "TYPE"].contains(&words[0]) && words.len() == 3, "{line}");
-            described.insert(words[1].to_owned());
+            // Once each, and what only grows says so in its name.
+            assert!(described.insert((words[0].to_owned(), words[1].to_owned())), "{line}");
+            assert!(words[0] == "HELP" || (words[2] == "counter") == words[1].ends_with("_total"), "{line}");
             continue;
         }
         let (name, number) = line.rsplit_once(' ').unwrap();
         let family = name.split('{').next().unwrap();
         let base =
             ["_bucket", "_sum", "_count"].iter().find_map(|end| family.strip_suffix(end)).unwrap_or(family);
-        assert!(described.contains(base) || described.contains(family), "{line}");
+        let is_described = |name: &str| {
+            ["HELP", "TYPE"].iter().all(|word| described.contains(&((*word).to_owned(), name.to_owned())))
+        };
+        assert!(is_described(base) || is_described(family), "{line}");
         assert!(name.bytes().next().is_some_and(|byte| byte.is_ascii_alphabetic()), "{line}");
-        value.insert(name.to_owned(), number.parse::<f64>().unwrap());
+        let twice = value.insert(name.to_owned(), number.parse::<f64>().unwrap());
+        assert!(twice.is_none(), "{line}");
     }
     let buckets: Vec<f64> = body(&answer)
         .lines()
