@@ -81,15 +81,19 @@ impl PathGenerator {
     ) -> bool {
         let Reception { emission, offset_s, tx_pol, window, .. } = *reception;
         let mut outside = false;
+        let variation = emission.variation.get(target * self.plans.len()..).unwrap_or_default();
         let target = self.targets.get(target);
         amplitude.fill(Complex64::ZERO);
-        for (plan, path) in self.plans.iter().zip(of_pairs) {
+        for (pair, (plan, path)) in self.plans.iter().zip(of_pairs).enumerate() {
             let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
             let scale = match target {
                 Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
                 None => plan.link.direct(range(path.delay_s)),
             };
-            let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
+            let mut scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
+            if let Some(variation) = variation.get(pair) {
+                scale *= variation;
+            }
             if scale == 0.0 || !plan.receives(tx_pol) {
                 continue;
             }

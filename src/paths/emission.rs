@@ -13,9 +13,10 @@ use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
 use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
-use crate::scattering::target::Scatterer;
+use crate::scattering::target::{Scatterer, fluctuation};
 use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, Pair, Pointing, PolarisationBasis, Radar};
+use crate::scene::target::Swerling;
 use crate::time::TimeTag;
 
 /// What an emission depends on.
@@ -24,6 +25,8 @@ pub(super) struct Circumstances<'a> {
     pub radar: &'a Radar,
     pub pairs: &'a [Pair],
     pub targets: &'a [Target],
+    /// Seed of the scene.
+    pub seed: u64,
     /// Length over which receive axes are interpolated, s; zero: they are taken at the emission.
     pub axes_span_s: f64,
 }
@@ -53,11 +56,19 @@ pub(super) struct Emission {
     bases_change: Vec<Axes>,
     /// `[target, then direct path][pair]`
     pub paths: Vec<Path>,
+    /// Amplitude of a target over its steady one, `[target][pair]`; empty where none varies.
+    pub variation: Vec<f64>,
 }
 
 impl Emission {
-    /// Everything at emission time `t`, `elapsed_s` after pulse 0.
-    pub fn evaluate(&mut self, of: &Circumstances, t: TimeTag, elapsed_s: f64) -> Result<(), TrackFailure> {
+    /// Everything of emission `index` at time `t`, `elapsed_s` after pulse 0.
+    pub fn evaluate(
+        &mut self,
+        of: &Circumstances,
+        index: u64,
+        t: TimeTag,
+        elapsed_s: f64,
+    ) -> Result<(), TrackFailure> {
         self.states.clear();
         for (platform, tracks) in of.surroundings.tracks.iter().enumerate() {
             self.states.push(tracks.truth.state(t).map_err(failed(platform, TrackUse::Truth))?);
@@ -115,7 +126,24 @@ impl Emission {
                 self.paths.push(direct(LightTime::Exact, tx, rx));
             }
         }
+        self.vary(of, index, elapsed_s, None);
         Ok(())
+    }
+
+    /// How the amplitudes of targets differ at an emission from their steady ones; with the most of a run in
+    /// place of its draws, where that is given.
+    pub fn vary(&mut self, of: &Circumstances, index: u64, elapsed_s: f64, most_of_run: Option<&[f64]>) {
+        self.variation.clear();
+        if of.targets.iter().all(|target| target.swerling == Swerling::Steady) {
+            return;
+        }
+        for (number, target) in of.targets.iter().enumerate() {
+            let power = match most_of_run.and_then(|most| most.get(number)) {
+                Some(most) => *most,
+                None => fluctuation(target.swerling, of.seed, number as u64, index, elapsed_s),
+            };
+            self.variation.extend(of.pairs.iter().map(|_| power.sqrt()));
+        }
     }
 
     /// Axes of an antenna (transmitters first) at the emission.

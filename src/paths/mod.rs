@@ -68,12 +68,9 @@
 //!     },
 //!     sea: None,
 //!     ships: Vec::new(),
-//!     targets: vec![Target {
-//!         name: "buoy".into(),
-//!         position: Point::new(3000.0, 0.0, 0.0),
-//!         velocity: Vector::ZERO,
-//!         scattering: Target::sphere(1.0),
-//!     }],
+//!     targets: vec![
+//!         Target::new("buoy", Point::new(3000.0, 0.0, 0.0), Vector::ZERO, Target::sphere(1.0)),
+//!     ],
 //! };
 //! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
 //! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
@@ -160,6 +157,7 @@ pub struct PathGenerator {
     platforms: Vec<String>,
     radar: Radar,
     targets: Vec<Target>,
+    seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
     /// Transmitters first.
@@ -241,6 +239,7 @@ impl PathGenerator {
             platforms: scene.platforms.clone(),
             radar: radar.clone(),
             targets: scene.targets.clone(),
+            seed: scene.seed,
             pulse_length_s,
             tracks,
             antennas,
@@ -414,17 +413,23 @@ impl PathGenerator {
         Surroundings { tracks: &self.tracks, frame: &self.frame, start: self.start }
     }
 
-    fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
-        let of = Circumstances {
+    fn circumstances(&self) -> Circumstances<'_> {
+        Circumstances {
             surroundings: self.surroundings(),
             radar: &self.radar,
             pairs: &self.pairs,
             targets: &self.targets,
+            seed: self.seed,
             axes_span_s: self.axes_span_s,
-        };
+        }
+    }
+
+    fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
         let t = self.radar.emissions.emission(self.start, index);
         let elapsed_s = self.radar.emissions.interval_s(0, index);
-        emission.evaluate(&of, t, elapsed_s).map_err(|failure| self.track_error(index, failure))
+        emission
+            .evaluate(&self.circumstances(), index, t, elapsed_s)
+            .map_err(|failure| self.track_error(index, failure))
     }
 
     fn track_error(&self, index: u64, failure: TrackFailure) -> RadarError {

@@ -16,9 +16,64 @@ pub struct Target {
     /// Scattering matrix `S[p][q]`, sqrt(m^2), p received, q transmitted, order (v, h), in the
     /// forward-scatter alignment of [`crate::geometry::bistatic`]: `|S_pq|^2` is the radar cross section.
     pub scattering: [[Complex64; 2]; 2],
+    /// How its radar cross section fluctuates about that of the matrix.
+    pub swerling: Swerling,
+}
+
+/// How the radar cross section of a target fluctuates: Swerling's cases.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Swerling {
+    /// Case 0: not at all.
+    #[default]
+    Steady,
+    /// Case 1: exponential, constant over a scan.
+    Case1 {
+        /// Length of a scan, s; the first begins at pulse 0.
+        scan_s: f64,
+    },
+    /// Case 2: exponential, independent from pulse to pulse.
+    Case2,
+    /// Case 3: chi-square of four degrees of freedom, constant over a scan.
+    Case3 {
+        /// Length of a scan, s; the first begins at pulse 0.
+        scan_s: f64,
+    },
+    /// Case 4: chi-square of four degrees of freedom, independent from pulse to pulse.
+    Case4,
+}
+
+impl Swerling {
+    /// Number of the case.
+    pub fn case(self) -> u8 {
+        match self {
+            Self::Steady => 0,
+            Self::Case1 { .. } => 1,
+            Self::Case2 => 2,
+            Self::Case3 { .. } => 3,
+            Self::Case4 => 4,
+        }
+    }
+
+    /// Length of the scan over which it is constant, s.
+    pub fn scan_s(self) -> Option<f64> {
+        match self {
+            Self::Case1 { scan_s } | Self::Case3 { scan_s } => Some(scan_s),
+            _ => None,
+        }
+    }
 }
 
 impl Target {
+    /// A target whose radar cross section is constant.
+    pub fn new(
+        name: impl Into<String>,
+        position: Point<Enu>,
+        velocity: Vector<Enu>,
+        scattering: [[Complex64; 2]; 2],
+    ) -> Self {
+        Self { name: name.into(), position, velocity, scattering, swerling: Swerling::Steady }
+    }
+
     /// The matrix of a sphere (or trihedral) of the given radar cross section, m^2: in the
     /// forward-scatter alignment `diag(1, -1) sqrt(sigma)`, so that HH and VV of a monostatic radar
     /// come out equal.

@@ -17,6 +17,8 @@ tables! {
         S_HV "s_hv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received H, transmitted V.";
         S_HH "s_hh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, HH.";
         CONVENTION "convention", Choice(&["fsa", "bsa"]), Word("fsa"), "Scattering matrix: forward-scatter alignment, or back-scatter alignment (the received basis seen from the antenna, a sphere is the unit matrix). S_fsa = diag(1, -1) S_bsa in the order v, h.";
+        SWERLING "swerling", count(0, 4), Count(0), "How the radar cross section fluctuates about the one given, Swerling's cases: 0 not at all; 1 exponential, constant over a scan; 2 exponential, from pulse to pulse; 3 and 4 the same with chi-square of four degrees of freedom.";
+        SWERLING_SCAN_S "swerling_scan_s", above("s", 0.0, 1e7), Means("required with swerling 1 and 3"), "Cases 1 and 3: how long the cross section is constant, counted from pulse 0.";
     }
     target_grid "[[target_grid]]" "A field of equal point targets, named <name>-<east>-<north>." {
         NAME "name", Name, Means("grid-<number>, counted from 0"), "First part of the names.";
@@ -29,6 +31,8 @@ tables! {
         VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
         RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("rcs_dbsm is given"), "Radar cross section of each.";
         RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("rcs_m2 is given"), "The same in dB over 1 m^2.";
+        SWERLING "swerling", count(0, 4), Count(0), "How the radar cross section of each fluctuates, by itself, about the one given, Swerling's cases: 0 not at all; 1 exponential, constant over a scan; 2 exponential, from pulse to pulse; 3 and 4 the same with chi-square of four degrees of freedom.";
+        SWERLING_SCAN_S "swerling_scan_s", above("s", 0.0, 1e7), Means("required with swerling 1 and 3"), "Cases 1 and 3: how long the cross section is constant, counted from pulse 0.";
     }
     event "[[event]]" "A change of what a platform reports, from a pulse on (docs/control.md). Exactly one of pulse and at_s." {
         PULSE "pulse", count(0, u64::MAX), Means("at_s is given"), "The first pulse that has it.";

@@ -9,6 +9,7 @@ use crate::config::keys::{self, Key, MOST_TARGETS};
 use crate::config::section::Section;
 use crate::frames::{Enu, Point, Vector};
 use crate::scene::Target;
+use crate::scene::target::Swerling;
 use crate::units::Decibels;
 
 /// `[[target]]`, then `[[target_grid]]`.
@@ -76,8 +77,30 @@ fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option
     }
     let velocity = velocity(&section, &k::VELOCITY_MPS);
     let scattering = scattering(&section);
+    let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
     section.finish();
-    Some(Target { name: name?, position: position?, velocity: velocity?, scattering: scattering? })
+    Some(Target { swerling: swerling?, ..Target::new(name?, position?, velocity?, scattering?) })
+}
+
+/// Swerling's case, and its scan where it has one.
+fn swerling(section: &Section<'_>, case: &'static Key, scan_s: &'static Key) -> Option<Swerling> {
+    let number = section.count(case);
+    let length_s = section.number(scan_s);
+    let scans = matches!(number?, 1 | 3);
+    if scans && !section.has(scan_s) {
+        section.fault(scan_s, Problem::Missing { allowed: scan_s.kind.allowed() });
+    }
+    if !scans && section.has(scan_s) {
+        let when = "only swerling 1 and 3 are constant over a scan".to_owned();
+        section.fault(scan_s, Problem::Idle { when });
+    }
+    match number? {
+        1 => length_s.map(|scan_s| Swerling::Case1 { scan_s }),
+        2 => Some(Swerling::Case2),
+        3 => length_s.map(|scan_s| Swerling::Case3 { scan_s }),
+        4 => Some(Swerling::Case4),
+        _ => Some(Swerling::Steady),
+    }
 }
 
 fn velocity(section: &Section<'_>, key: &'static Key) -> Option<Vector<Enu>> {
@@ -154,9 +177,10 @@ fn grid(
     let written = section.exactly_one(&[&k::RCS_M2, &k::RCS_DBSM]);
     let rcs_m2 = section.number(&k::RCS_M2);
     let rcs_dbsm = section.number(&k::RCS_DBSM);
+    let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
     section.finish();
     written?;
-    let (name, centre, velocity) = (name?, centre?, velocity?);
+    let (name, centre, velocity, swerling) = (name?, centre?, velocity?, swerling?);
     let ([columns, rows], [east_m, north_m]) = (count?, spacing?);
     let scattering = Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?);
     let [x_m, y_m, z_m] = centre.to_array();
@@ -167,7 +191,8 @@ fn grid(
             let x_m = x_m + (column as f64 - (columns - 1.0) / 2.0) * east_m;
             let y_m = y_m + (row as f64 - (rows - 1.0) / 2.0) * north_m;
             let position: Point<Enu> = ground.frame.above_sea(x_m, y_m, height_m);
-            targets.push(Target { name: format!("{name}-{column}-{row}"), position, velocity, scattering });
+            let name = format!("{name}-{column}-{row}");
+            targets.push(Target { swerling, ..Target::new(name, position, velocity, scattering) });
         }
     }
     Some(())

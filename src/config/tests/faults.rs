@@ -1,6 +1,7 @@
 //! What a scenario is refused for, word by word.
 
 use super::*;
+use crate::scene::target::Swerling;
 
 #[test]
 fn inconsistent_settings() {
@@ -75,6 +76,22 @@ a..b: leads to nothing: a key is names joined by dots, such as radar.prf_hz, tar
 scene.seed.x: leads to nothing: scene.seed is not a table
 scene.seed: -1 is out of range; allowed: a whole number from 0 to 2^64 - 1
 "#);
+}
+
+#[test]
+fn fluctuations_of_targets() {
+    insta::assert_snapshot!(faults_of(&[("target.0.swerling", "5"), ("target.1.swerling", "1")]), @r#"
+target.1.swerling_scan_s: is missing; required: a number above 0, up to 1e7 s
+target.0.swerling: 5 is out of range; allowed: a whole number from 0 to 4
+"#);
+    insta::assert_snapshot!(faults_of(&[("target.0.swerling", "2"), ("target.0.swerling_scan_s", "1"), ("target.1.swerling_scan_s", "0")]), @r#"
+target.0.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constant over a scan)
+target.1.swerling_scan_s: 0 is out of range; allowed: a number above 0, up to 1e7 s
+target.1.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constant over a scan)
+"#);
+    let run = coastal_with(&[("target.0.swerling", "3"), ("target.0.swerling_scan_s", "0.5")]).unwrap();
+    assert_eq!(run.scene.targets[0].swerling, Swerling::Case3 { scan_s: 0.5 });
+    assert_eq!(run.scene.targets[1].swerling, Swerling::Steady);
 }
 
 #[test]

@@ -1,0 +1,71 @@
+//! Targets whose radar cross section varies: the error that is predicted and the one that is measured, over
+//! all pulses, and that a pulse depends on its number alone.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use nereus::bench::accuracy::Judge;
+use nereus::config::{self, Run};
+use nereus::pipeline::build;
+use nereus::pulse::Pulse;
+
+fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let mut run = config::load(&path, &settings).unwrap();
+    run.sinks.clear();
+    run
+}
+
+/// Every error asked is kept by every pulse, as predicted.
+fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
+    let with = |error_db: f64| {
+        let error_db = format!("{error_db:?}");
+        let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", &error_db)];
+        scene(path, &[settings, &fast].concat())
+    };
+    let run = with(-60.0);
+    let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
+    for &error_db in asked {
+        let run = with(error_db);
+        let factory = build::stream(&run, 0..run.scene.pulses).unwrap();
+        let plan = *factory.factory().plan().unwrap();
+        let predicted_db = plan.prediction.total_db();
+        let measured_db = judge.judge(&run).unwrap().rel_rms_db;
+        println!("asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
+        assert!(plan.keeps(), "{error_db}: {predicted_db}");
+        assert!(measured_db <= predicted_db, "{error_db}: {predicted_db} {measured_db}");
+    }
+}
+
+const CASES: [&[(&str, &str)]; 4] = [
+    &[("target.0.swerling", "1"), ("target.0.swerling_scan_s", "0.1")],
+    &[("target.0.swerling", "2")],
+    &[("target.0.swerling", "3"), ("target.0.swerling_scan_s", "0.03")],
+    &[("target.0.swerling", "4"), ("target.1.swerling", "2")],
+];
+
+#[test]
+fn targets_that_fluctuate_keep_the_error() {
+    for settings in CASES {
+        holds("configs/coastal.toml", settings, &[-30.0, -60.0]);
+    }
+}
+
+fn pulses(settings: &[(&str, &str)], threads: &str, range: std::ops::Range<u64>) -> Vec<Pulse> {
+    let run = [("stream.threads", threads), ("stream.pace", "\"fast\"")];
+    let run = scene("configs/coastal.toml", &[settings, &run].concat());
+    let stream = build::stream(&run, range).unwrap();
+    let mut kept = Vec::new();
+    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone())).unwrap();
+    outcome.result.unwrap();
+    kept
+}
+
+#[test]
+fn a_part_of_a_run_with_targets_that_fluctuate_is_bit_identical() {
+    let whole = pulses(CASES[3], "2", 0..150);
+    assert!(pulses(CASES[3], "1", 40..150) == whole[40..], "a part differs");
+    assert!(pulses(&[], "2", 0..150) != whole, "nothing fluctuates");
+}
