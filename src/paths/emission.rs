@@ -11,6 +11,7 @@ use crate::frames::{self, Enu, Rotation};
 use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
+use crate::paths::aspect::Aspect;
 use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
 use crate::scattering::target::{Scatterer, fluctuation};
@@ -25,6 +26,8 @@ pub(super) struct Circumstances<'a> {
     pub radar: &'a Radar,
     pub pairs: &'a [Pair],
     pub targets: &'a [Target],
+    /// Of targets whose cross section depends on the aspect; empty where there are none.
+    pub aspects: &'a [Option<Aspect>],
     /// Seed of the scene.
     pub seed: u64,
     /// Length over which receive axes are interpolated, s; zero: they are taken at the emission.
@@ -134,15 +137,23 @@ impl Emission {
     /// place of its draws, where that is given.
     pub fn vary(&mut self, of: &Circumstances, index: u64, elapsed_s: f64, most_of_run: Option<&[f64]>) {
         self.variation.clear();
-        if of.targets.iter().all(|target| target.swerling == Swerling::Steady) {
+        if of.aspects.is_empty() && of.targets.iter().all(|target| target.swerling == Swerling::Steady) {
             return;
         }
+        let earth = of.surroundings.frame.earth();
         for (number, target) in of.targets.iter().enumerate() {
             let power = match most_of_run.and_then(|most| most.get(number)) {
                 Some(most) => *most,
                 None => fluctuation(target.swerling, of.seed, number as u64, index, elapsed_s),
             };
-            self.variation.extend(of.pairs.iter().map(|_| power.sqrt()));
+            let pairs = of.pairs.len();
+            let Some(Some(aspect)) = of.aspects.get(number) else {
+                self.variation.extend((0..pairs).map(|_| power.sqrt()));
+                continue;
+            };
+            let up = earth.up(Scatterer::at(target, elapsed_s).position).raw();
+            let seen = self.paths[number * pairs..][..pairs].iter().map(|path| aspect.over_mean(up, path));
+            self.variation.extend(seen.map(|seen| (power * seen).sqrt()));
         }
     }
 

@@ -89,6 +89,7 @@
 //! ```
 
 mod append;
+mod aspect;
 mod facets;
 mod nodes;
 mod sea;
@@ -109,6 +110,7 @@ use num_complex::Complex64;
 use crate::frames::SceneFrame;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::paths::aspect::Aspect;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
 use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::{Costs, Stage};
@@ -157,6 +159,8 @@ pub struct PathGenerator {
     platforms: Vec<String>,
     radar: Radar,
     targets: Vec<Target>,
+    /// Of targets whose cross section depends on the aspect; empty where there are none.
+    aspects: Vec<Option<Aspect>>,
     seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
@@ -199,6 +203,8 @@ impl PathGenerator {
         check_numbers(radar, pulse_length_s, &mut faults);
         check_references(scene, tracks.len(), &mut faults);
         let antennas = open_antennas(radar, &mut faults);
+        let mut targets = scene.targets.clone();
+        let aspects = aspect::open(&mut targets, &mut faults);
         if !faults.is_empty() {
             return Err(RadarError::Faults(faults));
         }
@@ -238,7 +244,8 @@ impl PathGenerator {
             pulses: scene.pulses,
             platforms: scene.platforms.clone(),
             radar: radar.clone(),
-            targets: scene.targets.clone(),
+            targets,
+            aspects,
             seed: scene.seed,
             pulse_length_s,
             tracks,
@@ -419,6 +426,7 @@ impl PathGenerator {
             radar: &self.radar,
             pairs: &self.pairs,
             targets: &self.targets,
+            aspects: &self.aspects,
             seed: self.seed,
             axes_span_s: self.axes_span_s,
         }

@@ -180,7 +180,12 @@ impl PathGenerator {
 
     /// Whether the amplitude of any target varies otherwise than with its path.
     pub fn varies(&self) -> bool {
-        self.targets.iter().any(|target| target.swerling != Swerling::Steady)
+        !self.aspects.is_empty() || self.targets.iter().any(|target| target.swerling != Swerling::Steady)
+    }
+
+    /// Whether directions to targets are found at every pulse, for cross sections that depend on them.
+    pub fn follows_aspects(&self) -> bool {
+        !self.aspects.is_empty()
     }
 
     /// The most that each target returns at any pulse of the run over its mean, as far as it fluctuates;
@@ -211,6 +216,9 @@ impl PathGenerator {
         out: &mut Vec<f64>,
     ) -> Result<(), RadarError> {
         let own = &mut workspace.own;
+        if !self.aspects.is_empty() {
+            self.evaluate(index, own)?;
+        }
         let elapsed_s = self.radar.emissions.interval_s(0, index);
         own.vary(&self.circumstances(), index, elapsed_s, most_of_run);
         out.clone_from(&own.variation);

@@ -1,5 +1,7 @@
 //! Point targets.
 
+use std::path::PathBuf;
+
 use num_complex::Complex64;
 
 use crate::frames::{Enu, Point, Vector};
@@ -18,6 +20,20 @@ pub struct Target {
     pub scattering: [[Complex64; 2]; 2],
     /// How its radar cross section fluctuates about that of the matrix.
     pub swerling: Swerling,
+    /// Where it takes its cross section from, in place of the matrix.
+    pub aspect: Option<Aspect>,
+}
+
+/// Radar cross sections by the direction from which a target is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aspect {
+    /// File of monostatic cross sections, dBsm, over azimuth from the bow, positive to starboard, and
+    /// elevation.
+    pub path: PathBuf,
+    /// Heading, clockwise from North, rad.
+    pub heading_rad: f64,
+    /// What holds outside the grid of the file, dBsm.
+    pub floor_dbsm: f64,
 }
 
 /// How the radar cross section of a target fluctuates: Swerling's cases.
@@ -71,7 +87,7 @@ impl Target {
         velocity: Vector<Enu>,
         scattering: [[Complex64; 2]; 2],
     ) -> Self {
-        Self { name: name.into(), position, velocity, scattering, swerling: Swerling::Steady }
+        Self { name: name.into(), position, velocity, scattering, swerling: Swerling::Steady, aspect: None }
     }
 
     /// The matrix of a sphere (or trihedral) of the given radar cross section, m^2: in the

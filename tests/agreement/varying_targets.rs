@@ -1,6 +1,8 @@
 //! Targets whose radar cross section varies: the error that is predicted and the one that is measured, over
 //! all pulses, and that a pulse depends on its number alone.
 
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -68,4 +70,38 @@ fn a_part_of_a_run_with_targets_that_fluctuate_is_bit_identical() {
     let whole = pulses(CASES[3], "2", 0..150);
     assert!(pulses(CASES[3], "1", 40..150) == whole[40..], "a part differs");
     assert!(pulses(&[], "2", 0..150) != whole, "nothing fluctuates");
+}
+
+/// A table of a plate of 2 m whose normal is the bow: lobes of 0.4 degrees.
+fn plate(folder: &Path) -> String {
+    let mut text = String::from("az_deg,el_deg,rcs_dbsm\n");
+    for step in -1800..1800 {
+        let azimuth_deg = f64::from(step) / 10.0;
+        let x = TAU / 0.03 * 2.0 * azimuth_deg.to_radians().sin();
+        let field = if x == 0.0 { 1.0 } else { x.sin() / x };
+        let dbsm = 30.0 + (20.0 * field.abs().log10()).max(-300.0);
+        [-90, 90].iter().for_each(|el| writeln!(text, "{azimuth_deg},{el},{dbsm}").unwrap());
+    }
+    let path = folder.join("plate.csv");
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn targets_that_depend_on_the_aspect_keep_the_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = plate(folder.path());
+    let one = format!(
+        "{{ name = 'plate', position_m = [0, 0, 0], heading_deg = 90, rcs_csv = '{path}', swerling = 4 }}"
+    );
+    let two = "{ name = 'sphere', position_m = [60, 20, 0], velocity_mps = [3, 4, 0], rcs_dbsm = 10 }";
+    let three = format!(
+        "{{ name = 'boat', position_m = [-40, 10, 0], velocity_mps = [5, 0.1, 0], rcs_csv = '{path}' }}"
+    );
+    for targets in [format!("[{one}, {two}]"), format!("[{three}]")] {
+        let settings = [("target", targets.as_str())];
+        holds("configs/coastal.toml", &settings, &[-30.0, -60.0]);
+        let whole = pulses(&settings, "2", 0..150);
+        assert!(pulses(&settings, "1", 70..130) == whole[70..130], "a part differs");
+    }
 }

@@ -40,6 +40,7 @@ mod sea_surface;
 mod sea_wind;
 mod shadow;
 mod shadow_extremes;
+mod target_aspect;
 mod target_fluctuation;
 mod tilt_mean;
 mod wake_extremes;

@@ -7,6 +7,13 @@ use crate::scene::Target;
 
 /// Adds what makes the echo of targets vary.
 pub(super) fn models(targets: &[Target], with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    let by_aspect = targets.iter().filter(|target| target.aspect.is_some()).count();
+    if by_aspect > 0 {
+        let how = "from tables of monostatic cross sections, read at the bisector of both antennas; no phase";
+        with.push(described("target aspect", format!("{by_aspect} {how}")));
+    } else {
+        without.push(described("target aspect", "no target.rcs_csv: the same cross section from all sides"));
+    }
     let mut cases: BTreeMap<u8, usize> = BTreeMap::new();
     for target in targets {
         *cases.entry(target.swerling.case()).or_default() += 1;

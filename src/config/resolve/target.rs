@@ -9,7 +9,7 @@ use crate::config::keys::{self, Key, MOST_TARGETS};
 use crate::config::section::Section;
 use crate::frames::{Enu, Point, Vector};
 use crate::scene::Target;
-use crate::scene::target::Swerling;
+use crate::scene::target::{Aspect, Swerling};
 use crate::units::Decibels;
 
 /// `[[target]]`, then `[[target_grid]]`.
@@ -77,9 +77,41 @@ fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option
     }
     let velocity = velocity(&section, &k::VELOCITY_MPS);
     let scattering = scattering(&section);
+    let aspect = aspect(&section, velocity);
     let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
     section.finish();
-    Some(Target { swerling: swerling?, ..Target::new(name?, position?, velocity?, scattering?) })
+    Some(Target {
+        swerling: swerling?,
+        aspect: aspect?,
+        ..Target::new(name?, position?, velocity?, scattering?)
+    })
+}
+
+/// The file of cross sections by aspect, where there is one.
+fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option<Aspect>> {
+    use keys::target::{HEADING_DEG, RCS_CSV, RCS_FLOOR_DBSM};
+    let (path, floor_dbsm) = (section.file(&RCS_CSV), section.number(&RCS_FLOOR_DBSM));
+    let heading_deg = section.number(&HEADING_DEG);
+    if !section.has(&RCS_CSV) {
+        for key in [&HEADING_DEG, &RCS_FLOOR_DBSM] {
+            if section.has(key) {
+                section.fault(key, Problem::Idle { when: "the target has no rcs_csv".to_owned() });
+            }
+        }
+        return Some(None);
+    }
+    let heading_rad = if section.has(&HEADING_DEG) {
+        heading_deg?.to_radians()
+    } else {
+        let [east, north, _] = velocity?.to_array();
+        if east == 0.0 && north == 0.0 {
+            let allowed = format!("with rcs_csv, of a target at rest: {}", HEADING_DEG.kind.allowed());
+            section.fault(&HEADING_DEG, Problem::Missing { allowed });
+            return None;
+        }
+        east.atan2(north)
+    };
+    Some(Some(Aspect { path: path?, heading_rad, floor_dbsm: floor_dbsm? }))
 }
 
 /// Swerling's case, and its scan where it has one.
@@ -108,11 +140,12 @@ fn velocity(section: &Section<'_>, key: &'static Key) -> Option<Vector<Enu>> {
 }
 
 fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
-    use keys::target::{CONVENTION, RCS_DBSM, RCS_M2, S_HH, S_HV, S_VH, S_VV};
+    use keys::target::{CONVENTION, RCS_CSV, RCS_DBSM, RCS_M2, S_HH, S_HV, S_VH, S_VV};
     let elements = [&S_VV, &S_VH, &S_HV, &S_HH];
     let matrix = elements.iter().any(|key| section.has(key));
-    let written =
-        usize::from(matrix) + usize::from(section.has(&RCS_M2)) + usize::from(section.has(&RCS_DBSM));
+    let table = section.has(&RCS_CSV);
+    let others = [&RCS_M2, &RCS_DBSM].into_iter().filter(|key| section.has(key)).count();
+    let written = usize::from(matrix) + usize::from(table) + others;
     let rcs_m2 = section.number(&RCS_M2);
     let rcs_dbsm = section.number(&RCS_DBSM);
     let values = elements.map(|key| {
@@ -120,7 +153,7 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
         if section.has(key) { value } else { Some([0.0, 0.0]) }
     });
     let convention = if matrix { section.choice(&CONVENTION) } else { Some("fsa") };
-    let keys = "rcs_m2, rcs_dbsm, (s_vv, s_vh, s_hv, s_hh)".to_owned();
+    let keys = "rcs_m2, rcs_dbsm, rcs_csv, (s_vv, s_vh, s_hv, s_hh)".to_owned();
     match written {
         0 => section.fault_here(Problem::NoneOf { keys }),
         1 => {}
@@ -128,6 +161,10 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
     }
     if written != 1 {
         return None;
+    }
+    if table {
+        // Its mean takes the place, once the file is read.
+        return Some(Target::sphere(1.0));
     }
     if !matrix {
         return Some(Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?));

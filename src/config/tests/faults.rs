@@ -95,6 +95,21 @@ target.1.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constan
 }
 
 #[test]
+fn aspects_of_targets() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+    insta::assert_snapshot!(faults_of(&[("target.1.heading_deg", "10"), ("target.0.rcs_floor_dbsm", "-20")]), @r#"
+target.0.rcs_floor_dbsm: has no meaning here (the target has no rcs_csv)
+target.1.heading_deg: has no meaning here (the target has no rcs_csv)
+"#);
+    let table = format!("[{{ position_m = [0, 0, 0], rcs_csv = '{file}' }}]");
+    insta::assert_snapshot!(faults_of(&[("target", &table)]), @"target.0.heading_deg: is missing; required: with rcs_csv, of a target at rest: a number from -360 to 360 deg");
+    let table = format!("[{{ position_m = [0, 0, 0], velocity_mps = [3, 3, 1], rcs_csv = '{file}' }}]");
+    let run = coastal_with(&[("target", &table)]).unwrap();
+    let aspect = run.scene.targets[0].aspect.clone().unwrap();
+    assert_eq!((aspect.heading_rad, aspect.floor_dbsm), (std::f64::consts::FRAC_PI_4, -300.0));
+}
+
+#[test]
 fn all_faults_of_a_file_at_once() {
     let text = r#"[scene]
 origin_lat_deg = 95
@@ -166,7 +181,7 @@ scenes/bad.toml:26:1: platform.0.track.datum: is missing; required: "ellipsoid",
 scenes/bad.toml:30:12: transmitter.0.platform: there is no platform "cost"; allowed: coast
 scenes/bad.toml:31:11: transmitter.0.power_w: "1 kW" is not allowed; allowed: a number above 0, up to 1e12 W
 scenes/bad.toml:32:20: transmitter.0.antenna.kind: "rect" is not allowed; allowed: "isotropic", "rectangle", "ellipse", "circle", "file"
-scenes/bad.toml:34:1: target.0: rcs_m2, rcs_dbsm, (s_vv, s_vh, s_hv, s_hh) exclude each other; allowed: one of them
+scenes/bad.toml:34:1: target.0: rcs_m2, rcs_dbsm, rcs_csv, (s_vv, s_vh, s_hv, s_hh) exclude each other; allowed: one of them
 scenes/bad.toml:35:14: target.0.position_m: [0, 0] is not allowed; allowed: a list of 3 numbers from -1e8 to 1e8 m
 scenes/bad.toml:40:1: stream.polcy: unknown key; did you mean policy?
 scenes/bad.toml:41:1: stream.prf_hz: unknown key; it belongs to [radar]
