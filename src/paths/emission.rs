@@ -7,11 +7,12 @@
 
 use glam::DMat3;
 
-use crate::frames::{self, Enu, Rotation};
+use crate::frames::{self, Enu, Point, Rotation, Vector};
 use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
 use crate::paths::aspect::Aspect;
+use crate::paths::heave::Heave;
 use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
 use crate::scattering::target::{Scatterer, fluctuation};
@@ -28,10 +29,48 @@ pub(super) struct Circumstances<'a> {
     pub targets: &'a [Target],
     /// Of targets whose cross section depends on the aspect; empty where there are none.
     pub aspects: &'a [Option<Aspect>],
+    /// What lifts targets that float; empty where none does.
+    pub heaves: &'a [Option<Heave>],
     /// Seed of the scene.
     pub seed: u64,
     /// Length over which receive axes are interpolated, s; zero: they are taken at the emission.
     pub axes_span_s: f64,
+}
+
+impl Circumstances<'_> {
+    /// Whether the amplitude of any target varies otherwise than with its path.
+    pub fn varies(&self) -> bool {
+        let fluctuates = |target: &Target| target.swerling != Swerling::Steady;
+        !self.aspects.is_empty()
+            || self.heaves.iter().flatten().any(Heave::hides)
+            || self.targets.iter().any(fluctuates)
+    }
+
+    /// Share of the field of a pair that passes the crests about a target.
+    fn passes_crests(&self, number: usize, pair: &Pair, elapsed_s: f64) -> Result<f64, TrackFailure> {
+        let Some(Some(heave)) = self.heaves.get(number) else { return Ok(1.0) };
+        let Surroundings { tracks, frame, start } = self.surroundings;
+        let mut passes = 1.0;
+        let receiver = self.radar.transmitters.len() + pair.receiver;
+        for antenna in [pair.transmitter, receiver] {
+            let Some(Mounted { mount, .. }) = antennas(self.radar).nth(antenna) else { continue };
+            passes *= heave.weight(frame, elapsed_s, antenna, |time_s| {
+                let state = tracks[mount.platform].truth.state(start.plus(time_s));
+                let state = state.map_err(failed(mount.platform, TrackUse::Truth))?;
+                Ok(PhaseCentre::of(&state, mount.lever_arm))
+            })?;
+        }
+        Ok(passes)
+    }
+
+    /// Where a target is at a time after pulse 0, and how fast.
+    fn target(&self, number: usize, elapsed_s: f64) -> (Point<Enu>, Vector<Enu>) {
+        if let Some(Some(heave)) = self.heaves.get(number) {
+            return heave.at(self.surroundings.frame, elapsed_s);
+        }
+        let scatterer = Scatterer::at(&self.targets[number], elapsed_s);
+        (scatterer.position, scatterer.velocity)
+    }
 }
 
 /// A track that failed to say where its platform is.
@@ -113,12 +152,11 @@ impl Emission {
         }
         self.paths.clear();
         let transmitters = of.radar.transmitters.len();
-        for target in of.targets {
-            let scatterer = Scatterer::at(target, elapsed_s);
+        for number in 0..of.targets.len() {
+            let (position, velocity) = of.target(number, elapsed_s);
             for pair in of.pairs {
                 let tx = &self.centres[pair.transmitter];
                 let rx = &self.centres[transmitters + pair.receiver];
-                let (position, velocity) = (scatterer.position, scatterer.velocity);
                 self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
             }
         }
@@ -129,16 +167,21 @@ impl Emission {
                 self.paths.push(direct(LightTime::Exact, tx, rx));
             }
         }
-        self.vary(of, index, elapsed_s, None);
-        Ok(())
+        self.vary(of, index, elapsed_s, None)
     }
 
     /// How the amplitudes of targets differ at an emission from their steady ones; with the most of a run in
-    /// place of its draws, where that is given.
-    pub fn vary(&mut self, of: &Circumstances, index: u64, elapsed_s: f64, most_of_run: Option<&[f64]>) {
+    /// place of its draws, and with nothing hidden by crests, where that is given.
+    pub fn vary(
+        &mut self,
+        of: &Circumstances,
+        index: u64,
+        elapsed_s: f64,
+        most_of_run: Option<&[f64]>,
+    ) -> Result<(), TrackFailure> {
         self.variation.clear();
-        if of.aspects.is_empty() && of.targets.iter().all(|target| target.swerling == Swerling::Steady) {
-            return;
+        if !of.varies() {
+            return Ok(());
         }
         let earth = of.surroundings.frame.earth();
         for (number, target) in of.targets.iter().enumerate() {
@@ -146,15 +189,19 @@ impl Emission {
                 Some(most) => *most,
                 None => fluctuation(target.swerling, of.seed, number as u64, index, elapsed_s),
             };
-            let pairs = of.pairs.len();
-            let Some(Some(aspect)) = of.aspects.get(number) else {
-                self.variation.extend((0..pairs).map(|_| power.sqrt()));
-                continue;
-            };
-            let up = earth.up(Scatterer::at(target, elapsed_s).position).raw();
-            let seen = self.paths[number * pairs..][..pairs].iter().map(|path| aspect.over_mean(up, path));
-            self.variation.extend(seen.map(|seen| (power * seen).sqrt()));
+            let aspect = of.aspects.get(number).and_then(Option::as_ref);
+            let up = aspect.map(|_| earth.up(of.target(number, elapsed_s).0).raw());
+            for (n, pair) in of.pairs.iter().enumerate() {
+                let path = || &self.paths[number * of.pairs.len() + n];
+                let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));
+                let passes = match most_of_run {
+                    Some(_) => 1.0,
+                    None => of.passes_crests(number, pair, elapsed_s)?,
+                };
+                self.variation.push((power * seen).sqrt() * passes);
+            }
         }
+        Ok(())
     }
 
     /// Axes of an antenna (transmitters first) at the emission.

@@ -91,6 +91,7 @@
 mod append;
 mod aspect;
 mod facets;
+mod heave;
 mod nodes;
 mod sea;
 mod emission;
@@ -102,6 +103,7 @@ pub mod block;
 mod truth;
 mod visibility;
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -112,6 +114,7 @@ use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::paths::aspect::Aspect;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
+use crate::paths::heave::{Crests, Heave, Wave};
 use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
@@ -161,6 +164,8 @@ pub struct PathGenerator {
     targets: Vec<Target>,
     /// Of targets whose cross section depends on the aspect; empty where there are none.
     aspects: Vec<Option<Aspect>>,
+    /// What lifts targets that float; empty where none does.
+    heaves: Arc<Vec<Option<Heave>>>,
     seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
@@ -246,6 +251,7 @@ impl PathGenerator {
             radar: radar.clone(),
             targets,
             aspects,
+            heaves: Arc::default(),
             seed: scene.seed,
             pulse_length_s,
             tracks,
@@ -269,6 +275,7 @@ impl PathGenerator {
             let (patches, nears_horizon) = (built.patches(sea)?, built.nears_horizon(sea)?);
             let run = sea::Run { patches, patch_mps, hold_s, nears_horizon };
             built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
+            built.heaves = Arc::new(built.lifted_by(built.sea.as_deref()));
         }
         if faults.is_empty() {
             match built.longest_delay_s() {
@@ -283,6 +290,29 @@ impl PathGenerator {
         Ok(built)
     }
 
+    /// What lifts the targets that float on a sea, and hides them; empty where none floats.
+    fn lifted_by(&self, sea: Option<&SeaPlan>) -> Vec<Option<Heave>> {
+        let Some(sea) = sea else { return Vec::new() };
+        if self.targets.iter().all(|target| target.floating.is_none()) {
+            return Vec::new();
+        }
+        let last_s = self.radar.emissions.interval_s(0, self.pulses.saturating_sub(1));
+        let crests = sea.visibility.as_ref().filter(|visibility| visibility.waves).map(|visibility| Crests {
+            edge: visibility.settings.edge,
+            facet_m: sea.patch.facet_m,
+            reach_m: sea.reach_m,
+            antennas: visibility.ends,
+        });
+        let mut known: HashMap<u64, Arc<[Wave]>> = HashMap::new();
+        let of = |target: &Target| {
+            let waterline_m = target.floating?.waterline_m;
+            let known = known.entry(waterline_m.to_bits());
+            let waves = known.or_insert_with(|| heave::waves(&sea.surface, waterline_m));
+            Some(Heave::new(target, &self.frame, Arc::clone(waves), crests, last_s))
+        };
+        self.targets.iter().map(of).collect()
+    }
+
     /// The same with clocks that are wrong: windows open by them.
     pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         Self { clocks, ..self }
@@ -292,6 +322,8 @@ impl PathGenerator {
     /// trajectory.
     pub fn set_tracks(&mut self, tracks: Vec<PlatformTracks>) {
         self.tracks = tracks;
+        // What crests hide was found from the others.
+        self.heaves = Arc::new(self.lifted_by(self.sea.as_deref()));
     }
 
     /// The pair of each channel.
@@ -427,6 +459,7 @@ impl PathGenerator {
             pairs: &self.pairs,
             targets: &self.targets,
             aspects: &self.aspects,
+            heaves: &self.heaves,
             seed: self.seed,
             axes_span_s: self.axes_span_s,
         }

@@ -180,7 +180,7 @@ impl PathGenerator {
 
     /// Whether the amplitude of any target varies otherwise than with its path.
     pub fn varies(&self) -> bool {
-        !self.aspects.is_empty() || self.targets.iter().any(|target| target.swerling != Swerling::Steady)
+        self.circumstances().varies()
     }
 
     /// Whether directions to targets are found at every pulse, for cross sections that depend on them.
@@ -203,8 +203,14 @@ impl PathGenerator {
         (0..).zip(&self.targets).map(of).collect()
     }
 
+    /// Whether a target is lifted by waves.
+    pub fn is_lifted(&self, target: usize) -> bool {
+        self.heaves.get(target).is_some_and(Option::is_some)
+    }
+
     /// What multiplies the steady amplitudes of [`Self::points`] at a pulse, `[point][pair]`; with
-    /// [`Self::most_of_run`] in place of the draws of the pulse, where it is given.
+    /// [`Self::most_of_run`] in place of the draws of the pulse, and with nothing hidden by crests, where it is
+    /// given.
     ///
     /// # Errors
     /// A pulse that the tracks do not cover.
@@ -220,7 +226,8 @@ impl PathGenerator {
             self.evaluate(index, own)?;
         }
         let elapsed_s = self.radar.emissions.interval_s(0, index);
-        own.vary(&self.circumstances(), index, elapsed_s, most_of_run);
+        own.vary(&self.circumstances(), index, elapsed_s, most_of_run)
+            .map_err(|failure| self.track_error(index, failure))?;
         out.clone_from(&own.variation);
         out.resize(self.point_count() * self.pairs.len(), 1.0);
         Ok(())

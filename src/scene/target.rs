@@ -22,6 +22,15 @@ pub struct Target {
     pub swerling: Swerling,
     /// Where it takes its cross section from, in place of the matrix.
     pub aspect: Option<Aspect>,
+    /// How it floats, if it does: waves lift it from the height of its position.
+    pub floating: Option<Floating>,
+}
+
+/// How a target floats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floating {
+    /// Length over which it averages the surface, m: shorter waves do not lift it.
+    pub waterline_m: f64,
 }
 
 /// Radar cross sections by the direction from which a target is seen.
@@ -87,7 +96,15 @@ impl Target {
         velocity: Vector<Enu>,
         scattering: [[Complex64; 2]; 2],
     ) -> Self {
-        Self { name: name.into(), position, velocity, scattering, swerling: Swerling::Steady, aspect: None }
+        Self {
+            name: name.into(),
+            position,
+            velocity,
+            scattering,
+            swerling: Swerling::Steady,
+            aspect: None,
+            floating: None,
+        }
     }
 
     /// The matrix of a sphere (or trihedral) of the given radar cross section, m^2: in the

@@ -105,3 +105,28 @@ fn targets_that_depend_on_the_aspect_keep_the_error() {
         assert!(pulses(&settings, "1", 70..130) == whole[70..130], "a part differs");
     }
 }
+
+#[test]
+fn a_target_that_floats_keeps_the_error() {
+    let target = "[{ position_m = [0, 10, 2], velocity_mps = [0, 8, 0], rcs_dbsm = 50, floating = true, waterline_m = 2 }]";
+    let settings = [
+        ("scene.patch_size_m", "[64, 64]"),
+        ("scene.duration_s", "0.25"),
+        ("platform.0.track.position_m", "[-33, -3000, 3000]"),
+        ("target", target),
+    ];
+    holds("configs/mars-1.toml", &settings, &[-30.0, -60.0]);
+}
+
+#[test]
+fn a_target_that_crests_hide_keeps_the_error() {
+    // The transmitter stands 15 m above the sea, 3 km away.
+    let target = "[{ position_m = [0, 10, 0.2], velocity_mps = [0, 8, 0], rcs_dbsm = 50, floating = true, waterline_m = 2 }]";
+    let settings = [
+        ("scene.patch_size_m", "[64, 64]"),
+        ("scene.duration_s", "0.3"),
+        ("platform.1.track.position_m", "[-33, -3000, 3000]"),
+        ("target", target),
+    ];
+    holds("configs/mars-4.toml", &settings, &[-60.0]);
+}

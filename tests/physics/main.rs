@@ -42,6 +42,7 @@ mod shadow;
 mod shadow_extremes;
 mod target_aspect;
 mod target_fluctuation;
+mod target_heave;
 mod tilt_mean;
 mod wake_extremes;
 mod wake_laws;

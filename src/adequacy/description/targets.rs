@@ -7,6 +7,16 @@ use crate::scene::Target;
 
 /// Adds what makes the echo of targets vary.
 pub(super) fn models(targets: &[Target], with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    let floating = targets.iter().filter(|target| target.floating.is_some()).count();
+    if floating > 0 {
+        with.push(described(
+            "heave of targets",
+            format!("{floating} ride the waves of the sea that are longer than they"),
+        ));
+        without.push(described("motion of floating targets", "no roll, pitch or sway, no waves of ships"));
+    } else {
+        without.push(described("heave of targets", "target.floating = false: heights keep to the mean sea"));
+    }
     let by_aspect = targets.iter().filter(|target| target.aspect.is_some()).count();
     if by_aspect > 0 {
         let how = "from tables of monostatic cross sections, read at the bisector of both antennas; no phase";

@@ -5,11 +5,11 @@ use num_complex::Complex64;
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names, plausible};
 use crate::config::error::Problem;
-use crate::config::keys::{self, Key, MOST_TARGETS};
+use crate::config::keys::{self, Key, MOST_FLOATING, MOST_TARGETS};
 use crate::config::section::Section;
 use crate::frames::{Enu, Point, Vector};
 use crate::scene::Target;
-use crate::scene::target::{Aspect, Swerling};
+use crate::scene::target::{Aspect, Floating, Swerling};
 use crate::units::Decibels;
 
 /// `[[target]]`, then `[[target_grid]]`.
@@ -19,7 +19,7 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     let mut sound = true;
     for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
         name(&section, &keys::target::NAME, &format!("target-{index}"), &mut names);
-        match target(section, names.names.last().cloned().flatten(), ground) {
+        match target(section, root.has(&keys::root::SEA), names.names.last().cloned().flatten(), ground) {
             Some(target) => targets.push(target),
             None => sound = false,
         }
@@ -42,6 +42,12 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
             None => sound = false,
         }
     }
+    let floating = targets.iter().filter(|target| target.floating.is_some()).count() as u64;
+    if floating > MOST_FLOATING {
+        let (count, allowed) = (floating, MOST_FLOATING);
+        root.fault_here(Problem::TooMany { count, what: "targets that float", allowed });
+        sound = false;
+    }
     let count = targets.len() as u64;
     if count > MOST_TARGETS {
         root.fault_here(Problem::TooMany { count, what: "targets", allowed: MOST_TARGETS });
@@ -63,7 +69,7 @@ pub(super) fn name(section: &Section<'_>, key: &'static Key, default: &str, name
     names.names.push(Some(default.to_owned()));
 }
 
-fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<Target> {
+fn target(section: Section<'_>, sea: bool, name: Option<String>, ground: &Ground) -> Option<Target> {
     use keys::target as k;
     let surface = SurfaceKeys {
         position_m: &k::POSITION_M,
@@ -79,8 +85,10 @@ fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option
     let scattering = scattering(&section);
     let aspect = aspect(&section, velocity);
     let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
+    let floating = floating(&section, sea, velocity);
     section.finish();
     Some(Target {
+        floating: floating?,
         swerling: swerling?,
         aspect: aspect?,
         ..Target::new(name?, position?, velocity?, scattering?)
@@ -112,6 +120,26 @@ fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option
         east.atan2(north)
     };
     Some(Some(Aspect { path: path?, heading_rad, floor_dbsm: floor_dbsm? }))
+}
+
+/// How it floats, if it does.
+fn floating(section: &Section<'_>, sea: bool, velocity: Option<Vector<Enu>>) -> Option<Option<Floating>> {
+    use keys::target::{FLOATING, VELOCITY_MPS, WATERLINE_M};
+    let (floats, waterline_m) = (section.flag(&FLOATING), section.number(&WATERLINE_M));
+    if !floats? {
+        if section.has(&WATERLINE_M) {
+            section.fault(&WATERLINE_M, Problem::Idle { when: "floating = false".to_owned() });
+        }
+        return Some(None);
+    }
+    if !sea {
+        section.fault(&FLOATING, Problem::Idle { when: "there is no [sea] to float on".to_owned() });
+    }
+    if velocity.is_some_and(|velocity| velocity.to_array()[2] != 0.0) {
+        let error = "a floating target rises with the sea alone; allowed: [east, north, 0]".to_owned();
+        section.fault(&VELOCITY_MPS, Problem::Refused { error });
+    }
+    Some(Some(Floating { waterline_m: waterline_m? }))
 }
 
 /// Swerling's case, and its scan where it has one.

@@ -110,6 +110,20 @@ target.1.heading_deg: has no meaning here (the target has no rcs_csv)
 }
 
 #[test]
+fn targets_that_float() {
+    insta::assert_snapshot!(faults_of(&[("target.0.floating", "true"), ("target.1.waterline_m", "3")]), @r#"
+target.0.floating: has no meaning here (there is no [sea] to float on)
+target.1.waterline_m: has no meaning here (floating = false)
+"#);
+    let target = "{ position_m = [0, 0, 1], velocity_mps = [0, 0, 1], rcs_m2 = 1, floating = true }";
+    let sea = ("sea", "{ wind_mps = 8.0, wind_height_m = 10.0, wind_towards_deg = 0.0 }");
+    let patch = [("scene.patch_size_m", "[64, 64]"), ("scene.facet_m", "1")];
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], sea, ("target", &format!("[{target}]"))]), @"target.0.velocity_mps: a floating target rises with the sea alone; allowed: [east, north, 0]");
+    let many = format!("[{}]", vec![target.replace("0, 1]", "0, 0]"); 65].join(", "));
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], sea, ("target", &many)]), @"65 targets that float; allowed: at most 64");
+}
+
+#[test]
 fn all_faults_of_a_file_at_once() {
     let text = r#"[scene]
 origin_lat_deg = 95

@@ -7,7 +7,11 @@
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
 //! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as they
-//! are drawn, and in what is left with the most that they return at any pulse.
+//! are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide count
+//! likewise: as hidden as they are, and not at all.
+//!
+//! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
+//! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is multiplied.
 //!
 //! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
 
@@ -53,6 +57,9 @@ pub struct Points {
     most_of_run: Vec<f64>,
     /// First pulses of the stretches.
     stretches: Vec<u64>,
+    /// What is left of each point in the whole run over what is left in the stretches; empty where it is the
+    /// same.
+    unseen: Vec<f64>,
     /// What cubics leave: steps of gain, and powers by channel.
     swept: Vec<(u64, Powers)>,
 }
@@ -202,6 +209,11 @@ impl ErrorSampler<'_> {
         self.points.loudest = loud.first().map_or(0, |(_, index)| *index);
         self.points.stretches = stretches(self.pulses, points as u64, &loud);
         (self.points.followed, self.points.all_of_followed) = loudest(&of_each, MOST_POINTS);
+        let unseen = unseen(self.points.stretches.len() as u64, self.pulses);
+        if unseen > 1.0 && (0..points).any(|n| self.generator.is_lifted(n)) {
+            let of = |n| if self.generator.is_lifted(n) { unseen } else { 1.0 };
+            self.points.unseen = (0..points).map(of).collect();
+        }
         Ok(())
     }
 
@@ -346,8 +358,14 @@ impl ErrorSampler<'_> {
     fn variation(&mut self, index: u64, most: bool) -> Result<Variation, RadarError> {
         let (pairs, mut of_points) = (self.channels.len(), Vec::new());
         if self.generator.varies() {
-            let most = most.then_some(&self.points.most_of_run[..]);
-            self.generator.variations(index, most, &mut self.memory, &mut of_points)?;
+            let most_of_run = most.then_some(&self.points.most_of_run[..]);
+            self.generator.variations(index, most_of_run, &mut self.memory, &mut of_points)?;
+        }
+        if most && !self.points.unseen.is_empty() {
+            of_points.resize(self.points.unseen.len() * pairs, 1.0);
+            for (own, unseen) in of_points.chunks_exact_mut(pairs.max(1)).zip(&self.points.unseen) {
+                own.iter_mut().for_each(|most| *most *= unseen);
+            }
         }
         Ok(Variation { of_points, pairs })
     }
@@ -415,6 +433,12 @@ fn loudest(of_each: &[(f64, f64)], most: usize) -> (Vec<usize>, f64) {
     (order, if own > 0.0 { all / own } else { 1.0 })
 }
 
+/// The largest of a Gaussian process in a run over the largest in so many of its stretches.
+fn unseen(stretches: u64, pulses: u64) -> f64 {
+    let all = pulses.div_ceil(LONGEST);
+    if all <= stretches { 1.0 } else { ((all as f64).ln() / (stretches.max(2) as f64).ln()).sqrt().max(1.0) }
+}
+
 /// First pulses of the stretches of a run; `loud` are pulses from the loudest on.
 fn stretches(pulses: u64, points: u64, loud: &[(f64, u64)]) -> Vec<u64> {
     let most = (MOST_FOLLOWED / (points * LONGEST)).clamp(*STRETCHES.start(), *STRETCHES.end());
@@ -458,6 +482,14 @@ mod tests {
         }
         assert_eq!(stretches(800_000, 1_000_000, &loud), [640_000]);
         assert!(stretches(u64::MAX, 1, &[]).iter().all(|first| *first < u64::MAX));
+    }
+
+    #[test]
+    fn what_no_stretch_shows_is_allowed_for() {
+        assert_eq!((unseen(1, 64), unseen(3, 130), unseen(0, 0)), (1.0, 1.0, 1.0));
+        // The largest of 2^20 of a Gaussian process, and of 64: sqrt(20/6).
+        assert!((unseen(64, LONGEST << 20) - (20f64 / 6.0).sqrt()).abs() < 1e-12);
+        assert_eq!((unseen(1, 65), unseen(2, u64::MAX).is_finite()), (1.0, true));
     }
 
     #[test]
