@@ -13,6 +13,7 @@ use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
 use crate::paths::aspect::Aspect;
 use crate::paths::heave::Heave;
+use crate::paths::multipath::{Bounce, Image, Mirror};
 use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
 use crate::scattering::target::{Scatterer, fluctuation};
@@ -31,6 +32,9 @@ pub(super) struct Circumstances<'a> {
     pub aspects: &'a [Option<Aspect>],
     /// What lifts targets that float; empty where none does.
     pub heaves: &'a [Option<Heave>],
+    /// Paths of targets by the sea, and what reflects them.
+    pub images: &'a [Image],
+    pub mirror: Option<&'a Mirror>,
     /// Seed of the scene.
     pub seed: u64,
     /// Length over which receive axes are interpolated, s; zero: they are taken at the emission.
@@ -96,9 +100,11 @@ pub(super) struct Emission {
     bases: Vec<PortBasis>,
     /// Change of their axes over `axes_span_s`; zero for transmitters.
     bases_change: Vec<Axes>,
-    /// `[target, then direct path][pair]`
+    /// `[target, then image, then direct path][pair]`
     pub paths: Vec<Path>,
-    /// Amplitude of a target over its steady one, `[target][pair]`; empty where none varies.
+    /// What the sea does to the path of an image, `[image][pair]`.
+    pub bounces: Vec<Bounce>,
+    /// Amplitude of a target over its steady one, `[target, then image][pair]`; empty where none varies.
     pub variation: Vec<f64>,
 }
 
@@ -160,6 +166,16 @@ impl Emission {
                 self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
             }
         }
+        self.bounces.clear();
+        for (image, mirror) in of.images.iter().filter_map(|image| Some((image, of.mirror?))) {
+            let (position, velocity) = of.target(image.target, elapsed_s);
+            for pair in of.pairs {
+                let ends = [pair.transmitter, transmitters + pair.receiver].map(|end| &self.centres[end]);
+                let (path, bounce) = mirror.path(image, ends, position, velocity);
+                self.paths.push(path);
+                self.bounces.push(bounce);
+            }
+        }
         if of.radar.direct_path {
             for pair in of.pairs {
                 let tx = &self.centres[pair.transmitter];
@@ -200,6 +216,10 @@ impl Emission {
                 };
                 self.variation.push((power * seen).sqrt() * passes);
             }
+        }
+        for image in of.images {
+            let first = image.target * of.pairs.len();
+            self.variation.extend_from_within(first..first + of.pairs.len());
         }
         Ok(())
     }

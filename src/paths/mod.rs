@@ -92,6 +92,7 @@ mod append;
 mod aspect;
 mod facets;
 mod heave;
+mod multipath;
 mod nodes;
 mod sea;
 mod emission;
@@ -104,6 +105,7 @@ mod truth;
 mod visibility;
 
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -116,6 +118,7 @@ use crate::paths::aspect::Aspect;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
 use crate::paths::heave::{Crests, Heave, Wave};
 use crate::paths::list::ScattererPaths;
+use crate::paths::multipath::{Image, Mirror};
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
 use crate::radar::antenna::Antenna;
@@ -166,6 +169,9 @@ pub struct PathGenerator {
     aspects: Vec<Option<Aspect>>,
     /// What lifts targets that float; empty where none does.
     heaves: Arc<Vec<Option<Heave>>>,
+    /// Paths of targets by the sea, and what reflects them; empty where nothing does.
+    images: Vec<Image>,
+    mirror: Option<Mirror>,
     seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
@@ -252,6 +258,8 @@ impl PathGenerator {
             targets,
             aspects,
             heaves: Arc::default(),
+            images: Vec::new(),
+            mirror: None,
             seed: scene.seed,
             pulse_length_s,
             tracks,
@@ -276,6 +284,13 @@ impl PathGenerator {
             let run = sea::Run { patches, patch_mps, hold_s, nears_horizon };
             built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
             built.heaves = Arc::new(built.lifted_by(built.sea.as_deref()));
+            built.mirror = built.sea.as_ref().map(|sea| Mirror {
+                earth: built.frame.earth(),
+                permittivity: sea.scattering.permittivity(),
+                height_rms_m: sea.surface.expected().variance_m2.sqrt(),
+                wave_number_rad_m: TAU / radar.wavelength_m(),
+            });
+            built.images = built.mirror.map_or_else(Vec::new, |_| multipath::images(&built.targets));
         }
         if faults.is_empty() {
             match built.longest_delay_s() {
@@ -460,6 +475,8 @@ impl PathGenerator {
             targets: &self.targets,
             aspects: &self.aspects,
             heaves: &self.heaves,
+            images: &self.images,
+            mirror: self.mirror.as_ref(),
             seed: self.seed,
             axes_span_s: self.axes_span_s,
         }

@@ -146,8 +146,8 @@ impl PathGenerator {
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
         let reception = self.reception(index, index, own, window);
-        for (target, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            if self.weigh(&reception, target, of_pairs, amplitude) {
+        for (point, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            if self.weigh(&reception, point, of_pairs, amplitude) {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
@@ -155,7 +155,7 @@ impl PathGenerator {
         Ok(())
     }
 
-    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received
+    /// Targets, their images in the sea and direct paths of a pulse, always the same ones in the same order, whether they are received
     /// or not, with their steady amplitudes: without [`Self::variations`].
     ///
     /// # Errors
@@ -203,8 +203,10 @@ impl PathGenerator {
         (0..).zip(&self.targets).map(of).collect()
     }
 
-    /// Whether a target is lifted by waves.
-    pub fn is_lifted(&self, target: usize) -> bool {
+    /// Whether waves lift the target of a point.
+    pub fn is_lifted(&self, point: usize) -> bool {
+        let image = point.checked_sub(self.targets.len()).and_then(|n| self.images.get(n));
+        let target = image.map_or(point, |image| image.target);
         self.heaves.get(target).is_some_and(Option::is_some)
     }
 
@@ -235,13 +237,13 @@ impl PathGenerator {
 
     /// How many of them there are.
     pub fn point_count(&self) -> usize {
-        self.targets.len() + usize::from(self.radar.direct_path)
+        self.targets.len() + self.images.len() + usize::from(self.radar.direct_path)
     }
 
     /// Appends targets and direct paths whether they are received or not.
     fn append_every(&self, reception: &Reception, amplitude: &mut [Complex64], paths: &mut ScattererPaths) {
-        for (target, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            self.weigh(reception, target, of_pairs, amplitude);
+        for (point, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            self.weigh(reception, point, of_pairs, amplitude);
             paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
         }
     }

@@ -24,6 +24,8 @@ pub struct Target {
     pub aspect: Option<Aspect>,
     /// How it floats, if it does: waves lift it from the height of its position.
     pub floating: Option<Floating>,
+    /// Whether the sea reflects the rays between it and the antennas.
+    pub multipath: bool,
 }
 
 /// How a target floats.
@@ -104,6 +106,7 @@ impl Target {
             swerling: Swerling::Steady,
             aspect: None,
             floating: None,
+            multipath: false,
         }
     }
 

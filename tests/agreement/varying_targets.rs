@@ -119,6 +119,19 @@ fn a_target_that_floats_keeps_the_error() {
 }
 
 #[test]
+fn a_target_over_a_sea_that_reflects_keeps_the_error() {
+    // A mast of 15 m and an aircraft; the sea is rough for the aircraft's rays alone.
+    let target = "[{ position_m = [0, 10, 3], velocity_mps = [0, 8, 0], rcs_dbsm = 40, floating = true, waterline_m = 2, multipath = true, swerling = 2 }]";
+    let settings = [
+        ("scene.patch_size_m", "[64, 64]"),
+        ("scene.duration_s", "0.3"),
+        ("platform.1.track.position_m", "[-33, -3000, 3000]"),
+        ("target", target),
+    ];
+    holds("configs/mars-4.toml", &settings, &[-30.0, -60.0]);
+}
+
+#[test]
 fn a_target_that_crests_hide_keeps_the_error() {
     // The transmitter stands 15 m above the sea, 3 km away.
     let target = "[{ position_m = [0, 10, 0.2], velocity_mps = [0, 8, 0], rcs_dbsm = 50, floating = true, waterline_m = 2 }]";

@@ -43,6 +43,7 @@ mod shadow_extremes;
 mod target_aspect;
 mod target_fluctuation;
 mod target_heave;
+mod target_multipath;
 mod tilt_mean;
 mod wake_extremes;
 mod wake_laws;

@@ -17,6 +17,15 @@ pub(super) fn models(targets: &[Target], with: &mut Vec<Described>, without: &mu
     } else {
         without.push(described("heave of targets", "target.floating = false: heights keep to the mean sea"));
     }
+    let mirrored = targets.iter().filter(|target| target.multipath).count();
+    if mirrored > 0 {
+        let how = "four paths each by the mean sea: Fresnel, roughness factor, divergence";
+        with.push(described("multipath", format!("{mirrored} of {}: {how}", targets.len())));
+        without
+            .push(described("diffuse multipath", "nothing but the coherent field; none to hulls or the sea"));
+    } else {
+        without.push(described("multipath", "target.multipath = false: targets stand in free space"));
+    }
     let by_aspect = targets.iter().filter(|target| target.aspect.is_some()).count();
     if by_aspect > 0 {
         let how = "from tables of monostatic cross sections, read at the bisector of both antennas; no phase";

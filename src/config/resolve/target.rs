@@ -86,9 +86,14 @@ fn target(section: Section<'_>, sea: bool, name: Option<String>, ground: &Ground
     let aspect = aspect(&section, velocity);
     let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
     let floating = floating(&section, sea, velocity);
+    let multipath = section.flag(&k::MULTIPATH);
+    if multipath == Some(true) && !sea {
+        section.fault(&k::MULTIPATH, Problem::Idle { when: "there is no [sea] that reflects".to_owned() });
+    }
     section.finish();
     Some(Target {
         floating: floating?,
+        multipath: multipath?,
         swerling: swerling?,
         aspect: aspect?,
         ..Target::new(name?, position?, velocity?, scattering?)

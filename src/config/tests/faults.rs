@@ -124,10 +124,11 @@ target.1.heading_deg: has no meaning here (the target has no rcs_csv)
 }
 
 #[test]
-fn targets_that_float() {
-    insta::assert_snapshot!(faults_of(&[("target.0.floating", "true"), ("target.1.waterline_m", "3")]), @r#"
+fn targets_at_sea() {
+    insta::assert_snapshot!(faults_of(&[("target.0.floating", "true"), ("target.1.waterline_m", "3"), ("target.1.multipath", "true")]), @r#"
 target.0.floating: has no meaning here (there is no [sea] to float on)
 target.1.waterline_m: has no meaning here (floating = false)
+target.1.multipath: has no meaning here (there is no [sea] that reflects)
 "#);
     let target = "{ position_m = [0, 0, 1], velocity_mps = [0, 0, 1], rcs_m2 = 1, floating = true }";
     let sea = ("sea", "{ wind_mps = 8.0, wind_height_m = 10.0, wind_towards_deg = 0.0 }");
