@@ -20,7 +20,8 @@
 //! are too narrow by it (1.5 % at 20 degrees).
 //!
 //! Limits: smooth convex bodies, `beta` well below 180 degrees (the forward lobe is not in a monostatic
-//! table); no phase, hence no glint and no change of sign from lobe to lobe; level targets.
+//! table); no phase, hence no glint and no change of sign from lobe to lobe; targets that do not float stay
+//! level ([`super::heave`] tilts the others).
 
 use std::collections::HashMap;
 use std::path::Path as FilePath;

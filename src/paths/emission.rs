@@ -5,7 +5,7 @@
 //! interpolated linearly in `tau / T`. What that leaves of a turn `w T` is `(w T)^2 / 8`: 3e-10 rad for
 //! 0.01 rad/s and 5 ms.
 
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 use crate::frames::{self, Enu, Point, Rotation, Vector};
 use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
@@ -65,6 +65,14 @@ impl Circumstances<'_> {
             })?;
         }
         Ok(passes)
+    }
+
+    /// The vertical of a target at a time after pulse 0: where it floats, the normal of the surface.
+    fn up(&self, number: usize, elapsed_s: f64) -> DVec3 {
+        let up = self.surroundings.frame.earth().up(self.target(number, elapsed_s).0).raw();
+        let Some(Some(heave)) = self.heaves.get(number) else { return up };
+        let [east, north] = heave.tilt(elapsed_s);
+        (up - DVec3::new(east, north, 0.0)).normalize_or(up)
     }
 
     /// Where a target is at a time after pulse 0, and how fast.
@@ -199,14 +207,13 @@ impl Emission {
         if !of.varies() {
             return Ok(());
         }
-        let earth = of.surroundings.frame.earth();
         for (number, target) in of.targets.iter().enumerate() {
             let power = match most_of_run.and_then(|most| most.get(number)) {
                 Some(most) => *most,
                 None => fluctuation(target.swerling, of.seed, number as u64, index, elapsed_s),
             };
             let aspect = of.aspects.get(number).and_then(Option::as_ref);
-            let up = aspect.map(|_| earth.up(of.target(number, elapsed_s).0).raw());
+            let up = aspect.map(|_| of.up(number, elapsed_s));
             for (n, pair) in of.pairs.iter().enumerate() {
                 let path = || &self.paths[number * of.pairs.len() + n];
                 let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));

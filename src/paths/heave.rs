@@ -12,8 +12,10 @@
 //! | `L` | waterline: waves along a hull of this length average out by `W`, shorter ones altogether | m |
 //!
 //! Height, rate and acceleration are summed at **knots**, so close that the fastest of these waves turns by
-//! half a radian, and are quintic Hermite in between (off by 4e-7 of a wave at most): what lifts a target is
-//! the same in the reference and in the fast echo. The height of the target's position is carried on top,
+//! half a radian, and are quintic Hermite in between (off by 4e-7 of a wave at most); so are slopes, `j K` in
+//! the sum, and their rates, cubic in between (2e-4). What lifts and tilts a target is the same in the reference
+//! and in the fast echo. Its own vertical, by which its aspect is found, is the normal of that mean surface:
+//! roll and pitch follow the slope, the heading stays. The height of the target's position is carried on top,
 //! above the sea that curves with the earth. Every knot is found once, by whoever comes first.
 //!
 //! **Crests**, where waves hide facets ([`crate::geometry::shadow`]): the target has their clearance, over the
@@ -22,7 +24,7 @@
 //! the first (live navigation knows no later one), and are linear in between.
 //!
 //! Limits: linear waves; a hull that follows the water at once (no resonance, no damping); no sway with the
-//! orbital motion, no roll or pitch; waves of ships neither lift nor hide it; the crests of the first
+//! orbital motion; waves of ships neither lift nor hide it; the crests of the first
 //! [`MOST_STEPS`] facets of the line of sight hide it, and those of shorter waves than it do not.
 
 use std::f64::consts::TAU;
@@ -88,12 +90,19 @@ pub(super) struct Crests {
     pub antennas: usize,
 }
 
+/// The surface at a knot: height, rate, acceleration; slopes East and North, and their rates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Knot {
+    height: [f64; 3],
+    slope: [[f64; 2]; 2],
+}
+
 /// What lifts one target, and hides it.
 #[derive(Debug)]
 pub(super) struct Heave {
     waves: Arc<[Wave]>,
     apart_s: f64,
-    knots: Vec<OnceLock<[f64; 3]>>,
+    knots: Vec<OnceLock<Knot>>,
     crests: Option<Crests>,
     /// `[knot][antenna]`: weights at the knot and at the next.
     weights: Vec<OnceLock<[f64; 2]>>,
@@ -125,16 +134,21 @@ impl Heave {
         Self { waves, apart_s, knots, crests, weights, course, height_m }
     }
 
-    /// Height, rate and acceleration at a knot.
-    fn knot(&self, number: usize) -> [f64; 3] {
+    fn knot(&self, number: usize) -> Knot {
         let [place, velocity] = self.course;
         let sum = || {
             let time_s = number as f64 * self.apart_s;
-            self.waves.iter().fold([0.0; 3], |[z, rate, acceleration], wave| {
-                let met = wave.met(velocity);
+            self.waves.iter().fold(Knot::default(), |sum, wave| {
+                let ([z, rate, acceleration], met) = (sum.height, wave.met(velocity));
                 let turned = wave.k[0] * place[0] + wave.k[1] * place[1] - met * time_s;
                 let lift = wave.share * wave.amplitude * Complex64::cis(turned);
-                [z + lift.re, rate + met * lift.im, acceleration - met * met * lift.re]
+                let slope = |i: usize| {
+                    [sum.slope[i][0] - wave.k[i] * lift.im, sum.slope[i][1] + wave.k[i] * met * lift.re]
+                };
+                Knot {
+                    height: [z + lift.re, rate + met * lift.im, acceleration - met * met * lift.re],
+                    slope: [slope(0), slope(1)],
+                }
             })
         };
         self.knots.get(number).map_or_else(sum, |knot| *knot.get_or_init(sum))
@@ -150,7 +164,7 @@ impl Heave {
     fn lifted(&self, elapsed_s: f64) -> [f64; 2] {
         let h = self.apart_s;
         let (number, s) = self.knot_before(elapsed_s);
-        let ([z0, v0, a0], [z1, v1, a1]) = (self.knot(number), self.knot(number + 1));
+        let [[z0, v0, a0], [z1, v1, a1]] = [number, number + 1].map(|number| self.knot(number).height);
         let (c1, c2) = (h * v0, 0.5 * h * h * a0);
         let (d, e, f) = (z1 - z0 - c1 - c2, h * v1 - c1 - 2.0 * c2, h * h * a1 - 2.0 * c2);
         let (c3, c4, c5) =
@@ -168,6 +182,17 @@ impl Heave {
         let [fall_x, fall_y] = earth.drop_slope(x_m, y_m);
         let height_m = self.height_m + z_m - earth.drop_m(x_m, y_m);
         (Point::new(x_m, y_m, height_m), Vector::new(vx, vy, rate - fall_x * vx - fall_y * vy))
+    }
+
+    /// How the mean surface tilts the target at a time after pulse 0: slopes East and North.
+    pub fn tilt(&self, elapsed_s: f64) -> [f64; 2] {
+        let (h, (number, s)) = (self.apart_s, self.knot_before(elapsed_s));
+        let [before, after] = [number, number + 1].map(|number| self.knot(number).slope);
+        [0, 1].map(|i| {
+            let ([p0, m0], [p1, m1]) = (before[i], after[i]);
+            let (d, e) = (p1 - p0 - h * m0, h * (m1 - m0));
+            p0 + s * (h * m0 + s * (3.0 * d - e + s * (e - 2.0 * d)))
+        })
     }
 
     /// Whether crests may hide it.

@@ -1,12 +1,13 @@
 //! Floating targets: lifted by the very sea of the scene, at their moving place, and hidden by its crests.
 
 use std::f64::consts::TAU;
+use std::io::Write;
 
 use nereus::frames::{Earth, SceneFrame};
 use nereus::paths::PathGenerator;
 use nereus::scene::Scene;
 use nereus::scene::sea::Shadowing;
-use nereus::scene::target::Floating;
+use nereus::scene::target::{Aspect, Floating};
 use nereus::sea::realise::realise;
 use nereus::units::SPEED_OF_LIGHT_MPS;
 
@@ -55,6 +56,51 @@ fn a_point_rides_the_surface_of_the_scene() {
     // Quintics between knots, 4e-7 of waves of 1 m; their rate by the knots' distance, 1/50 s, more.
     assert!(off_m < 1e-6 && off_mps < 2e-5, "{off_m} {off_mps}");
     assert!(largest_m > 0.2, "{largest_m}");
+}
+
+#[test]
+fn its_cross_sections_tilt_with_the_surface() {
+    // 1 dB a degree of elevation.
+    let mut table = tempfile::NamedTempFile::new().unwrap();
+    writeln!(table, "az_deg,el_deg,rcs_dbsm").unwrap();
+    for (az, el) in [-180, 180].iter().flat_map(|az| (-90..=90).map(move |el| (az, el))) {
+        writeln!(table, "{az},{el},{el}").unwrap();
+    }
+    let (mut scene, _) = with(1e-3, Earth::Flat);
+    let (from, at) = ([2000.0, 1000.0, 1500.0], [40.0, -30.0, 1.5]);
+    let radar = straight(&scene, from, [0.0; 3]);
+    let amplitudes = |scene: &Scene| -> Vec<f64> {
+        let generator = PathGenerator::new(scene, 1e-6, vec![radar.clone(), radar.clone()]).unwrap();
+        let of = |index: u64| {
+            let (paths, record) = evaluate(scene, &generator, index);
+            let first = paths.delay_s[0].iter().position(|delay_s| *delay_s == record.target_delay_s[0]);
+            paths.amplitude[0][first.unwrap()].norm()
+        };
+        (0..2220).step_by(111).map(of).collect()
+    };
+    let plain = amplitudes(&scene);
+    scene.targets[0].aspect =
+        Some(Aspect { path: table.path().to_owned(), heading_rad: 1.1, floor_dbsm: -300.0 });
+    let tilted = amplitudes(&scene);
+    let surface = realise(scene.sea.as_ref().unwrap(), scene.seed).unwrap().surface;
+    let (mut off_db, mut level_db) = (0f64, 0f64);
+    for (n, (tilted, plain)) in tilted.iter().zip(&plain).enumerate() {
+        // The emission, less than 10 us before the scattering, at which nothing has turned.
+        let t_s = 0.5 * n as f64;
+        let place = [at[0] + 3.0 * t_s, at[1] + 4.0 * t_s];
+        let wave = surface.at(place, t_s);
+        let towards = [from[0] - place[0], from[1] - place[1], from[2] - at[2] - wave.height_m];
+        let up = [-wave.slope[0], -wave.slope[1], 1.0];
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let sine = dot(towards, up) / (dot(towards, towards) * dot(up, up)).sqrt();
+        let level = (towards[2] / dot(towards, towards).sqrt()).asin().to_degrees();
+        let found_db = 20.0 * (tilted / plain).log10();
+        off_db = off_db.max((found_db - sine.asin().to_degrees()).abs());
+        level_db = level_db.max((found_db - level).abs());
+    }
+    println!("off by {off_db:.1e} dB of up to {level_db:.1} dB");
+    // Slopes between knots are off by 2e-4 of some 0.1 rad, which is 1e-3 degrees.
+    assert!(off_db < 2e-3 && level_db > 2.0, "{off_db} {level_db}");
 }
 
 #[test]

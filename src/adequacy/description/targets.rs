@@ -11,9 +11,11 @@ pub(super) fn models(targets: &[Target], with: &mut Vec<Described>, without: &mu
     if floating > 0 {
         with.push(described(
             "heave of targets",
-            format!("{floating} ride the waves of the sea that are longer than they"),
+            format!(
+                "{floating} ride the waves of the sea that are longer than they; aspects tilt with the slope"
+            ),
         ));
-        without.push(described("motion of floating targets", "no roll, pitch or sway, no waves of ships"));
+        without.push(described("motion of floating targets", "no resonance, no sway, no waves of ships"));
     } else {
         without.push(described("heave of targets", "target.floating = false: heights keep to the mean sea"));
     }

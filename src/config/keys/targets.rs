@@ -20,8 +20,8 @@ tables! {
         S_HV "s_hv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received H, transmitted V.";
         S_HH "s_hh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, HH.";
         CONVENTION "convention", Choice(&["fsa", "bsa"]), Word("fsa"), "Scattering matrix: forward-scatter alignment, or back-scatter alignment (the received basis seen from the antenna, a sphere is the unit matrix). S_fsa = diag(1, -1) S_bsa in the order v, h.";
-        FLOATING "floating", Kind::Flag, Flag(false), "Whether the waves of [sea] lift it, on top of the height of its position, and their crests hide it where sea.shadow is on. Its velocity is then level.";
-        WATERLINE_M "waterline_m", number("m", 0.1, 1000.0), default(5.0), "floating: its length; shorter waves do not lift it.";
+        FLOATING "floating", Kind::Flag, Flag(false), "Whether the waves of [sea] lift it, on top of the height of its position, and tilt its rcs_csv, and their crests hide it where sea.shadow is on. Its velocity is then level.";
+        WATERLINE_M "waterline_m", number("m", 0.1, 1000.0), default(5.0), "floating: its length; shorter waves do not move it.";
         MULTIPATH "multipath", Kind::Flag, Flag(false), "Whether the mean sea reflects the rays between it and the antennas: four paths in place of one.";
         SWERLING "swerling", count(0, 4), Count(0), "How the radar cross section fluctuates about the one given, Swerling's cases: 0 not at all; 1 exponential, constant over a scan; 2 exponential, from pulse to pulse; 3 and 4 the same with chi-square of four degrees of freedom.";
         SWERLING_SCAN_S "swerling_scan_s", above("s", 0.0, 1e7), Means("required with swerling 1 and 3"), "Cases 1 and 3: how long the cross section is constant, counted from pulse 0.";
