@@ -72,13 +72,13 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
         },
         sea: None,
         ships: Vec::new(),
-        targets: vec![Target {
-            name: "buoy".into(),
-            // The track runs North; its starboard side is East.
-            position: Point::new(3000.0, 50.0, 0.0),
-            velocity: Vector::ZERO,
-            scattering: Target::sphere(100.0),
-        }],
+        // The track runs North; its starboard side is East.
+        targets: vec![Target::new(
+            "buoy",
+            Point::new(3000.0, 50.0, 0.0),
+            Vector::ZERO,
+            Target::sphere(100.0),
+        )],
     })
 }
 

@@ -34,6 +34,8 @@ pub enum Room {
     ReportErrors = 32,
     /// Gusts: index = platform * 256 + axis, part = step (two's complement).
     Turbulence = 33,
+    /// Radar cross section of a target: index = scan or pulse, part = target.
+    TargetFluctuation = 35,
     /// Noise of a clock: index = clock, part = step of its series.
     Clock = 34,
     /// Pulses at which the error of an echo is measured.

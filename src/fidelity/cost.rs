@@ -124,7 +124,8 @@ impl Size {
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
         Self {
             facets: generator.facets() as f64,
-            points: generator.point_count() as f64,
+            // Those with an aspect are evaluated for it once more.
+            points: generator.point_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 },
             pairs: generator.pairs().len() as f64,
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,

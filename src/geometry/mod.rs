@@ -6,3 +6,4 @@ pub mod phase_path;
 pub mod bistatic;
 pub mod shadow;
 pub mod horizon;
+pub mod specular;

@@ -12,6 +12,7 @@ use crate::geometry::bistatic::Basis;
 use crate::geometry::horizon;
 use crate::geometry::light_time::Path;
 use crate::paths::list::ScattererPaths;
+use crate::paths::multipath::Bounce;
 use crate::pulse::costs::Costs;
 use crate::radar::fault::RadarError;
 use crate::radar::polarisation::field;
@@ -29,8 +30,8 @@ impl PathGenerator {
         paths: &mut ScattererPaths,
     ) -> bool {
         let mut outside = false;
-        for (target, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            outside |= self.weigh(reception, target, of_pairs, amplitude);
+        for (point, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            outside |= self.weigh(reception, point, of_pairs, amplitude);
             if amplitude.iter().any(|a| *a != Complex64::ZERO) {
                 let delays = of_pairs.iter().map(|path| (path.delay_s, path.delay_rate));
                 paths.push(reception.offset_s, delays, amplitude);
@@ -70,33 +71,42 @@ impl PathGenerator {
         visited.map_err(|failure| self.sea_error(emitted, failure))
     }
 
-    /// Amplitudes of a target (or, beyond the last one, the direct path) in every channel; returns whether an
-    /// echo lies partly or wholly outside the window.
+    /// Amplitudes of a target (or, beyond the last one, an image, and beyond these the direct path) in every
+    /// channel; returns whether an echo lies partly or wholly outside the window.
     pub(super) fn weigh(
         &self,
         reception: &Reception,
-        target: usize,
+        point: usize,
         of_pairs: &[Path],
         amplitude: &mut [Complex64],
     ) -> bool {
         let Reception { emission, offset_s, tx_pol, window, .. } = *reception;
         let mut outside = false;
-        let target = self.targets.get(target);
+        let variation = emission.variation.get(point * self.plans.len()..).unwrap_or_default();
+        let image = point.checked_sub(self.targets.len()).filter(|image| *image < self.images.len());
+        let of_target = image.map_or(point, |image| self.images[image].target);
+        let target = self.targets.get(of_target);
         amplitude.fill(Complex64::ZERO);
-        for (plan, path) in self.plans.iter().zip(of_pairs) {
+        for (pair, (plan, path)) in self.plans.iter().zip(of_pairs).enumerate() {
             let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
             let scale = match target {
                 Some(_) => plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)),
                 None => plan.link.direct(range(path.delay_s)),
             };
-            let scale = scale * self.passes_horizon(plan, emission, path, target.is_none());
+            // What hides a target hides its image.
+            let straight = image.map_or(path, |_| &emission.paths[of_target * self.plans.len() + pair]);
+            let mut scale = scale * self.passes_horizon(plan, emission, straight, target.is_none());
+            if let Some(variation) = variation.get(pair) {
+                scale *= variation;
+            }
             if scale == 0.0 || !plan.receives(tx_pol) {
                 continue;
             }
             let begin_s = offset_s + path.delay_s;
             outside |= !window.holds(begin_s);
             if window.touches(begin_s) {
-                self.amplitudes(plan, path, target, scale, tx_pol, emission, amplitude);
+                let bounce = image.map(|image| &emission.bounces[image * self.plans.len() + pair]);
+                self.amplitudes(plan, (path, bounce), target, scale, tx_pol, emission, amplitude);
             }
         }
         outside
@@ -122,11 +132,12 @@ impl PathGenerator {
         seen(tx, at) * seen(on(at, path.scattered, path.rx_leg_s), at)
     }
 
-    /// Amplitudes of one path in the channels of its pair; `target` is `None` for the direct path.
+    /// Amplitudes of one path in the channels of its pair, with what the sea did to it; `target` is `None` for
+    /// the direct path.
     fn amplitudes(
         &self,
         plan: &PairPlan,
-        path: &Path,
+        (path, bounce): (&Path, Option<&Bounce>),
         target: Option<&Target>,
         scale: f64,
         tx_pol: Option<Polarisation>,
@@ -140,11 +151,12 @@ impl PathGenerator {
         let gain = |antenna: usize, axes: &glam::DMat3, d: DVec3| {
             self.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
         };
-        let gains = gain(tx, &tx_axes, path.incident) * gain(rx, &rx_axes, -path.scattered) * scale;
+        let [sent, received] = bounce.map_or([path.incident, path.scattered], |bounce| bounce.at_antennas);
+        let gains = gain(tx, &tx_axes, sent) * gain(rx, &rx_axes, -received) * scale;
         if gains == Complex64::ZERO {
             return;
         }
-        let (basis_in, basis_out) = (Basis::of(path.incident), Basis::of(path.scattered));
+        let (basis_in, basis_out) = (Basis::of(sent), Basis::of(received));
         let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
         let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
         let tx_basis = emission.basis(tx);
@@ -153,16 +165,20 @@ impl PathGenerator {
             if tx_pol.is_some_and(|port| port != tx_port) {
                 continue;
             }
-            let e_t = field(&tx_basis, tx_port, tx_leak, path.incident, &basis_in);
-            let e_r = field(&rx_basis, rx_port, rx_leak, -path.scattered, &basis_out);
-            let received = match target {
+            let mut e_t = field(&tx_basis, tx_port, tx_leak, sent, &basis_in);
+            let mut e_r = field(&rx_basis, rx_port, rx_leak, -received, &basis_out);
+            if let Some(Bounce { leaves: [of_sent, of_received], .. }) = bounce {
+                e_t = [e_t[0] * of_sent[0], e_t[1] * of_sent[1]];
+                e_r = [e_r[0] * of_received[0], e_r[1] * of_received[1]];
+            }
+            let returned = match target {
                 None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
                 Some(Target { scattering: s, .. }) => {
                     e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
                         + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
                 }
             };
-            amplitude[channel] = gains * received;
+            amplitude[channel] = gains * returned;
         }
     }
 }

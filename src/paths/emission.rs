@@ -5,17 +5,21 @@
 //! interpolated linearly in `tau / T`. What that leaves of a turn `w T` is `(w T)^2 / 8`: 3e-10 rad for
 //! 0.01 rad/s and 5 ms.
 
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
-use crate::frames::{self, Enu, Rotation};
+use crate::frames::{self, Enu, Point, Rotation, Vector};
 use crate::geometry::light_time::{LightTime, Path, bistatic, direct};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
+use crate::paths::aspect::Aspect;
+use crate::paths::heave::Heave;
+use crate::paths::multipath::{Bounce, Image, Mirror};
 use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
-use crate::scattering::target::Scatterer;
+use crate::scattering::target::{Scatterer, fluctuation};
 use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, Pair, Pointing, PolarisationBasis, Radar};
+use crate::scene::target::Swerling;
 use crate::time::TimeTag;
 
 /// What an emission depends on.
@@ -24,8 +28,61 @@ pub(super) struct Circumstances<'a> {
     pub radar: &'a Radar,
     pub pairs: &'a [Pair],
     pub targets: &'a [Target],
+    /// Of targets whose cross section depends on the aspect; empty where there are none.
+    pub aspects: &'a [Option<Aspect>],
+    /// What lifts targets that float; empty where none does.
+    pub heaves: &'a [Option<Heave>],
+    /// Paths of targets by the sea, and what reflects them.
+    pub images: &'a [Image],
+    pub mirror: Option<&'a Mirror>,
+    /// Seed of the scene.
+    pub seed: u64,
     /// Length over which receive axes are interpolated, s; zero: they are taken at the emission.
     pub axes_span_s: f64,
+}
+
+impl Circumstances<'_> {
+    /// Whether the amplitude of any target varies otherwise than with its path.
+    pub fn varies(&self) -> bool {
+        let fluctuates = |target: &Target| target.swerling != Swerling::Steady;
+        !self.aspects.is_empty()
+            || self.heaves.iter().flatten().any(Heave::hides)
+            || self.targets.iter().any(fluctuates)
+    }
+
+    /// Share of the field of a pair that passes the crests about a target.
+    fn passes_crests(&self, number: usize, pair: &Pair, elapsed_s: f64) -> Result<f64, TrackFailure> {
+        let Some(Some(heave)) = self.heaves.get(number) else { return Ok(1.0) };
+        let Surroundings { tracks, frame, start } = self.surroundings;
+        let mut passes = 1.0;
+        let receiver = self.radar.transmitters.len() + pair.receiver;
+        for antenna in [pair.transmitter, receiver] {
+            let Some(Mounted { mount, .. }) = antennas(self.radar).nth(antenna) else { continue };
+            passes *= heave.weight(frame, elapsed_s, antenna, |time_s| {
+                let state = tracks[mount.platform].truth.state(start.plus(time_s));
+                let state = state.map_err(failed(mount.platform, TrackUse::Truth))?;
+                Ok(PhaseCentre::of(&state, mount.lever_arm))
+            })?;
+        }
+        Ok(passes)
+    }
+
+    /// The vertical of a target at a time after pulse 0: where it floats, the normal of the surface.
+    fn up(&self, number: usize, elapsed_s: f64) -> DVec3 {
+        let up = self.surroundings.frame.earth().up(self.target(number, elapsed_s).0).raw();
+        let Some(Some(heave)) = self.heaves.get(number) else { return up };
+        let [east, north] = heave.tilt(elapsed_s);
+        (up - DVec3::new(east, north, 0.0)).normalize_or(up)
+    }
+
+    /// Where a target is at a time after pulse 0, and how fast.
+    fn target(&self, number: usize, elapsed_s: f64) -> (Point<Enu>, Vector<Enu>) {
+        if let Some(Some(heave)) = self.heaves.get(number) {
+            return heave.at(self.surroundings.frame, elapsed_s);
+        }
+        let scatterer = Scatterer::at(&self.targets[number], elapsed_s);
+        (scatterer.position, scatterer.velocity)
+    }
 }
 
 /// A track that failed to say where its platform is.
@@ -51,13 +108,23 @@ pub(super) struct Emission {
     bases: Vec<PortBasis>,
     /// Change of their axes over `axes_span_s`; zero for transmitters.
     bases_change: Vec<Axes>,
-    /// `[target, then direct path][pair]`
+    /// `[target, then image, then direct path][pair]`
     pub paths: Vec<Path>,
+    /// What the sea does to the path of an image, `[image][pair]`.
+    pub bounces: Vec<Bounce>,
+    /// Amplitude of a target over its steady one, `[target, then image][pair]`; empty where none varies.
+    pub variation: Vec<f64>,
 }
 
 impl Emission {
-    /// Everything at emission time `t`, `elapsed_s` after pulse 0.
-    pub fn evaluate(&mut self, of: &Circumstances, t: TimeTag, elapsed_s: f64) -> Result<(), TrackFailure> {
+    /// Everything of emission `index` at time `t`, `elapsed_s` after pulse 0.
+    pub fn evaluate(
+        &mut self,
+        of: &Circumstances,
+        index: u64,
+        t: TimeTag,
+        elapsed_s: f64,
+    ) -> Result<(), TrackFailure> {
         self.states.clear();
         for (platform, tracks) in of.surroundings.tracks.iter().enumerate() {
             self.states.push(tracks.truth.state(t).map_err(failed(platform, TrackUse::Truth))?);
@@ -99,13 +166,22 @@ impl Emission {
         }
         self.paths.clear();
         let transmitters = of.radar.transmitters.len();
-        for target in of.targets {
-            let scatterer = Scatterer::at(target, elapsed_s);
+        for number in 0..of.targets.len() {
+            let (position, velocity) = of.target(number, elapsed_s);
             for pair in of.pairs {
                 let tx = &self.centres[pair.transmitter];
                 let rx = &self.centres[transmitters + pair.receiver];
-                let (position, velocity) = (scatterer.position, scatterer.velocity);
                 self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
+            }
+        }
+        self.bounces.clear();
+        for (image, mirror) in of.images.iter().filter_map(|image| Some((image, of.mirror?))) {
+            let (position, velocity) = of.target(image.target, elapsed_s);
+            for pair in of.pairs {
+                let ends = [pair.transmitter, transmitters + pair.receiver].map(|end| &self.centres[end]);
+                let (path, bounce) = mirror.path(image, ends, position, velocity);
+                self.paths.push(path);
+                self.bounces.push(bounce);
             }
         }
         if of.radar.direct_path {
@@ -114,6 +190,43 @@ impl Emission {
                 let rx = &self.centres[transmitters + pair.receiver];
                 self.paths.push(direct(LightTime::Exact, tx, rx));
             }
+        }
+        self.vary(of, index, elapsed_s, None)
+    }
+
+    /// How the amplitudes of targets differ at an emission from their steady ones; with the most of a run in
+    /// place of its draws, and with nothing hidden by crests, where that is given.
+    pub fn vary(
+        &mut self,
+        of: &Circumstances,
+        index: u64,
+        elapsed_s: f64,
+        most_of_run: Option<&[f64]>,
+    ) -> Result<(), TrackFailure> {
+        self.variation.clear();
+        if !of.varies() {
+            return Ok(());
+        }
+        for (number, target) in of.targets.iter().enumerate() {
+            let power = match most_of_run.and_then(|most| most.get(number)) {
+                Some(most) => *most,
+                None => fluctuation(target.swerling, of.seed, number as u64, index, elapsed_s),
+            };
+            let aspect = of.aspects.get(number).and_then(Option::as_ref);
+            let up = aspect.map(|_| of.up(number, elapsed_s));
+            for (n, pair) in of.pairs.iter().enumerate() {
+                let path = || &self.paths[number * of.pairs.len() + n];
+                let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));
+                let passes = match most_of_run {
+                    Some(_) => 1.0,
+                    None => of.passes_crests(number, pair, elapsed_s)?,
+                };
+                self.variation.push((power * seen).sqrt() * passes);
+            }
+        }
+        for image in of.images {
+            let first = image.target * of.pairs.len();
+            self.variation.extend_from_within(first..first + of.pairs.len());
         }
         Ok(())
     }

@@ -68,12 +68,9 @@
 //!     },
 //!     sea: None,
 //!     ships: Vec::new(),
-//!     targets: vec![Target {
-//!         name: "buoy".into(),
-//!         position: Point::new(3000.0, 0.0, 0.0),
-//!         velocity: Vector::ZERO,
-//!         scattering: Target::sphere(1.0),
-//!     }],
+//!     targets: vec![
+//!         Target::new("buoy", Point::new(3000.0, 0.0, 0.0), Vector::ZERO, Target::sphere(1.0)),
+//!     ],
 //! };
 //! let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
 //! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
@@ -92,7 +89,10 @@
 //! ```
 
 mod append;
+mod aspect;
 mod facets;
+mod heave;
+mod multipath;
 mod nodes;
 mod sea;
 mod emission;
@@ -104,6 +104,8 @@ pub mod block;
 mod truth;
 mod visibility;
 
+use std::collections::HashMap;
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -112,8 +114,11 @@ use num_complex::Complex64;
 use crate::frames::SceneFrame;
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::paths::aspect::Aspect;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
+use crate::paths::heave::{Crests, Heave, Wave};
 use crate::paths::list::ScattererPaths;
+use crate::paths::multipath::{Image, Mirror};
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
 use crate::radar::antenna::Antenna;
@@ -160,6 +165,14 @@ pub struct PathGenerator {
     platforms: Vec<String>,
     radar: Radar,
     targets: Vec<Target>,
+    /// Of targets whose cross section depends on the aspect; empty where there are none.
+    aspects: Vec<Option<Aspect>>,
+    /// What lifts targets that float; empty where none does.
+    heaves: Arc<Vec<Option<Heave>>>,
+    /// Paths of targets by the sea, and what reflects them; empty where nothing does.
+    images: Vec<Image>,
+    mirror: Option<Mirror>,
+    seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
     /// Transmitters first.
@@ -201,6 +214,8 @@ impl PathGenerator {
         check_numbers(radar, pulse_length_s, &mut faults);
         check_references(scene, tracks.len(), &mut faults);
         let antennas = open_antennas(radar, &mut faults);
+        let mut targets = scene.targets.clone();
+        let aspects = aspect::open(&mut targets, &mut faults);
         if !faults.is_empty() {
             return Err(RadarError::Faults(faults));
         }
@@ -240,7 +255,12 @@ impl PathGenerator {
             pulses: scene.pulses,
             platforms: scene.platforms.clone(),
             radar: radar.clone(),
-            targets: scene.targets.clone(),
+            targets,
+            aspects,
+            heaves: Arc::default(),
+            images: Vec::new(),
+            mirror: None,
+            seed: scene.seed,
             pulse_length_s,
             tracks,
             antennas,
@@ -263,6 +283,14 @@ impl PathGenerator {
             let (patches, nears_horizon) = (built.patches(sea)?, built.nears_horizon(sea)?);
             let run = sea::Run { patches, patch_mps, hold_s, nears_horizon };
             built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
+            built.heaves = Arc::new(built.lifted_by(built.sea.as_deref()));
+            built.mirror = built.sea.as_ref().map(|sea| Mirror {
+                earth: built.frame.earth(),
+                permittivity: sea.scattering.permittivity(),
+                height_rms_m: sea.surface.expected().variance_m2.sqrt(),
+                wave_number_rad_m: TAU / radar.wavelength_m(),
+            });
+            built.images = built.mirror.map_or_else(Vec::new, |_| multipath::images(&built.targets));
         }
         if faults.is_empty() {
             match built.longest_delay_s() {
@@ -277,6 +305,29 @@ impl PathGenerator {
         Ok(built)
     }
 
+    /// What lifts the targets that float on a sea, and hides them; empty where none floats.
+    fn lifted_by(&self, sea: Option<&SeaPlan>) -> Vec<Option<Heave>> {
+        let Some(sea) = sea else { return Vec::new() };
+        if self.targets.iter().all(|target| target.floating.is_none()) {
+            return Vec::new();
+        }
+        let last_s = self.radar.emissions.interval_s(0, self.pulses.saturating_sub(1));
+        let crests = sea.visibility.as_ref().filter(|visibility| visibility.waves).map(|visibility| Crests {
+            edge: visibility.settings.edge,
+            facet_m: sea.patch.facet_m,
+            reach_m: sea.reach_m,
+            antennas: visibility.ends,
+        });
+        let mut known: HashMap<u64, Arc<[Wave]>> = HashMap::new();
+        let of = |target: &Target| {
+            let waterline_m = target.floating?.waterline_m;
+            let known = known.entry(waterline_m.to_bits());
+            let waves = known.or_insert_with(|| heave::waves(&sea.surface, waterline_m));
+            Some(Heave::new(target, &self.frame, Arc::clone(waves), crests, last_s))
+        };
+        self.targets.iter().map(of).collect()
+    }
+
     /// The same with clocks that are wrong: windows open by them.
     pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         Self { clocks, ..self }
@@ -286,6 +337,8 @@ impl PathGenerator {
     /// trajectory.
     pub fn set_tracks(&mut self, tracks: Vec<PlatformTracks>) {
         self.tracks = tracks;
+        // What crests hide was found from the others.
+        self.heaves = Arc::new(self.lifted_by(self.sea.as_deref()));
     }
 
     /// The pair of each channel.
@@ -414,17 +467,27 @@ impl PathGenerator {
         Surroundings { tracks: &self.tracks, frame: &self.frame, start: self.start }
     }
 
-    fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
-        let of = Circumstances {
+    fn circumstances(&self) -> Circumstances<'_> {
+        Circumstances {
             surroundings: self.surroundings(),
             radar: &self.radar,
             pairs: &self.pairs,
             targets: &self.targets,
+            aspects: &self.aspects,
+            heaves: &self.heaves,
+            images: &self.images,
+            mirror: self.mirror.as_ref(),
+            seed: self.seed,
             axes_span_s: self.axes_span_s,
-        };
+        }
+    }
+
+    fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
         let t = self.radar.emissions.emission(self.start, index);
         let elapsed_s = self.radar.emissions.interval_s(0, index);
-        emission.evaluate(&of, t, elapsed_s).map_err(|failure| self.track_error(index, failure))
+        emission
+            .evaluate(&self.circumstances(), index, t, elapsed_s)
+            .map_err(|failure| self.track_error(index, failure))
     }
 
     fn track_error(&self, index: u64, failure: TrackFailure) -> RadarError {

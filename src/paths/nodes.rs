@@ -10,9 +10,13 @@ use crate::pulse::costs::Stage;
 use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
-use crate::scene::Patch;
+use crate::scattering::target::most_of_run;
 use crate::scene::radar::TxPolarisation;
+use crate::scene::target::Swerling;
+use crate::scene::{Patch, Target};
 
+/// Draws of all targets of which the largest is looked for, not bounded.
+const MOST_DRAWS: u64 = 1 << 18;
 /// Most pulses in the air at once that are searched where intervals differ.
 const MOST_IN_AIR: u64 = 256;
 
@@ -142,8 +146,8 @@ impl PathGenerator {
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
         let reception = self.reception(index, index, own, window);
-        for (target, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            if self.weigh(&reception, target, of_pairs, amplitude) {
+        for (point, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            if self.weigh(&reception, point, of_pairs, amplitude) {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
@@ -151,8 +155,8 @@ impl PathGenerator {
         Ok(())
     }
 
-    /// Targets and direct paths of a pulse, always the same ones in the same order, whether they are received
-    /// or not.
+    /// Targets, their images in the sea and direct paths of a pulse, always the same ones in the same order, whether they are received
+    /// or not, with their steady amplitudes: without [`Self::variations`].
     ///
     /// # Errors
     /// A pulse outside of the run, or that its tracks do not cover.
@@ -168,20 +172,78 @@ impl PathGenerator {
         let Workspace { own, amplitude, .. } = workspace;
         paths.clear();
         self.evaluate(index, own)?;
+        own.variation.clear();
         let reception = self.reception(index, index, own, Window::UNBOUNDED);
         self.append_every(&reception, amplitude, paths);
         Ok(())
     }
 
+    /// Whether the amplitude of any target varies otherwise than with its path.
+    pub fn varies(&self) -> bool {
+        self.circumstances().varies()
+    }
+
+    /// Whether directions to targets are found at every pulse, for cross sections that depend on them.
+    pub fn follows_aspects(&self) -> bool {
+        !self.aspects.is_empty()
+    }
+
+    /// The most that each target returns at any pulse of the run over its mean, as far as it fluctuates;
+    /// empty where none does.
+    pub fn most_of_run(&self) -> Vec<f64> {
+        let fluctuating = self.targets.iter().filter(|target| target.swerling != Swerling::Steady).count();
+        if fluctuating == 0 {
+            return Vec::new();
+        }
+        let length_s = self.radar.emissions.interval_s(0, self.pulses.saturating_sub(1));
+        let draws = MOST_DRAWS / fluctuating as u64;
+        let of = |(number, target): (u64, &Target)| {
+            most_of_run(target.swerling, self.seed, number, self.pulses, length_s, draws)
+        };
+        (0..).zip(&self.targets).map(of).collect()
+    }
+
+    /// Whether waves lift the target of a point.
+    pub fn is_lifted(&self, point: usize) -> bool {
+        let image = point.checked_sub(self.targets.len()).and_then(|n| self.images.get(n));
+        let target = image.map_or(point, |image| image.target);
+        self.heaves.get(target).is_some_and(Option::is_some)
+    }
+
+    /// What multiplies the steady amplitudes of [`Self::points`] at a pulse, `[point][pair]`; with
+    /// [`Self::most_of_run`] in place of the draws of the pulse, and with nothing hidden by crests, where it is
+    /// given.
+    ///
+    /// # Errors
+    /// A pulse that the tracks do not cover.
+    pub fn variations(
+        &self,
+        index: u64,
+        most_of_run: Option<&[f64]>,
+        workspace: &mut Workspace,
+        out: &mut Vec<f64>,
+    ) -> Result<(), RadarError> {
+        let own = &mut workspace.own;
+        if !self.aspects.is_empty() {
+            self.evaluate(index, own)?;
+        }
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        own.vary(&self.circumstances(), index, elapsed_s, most_of_run)
+            .map_err(|failure| self.track_error(index, failure))?;
+        out.clone_from(&own.variation);
+        out.resize(self.point_count() * self.pairs.len(), 1.0);
+        Ok(())
+    }
+
     /// How many of them there are.
     pub fn point_count(&self) -> usize {
-        self.targets.len() + usize::from(self.radar.direct_path)
+        self.targets.len() + self.images.len() + usize::from(self.radar.direct_path)
     }
 
     /// Appends targets and direct paths whether they are received or not.
     fn append_every(&self, reception: &Reception, amplitude: &mut [Complex64], paths: &mut ScattererPaths) {
-        for (target, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
-            self.weigh(reception, target, of_pairs, amplitude);
+        for (point, of_pairs) in reception.emission.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
+            self.weigh(reception, point, of_pairs, amplitude);
             paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
         }
     }

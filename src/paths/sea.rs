@@ -54,7 +54,7 @@ pub(super) struct SeaPlan {
     pub visibility: Option<Visibility>,
     pub displacement: bool,
     /// How far waves may carry a facet from its grid position, m.
-    reach_m: f64,
+    pub reach_m: f64,
 }
 
 impl fmt::Debug for SeaPlan {

@@ -3,7 +3,8 @@
 //! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s`
 //! the node spacing). The sea comes tile by tile ([`crate::paths::block`]) and is spread at once
 //! ([`crate::echo::synth::lanes`]); targets and the direct path are scatterer paths at the gain instants,
-//! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]). A block that the run
+//! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]); what varies from pulse
+//! to pulse multiplies the amplitude at each of them. A block that the run
 //! cuts short moves its nodes together. Where windows hold more than their own emission, where polarisations
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of its own,
 //! and nothing is interpolated. Where a report is changed by which something is aimed, a block ends
@@ -74,6 +75,8 @@ pub(crate) struct BlockWork {
     lanes: LaneWork,
     samples: Vec<Sample>,
     mean_hz: Vec<f64>,
+    /// Of the points of a pulse.
+    variations: Vec<f64>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
@@ -148,6 +151,7 @@ impl BlockEcho {
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
+            variations: Vec::with_capacity(generator.point_count() * pairs),
             bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,
         }
@@ -311,7 +315,7 @@ impl BlockEcho {
         memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let BlockWork { nodes, frame, part, grids, .. } = work;
+        let BlockWork { nodes, frame, part, grids, variations, .. } = work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
             generator.points(first + (pulses.start + place) as u64, memory, node)?;
@@ -320,8 +324,14 @@ impl BlockEcho {
         for ((node, &pulse), paths) in given.iter_mut().zip(&at).zip(nodes.iter()) {
             *node = Node { pulse, paths };
         }
-        self.synth.fill_part(&given[..count], frame, pulses, part)?;
+        self.synth.fill_part(&given[..count], frame, pulses.clone(), part)?;
         check(part.found())?;
+        if generator.varies() {
+            for pulse in pulses {
+                generator.variations(first + pulse as u64, None, memory, variations)?;
+                part.push_factors(variations);
+            }
+        }
         memory.costs.lap(Stage::Fill);
         self.synth.spread_part(part, grids);
         memory.costs.lap(Stage::Spread);

@@ -111,12 +111,9 @@ fn targets(ship: &Ship, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Targ
         if known.iter().chain(&found).any(|target| target.name == name) {
             return Err(ShipError::NameTaken { name });
         }
-        found.push(Target {
-            name,
-            position: place(frame, &at, scatterer.position),
-            velocity: Vector::new(speed_mps * cos, speed_mps * sin, 0.0),
-            scattering: Target::sphere(scatterer.rcs_m2),
-        });
+        let velocity = Vector::new(speed_mps * cos, speed_mps * sin, 0.0);
+        let scattering = Target::sphere(scatterer.rcs_m2);
+        found.push(Target::new(name, place(frame, &at, scatterer.position), velocity, scattering));
     }
     Ok(found)
 }

@@ -123,6 +123,14 @@ pub enum RadarFault {
         /// Why.
         source: PatternError,
     },
+    /// A file of radar cross sections is wrong.
+    #[error("target '{target}': {source}")]
+    Aspect {
+        /// The first target that names it.
+        target: String,
+        /// Why.
+        source: PatternError,
+    },
     /// The sea.
     #[error("sea: {0}")]
     Sea(#[from] SeaFault),

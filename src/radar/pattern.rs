@@ -1,4 +1,4 @@
-//! Measured antenna patterns.
+//! Measured antenna patterns, and radar cross sections over the aspect.
 //!
 //! A pattern file is CSV with a header line, `az_deg,el_deg,gain_dbi` or
 //! `az_deg,el_deg,gain_dbi,phase_deg`, one row per point of a regular grid, in any order; lines that
@@ -10,6 +10,9 @@
 //! angles (continuous slope, error `O(step^3)`); at the rim the missing neighbour is extrapolated from
 //! the three nearest points. A grid that goes once round in azimuth is closed. Outside the grid the gain
 //! is the floor, with phase 0.
+//!
+//! A file of radar cross sections is the same with the header `az_deg,el_deg,rcs_dbsm`; its field is
+//! `sqrt(sigma)`, m.
 //!
 //! All faults of a file are reported together, each with its line. Bounds: 64 MiB, 4 million points.
 //!
@@ -32,34 +35,76 @@ use thiserror::Error;
 use crate::inputs;
 use crate::units::Decibels;
 
+/// What the file gives of every direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Gain of an antenna, dBi, and phase where there is a column for it.
+    Gain,
+    /// Radar cross section, dBsm.
+    CrossSection,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Gain => "pattern file",
+            Self::CrossSection => "file of cross sections",
+        })
+    }
+}
+
+impl Quantity {
+    /// Columns of the longest header, and how many of them may be left out.
+    fn columns(self) -> (&'static [Column], usize) {
+        match self {
+            Self::Gain => (&[Column::Azimuth, Column::Elevation, Column::Gain, Column::Phase], 1),
+            Self::CrossSection => (&[Column::Azimuth, Column::Elevation, Column::CrossSection], 0),
+        }
+    }
+
+    fn headers(self) -> &'static str {
+        match self {
+            Self::Gain => "az_deg,el_deg,gain_dbi or az_deg,el_deg,gain_dbi,phase_deg",
+            Self::CrossSection => "az_deg,el_deg,rcs_dbsm",
+        }
+    }
+}
+
 const MOST_BYTES: u64 = 64 << 20;
 const MOST_POINTS: usize = 4_000_000;
 const MOST_FAULTS: usize = 20;
 /// How far a coordinate may lie off the regular grid, in steps: files round to a few decimals.
 const OFF_GRID_STEPS: f64 = 0.01;
 const GAIN_DBI: std::ops::RangeInclusive<f64> = -300.0..=100.0;
+const RCS_DBSM: std::ops::RangeInclusive<f64> = -300.0..=120.0;
 
 /// Why a pattern file cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PatternError {
     /// It cannot be read.
-    #[error("pattern file {}: {source}", path.display())]
+    #[error("{quantity} {}: {source}", path.display())]
     Read {
+        /// What it should hold.
+        quantity: Quantity,
         /// The file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
     /// It is too large.
-    #[error("pattern file {}: more than 64 MiB", path.display())]
+    #[error("{quantity} {}: more than 64 MiB", path.display())]
     TooLarge {
+        /// What it should hold.
+        quantity: Quantity,
         /// The file.
         path: PathBuf,
     },
     /// Its content is wrong.
-    #[error("pattern file {}:{}", path.display(), listed(faults))]
+    #[error("{quantity} {}:{}", path.display(), listed(faults))]
     Faults {
+        /// What it should hold.
+        quantity: Quantity,
         /// The file.
         path: PathBuf,
         /// Everything that is wrong with it.
@@ -75,15 +120,15 @@ fn listed(faults: &[PatternFault]) -> String {
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PatternFault {
-    /// The header is not one of the two allowed.
-    #[error(
-        "line {line}: header '{found}': az_deg,el_deg,gain_dbi or az_deg,el_deg,gain_dbi,phase_deg wanted"
-    )]
+    /// The header is none of those allowed.
+    #[error("line {line}: header '{found}': {wanted} wanted")]
     Header {
         /// Line, from 1.
         line: u64,
         /// What stands there.
         found: String,
+        /// What is allowed.
+        wanted: &'static str,
     },
     /// Not text, or a row with too few or too many fields.
     #[error("line {line}: {found} fields, {wanted} wanted")]
@@ -184,6 +229,8 @@ pub enum Column {
     Gain,
     /// `phase_deg`
     Phase,
+    /// `rcs_dbsm`
+    CrossSection,
 }
 
 impl fmt::Display for Column {
@@ -193,19 +240,19 @@ impl fmt::Display for Column {
             Self::Elevation => "el_deg",
             Self::Gain => "gain_dbi",
             Self::Phase => "phase_deg",
+            Self::CrossSection => "rcs_dbsm",
         })
     }
 }
 
 impl Column {
-    const ALL: [Self; 4] = [Self::Azimuth, Self::Elevation, Self::Gain, Self::Phase];
-
     fn read(self, text: &str) -> Result<f64, &'static str> {
         let (range, allowed) = match self {
             Self::Azimuth => (-360.0..=360.0, "degrees from -360 to 360"),
             Self::Elevation => (-90.0..=90.0, "degrees from -90 to 90"),
             Self::Gain => (GAIN_DBI, "dBi from -300 to 100"),
             Self::Phase => (-1e6..=1e6, "degrees"),
+            Self::CrossSection => (RCS_DBSM, "dBsm from -300 to 120"),
         };
         text.parse().ok().filter(|value| range.contains(value)).ok_or(allowed)
     }
@@ -283,13 +330,24 @@ impl GridPattern {
     /// # Errors
     /// A file that cannot be read, or its faults.
     pub fn open(path: &Path, floor_dbi: f64) -> Result<Self, PatternError> {
-        let read = |source| PatternError::Read { path: path.to_owned(), source };
+        Self::open_as(Quantity::Gain, path, floor_dbi)
+    }
+
+    /// Reads a file of gains, or of radar cross sections; `floor_db` is what holds outside its grid.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or its faults.
+    pub fn open_as(quantity: Quantity, path: &Path, floor_db: f64) -> Result<Self, PatternError> {
+        let read = |source| PatternError::Read { quantity, path: path.to_owned(), source };
         let bytes = inputs::read(path, MOST_BYTES).map_err(read)?;
         if bytes.len() as u64 > MOST_BYTES {
-            return Err(PatternError::TooLarge { path: path.to_owned() });
+            return Err(PatternError::TooLarge { quantity, path: path.to_owned() });
         }
-        Self::parse(&bytes, floor_dbi)
-            .map_err(|faults| PatternError::Faults { path: path.to_owned(), faults })
+        Self::parse_as(quantity, &bytes, floor_db).map_err(|faults| PatternError::Faults {
+            quantity,
+            path: path.to_owned(),
+            faults,
+        })
     }
 
     /// Reads the text of a pattern file.
@@ -297,12 +355,20 @@ impl GridPattern {
     /// # Errors
     /// All faults of the text, each with its line.
     pub fn parse(bytes: &[u8], floor_dbi: f64) -> Result<Self, Vec<PatternFault>> {
+        Self::parse_as(Quantity::Gain, bytes, floor_dbi)
+    }
+
+    /// Reads the text of a file of gains, or of radar cross sections.
+    ///
+    /// # Errors
+    /// All faults of the text, each with its line.
+    pub fn parse_as(quantity: Quantity, bytes: &[u8], floor_db: f64) -> Result<Self, Vec<PatternFault>> {
         let mut faults = Faults::default();
-        let rows = read_rows(bytes, &mut faults);
+        let rows = read_rows(quantity, bytes, &mut faults);
         if rows.is_empty() && !faults.list.is_empty() {
             return Err(faults.finish());
         }
-        let pattern = Self::on_grid(&rows, floor_dbi, &mut faults);
+        let pattern = Self::on_grid(&rows, floor_db, &mut faults);
         match pattern {
             Some(pattern) if faults.list.is_empty() => Ok(pattern),
             _ => Err(faults.finish()),
@@ -372,6 +438,11 @@ impl GridPattern {
         let field: Vec<Complex64> = field.into_iter().flatten().collect();
         let floor = Decibels(floor_dbi).amplitude_ratio();
         Some(Self { azimuth, elevation, closed, field, floor })
+    }
+
+    /// Mean of the squared field over the points of the grid.
+    pub fn mean_power(&self) -> f64 {
+        self.field.iter().map(Complex64::norm_sqr).sum::<f64>() / self.field.len().max(1) as f64
     }
 
     /// Field gain towards azimuth and elevation in the antenna frame, radians.
@@ -458,7 +529,7 @@ impl Faults {
     }
 }
 
-fn read_rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
+fn read_rows(quantity: Quantity, bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -466,6 +537,7 @@ fn read_rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
         .trim(csv::Trim::All)
         .from_reader(bytes);
     let mut rows = Vec::new();
+    let (columns, optional) = quantity.columns();
     let mut wanted = 0;
     for record in reader.records() {
         let record = match record {
@@ -478,13 +550,13 @@ fn read_rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
         let line = record.position().map_or(0, csv::Position::line);
         if wanted == 0 {
             let header: Vec<&str> = record.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
-            let names = ["az_deg", "el_deg", "gain_dbi", "phase_deg"];
-            if header == names[..3] || header == names {
+            let names: Vec<String> = columns.iter().map(Column::to_string).collect();
+            if header == names || header == names[..names.len() - optional] {
                 wanted = header.len();
                 continue;
             }
             let found = header.join(",").chars().take(80).collect();
-            faults.push(PatternFault::Header { line, found });
+            faults.push(PatternFault::Header { line, found, wanted: quantity.headers() });
             return rows;
         }
         if record.len() != wanted {
@@ -497,19 +569,19 @@ fn read_rows(bytes: &[u8], faults: &mut Faults) -> Vec<Row> {
         }
         let mut values = [0.0; 4];
         let mut good = true;
-        for ((value, column), text) in values.iter_mut().zip(Column::ALL).zip(&record) {
+        for ((value, column), text) in values.iter_mut().zip(columns).zip(&record) {
             match column.read(text) {
                 Ok(number) => *value = number,
                 Err(allowed) => {
                     good = false;
                     let found = text.chars().take(40).collect();
-                    faults.push(PatternFault::Value { line, column, found, allowed });
+                    faults.push(PatternFault::Value { line, column: *column, found, allowed });
                 }
             }
         }
         if good {
-            let [az_deg, el_deg, gain_dbi, phase_deg] = values;
-            let field = Complex64::from_polar(Decibels(gain_dbi).amplitude_ratio(), phase_deg.to_radians());
+            let [az_deg, el_deg, level_db, phase_deg] = values;
+            let field = Complex64::from_polar(Decibels(level_db).amplitude_ratio(), phase_deg.to_radians());
             rows.push(Row { line, az_deg, el_deg, field });
         }
     }

@@ -8,6 +8,7 @@ pub mod kind;
 pub mod kirchhoff;
 pub mod lanes;
 pub mod permittivity;
+pub mod roughness;
 pub mod slope_pdf;
 pub mod speckle;
 pub mod splitting;

@@ -22,3 +22,4 @@ mod stretched;
 mod synth_error;
 mod synth_laws;
 mod synth_scenes;
+mod varying_targets;

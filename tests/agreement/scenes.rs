@@ -72,11 +72,10 @@ pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targ
         targets: targets
             .iter()
             .enumerate()
-            .map(|(i, (end, rcs_m2))| Target {
-                name: format!("t{i}"),
-                position: Point::from_raw(end.position_m.into()),
-                velocity: Vector::from_raw(end.velocity_mps.into()),
-                scattering: Target::sphere(*rcs_m2),
+            .map(|(i, (end, rcs_m2))| {
+                let position = Point::from_raw(end.position_m.into());
+                let velocity = Vector::from_raw(end.velocity_mps.into());
+                Target::new(format!("t{i}"), position, velocity, Target::sphere(*rcs_m2))
             })
             .collect(),
     }

@@ -89,12 +89,7 @@ pub fn scene() -> Scene {
 }
 
 pub fn target(position: [f64; 3], velocity: [f64; 3]) -> Target {
-    Target {
-        name: "t".into(),
-        position: point(position),
-        velocity: vector(velocity),
-        scattering: Target::sphere(1.0),
-    }
+    Target::new("t", point(position), vector(velocity), Target::sphere(1.0))
 }
 
 pub fn straight(scene: &Scene, position: [f64; 3], velocity: [f64; 3]) -> PlatformTracks {

@@ -6,7 +6,7 @@ use crate::scene::radar::Pattern;
 
 /// Effects that are left out of every run: what, and what stands for it.
 const NEVER: [(&str, &str); 13] = [
-    ("multipath", "no reflection from the sea between antenna, target and hull: targets stand in free space"),
+    ("multipath to ships", "no reflection from the sea between antenna and hull"),
     ("refraction", "straight rays, but for scene.earth_radius_factor; no ducts, no scintillation"),
     ("rain, spray, breakers", "no echo of its own; attenuation is radar.atmosphere_db_per_km"),
     ("higher orders of the sea", "linear waves; no breaking, no double scattering from facet to facet"),

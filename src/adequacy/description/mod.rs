@@ -5,6 +5,7 @@ mod reports;
 pub mod scenario;
 pub mod sea;
 pub mod ships;
+mod targets;
 
 use serde::Serialize;
 
@@ -66,6 +67,7 @@ pub fn models(run: &Run) -> Models {
         without.push(described("point targets", "no [[target]]"));
     } else {
         with.push(described("point targets", run.scene.targets.len().to_string()));
+        targets::models(&run.scene.targets, &mut with, &mut without);
     }
     if radar.direct_path {
         with.push(described("direct path", "transmitter to receiver"));

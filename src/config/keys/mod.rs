@@ -164,6 +164,8 @@ const FAST_MPS: f64 = 2e4;
 const MOST_PRI: usize = 65_536;
 /// Most targets of a scene.
 pub(super) const MOST_TARGETS: u64 = 100_000;
+/// Most targets that float: the waves under each take some MiB.
+pub(super) const MOST_FLOATING: u64 = 64;
 /// Most ships of a scene.
 pub(super) const MOST_SHIPS: u64 = 1000;
 

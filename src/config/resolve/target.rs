@@ -5,10 +5,11 @@ use num_complex::Complex64;
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names, plausible};
 use crate::config::error::Problem;
-use crate::config::keys::{self, Key, MOST_TARGETS};
+use crate::config::keys::{self, Key, MOST_FLOATING, MOST_TARGETS};
 use crate::config::section::Section;
 use crate::frames::{Enu, Point, Vector};
 use crate::scene::Target;
+use crate::scene::target::{Aspect, Floating, Swerling};
 use crate::units::Decibels;
 
 /// `[[target]]`, then `[[target_grid]]`.
@@ -18,7 +19,7 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     let mut sound = true;
     for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
         name(&section, &keys::target::NAME, &format!("target-{index}"), &mut names);
-        match target(section, names.names.last().cloned().flatten(), ground) {
+        match target(section, root.has(&keys::root::SEA), names.names.last().cloned().flatten(), ground) {
             Some(target) => targets.push(target),
             None => sound = false,
         }
@@ -41,6 +42,12 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
             None => sound = false,
         }
     }
+    let floating = targets.iter().filter(|target| target.floating.is_some()).count() as u64;
+    if floating > MOST_FLOATING {
+        let (count, allowed) = (floating, MOST_FLOATING);
+        root.fault_here(Problem::TooMany { count, what: "targets that float", allowed });
+        sound = false;
+    }
     let count = targets.len() as u64;
     if count > MOST_TARGETS {
         root.fault_here(Problem::TooMany { count, what: "targets", allowed: MOST_TARGETS });
@@ -62,7 +69,7 @@ pub(super) fn name(section: &Section<'_>, key: &'static Key, default: &str, name
     names.names.push(Some(default.to_owned()));
 }
 
-fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option<Target> {
+fn target(section: Section<'_>, sea: bool, name: Option<String>, ground: &Ground) -> Option<Target> {
     use keys::target as k;
     let surface = SurfaceKeys {
         position_m: &k::POSITION_M,
@@ -76,8 +83,89 @@ fn target(section: Section<'_>, name: Option<String>, ground: &Ground) -> Option
     }
     let velocity = velocity(&section, &k::VELOCITY_MPS);
     let scattering = scattering(&section);
+    let aspect = aspect(&section, velocity);
+    let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
+    let floating = floating(&section, sea, velocity);
+    let multipath = section.flag(&k::MULTIPATH);
+    if multipath == Some(true) && !sea {
+        section.fault(&k::MULTIPATH, Problem::Idle { when: "there is no [sea] that reflects".to_owned() });
+    }
     section.finish();
-    Some(Target { name: name?, position: position?, velocity: velocity?, scattering: scattering? })
+    Some(Target {
+        floating: floating?,
+        multipath: multipath?,
+        swerling: swerling?,
+        aspect: aspect?,
+        ..Target::new(name?, position?, velocity?, scattering?)
+    })
+}
+
+/// The file of cross sections by aspect, where there is one.
+fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option<Aspect>> {
+    use keys::target::{HEADING_DEG, RCS_CSV, RCS_FLOOR_DBSM};
+    let (path, floor_dbsm) = (section.file(&RCS_CSV), section.number(&RCS_FLOOR_DBSM));
+    let heading_deg = section.number(&HEADING_DEG);
+    if !section.has(&RCS_CSV) {
+        for key in [&HEADING_DEG, &RCS_FLOOR_DBSM] {
+            if section.has(key) {
+                section.fault(key, Problem::Idle { when: "the target has no rcs_csv".to_owned() });
+            }
+        }
+        return Some(None);
+    }
+    let heading_rad = if section.has(&HEADING_DEG) {
+        heading_deg?.to_radians()
+    } else {
+        let [east, north, _] = velocity?.to_array();
+        if east == 0.0 && north == 0.0 {
+            let allowed = format!("with rcs_csv, of a target at rest: {}", HEADING_DEG.kind.allowed());
+            section.fault(&HEADING_DEG, Problem::Missing { allowed });
+            return None;
+        }
+        east.atan2(north)
+    };
+    Some(Some(Aspect { path: path?, heading_rad, floor_dbsm: floor_dbsm? }))
+}
+
+/// How it floats, if it does.
+fn floating(section: &Section<'_>, sea: bool, velocity: Option<Vector<Enu>>) -> Option<Option<Floating>> {
+    use keys::target::{FLOATING, VELOCITY_MPS, WATERLINE_M};
+    let (floats, waterline_m) = (section.flag(&FLOATING), section.number(&WATERLINE_M));
+    if !floats? {
+        if section.has(&WATERLINE_M) {
+            section.fault(&WATERLINE_M, Problem::Idle { when: "floating = false".to_owned() });
+        }
+        return Some(None);
+    }
+    if !sea {
+        section.fault(&FLOATING, Problem::Idle { when: "there is no [sea] to float on".to_owned() });
+    }
+    if velocity.is_some_and(|velocity| velocity.to_array()[2] != 0.0) {
+        let error = "a floating target rises with the sea alone; allowed: [east, north, 0]".to_owned();
+        section.fault(&VELOCITY_MPS, Problem::Refused { error });
+    }
+    Some(Some(Floating { waterline_m: waterline_m? }))
+}
+
+/// Swerling's case, and its scan where it has one.
+fn swerling(section: &Section<'_>, case: &'static Key, scan_s: &'static Key) -> Option<Swerling> {
+    let number = section.count(case);
+    let length_s = section.number(scan_s);
+    let scans = matches!(number?, 1 | 3);
+    if scans && !section.has(scan_s) {
+        section.fault(scan_s, Problem::Missing { allowed: scan_s.kind.allowed() });
+    }
+    if !scans && section.has(scan_s) {
+        let when = "only swerling 1 and 3 are constant over a scan".to_owned();
+        section.fault(scan_s, Problem::Idle { when });
+    }
+    match number? {
+        1 => length_s.map(|scan_s| Swerling::Case1 { scan_s }),
+        2 => Some(Swerling::Case2),
+        3 => length_s.map(|scan_s| Swerling::Case3 { scan_s }),
+        4 => Some(Swerling::Case4),
+        _ => Some(Swerling::Steady),
+    }
 }
 
 fn velocity(section: &Section<'_>, key: &'static Key) -> Option<Vector<Enu>> {
@@ -85,11 +173,12 @@ fn velocity(section: &Section<'_>, key: &'static Key) -> Option<Vector<Enu>> {
 }
 
 fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
-    use keys::target::{CONVENTION, RCS_DBSM, RCS_M2, S_HH, S_HV, S_VH, S_VV};
+    use keys::target::{CONVENTION, RCS_CSV, RCS_DBSM, RCS_M2, S_HH, S_HV, S_VH, S_VV};
     let elements = [&S_VV, &S_VH, &S_HV, &S_HH];
     let matrix = elements.iter().any(|key| section.has(key));
-    let written =
-        usize::from(matrix) + usize::from(section.has(&RCS_M2)) + usize::from(section.has(&RCS_DBSM));
+    let table = section.has(&RCS_CSV);
+    let others = [&RCS_M2, &RCS_DBSM].into_iter().filter(|key| section.has(key)).count();
+    let written = usize::from(matrix) + usize::from(table) + others;
     let rcs_m2 = section.number(&RCS_M2);
     let rcs_dbsm = section.number(&RCS_DBSM);
     let values = elements.map(|key| {
@@ -97,7 +186,7 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
         if section.has(key) { value } else { Some([0.0, 0.0]) }
     });
     let convention = if matrix { section.choice(&CONVENTION) } else { Some("fsa") };
-    let keys = "rcs_m2, rcs_dbsm, (s_vv, s_vh, s_hv, s_hh)".to_owned();
+    let keys = "rcs_m2, rcs_dbsm, rcs_csv, (s_vv, s_vh, s_hv, s_hh)".to_owned();
     match written {
         0 => section.fault_here(Problem::NoneOf { keys }),
         1 => {}
@@ -105,6 +194,10 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
     }
     if written != 1 {
         return None;
+    }
+    if table {
+        // Its mean takes the place, once the file is read.
+        return Some(Target::sphere(1.0));
     }
     if !matrix {
         return Some(Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?));
@@ -154,9 +247,10 @@ fn grid(
     let written = section.exactly_one(&[&k::RCS_M2, &k::RCS_DBSM]);
     let rcs_m2 = section.number(&k::RCS_M2);
     let rcs_dbsm = section.number(&k::RCS_DBSM);
+    let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
     section.finish();
     written?;
-    let (name, centre, velocity) = (name?, centre?, velocity?);
+    let (name, centre, velocity, swerling) = (name?, centre?, velocity?, swerling?);
     let ([columns, rows], [east_m, north_m]) = (count?, spacing?);
     let scattering = Target::sphere(rcs_m2.or(rcs_dbsm.map(|db| Decibels(db).power_ratio()))?);
     let [x_m, y_m, z_m] = centre.to_array();
@@ -167,7 +261,8 @@ fn grid(
             let x_m = x_m + (column as f64 - (columns - 1.0) / 2.0) * east_m;
             let y_m = y_m + (row as f64 - (rows - 1.0) / 2.0) * north_m;
             let position: Point<Enu> = ground.frame.above_sea(x_m, y_m, height_m);
-            targets.push(Target { name: format!("{name}-{column}-{row}"), position, velocity, scattering });
+            let name = format!("{name}-{column}-{row}");
+            targets.push(Target { swerling, ..Target::new(name, position, velocity, scattering) });
         }
     }
     Some(())

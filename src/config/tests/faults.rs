@@ -1,6 +1,7 @@
 //! What a scenario is refused for, word by word.
 
 use super::*;
+use crate::scene::target::Swerling;
 
 #[test]
 fn inconsistent_settings() {
@@ -92,6 +93,52 @@ scene.seed: -1 is out of range; allowed: a whole number from 0 to 2^64 - 1
 }
 
 #[test]
+fn fluctuations_of_targets() {
+    insta::assert_snapshot!(faults_of(&[("target.0.swerling", "5"), ("target.1.swerling", "1")]), @r#"
+target.1.swerling_scan_s: is missing; required: a number above 0, up to 1e7 s
+target.0.swerling: 5 is out of range; allowed: a whole number from 0 to 4
+"#);
+    insta::assert_snapshot!(faults_of(&[("target.0.swerling", "2"), ("target.0.swerling_scan_s", "1"), ("target.1.swerling_scan_s", "0")]), @r#"
+target.0.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constant over a scan)
+target.1.swerling_scan_s: 0 is out of range; allowed: a number above 0, up to 1e7 s
+target.1.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constant over a scan)
+"#);
+    let run = coastal_with(&[("target.0.swerling", "3"), ("target.0.swerling_scan_s", "0.5")]).unwrap();
+    assert_eq!(run.scene.targets[0].swerling, Swerling::Case3 { scan_s: 0.5 });
+    assert_eq!(run.scene.targets[1].swerling, Swerling::Steady);
+}
+
+#[test]
+fn aspects_of_targets() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+    insta::assert_snapshot!(faults_of(&[("target.1.heading_deg", "10"), ("target.0.rcs_floor_dbsm", "-20")]), @r#"
+target.0.rcs_floor_dbsm: has no meaning here (the target has no rcs_csv)
+target.1.heading_deg: has no meaning here (the target has no rcs_csv)
+"#);
+    let table = format!("[{{ position_m = [0, 0, 0], rcs_csv = '{file}' }}]");
+    insta::assert_snapshot!(faults_of(&[("target", &table)]), @"target.0.heading_deg: is missing; required: with rcs_csv, of a target at rest: a number from -360 to 360 deg");
+    let table = format!("[{{ position_m = [0, 0, 0], velocity_mps = [3, 3, 1], rcs_csv = '{file}' }}]");
+    let run = coastal_with(&[("target", &table)]).unwrap();
+    let aspect = run.scene.targets[0].aspect.clone().unwrap();
+    assert_eq!((aspect.heading_rad, aspect.floor_dbsm), (std::f64::consts::FRAC_PI_4, -300.0));
+}
+
+#[test]
+fn targets_at_sea() {
+    insta::assert_snapshot!(faults_of(&[("target.0.floating", "true"), ("target.1.waterline_m", "3"), ("target.1.multipath", "true")]), @r#"
+target.0.floating: has no meaning here (there is no [sea] to float on)
+target.1.waterline_m: has no meaning here (floating = false)
+target.1.multipath: has no meaning here (there is no [sea] that reflects)
+"#);
+    let target = "{ position_m = [0, 0, 1], velocity_mps = [0, 0, 1], rcs_m2 = 1, floating = true }";
+    let sea = ("sea", "{ wind_mps = 8.0, wind_height_m = 10.0, wind_towards_deg = 0.0 }");
+    let patch = [("scene.patch_size_m", "[64, 64]"), ("scene.facet_m", "1")];
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], sea, ("target", &format!("[{target}]"))]), @"target.0.velocity_mps: a floating target rises with the sea alone; allowed: [east, north, 0]");
+    let many = format!("[{}]", vec![target.replace("0, 1]", "0, 0]"); 65].join(", "));
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], sea, ("target", &many)]), @"65 targets that float; allowed: at most 64");
+}
+
+#[test]
 fn all_faults_of_a_file_at_once() {
     let text = r#"[scene]
 origin_lat_deg = 95
@@ -163,7 +210,7 @@ scenes/bad.toml:26:1: platform.0.track.datum: is missing; required: "ellipsoid",
 scenes/bad.toml:30:12: transmitter.0.platform: there is no platform "cost"; allowed: coast
 scenes/bad.toml:31:11: transmitter.0.power_w: "1 kW" is not allowed; allowed: a number above 0, up to 1e12 W
 scenes/bad.toml:32:20: transmitter.0.antenna.kind: "rect" is not allowed; allowed: "isotropic", "rectangle", "ellipse", "circle", "file"
-scenes/bad.toml:34:1: target.0: rcs_m2, rcs_dbsm, (s_vv, s_vh, s_hv, s_hh) exclude each other; allowed: one of them
+scenes/bad.toml:34:1: target.0: rcs_m2, rcs_dbsm, rcs_csv, (s_vv, s_vh, s_hv, s_hh) exclude each other; allowed: one of them
 scenes/bad.toml:35:14: target.0.position_m: [0, 0] is not allowed; allowed: a list of 3 numbers from -1e8 to 1e8 m
 scenes/bad.toml:40:1: stream.polcy: unknown key; did you mean policy?
 scenes/bad.toml:41:1: stream.prf_hz: unknown key; it belongs to [radar]

@@ -106,6 +106,8 @@ pub struct BlockPaths<T: Scalar> {
     pub(super) amplitude: Vec<Vec<Lined<T>>>,
     /// Powers of the amplitudes that are in use: 2 or 4.
     pub(super) powers: usize,
+    /// `[pair]`: what multiplies the amplitudes, `[pulse][path]`; empty where nothing does.
+    pub(super) factors: Vec<Vec<T>>,
     /// Per pulse: how far the window's start moves all places, whole cells and the rest.
     pub(super) shifts: Vec<(i32, T)>,
     pub(super) fill: Fill,
@@ -123,6 +125,7 @@ impl<T: Scalar> BlockPaths<T> {
             polynomials: (0..pairs).map(|_| DelayPolynomials::default()).collect(),
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
             powers: 2,
+            factors: vec![Vec::new(); pairs],
             shifts: Vec::with_capacity(MAX_PULSES),
             fill: Fill::default(),
         }
@@ -141,6 +144,14 @@ impl<T: Scalar> BlockPaths<T> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Multiplies the amplitudes at a pulse, from the first on, by `[path][pair]`. Filling forgets it.
+    pub fn push_factors(&mut self, of_pulse: &[f64]) {
+        let pairs = self.factors.len();
+        for (pair, factors) in self.factors.iter_mut().enumerate() {
+            factors.extend(of_pulse.iter().skip(pair).step_by(pairs).map(|factor| T::round_from(*factor)));
+        }
     }
 
     /// Windows and mean Doppler.
@@ -282,6 +293,7 @@ impl<T: Scalar> Synth<T> {
         }
         let through = Through::new(&places[..nodes.len()]);
         block.fill = Fill::default();
+        block.factors.iter_mut().for_each(Vec::clear);
         for pair in 0..self.pairs {
             self.fill_pair(nodes, &through, reference_s, pair, block);
         }

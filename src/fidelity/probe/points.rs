@@ -6,11 +6,17 @@
 //! followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
-//! what is left is taken at its worst: `line.rs`.
+//! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as they
+//! are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide count
+//! likewise: as hidden as they are, and not at all.
+//!
+//! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
+//! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is multiplied.
 //!
 //! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use num_complex::Complex64;
 
@@ -47,8 +53,13 @@ pub struct Points {
     /// Points that are followed, and the power of all over theirs.
     followed: Vec<usize>,
     all_of_followed: f64,
+    /// The most that fluctuations make of each target's power at any pulse; empty where there are none.
+    most_of_run: Vec<f64>,
     /// First pulses of the stretches.
     stretches: Vec<u64>,
+    /// What is left of each point in the whole run over what is left in the stretches; empty where it is the
+    /// same.
+    unseen: Vec<f64>,
     /// What cubics leave: steps of gain, and powers by channel.
     swept: Vec<(u64, Powers)>,
 }
@@ -69,6 +80,21 @@ struct Stretch {
     lines: Vec<Vec<Line>>,
     /// `[pulse][pair]`: of all points.
     rates: Vec<Vec<Rates>>,
+    /// `[pulse]`: the most that multiplies these amplitudes.
+    most: Vec<Variation>,
+}
+
+/// What multiplies the steady amplitudes of points.
+struct Variation {
+    /// `[point][pair]`; empty where nothing varies.
+    of_points: Vec<f64>,
+    pairs: usize,
+}
+
+impl Variation {
+    fn of(&self, point: usize, pair: usize) -> f64 {
+        self.of_points.get(point * self.pairs + pair).copied().unwrap_or(1.0)
+    }
 }
 
 /// Powers, and sums of powers and delay rates, of points that are received and of all.
@@ -134,6 +160,7 @@ impl ErrorSampler<'_> {
             power: vec![0.0; channels],
             highest: vec![0.0; channels],
             coherence: 1.0,
+            most_of_run: self.generator.most_of_run(),
             ..Points::default()
         };
         let points = self.generator.point_count();
@@ -148,6 +175,7 @@ impl ErrorSampler<'_> {
         let deviations = self.deviations();
         for index in spread_over(self.pulses, count) {
             let (opens_s, _) = self.points_at(index, &mut paths)?;
+            let (drawn, highest) = (self.variation(index, false)?, self.variation(index, true)?);
             let mut all = 0.0;
             for (pair, channels) in self.channels.iter().enumerate() {
                 let delays_s = &paths.delay_s[pair];
@@ -156,16 +184,20 @@ impl ErrorSampler<'_> {
                     let amplitude = &paths.amplitude[channel];
                     let power = line.power(|n| {
                         let received = self.generator.received_share(index, opens_s, delays_s[n]).sqrt();
+                        let received = received * drawn.of(n, pair);
                         amplitude[n] * received * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
                     });
                     self.points.power[channel] += power / count as f64;
                     all += power;
-                    let each: f64 = amplitude.iter().map(Complex64::norm_sqr).sum();
+                    let own = |n: usize| (amplitude[n] * drawn.of(n, pair)).norm_sqr();
+                    let each: f64 = (0..points).map(own).sum();
                     self.points.coherence = self.points.coherence.max(power / each.max(f64::MIN_POSITIVE));
-                    let most = line.most([deviations, self.points.coherence], |n| amplitude[n].norm());
+                    let most = line.most([deviations, self.points.coherence], |n| {
+                        amplitude[n].norm() * highest.of(n, pair)
+                    });
                     self.points.highest[channel] = self.points.highest[channel].max(most);
-                    for ((most, mean), a) in of_each.iter_mut().zip(amplitude) {
-                        (*most, *mean) = (most.max(a.norm_sqr()), *mean + a.norm_sqr());
+                    for (n, (most, mean)) in of_each.iter_mut().enumerate() {
+                        (*most, *mean) = (most.max(own(n)), *mean + own(n));
                     }
                 }
             }
@@ -177,6 +209,11 @@ impl ErrorSampler<'_> {
         self.points.loudest = loud.first().map_or(0, |(_, index)| *index);
         self.points.stretches = stretches(self.pulses, points as u64, &loud);
         (self.points.followed, self.points.all_of_followed) = loudest(&of_each, MOST_POINTS);
+        let unseen = unseen(self.points.stretches.len() as u64, self.pulses);
+        if unseen > 1.0 && (0..points).any(|n| self.generator.is_lifted(n)) {
+            let of = |n| if self.generator.is_lifted(n) { unseen } else { 1.0 };
+            self.points.unseen = (0..points).map(of).collect();
+        }
         Ok(())
     }
 
@@ -189,16 +226,17 @@ impl ErrorSampler<'_> {
         let bounds = [self.deviations(), self.points.coherence];
         for n in 0..self.points.stretches.len() {
             let stretch = self.stretch(n)?;
-            for (own, lines) in stretch.exact.iter().zip(&stretch.lines) {
+            for ((own, lines), varied) in stretch.exact.iter().zip(&stretch.lines).zip(&stretch.most) {
                 for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
-                    let most = lines[*pair].most(bounds, |n| own.amplitude[channel][n].norm());
+                    let modulus = |n: usize| own.amplitude[channel][n].norm() * varied.of(n, *pair);
+                    let most = lines[*pair].most(bounds, modulus);
                     self.points.highest[channel] = self.points.highest[channel].max(most);
                 }
             }
             for (step, worst) in &mut swept {
                 let length = usize::try_from(3 * *step).unwrap_or(usize::MAX).max(1);
-                for (exact, lines) in stretch.exact.chunks(length).zip(stretch.lines.chunks(length)) {
-                    self.add_part(exact, lines, worst);
+                for from in (0..stretch.exact.len()).step_by(length) {
+                    self.add_part(&stretch, from..(from + length).min(stretch.exact.len()), worst);
                 }
             }
         }
@@ -258,7 +296,8 @@ impl ErrorSampler<'_> {
                     for &channel in channels {
                         let left = |n: usize| {
                             let off_hz = carrier_hz * (own.delay_rate[pair][n] - mean);
-                            own.amplitude[channel][n].norm() * law.root(off_hz.abs())
+                            let most = own.amplitude[channel][n].norm() * stretch.most[pulse].of(n, pair);
+                            most * law.root(off_hz.abs())
                         };
                         worst[channel] = worst[channel].max(stretch.lines[pulse][pair].most(bounds, left));
                     }
@@ -290,7 +329,8 @@ impl ErrorSampler<'_> {
         let first = self.points.stretches[n];
         let mut all = self.no_points();
         let scale = self.points.all_of_followed.sqrt();
-        let mut stretch = Stretch { first, exact: Vec::new(), lines: Vec::new(), rates: Vec::new() };
+        let (exact, lines, rates, most) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut stretch = Stretch { first, exact, lines, rates, most };
         for index in first..first.saturating_add(LONGEST).min(self.pulses) {
             let (_, rates) = self.points_at(index, &mut all)?;
             let of =
@@ -306,8 +346,28 @@ impl ErrorSampler<'_> {
                 amplitude: all.amplitude.iter().map(amplitude).collect(),
             });
             stretch.rates.push(rates);
+            let Variation { of_points, pairs } = self.variation(index, true)?;
+            let of_point = |n: &usize| of_points.get(n * pairs..(n + 1) * pairs).unwrap_or_default();
+            let of_points = self.points.followed.iter().flat_map(of_point).copied().collect();
+            stretch.most.push(Variation { of_points, pairs });
         }
         Ok(stretch)
+    }
+
+    /// What multiplies the amplitudes of a pulse, or the most that fluctuations make of them.
+    fn variation(&mut self, index: u64, most: bool) -> Result<Variation, RadarError> {
+        let (pairs, mut of_points) = (self.channels.len(), Vec::new());
+        if self.generator.varies() {
+            let most_of_run = most.then_some(&self.points.most_of_run[..]);
+            self.generator.variations(index, most_of_run, &mut self.memory, &mut of_points)?;
+        }
+        if most && !self.points.unseen.is_empty() {
+            of_points.resize(self.points.unseen.len() * pairs, 1.0);
+            for (own, unseen) in of_points.chunks_exact_mut(pairs.max(1)).zip(&self.points.unseen) {
+                own.iter_mut().for_each(|most| *most *= unseen);
+            }
+        }
+        Ok(Variation { of_points, pairs })
     }
 
     /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does
@@ -338,7 +398,8 @@ impl ErrorSampler<'_> {
     }
 
     /// The worst pulse of some that have a cubic in common: three steps of gain.
-    fn add_part(&self, exact: &[ScattererPaths], lines: &[Vec<Line>], worst: &mut Powers) {
+    fn add_part(&self, of: &Stretch, pulses: Range<usize>, worst: &mut Powers) {
+        let (exact, lines, varied) = (&of.exact[pulses.clone()], &of.lines[pulses.clone()], &of.most[pulses]);
         let turns_per_s = TAU * self.radar.carrier_hz;
         let bounds = [self.deviations(), self.points.coherence];
         let (nodes, count) = nodes_within(exact.len());
@@ -353,7 +414,7 @@ impl ErrorSampler<'_> {
                         late_s += weight * (exact[*m].delay_s[*pair][n] - delay_s);
                         found += exact[*m].amplitude[channel][n] * weight;
                     }
-                    (found * Complex64::cis(-turns_per_s * late_s) - a).norm()
+                    (found * Complex64::cis(-turns_per_s * late_s) - a).norm() * varied[pulse].of(n, *pair)
                 };
                 worst[channel] = worst[channel].max(lines[pulse][*pair].most(bounds, off));
             }
@@ -370,6 +431,12 @@ fn loudest(of_each: &[(f64, f64)], most: usize) -> (Vec<usize>, f64) {
     let all: f64 = of_each.iter().map(|(_, mean)| mean).sum();
     let own: f64 = order.iter().map(|n| of_each[*n].1).sum();
     (order, if own > 0.0 { all / own } else { 1.0 })
+}
+
+/// The largest of a Gaussian process in a run over the largest in so many of its stretches.
+fn unseen(stretches: u64, pulses: u64) -> f64 {
+    let all = pulses.div_ceil(LONGEST);
+    if all <= stretches { 1.0 } else { ((all as f64).ln() / (stretches.max(2) as f64).ln()).sqrt().max(1.0) }
 }
 
 /// First pulses of the stretches of a run; `loud` are pulses from the loudest on.
@@ -415,6 +482,14 @@ mod tests {
         }
         assert_eq!(stretches(800_000, 1_000_000, &loud), [640_000]);
         assert!(stretches(u64::MAX, 1, &[]).iter().all(|first| *first < u64::MAX));
+    }
+
+    #[test]
+    fn what_no_stretch_shows_is_allowed_for() {
+        assert_eq!((unseen(1, 64), unseen(3, 130), unseen(0, 0)), (1.0, 1.0, 1.0));
+        // The largest of 2^20 of a Gaussian process, and of 64: sqrt(20/6).
+        assert!((unseen(64, LONGEST << 20) - (20f64 / 6.0).sqrt()).abs() < 1e-12);
+        assert_eq!((unseen(1, 65), unseen(2, u64::MAX).is_finite()), (1.0, true));
     }
 
     #[test]

@@ -159,6 +159,14 @@ pub enum Edge {
     },
 }
 
+/// Weight of a clearance, m, over facets of a side.
+pub fn visible(clearance_m: f64, edge: Edge, facet_m: f64) -> f64 {
+    match edge {
+        Edge::Soft { width_rad } if width_rad > 0.0 => smoothstep(clearance_m / (width_rad * facet_m)),
+        _ => f64::from(u8::from(clearance_m > 0.0)),
+    }
+}
+
 /// How visibility is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {

@@ -1,0 +1,287 @@
+//! Floating targets: how the sea lifts them, and when its crests hide them.
+//!
+//! At the place `x = x_0 + v t` of a target the mean surface under it has the height
+//!
+//! `z(t) = sum over K of 2 Re a(K) W(K) e^{j (K.x_0 - w_e t)}` , `w_e = w(K) - K.v` ,
+//! `W(K) = sin(K L/2)/(K L/2)` for `K < 2 pi/L`, else 0
+//!
+//! | symbol | meaning | unit |
+//! | --- | --- | --- |
+//! | `a(K)`, `w(K)` | amplitudes and angular frequencies of the waves of the sea, the facets' own | m, rad/s |
+//! | `w_e` | frequency with which the target meets a wave | rad/s |
+//! | `L` | waterline: waves along a hull of this length average out by `W`, shorter ones altogether | m |
+//!
+//! Height, rate and acceleration are summed at **knots**, so close that the fastest of these waves turns by
+//! half a radian, and are quintic Hermite in between (off by 4e-7 of a wave at most); so are slopes, `j K` in
+//! the sum, and their rates, cubic in between (2e-4). What lifts and tilts a target is the same in the reference
+//! and in the fast echo. Its own vertical, by which its aspect is found, is the normal of that mean surface:
+//! roll and pitch follow the slope, the heading stays. The height of the target's position is carried on top,
+//! above the sea that curves with the earth. Every knot is found once, by whoever comes first.
+//!
+//! **Crests**, where waves hide facets ([`crate::geometry::shadow`]): the target has their clearance, over the
+//! points of its line of sight a facet apart, and their weight. Waves of that line are those longer than the
+//! waterline, unaveraged. Weights are found at both knots about an instant from the course of the antenna at
+//! the first (live navigation knows no later one), and are linear in between.
+//!
+//! Limits: linear waves; a hull that follows the water at once (no resonance, no damping); no sway with the
+//! orbital motion; waves of ships neither lift nor hide it; the crests of the first
+//! [`MOST_STEPS`] facets of the line of sight hide it, and those of shorter waves than it do not.
+
+use std::f64::consts::TAU;
+use std::sync::{Arc, OnceLock};
+
+use num_complex::Complex64;
+
+use crate::frames::{Enu, Point, SceneFrame, Vector};
+use crate::geometry::shadow::{Edge, visible};
+use crate::motion::pointing::PhaseCentre;
+use crate::scene::Target;
+use crate::sea::surface::Surface;
+
+/// Turn of the fastest wave from knot to knot, rad; and the longest time between knots, s.
+const TURN_RAD: f64 = 0.5;
+const LONGEST_S: f64 = 0.2;
+/// Knots that are kept; later ones are summed whenever they are needed.
+const MOST_KNOTS: f64 = 1_048_576.0;
+/// Steps of a line of sight whose heights are found at once, and all of them.
+const STEPS: usize = 16;
+const MOST_STEPS: usize = 1024;
+
+/// A wave: its wave vector, rad/m, angular frequency, rad/s, amplitude at the origin and pulse 0, m, and what
+/// a hull keeps of it.
+#[derive(Debug)]
+pub(super) struct Wave {
+    k: [f64; 2],
+    omega: f64,
+    amplitude: Complex64,
+    share: f64,
+}
+
+/// The waves of a surface that a hull of a waterline feels.
+pub(super) fn waves(surface: &Surface, waterline_m: f64) -> Arc<[Wave]> {
+    let (grid, dispersion) = (surface.grid(), surface.dispersion());
+    let step = grid.wave_number_step_rad_m();
+    let mut waves = Vec::new();
+    for (i, row) in surface.amplitude_m().chunks_exact(grid.ny()).enumerate() {
+        for (j, amplitude) in row.iter().enumerate() {
+            let (Some(mx), Some(my)) = (grid.wave_index_x(i), grid.wave_index_y(j)) else { continue };
+            let k = [mx as f64 * step[0], my as f64 * step[1]];
+            let length = k[0].hypot(k[1]);
+            let half = 0.5 * length * waterline_m;
+            if half >= 0.5 * TAU || *amplitude == Complex64::ZERO {
+                continue;
+            }
+            let share = if half > 0.0 { half.sin() / half } else { 1.0 };
+            // The conjugate of the sum at -K stands for the other half: twice the real part.
+            let (omega, amplitude) = (dispersion.angular_frequency_rad_s(length), 2.0 * amplitude);
+            waves.push(Wave { k, omega, amplitude, share });
+        }
+    }
+    waves.into()
+}
+
+/// How crests hide targets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crests {
+    pub edge: Edge,
+    pub facet_m: f64,
+    /// No crest is higher, m.
+    pub reach_m: f64,
+    pub antennas: usize,
+}
+
+/// The surface at a knot: height, rate, acceleration; slopes East and North, and their rates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Knot {
+    height: [f64; 3],
+    slope: [[f64; 2]; 2],
+}
+
+/// What lifts one target, and hides it.
+#[derive(Debug)]
+pub(super) struct Heave {
+    waves: Arc<[Wave]>,
+    apart_s: f64,
+    knots: Vec<OnceLock<Knot>>,
+    crests: Option<Crests>,
+    /// `[knot][antenna]`: weights at the knot and at the next.
+    weights: Vec<OnceLock<[f64; 2]>>,
+    /// East, North at pulse 0 and speed, m/s.
+    course: [[f64; 2]; 2],
+    /// Above the mean sea, m.
+    height_m: f64,
+}
+
+impl Heave {
+    /// Of a target among waves, in a run whose last emission is `last_s` after pulse 0.
+    pub fn new(
+        target: &Target,
+        frame: &SceneFrame,
+        waves: Arc<[Wave]>,
+        crests: Option<Crests>,
+        last_s: f64,
+    ) -> Self {
+        let ([x_m, y_m, z_m], [vx, vy, _]) = (target.position.to_array(), target.velocity.to_array());
+        let course = [[x_m, y_m], [vx, vy]];
+        let fastest = waves.iter().map(|wave| wave.met(course[1]).abs()).fold(TURN_RAD / LONGEST_S, f64::max);
+        let apart_s = TURN_RAD / fastest;
+        // Between 2 and MOST_KNOTS: the cast is exact.
+        let count = (last_s / apart_s + 3.0).clamp(2.0, MOST_KNOTS) as usize;
+        let knots = std::iter::repeat_with(OnceLock::new).take(count).collect();
+        let ends = crests.map_or(0, |crests| count * crests.antennas);
+        let weights = std::iter::repeat_with(OnceLock::new).take(ends).collect();
+        let height_m = z_m + frame.earth().drop_m(x_m, y_m);
+        Self { waves, apart_s, knots, crests, weights, course, height_m }
+    }
+
+    fn knot(&self, number: usize) -> Knot {
+        let [place, velocity] = self.course;
+        let sum = || {
+            let time_s = number as f64 * self.apart_s;
+            self.waves.iter().fold(Knot::default(), |sum, wave| {
+                let ([z, rate, acceleration], met) = (sum.height, wave.met(velocity));
+                let turned = wave.k[0] * place[0] + wave.k[1] * place[1] - met * time_s;
+                let lift = wave.share * wave.amplitude * Complex64::cis(turned);
+                let slope = |i: usize| {
+                    [sum.slope[i][0] - wave.k[i] * lift.im, sum.slope[i][1] + wave.k[i] * met * lift.re]
+                };
+                Knot {
+                    height: [z + lift.re, rate + met * lift.im, acceleration - met * met * lift.re],
+                    slope: [slope(0), slope(1)],
+                }
+            })
+        };
+        self.knots.get(number).map_or_else(sum, |knot| *knot.get_or_init(sum))
+    }
+
+    /// The knot before a time, and how far it is to the next: 0 to 1.
+    fn knot_before(&self, elapsed_s: f64) -> (usize, f64) {
+        let at = (elapsed_s / self.apart_s).max(0.0);
+        (at.floor() as usize, at.fract())
+    }
+
+    /// What the waves add at a time after pulse 0: height, m, and its rate, m/s.
+    fn lifted(&self, elapsed_s: f64) -> [f64; 2] {
+        let h = self.apart_s;
+        let (number, s) = self.knot_before(elapsed_s);
+        let [[z0, v0, a0], [z1, v1, a1]] = [number, number + 1].map(|number| self.knot(number).height);
+        let (c1, c2) = (h * v0, 0.5 * h * h * a0);
+        let (d, e, f) = (z1 - z0 - c1 - c2, h * v1 - c1 - 2.0 * c2, h * h * a1 - 2.0 * c2);
+        let (c3, c4, c5) =
+            (10.0 * d - 4.0 * e + 0.5 * f, 7.0 * e - 15.0 * d - f, 6.0 * d - 3.0 * e + 0.5 * f);
+        let z = z0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
+        let rate = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)));
+        [z, rate / h]
+    }
+
+    /// Where the target is, and how fast, at a time after pulse 0.
+    pub fn at(&self, frame: &SceneFrame, elapsed_s: f64) -> (Point<Enu>, Vector<Enu>) {
+        let [[x_m, y_m], [vx, vy]] = self.course;
+        let (x_m, y_m) = (x_m + vx * elapsed_s, y_m + vy * elapsed_s);
+        let ([z_m, rate], earth) = (self.lifted(elapsed_s), frame.earth());
+        let [fall_x, fall_y] = earth.drop_slope(x_m, y_m);
+        let height_m = self.height_m + z_m - earth.drop_m(x_m, y_m);
+        (Point::new(x_m, y_m, height_m), Vector::new(vx, vy, rate - fall_x * vx - fall_y * vy))
+    }
+
+    /// How the mean surface tilts the target at a time after pulse 0: slopes East and North.
+    pub fn tilt(&self, elapsed_s: f64) -> [f64; 2] {
+        let (h, (number, s)) = (self.apart_s, self.knot_before(elapsed_s));
+        let [before, after] = [number, number + 1].map(|number| self.knot(number).slope);
+        [0, 1].map(|i| {
+            let ([p0, m0], [p1, m1]) = (before[i], after[i]);
+            let (d, e) = (p1 - p0 - h * m0, h * (m1 - m0));
+            p0 + s * (h * m0 + s * (3.0 * d - e + s * (e - 2.0 * d)))
+        })
+    }
+
+    /// Whether crests may hide it.
+    pub fn hides(&self) -> bool {
+        self.crests.is_some()
+    }
+
+    /// Share of the field between it and an antenna that passes the crests at a time after pulse 0;
+    /// `centre` says where the antenna is at such a time.
+    pub fn weight<E>(
+        &self,
+        frame: &SceneFrame,
+        elapsed_s: f64,
+        antenna: usize,
+        centre: impl FnOnce(f64) -> Result<PhaseCentre, E>,
+    ) -> Result<f64, E> {
+        let Some(crests) = self.crests else { return Ok(1.0) };
+        let (number, share) = self.knot_before(elapsed_s);
+        let kept = self.weights.get(number * crests.antennas + antenna);
+        let [before, after] = match kept.and_then(OnceLock::get) {
+            Some(ends) => *ends,
+            None => {
+                let time_s = number as f64 * self.apart_s;
+                let PhaseCentre { position, velocity, .. } = centre(time_s)?;
+                let then = position + velocity * self.apart_s;
+                let ends = [(time_s, position), (time_s + self.apart_s, then)];
+                let ends = ends.map(|(time_s, from)| {
+                    visible(self.clearance_m(crests, frame, time_s, from), crests.edge, crests.facet_m)
+                });
+                kept.map_or(ends, |kept| *kept.get_or_init(|| ends))
+            }
+        };
+        Ok(before + share * (after - before))
+    }
+
+    /// Height of the target above the line from an antenna over the highest crest before it, m.
+    fn clearance_m(&self, crests: Crests, frame: &SceneFrame, time_s: f64, from: Point<Enu>) -> f64 {
+        let earth = frame.earth();
+        let [x_m, y_m, z_m] = self.at(frame, time_s).0.to_array();
+        let [from_x, from_y, from_z] = from.to_array();
+        let (east, north) = (from_x - x_m, from_y - y_m);
+        let apart_m = east.hypot(north);
+        let step = [east, north].map(|along| along / apart_m * crests.facet_m);
+        let over = |height_m: f64, left_m: f64| z_m - from_z - apart_m * (height_m - from_z) / left_m;
+        let enough_m = match crests.edge {
+            Edge::Soft { width_rad } => width_rad * crests.facet_m,
+            Edge::Sharp => 0.0,
+        };
+        let mut least_m = f64::INFINITY;
+        for first in (1..MOST_STEPS).step_by(STEPS) {
+            let heights_m = self.heights_m(time_s, [x_m, y_m], step, first);
+            for (n, height_m) in (first..).zip(heights_m) {
+                let left_m = apart_m - n as f64 * crests.facet_m;
+                // The last point of the line of sight is a facet before the antenna; a place that is not a
+                // number has none.
+                if left_m.is_nan() || left_m <= crests.facet_m {
+                    return least_m;
+                }
+                let place = [x_m + n as f64 * step[0], y_m + n as f64 * step[1]];
+                least_m = least_m.min(over(height_m - earth.drop_m(place[0], place[1]), left_m));
+            }
+            // Nothing beyond stands as high as what is found, or takes anything from a weight of 1.
+            let beyond_m = over(crests.reach_m, apart_m - (first + STEPS) as f64 * crests.facet_m);
+            if from_z > crests.reach_m && beyond_m >= least_m.min(enough_m) {
+                break;
+            }
+        }
+        least_m
+    }
+
+    /// Heights of the waves at some steps of a line from a place, from step `first` on, m.
+    fn heights_m(&self, time_s: f64, from_m: [f64; 2], step: [f64; 2], first: usize) -> [f64; STEPS] {
+        let begin = [0, 1].map(|i| from_m[i] + first as f64 * step[i]);
+        let mut heights_m = [0.0; STEPS];
+        for Wave { k, omega, amplitude, .. } in self.waves.iter() {
+            let mut wave = amplitude * Complex64::cis(k[0] * begin[0] + k[1] * begin[1] - omega * time_s);
+            let turn = Complex64::cis(k[0] * step[0] + k[1] * step[1]);
+            for height_m in &mut heights_m {
+                *height_m += wave.re;
+                wave *= turn;
+            }
+        }
+        heights_m
+    }
+}
+
+impl Wave {
+    /// Frequency with which something that moves meets it, rad/s.
+    fn met(&self, velocity_mps: [f64; 2]) -> f64 {
+        self.omega - self.k[0] * velocity_mps[0] - self.k[1] * velocity_mps[1]
+    }
+}
