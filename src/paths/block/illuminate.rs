@@ -1,6 +1,7 @@
 //! One tile of facets, illuminated at every node and pulse of a block.
 
-use num_complex::Complex32;
+use glam::DVec3;
+use num_complex::{Complex32, Complex64};
 
 use super::TileWork;
 use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
@@ -17,8 +18,9 @@ use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, So
 use crate::paths::emission::Emission;
 use crate::paths::sea::SeaPlan;
 use crate::radar::polarisation::Axes;
+use crate::scattering::bragg::BraggLines;
 use crate::scattering::facets::Phases;
-use crate::scattering::lanes::{Batch, Beside};
+use crate::scattering::lanes::{Batch, Beside, Vectors};
 use crate::scene::Patch;
 
 impl TileWork {
@@ -109,6 +111,7 @@ impl PathGenerator {
             phasors,
             batch,
             places_m,
+            keys,
             bounds_m,
             drop_m,
             fall,
@@ -122,11 +125,12 @@ impl PathGenerator {
         tile.count = count;
         let nx = patch.facets[0];
         let [x_m, y_m] = &mut *places_m;
-        let mut places = x_m.iter_mut().zip(y_m);
+        let mut places = x_m.iter_mut().zip(y_m).zip(&mut *keys);
         for run in &*runs {
             let key = [patch.first[0] + (run.first % nx) as i64, patch.first[1] + (run.first / nx) as i64];
-            for ((x_m, y_m), column) in places.by_ref().take(run.count).zip(0..) {
-                [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
+            for (((x_m, y_m), own), column) in places.by_ref().take(run.count).zip(0..) {
+                *own = [key[0] + column, key[1]];
+                [*x_m, *y_m] = patch.centre_m(*own);
             }
         }
         // Lanes that are not in use stay near the others: nothing is read from them.
@@ -169,6 +173,7 @@ impl PathGenerator {
             variant,
             batch,
             places_m,
+            keys,
             whole,
             kept,
             slopes,
@@ -220,6 +225,7 @@ impl PathGenerator {
             .for_each(|row| compact(row, kept));
         batch.phasor.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
         places_m.iter_mut().for_each(|row| compact(row, kept));
+        compact(keys, kept);
         tile.count = kept.len();
     }
 
@@ -290,7 +296,20 @@ impl PathGenerator {
 
     /// Scattering at a scattering epoch.
     fn epoch(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
-        let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
+        let TileWork {
+            variant,
+            timings,
+            batch,
+            view,
+            places_m,
+            keys,
+            travelling,
+            bounds_m,
+            kinds,
+            slopes,
+            tile,
+            ..
+        } = work;
         let timing = timings.of(tile.tier);
         let instant = &timing.epochs[place];
         let count = tile.count;
@@ -314,6 +333,9 @@ impl PathGenerator {
             view,
             batch,
         });
+        if let Some(lines) = sea.scattering.travelling() {
+            travel(lines, &keys[..count], instant.elapsed_s, travelling, batch);
+        }
         kinds.clear();
         if sea.scattering.kinds() > 1 && sea.scattering.kinds_within(*bounds_m, &instant.poses) {
             kinds.extend((0..count).map(|i| {
@@ -473,6 +495,18 @@ impl PathGenerator {
                 let (start, weights) = &timing.cosines[pulse];
                 variant.run(Turn { count, epochs: &epochs[*start..], weights, out });
             }
+        }
+    }
+}
+
+/// Phasors of the batch, of facets of these keys, where Bragg waves travel.
+fn travel(lines: &BraggLines, keys: &[[i64; 2]], t_s: f64, of_facet: &mut [Complex64], batch: &mut Batch) {
+    let direction = |d: &Vectors, i: usize| DVec3::from_array([0, 1, 2].map(|c| f64::from(d[c][i])));
+    for (i, key) in keys.iter().enumerate() {
+        let ends = (direction(&batch.incident, i), direction(&batch.scattered, i));
+        lines.phasors(*key, ends, t_s, of_facet);
+        for (row, phasor) in batch.phasor.iter_mut().zip(&*of_facet) {
+            (row[0][i], row[1][i]) = (phasor.re as f32, phasor.im as f32);
         }
     }
 }

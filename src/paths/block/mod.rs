@@ -41,6 +41,8 @@ mod timing;
 
 use std::sync::Arc;
 
+use num_complex::Complex64;
+
 use super::sea::{SeaFailure, SeaPlan};
 pub use super::visibility::{Borders, ShareBorders};
 use super::{PathGenerator, Workspace};
@@ -113,6 +115,10 @@ pub struct TileWork {
     batch: Box<Batch>,
     view: Box<View>,
     places_m: [[f64; LANES]; 2],
+    /// Global keys of the facets.
+    keys: [[i64; 2]; LANES],
+    /// Phasors of one facet, where waves travel.
+    travelling: Vec<Complex64>,
     /// Least and largest of them.
     bounds_m: [[f64; 2]; 2],
     drop_m: [f64; LANES],
@@ -268,9 +274,14 @@ impl SeaPlan {
             spare: Vec::new(),
             maker,
             shares: Vec::new(),
-            phasors: Phasors::new(facets, mechanisms),
+            phasors: Phasors::new(
+                facets,
+                if self.scattering.travelling().is_some() { 0 } else { mechanisms },
+            ),
             batch: Batch::boxed(mechanisms),
             places_m: [[0.0; LANES]; 2],
+            keys: [[0; 2]; LANES],
+            travelling: vec![Complex64::ZERO; mechanisms],
             bounds_m: [[0.0; 2]; 2],
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
