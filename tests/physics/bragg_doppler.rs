@@ -178,15 +178,11 @@ fn width_does_not_depend_on_the_size_of_facets() {
     assert!(frozen[0][1] > 1.3 * frozen[1][1], "what frozen facets do not resolve is lost");
 }
 
-/// Doppler centroids in C band beside CDOP, the empirical law of Mouche et al. (IEEE TGRS 50, 2901, 2012), evaluated
-/// with its published coefficients at 7 m/s: `(incidence, wind off the line of sight, VV, HH)`, deg and Hz.
-const CDOP: [(f64, f64, [f64; 2]); 6] = [
-    (30.0, 0.0, [24.4, 25.8]),
-    (30.0, 90.0, [1.5, -0.9]),
-    (30.0, 180.0, [-17.2, -22.9]),
-    (40.0, 0.0, [20.8, 24.2]),
-    (40.0, 90.0, [0.8, -2.0]),
-    (40.0, 180.0, [-11.9, -19.8]),
+/// Doppler centroids of VV and HH in C band by CDOP, the empirical law of Mouche et al. (IEEE TGRS 50, 2901,
+/// 2012), with its published coefficients at 7 m/s: incidence, deg; upwind, crosswind and downwind, Hz.
+const CDOP: [(f64, [[f64; 2]; 3]); 2] = [
+    (30.0, [[24.4, 25.8], [1.5, -0.9], [-17.2, -22.9]]),
+    (40.0, [[20.8, 24.2], [0.8, -2.0], [-11.9, -19.8]]),
 ];
 
 /// Mean Doppler of VV and HH, Hz, of seas of 128 m at 7 m/s, facets of 2 m.
@@ -227,17 +223,22 @@ fn centroids_hz(incidence_deg: f64, towards_deg: f64, bragg: BraggWaves) -> [f64
     covariance.map(|c| c.arg() / lag_s / TAU)
 }
 
-/// Bragg's own line and the drift bring VV to what is measured; HH has not the excess that it has there, which
-/// is that of breaking waves and of short waves that long ones modulate, neither of which is modelled.
+/// Bragg's own line and the drift bring centroids to what is measured. A linear sea is the same upwind and
+/// downwind: half the difference of both is compared, of which 86 to 93 % are here. The rest, and the 3 to 9 Hz
+/// by which measured ones are larger upwind, is that of short waves that long ones modulate and of breaking
+/// waves, neither of which is modelled.
 #[test]
-fn centroids_in_c_band_are_those_of_cdop() {
+fn centroids_in_c_band_are_near_those_of_cdop() {
     let drifting = BraggWaves::Travelling { drift_share: 0.03, drift_turn_rad: 0.0 };
-    for (incidence_deg, off_deg, measured) in CDOP {
-        let found = centroids_hz(incidence_deg, off_deg, drifting);
-        let frozen = centroids_hz(incidence_deg, off_deg, BraggWaves::Frozen);
-        println!(
-            "{incidence_deg} deg, wind {off_deg} deg off: VV {:.1}, HH {:.1} Hz; frozen {frozen:.1?}; CDOP {measured:.1?}",
-            found[0], found[1]
-        );
+    for (incidence_deg, measured) in CDOP {
+        let of = |bragg| [0.0, 90.0, 180.0].map(|off_deg| centroids_hz(incidence_deg, off_deg, bragg));
+        let (found, frozen) = (of(drifting), of(BraggWaves::Frozen));
+        println!("{incidence_deg} deg: {found:.1?} Hz, frozen {frozen:.1?}, CDOP {measured:.1?}");
+        for polarisation in 0..2 {
+            let half = |of: &[[f64; 2]; 3]| 0.5 * (of[0][polarisation] - of[2][polarisation]);
+            let (share, of_frozen) = (half(&found) / half(&measured), half(&frozen) / half(&measured));
+            assert!((0.75..1.1).contains(&share) && of_frozen < 0.65, "{share} {of_frozen}");
+            assert!(found[1][polarisation].abs() < 2.0, "crosswind");
+        }
     }
 }
