@@ -39,6 +39,7 @@ fn header(format: SampleFormat) -> Header {
         seed: 1,
         config: String::new(),
         replica: Vec::new(),
+        instrument: None,
         platforms: vec!["coast".to_owned(), "aircraft".to_owned()],
         transmitters: Vec::new(),
         receivers: Vec::new(),

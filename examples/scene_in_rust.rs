@@ -125,6 +125,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         events: Vec::new(),
         control: false,
         shard: None,
+        monitor: None,
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
             pace: Pace::Realtime,

@@ -287,6 +287,19 @@ pub enum Earth {
 }
 
 impl Earth {
+    /// Effective-radius factor; none of a flat one.
+    pub fn radius_factor(self) -> Option<f64> {
+        match self {
+            Self::Flat => None,
+            Self::Curved { radius_factor } => Some(radius_factor),
+        }
+    }
+
+    /// That of an effective-radius factor; flat without one.
+    pub fn of_radius_factor(radius_factor: Option<f64>) -> Self {
+        radius_factor.map_or(Self::Flat, |radius_factor| Self::Curved { radius_factor })
+    }
+
     /// Depth of the sea surface below the tangent plane at horizontal distance
     /// `sqrt(x^2 + y^2)` from the origin, metres: `d^2 / (2 k_e R_e)`.
     pub fn drop_m(self, x_m: f64, y_m: f64) -> f64 {

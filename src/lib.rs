@@ -53,6 +53,7 @@
 //! | [`pipeline`] | the only factory: a run becomes a running stream |
 //! | [`adequacy`] | whether patch, facets, window and horizon fit the scene |
 //! | [`mod@bench`] | measures speed and error of a pipeline |
+//! | `monitor` | the live page (feature `monitor`) |
 //! | [`cli`] | the command line |
 //!
 //! SI units throughout, angles in radians, time convention `exp(+j w t)`.
@@ -103,6 +104,8 @@ pub mod pipeline;
 pub mod adequacy;
 #[doc(hidden)]
 pub mod bench;
+#[doc(hidden)]
+pub mod monitor;
 #[doc(hidden)]
 pub mod cli;
 

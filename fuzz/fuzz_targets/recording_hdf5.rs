@@ -42,6 +42,7 @@ fn header() -> Header {
         seed: 1,
         config: text("# a scenario\n"),
         replica: vec![Default::default(); 4],
+        instrument: None,
         platforms: vec![text("p")],
         transmitters: vec![text("t")],
         receivers: vec![text("r")],

@@ -23,10 +23,15 @@ from .errors import (
     ArrayError,
     InputError,
     InternalError,
+    MissingFileError,
     NereusError,
+    OutputExistsError,
+    RecordingError,
     RunError,
     ScenarioError,
     StreamClosed,
+    SweepError,
+    WorkerError,
 )
 from .image import Image, focus
 from .scenario import Report, Scenario
@@ -39,10 +44,13 @@ __all__ = [
     "Image",
     "InputError",
     "InternalError",
+    "MissingFileError",
     "NereusError",
+    "OutputExistsError",
     "Platform",
     "Pulse",
     "Reception",
+    "RecordingError",
     "Report",
     "RunError",
     "Scenario",
@@ -51,6 +59,8 @@ __all__ = [
     "Ship",
     "Stream",
     "StreamClosed",
+    "SweepError",
+    "WorkerError",
     "__version__",
     "bench",
     "distributed",
@@ -85,9 +95,7 @@ def open(path: Any, **options: Any) -> Any:
 
 
 def __getattr__(name: str) -> Any:
-    # What needs Dask is imported when it is asked for.
-    if name in ("distributed", "dataset", "zarr"):
+    # What needs Dask, HDF5 or shared memory is imported when it is asked for.
+    if name in ("distributed", "dataset", "reader", "shm", "zarr"):
         return importlib.import_module(f".{name}", __name__)
-    if name == "RecordingError":
-        return importlib.import_module(".dataset", __name__).RecordingError
     raise AttributeError(f"module 'nereus' has no attribute {name!r}")

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .errors import InputError
+from .errors import RecordingError, existing, needs
 
 if TYPE_CHECKING:
     import xarray
@@ -51,10 +51,6 @@ AXES = (
     (r"truth/ships", ("ship",)),
     (r"truth/clocks", ("clock",)),
 )
-
-
-class RecordingError(InputError):
-    """What was given is no recording of nereus, or a damaged one; the text says what, where and what helps."""
 
 
 @dataclass
@@ -120,7 +116,7 @@ def dimensions(name, axes, rank):
 
 def source(path):
     """Opens a recording of any kind."""
-    path = os.fspath(path)
+    path = existing(path, "recording")
     if os.path.isdir(path):
         if os.path.exists(os.path.join(path, "zarr.json")):
             return _zarr(path)
@@ -129,8 +125,6 @@ def source(path):
         raise RecordingError(
             f"{path}: not a recording of nereus: a folder without meta.json (plain) or zarr.json (Zarr)"
         )
-    if not os.path.exists(path):
-        raise FileNotFoundError(f"{path}: no such recording; allowed: an HDF5 file, a folder, a Zarr store")
     return _hdf5(path)
 
 
@@ -142,10 +136,10 @@ def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  #
     `xarray.open_dataset` gives dask arrays, with the chunks of the recording along dimensions that a dict does not
     name (`chunks={}`: all; plain folders have none). Close it by `ds.close()` or `with`.
 
-    Raises `FileNotFoundError`, and `RecordingError` where the path is no recording or a damaged one; a damaged
+    Raises `MissingFileError`, and `RecordingError` where the path is no recording or a damaged one; a damaged
     chunk is found when it is read.
     """
-    import xarray as xr
+    xr = needs("nereus.open", "xarray", "xarray")
     from xarray.core import indexing
 
     rec = source(path)
@@ -288,7 +282,7 @@ def _checked(rec):
 
 
 def _hdf5(path):
-    import h5py
+    h5py = needs("reading HDF5", "xarray", "h5py", "xarray")
     from xarray.backends import CachingFileManager
 
     swmr = False
@@ -448,7 +442,7 @@ class _FolderRows:
 
 
 def _zarr(path):
-    import zarr
+    zarr = needs("reading Zarr", "dask", "zarr")
 
     try:
         group = zarr.open_group(path, mode="r", zarr_format=3)

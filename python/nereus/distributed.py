@@ -15,6 +15,7 @@ program.
 """
 from __future__ import annotations
 
+import ast
 import itertools
 import math
 import os
@@ -22,6 +23,7 @@ import pickle
 import sys
 import tempfile
 import time
+import traceback
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import contextmanager
@@ -32,7 +34,7 @@ import numpy as np
 
 from . import __version__ as VERSION
 from .dataset import CHANGES, INDEX, source
-from .errors import InputError, RunError
+from .errors import InputError, RunError, SweepError, WorkerError, needs
 from .zarr import Draft, Outline, chunk_length, write_rows
 
 if TYPE_CHECKING:
@@ -57,10 +59,6 @@ SHARD_S = 60.0
 #: Without any worker, jobs may be waiting in a queue.
 WAIT_S = 3600.0
 GLANCE_S = 0.05
-
-
-class WorkerError(RunError):
-    """The workers cannot do it: they lack the package or have another version, none answers, or a job ends them."""
 
 
 @dataclass(frozen=True)
@@ -98,10 +96,11 @@ def record(
     for `wait_s` (default: an hour, for jobs in a queue) the run is given up. Without a client: a LocalCluster of all
     cores, one thread each, closed afterwards.
 
-    Prints an estimate of the cost first, then progress; returns a `Report`. Raises `FileExistsError` for a store
+    Prints an estimate of the cost first, then progress; returns a `Report`. Raises `OutputExistsError` for a store
     that exists unless `force`, `WorkerError` where workers lack the package, none answers, or a shard has ended
     three of them, and what the engine raises. What fails leaves nothing under the name.
     """
+    _needs()
     begun = time.monotonic()
     draft, total, blob = Draft(path, force), scene.pulse_count, _pickled(scene)
     if shards is not None and not 1 <= shards <= total:
@@ -150,6 +149,10 @@ def sweep(
     workers raises `WorkerError`, and so does `wait_s` without any worker. An exception of `function` is passed on as
     `SweepError`.
     """
+    _needs()
+    for key, values in keys.items():
+        if isinstance(values, (str, Mapping)) or not isinstance(values, Iterable):
+            raise InputError(f"{key}: {values!r}; allowed: a list of values, such as [{values!r}]")
     keys = {key: list(values) for key, values in keys.items()}
     empty = [key for key, values in keys.items() if not values]
     if not keys or empty:
@@ -164,10 +167,6 @@ def sweep(
         farm = _Farm(client, timeout_s or math.inf, wait_s, progress, "sweep")
         jobs = [_Job(f"case {case}", "_case", (blob, case, call), None) for case in cases]
         return _labelled(keys, cases, farm.run(jobs))
-
-
-class SweepError(RunError):
-    """A case of a sweep failed; the text names it, `__cause__` is its exception."""
 
 
 # On the workers. They are called by name (`_call`), so that a scheduler needs no nereus.
@@ -234,8 +233,25 @@ def _make(blob, outline, store, first, last):
         return {name: fixed for name, fixed in rec.fixed.items() if name.startswith(CHANGES)}
 
 
+@dataclass
+class _Failed:
+    """The exception of a function, returned so that Dask writes no report of its own, and its text with its place."""
+
+    error: Exception
+    text: str
+
+
 def _case(blob, case, call):
-    return pickle.loads(call)(pickle.loads(blob).set({"stream.threads": _threads(), **case}))
+    try:
+        return pickle.loads(call)(pickle.loads(blob).set({"stream.threads": _threads(), **case}))
+    except Exception as error:
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        text = f"{type(error).__name__}: {error} ({os.path.basename(frame.filename)}, line {frame.lineno}, in {frame.name})"
+        try:
+            pickle.loads(_pickled(error))
+        except Exception:  # not every exception can be sent
+            error = RunError(text)
+        return _Failed(error, text)
 
 
 def _caller():
@@ -271,17 +287,40 @@ def _pickled(what):
 @contextmanager
 def _client(given):
     """The client, or one of a cluster of all cores."""
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise ImportError(f"{error}; nereus.distributed needs dask, distributed and zarr: pip install 'nereus[dask]'") from error
+    from distributed import Client, LocalCluster
+
     if given is not None:
         yield given
         return
+    _guarded()
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     with LocalCluster(n_workers=cores, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         with Client(cluster) as client:
             yield client
+
+
+def _needs():
+    needs("nereus.distributed", "dask", "distributed", "zarr", "h5py", "xarray", "cloudpickle")
+
+
+def _guarded():
+    """Refuses to start workers from a script that each of them would run again."""
+    main = sys.modules["__main__"]
+    # As multiprocessing has it: notebooks and `python -m package` are not run again.
+    name, path = getattr(getattr(main, "__spec__", None), "name", ""), getattr(main, "__file__", None)
+    frame = sys._getframe()
+    while frame and not (frame.f_globals is vars(main) and frame.f_code.co_name == "<module>"):
+        frame = frame.f_back
+    if not frame or not path or name.endswith("__main__") or not os.path.exists(path):
+        return
+    with open(path, "rb") as script:
+        lines = ast.parse(script.read()).body
+    under_way = next((line for line in lines if line.lineno <= frame.f_lineno <= line.end_lineno), None)
+    if under_way and not (isinstance(under_way, ast.If) and "__name__" in ast.dump(under_way.test)):
+        raise InputError(
+            f'{path}, line {frame.f_lineno}: every worker would run the script again; remedy: put the call under '
+            'if __name__ == "__main__":'
+        )
 
 
 def _shards(workers, work_s, start_s):
@@ -428,10 +467,13 @@ class _Farm:
             try:
                 result = asked.future.result(timeout=LEAST_S)
                 lost = False  # it ended afterwards
+                if isinstance(result, _Failed):
+                    error, text = result.error, result.text
             except Exception as problem:  # lost on the way
                 lost, error = True, problem
         elif status == "error" and not lost:
             error = asked.future.exception()
+            text = f"{type(error).__name__}: {error}"
             lost = type(error).__name__ == "KilledWorker"
         if status == "pending" or lost:
             self.ready.discard(worker)
@@ -454,7 +496,7 @@ class _Farm:
             waiting.append(asked.job)
             if raised[asked.job] == TRIES or jobs[asked.job].call != "_make" or isinstance(error, WorkerError):
                 if jobs[asked.job].call == "_case":
-                    raise SweepError(f"{jobs[asked.job].name}: {type(error).__name__}: {error}") from error
+                    raise SweepError(f"{jobs[asked.job].name}: {text}") from error
                 raise error
 
     def count(self, job, jobs):
@@ -490,13 +532,15 @@ def _labelled(keys, cases, results):
     tables = [result if isinstance(result, dict) else {None: result} for result in results]
     sizes = [len(values) for values in keys.values()]
     coords = {key: (key, np.asarray(values) if np.ndim(values[0]) == 0 and not isinstance(values[0], dict) else np.arange(len(values))) for key, values in keys.items()}
+    shapes = [{name: np.shape(value) for name, value in table.items()} for table in tables]
+    for case, shape in zip(cases, shapes):
+        if shape != shapes[0]:
+            one, first = (f"shape {of[None]}" if None in of else f"{of}" for of in (shape, shapes[0]))
+            raise InputError(f"case {case} returned {one}, case {cases[0]} {first}; allowed: the same names and shapes for all")
     arrays = {}
     for name, first in tables[0].items():
         values = []
         for case, table in zip(cases, tables):
-            if table.keys() != tables[0].keys() or np.shape(table[name]) != np.shape(first):
-                what = f"{sorted(map(str, table))}" if table.keys() != tables[0].keys() else f"shape {np.shape(table[name])}"
-                raise InputError(f"case {case} returned {what}, the first case {sorted(map(str, tables[0]))} of shape {np.shape(first)}; allowed: the same for all")
             different = _difference(table[name], first)
             if different:
                 raise InputError(f"case {case} returned {name or 'a result'} of other {different} than the first case; allowed: the same for all, in the same order")

@@ -7,6 +7,7 @@ import html
 import importlib
 import json
 import os
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal, Union
@@ -16,7 +17,7 @@ import numpy as np
 from . import _nereus, progress as _progress
 from ._nereus import Stream
 from .arrays import ArrayFile, Folder, finite
-from .errors import ArrayError, InputError
+from .errors import ArrayError, InputError, OutputExistsError, ScenarioError, existing
 
 __all__ = ["Report", "Scenario"]
 
@@ -109,7 +110,7 @@ class Scenario:
             self._path = os.path.join(os.fspath(folder), "<text>")
             self._text = source
         elif isinstance(source, (str, os.PathLike)):
-            self._path = os.fspath(source)
+            self._path = existing(source, "scenario")
             try:
                 self._text = Path(self._path).read_bytes().decode()
             except (OSError, UnicodeDecodeError):
@@ -158,7 +159,9 @@ class Scenario:
             return aware.astimezone(datetime.timezone.utc).isoformat().replace("+00:00", "Z")
         if isinstance(value, float) and not np.isfinite(value):
             raise InputError(f"{key}: {value}; allowed: a finite number")
-        if value is None or not isinstance(value, (str, bool, int, float)):
+        if value is None:
+            raise InputError(f"{key}: None takes no key away; remedy: leave it out of the file or dict that Scenario() reads")
+        if not isinstance(value, (str, bool, int, float)):
             raise InputError(f"{key}: a value of {type(value).__name__}; allowed: numbers, texts, lists, dicts, arrays")
         return value
 
@@ -167,7 +170,12 @@ class Scenario:
         for folder in self._folders:
             folder.restore()
         if self._engine_ is None:
-            self._engine_ = _nereus.Engine(self._text, self._path, self._overrides)
+            try:
+                self._engine_ = _nereus.Engine(self._text, self._path, self._overrides)
+            except ScenarioError as error:
+                # Lines of the text that a dict becomes are nobody's; nor has anybody given options.
+                text = re.sub(r"^(.*<dict>)(:\d+){2}: ", r"\1: ", str(error), flags=re.MULTILINE)
+                raise ScenarioError(re.sub(r"^--set: ", "set(): ", text, flags=re.MULTILINE), error.faults) from None
         return self._engine_
 
     @property
@@ -217,7 +225,12 @@ class Scenario:
             progress: whether a progress bar is shown, or what is called with pulses passed, all pulses, late and dropped.
             force: whether a recording that exists is replaced.
 
-        Returns what `nereus run --json` reports. Ctrl-C ends the run; the recording then holds the pulses so far.
+        Returns what `nereus run --json` reports (docs/python.md), of a Zarr store its path. Ctrl-C ends the run; the
+        recording then holds the pulses so far.
+
+        Raises:
+            OutputExistsError: `path` exists, and is not to be replaced, or no recording.
+            MissingFileError: its folder does not exist.
         """
         path = os.fspath(path)
         suffix = os.path.splitext(path)[1].lower()
@@ -227,8 +240,16 @@ class Scenario:
             return zarr.record(self, path, pulses=pulses, progress=progress, force=force)
         if found not in ("hdf5", "plain"):
             raise InputError(f'format: {format!r}; allowed: "hdf5", "plain", "zarr"')
-        with _progress.shown(progress) as shows:
-            return self._engine.record(path, found == "hdf5", _range(pulses), force, shows)
+        existing(os.path.dirname(os.path.abspath(path)), "folder, for the output")
+        if os.path.lexists(path) and not force:
+            raise OutputExistsError(f"{path}: exists already; allowed: another name, or force=True, which replaces recordings")
+        try:
+            with _progress.shown(progress) as shows:
+                return self._engine.record(path, found == "hdf5", _range(pulses), force, shows)
+        except ScenarioError as error:
+            if f"{path}: not overwritten" in str(error):
+                raise OutputExistsError(str(error)) from None
+            raise
 
     def __getstate__(self) -> dict[str, Any]:
         state = dict(self.__dict__, _engine_=None)
@@ -250,7 +271,7 @@ def _range(pulses: Pulses | Iterable[int]) -> tuple[int, int] | None:
         return None
     if isinstance(pulses, range):
         pulses = (pulses.start, pulses.stop) if pulses.step == 1 else ()
-    found = tuple(pulses)
+    found = tuple(pulses) if isinstance(pulses, Iterable) else ()
     if len(found) != 2 or not all(isinstance(n, (int, np.integer)) and n >= 0 for n in found):
         raise InputError(f"pulses: {pulses!r}; allowed: (first, one past the last), whole numbers from 0")
     return int(found[0]), int(found[1])

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,40 @@ from numpy.typing import NDArray
 
 from . import _nereus
 from ._nereus import Reception
+from .errors import InputError, needs, unknown
 from .scenario import Scenario
 
 __all__ = ["Sea", "bench", "receive", "sea", "table"]
+
+
+#: Options that are for files, pictures and terminals.
+_NO_KEYWORDS = {"against", "cuts", "dynamic_db", "force", "help", "json", "out", "panels", "percentile"}
+
+
+@lru_cache(maxsize=None)
+def _listed(command: tuple[str, ...], pattern: str) -> frozenset[str]:
+    """Names that the help of a command lists."""
+    try:
+        _nereus.command([*command, "--help"])
+    except InputError as text:
+        return frozenset(re.findall(pattern, str(text), re.MULTILINE))
+    return frozenset()
+
+
+def _command(command: tuple[str, ...], words: list[str], options: Mapping[str, Any], text: str | None = None) -> str:
+    """What a command prints that has keywords as options; its faults in words of Python."""
+    allowed = {name.replace("-", "_") for name in _listed(command, r"^ {2,6}(?:-\w, )?--([\w-]+)")} - _NO_KEYWORDS
+    for name in options.keys() - allowed:
+        raise unknown(f"{command[0]}: the keyword", name, allowed)
+    try:
+        return bytes(_nereus.command([*command, *words, *_words(options)], text)).decode()
+    except InputError as error:
+        if type(error) is not InputError:
+            raise
+        said = str(error).removeprefix("error: ").split("\n\n")[0]
+        said = re.sub(r"\s*\[possible values: (.*)\]", r"; allowed: \1", said)
+        said = re.sub(r"(?<!\S)'?--([a-z][\w-]*)(?: <[^>]*>)?'?", lambda option: option[1].replace("-", "_"), said)
+        raise InputError(said) from None
 
 
 def _words(options: Mapping[str, Any]) -> list[str]:
@@ -43,7 +76,10 @@ def table(quantity: str, **keys: Any) -> dict[str, NDArray[Any]]:
     >>> sorted(set(rows["u10_mps"].tolist())), rows["sigma0_vv_db"].shape == rows["incidence_deg"].shape
     ([5.0, 10.0], True)
     """
-    text = bytes(_nereus.command(["table", quantity, *_words(keys)])).decode()
+    quantities = _listed(("table",), r"^  ([a-z][\w-]*) ")
+    if quantity not in quantities:
+        raise unknown("table: the quantity", quantity, quantities)
+    text = _command(("table", quantity), [], keys)
     rows = list(csv.reader(line for line in io.StringIO(text) if not line.startswith("#")))
     columns = {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
     return {name: _column(values) for name, values in columns.items()}
@@ -60,8 +96,8 @@ def bench(
     scene: Scenario, *, pulses: int | None = None, threads: int | None = None, error_pulses: int | str = 16
 ) -> dict[str, Any]:
     """Measures speed, memory and error of a scenario on this machine: what `nereus bench --json` prints."""
-    options = _words({"pulses": pulses, "threads": threads, "error_pulses": error_pulses})
-    return json.loads(bytes(_nereus.command(["bench", scene._path, "--json", *options], scene.text)))
+    options = {"pulses": pulses, "threads": threads, "error_pulses": error_pulses}
+    return json.loads(_command(("bench",), [scene._path, "--json"], options, scene.text))
 
 
 @dataclass(frozen=True)
@@ -79,8 +115,7 @@ class Sea:
 
     def to_xarray(self) -> Any:
         """The same as an `xarray.Dataset`."""
-        import xarray
-
+        xarray = needs("Sea.to_xarray", "xarray", "xarray")
         data = {name: (("y_m", "x_m"), values, {"units": self.units[name]}) for name, values in self.fields.items()}
         return xarray.Dataset(data, {"y_m": self.y_m, "x_m": self.x_m}, self.figures)
 

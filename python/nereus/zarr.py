@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from .dataset import CHANGES, Source, arrays_of, missing_chunks, source
-from .errors import InputError, RunError
+from .errors import InputError, InternalError, OutputExistsError, RunError, existing, needs
 
 #: Chunks of a run, at least, where they can have `LEAST` pulses.
 CHUNKS = 32
@@ -95,12 +95,12 @@ class Draft:
     """A store that is being made beside its place."""
 
     def __init__(self, out, force):
+        needs("a Zarr store", "dask", "zarr", "h5py", "xarray")
         self.out = Path(os.path.abspath(out))
         self.force = force
         self.complete = False
         self.refuse()
-        if not self.out.parent.is_dir():
-            raise FileNotFoundError(f"{self.out}: the folder {self.out.parent} does not exist")
+        existing(self.out.parent, "folder, for the output")
         self.path = self.out.with_name(f".{self.out.name}.{uuid.uuid4().hex[:8]}.partial")
 
     def refuse(self):
@@ -108,13 +108,13 @@ class Draft:
         if not self.out.exists():
             return
         if not self.force:
-            raise FileExistsError(f"{self.out}: exists already; allowed: another name, or force=True, which replaces a Zarr store")
+            raise OutputExistsError(f"{self.out}: exists already; allowed: another name, or force=True, which replaces a Zarr store")
         try:
             if os.path.exists(self.out / "zarr.json") and source(self.out).attrs:
                 return
         except InputError as error:
-            raise FileExistsError(f"{self.out}: not replaced: {error}; rename or remove it, or give another name") from error
-        raise FileExistsError(f"{self.out}: exists and is no Zarr store of nereus; only those are replaced")
+            raise OutputExistsError(f"{self.out}: not replaced: {error}; rename or remove it, or give another name") from error
+        raise OutputExistsError(f"{self.out}: exists and is no Zarr store of nereus; only those are replaced")
 
     def create(self, outline, rows, chunk):
         """Makes all arrays: those of pulses empty, the others filled."""
@@ -150,7 +150,7 @@ class Draft:
         for name, array in arrays_of(group):
             gone = missing_chunks(self.path, name, array)
             if gone:
-                raise RuntimeError(f"{self.out}: {gone} chunks of /{name} were not written; please report it")
+                raise InternalError(f"{self.out}: {gone} chunks of /{name} were not written; please report it")
         self.complete = True
         old = self.path.with_suffix(".old")
         try:
@@ -165,7 +165,7 @@ class Draft:
                 raise
         except OSError as error:
             older = next((f", the older one {p}" for p in (old, self.out) if p.exists()), "")
-            raise FileExistsError(f"{self.out}: cannot be put in place; the complete store is {self.path}{older}: {error}") from error
+            raise OutputExistsError(f"{self.out}: cannot be put in place; the complete store is {self.path}{older}: {error}") from error
         shutil.rmtree(old, ignore_errors=True)
 
     def __enter__(self):
@@ -267,12 +267,11 @@ def record(
     """
     draft = Draft(out, force)
     folder = os.path.abspath(scratch or draft.out.parent)
-    more = {} if pulses is None else {"pulses": tuple(pulses)}
     kept = os.path.join(folder, f"{draft.out.stem}.{uuid.uuid4().hex[:8]}.h5")
     with tempfile.TemporaryDirectory(prefix=".nereus-", dir=folder) as folder:
         part = os.path.join(folder, "part.h5")
         try:
-            scene.record(part, progress=progress, **more)
+            scene.record(part, progress=progress, pulses=pulses)
         except BaseException:
             if _has_pulses(part):
                 _convert_or_keep(part, kept, draft.out, force, chunk_pulses)

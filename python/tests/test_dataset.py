@@ -161,7 +161,7 @@ def test_missing_pulses_leave_their_numbers_out(recorded, tmp_path):
 
 
 def test_what_is_no_recording_is_refused(tmp_path):
-    with pytest.raises(FileNotFoundError, match="no such recording"):
+    with pytest.raises(nereus.MissingFileError, match="missing.h5: no such recording"):
         nereus.open(tmp_path / "missing.h5")
     (tmp_path / "text.h5").write_text("hello")
     (tmp_path / "folder").mkdir()
@@ -217,14 +217,14 @@ def test_damage_is_named(recorded, tmp_path):
 def test_a_store_replaces_nothing_unasked(recorded, tmp_path, monkeypatch):
     out = tmp_path / "s.zarr"
     store.convert(recorded / "r.h5", out)
-    with pytest.raises(FileExistsError, match="exists already"):
+    with pytest.raises(nereus.OutputExistsError, match="exists already"):
         store.convert(recorded / "r.h5", out)
     store.convert(recorded / "r.h5", out, force=True)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/notes").write_text("of somebody else")
-    with pytest.raises(FileExistsError, match="only those are replaced"):
+    with pytest.raises(nereus.OutputExistsError, match="only those are replaced"):
         store.convert(recorded / "r.h5", tmp_path / "mine", force=True)
-    with pytest.raises(FileNotFoundError, match="does not exist"):
+    with pytest.raises(nereus.MissingFileError, match="no: no such folder"):
         store.convert(recorded / "r.h5", tmp_path / "no/s.zarr")
 
     def full(*_):
@@ -303,7 +303,7 @@ def test_a_store_that_cannot_be_replaced_stays(recorded, tmp_path, monkeypatch):
         return rename(path, target)
 
     monkeypatch.setattr(Path, "rename", busy)
-    with pytest.raises(FileExistsError, match="the complete store is .*partial, the older one .*/s.zarr: busy") as met:
+    with pytest.raises(nereus.OutputExistsError, match="the complete store is .*partial, the older one .*/s.zarr: busy") as met:
         store.convert(recorded / "r.h5", out, force=True)
     monkeypatch.undo()
     assert tree(out) == before
@@ -312,7 +312,7 @@ def test_a_store_that_cannot_be_replaced_stays(recorded, tmp_path, monkeypatch):
     assert sorted(os.listdir(tmp_path)) == sorted([Path(complete).name, "s.zarr"])
 
     (out / "iq" / "c.1.0.0").unlink()
-    with pytest.raises(FileExistsError, match="damaged: .*; rename or remove it, or give another name"):
+    with pytest.raises(nereus.OutputExistsError, match="damaged: .*; rename or remove it, or give another name"):
         store.convert(recorded / "r.h5", out, force=True)
 
 

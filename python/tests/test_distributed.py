@@ -3,6 +3,7 @@
 import contextlib
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -129,7 +130,7 @@ def test_what_cannot_be_is_refused(client, tmp_path):
         with pytest.raises(nereus.InputError, match="allowed: 1 to the 888 pulses"):
             distributed.record(scene, tmp_path / "d.zarr", client, shards=shards)
     distributed.record(scene, tmp_path / "d.zarr", client, progress=False)
-    with pytest.raises(FileExistsError, match="exists already"):
+    with pytest.raises(nereus.OutputExistsError, match="exists already"):
         distributed.record(scene, tmp_path / "d.zarr", client)
     distributed.record(scene, tmp_path / "d.zarr", client, force=True, progress=False)
     with pytest.raises(nereus.ScenarioError, match="radar.prf_hz"):
@@ -245,14 +246,45 @@ def test_faults_of_a_sweep_are_named(client):
     for keys in ({}, {"scene.seed": []}):
         with pytest.raises(nereus.InputError, match="nothing to sweep"):
             distributed.sweep(scene, keys, strongest, client)
+    for one in (3, "fast"):
+        with pytest.raises(nereus.InputError, match=rf"^scene.seed: {one!r}; allowed: a list of values, such as \[{one!r}\]"):
+            distributed.sweep(scene, {"scene.seed": one}, strongest, client)
     with pytest.raises(nereus.ScenarioError, match="scene.sed"):
         distributed.sweep(scene, {"scene.sed": [1]}, strongest, client)
     with pytest.raises(nereus.ScenarioError, match="radar.prf_hz"):
         distributed.sweep(scene, {"radar.prf_hz": [222.0, -1.0]}, strongest, client)
-    with pytest.raises(distributed.SweepError, match="case {'scene.seed': 7}: ZeroDivisionError: division by zero"):
+    place = r" \(test_distributed.py, line \d+, in <lambda>\)"
+    with pytest.raises(nereus.SweepError, match="case {'scene.seed': 7}: ZeroDivisionError: division by zero" + place) as caught:
         distributed.sweep(scene, {"scene.seed": [7]}, lambda scene: 1 / 0, client, progress=False)
-    with pytest.raises(nereus.InputError, match="allowed: the same for all"):
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+    class Unsendable(Exception):
+        def __reduce__(self):
+            raise TypeError("not to be sent")
+
+    def fail(scene):
+        raise Unsendable("as it is")
+
+    with pytest.raises(nereus.SweepError, match="case {'scene.seed': 7}: Unsendable: as it is "):
+        distributed.sweep(scene, {"scene.seed": [7]}, fail, client, progress=False)
+    expected = r"case {'scene.duration_s': 2} returned shape \(444,\), case {'scene.duration_s': 1} shape \(222,\); allowed: the same names"
+    with pytest.raises(nereus.InputError, match=expected):
         distributed.sweep(quiet, {"scene.duration_s": [1, 2]}, lambda scene: np.zeros(scene.pulse_count), client, progress=False)
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_script_without_guard_is_refused_and_faults_are_one_report(tmp_path, fails):
+    call = "nereus.distributed.sweep(scene, {'scene.seed': [1]}, lambda scene: 1 / 0, progress=False)"
+    script = f"import nereus\n\nscene = nereus.Scenario({str(CONFIGS / 'errors.toml')!r})\n"
+    script += f"if __name__ == '__main__':\n    {call}\n" if fails else f"if scene:\n    {call}\n"
+    (tmp_path / "script.py").write_text(script)
+    run = subprocess.run([sys.executable, tmp_path / "script.py"], capture_output=True, text=True, timeout=120)
+    *_, last = run.stderr.splitlines()
+    if fails:
+        assert last == "nereus.errors.SweepError: case {'scene.seed': 1}: ZeroDivisionError: division by zero (script.py, line 5, in <lambda>)"
+    else:
+        assert last.endswith('script.py, line 5: every worker would run the script again; remedy: put the call under if __name__ == "__main__":')
+    assert run.returncode == 1 and "Compute Failed" not in run.stderr and "Nanny" not in run.stderr
 
 
 @pytest.mark.parametrize(

@@ -35,11 +35,20 @@ def test_a_recording_is_that_of_the_program(tmp_path, scene):
 
 
 def test_what_exists_is_replaced_with_force_alone(tmp_path, scene):
-    scene.record(tmp_path / "a", pulses=(0, 2), progress=False)
-    with pytest.raises(nereus.ScenarioError, match="exists"):
-        scene.record(tmp_path / "a", pulses=(0, 2), progress=False)
-    scene.record(tmp_path / "a", pulses=(0, 3), progress=False, force=True)
+    for name in ("a", "a.h5", "a.zarr"):
+        scene.record(tmp_path / name, pulses=(0, 2), progress=False)
+        with pytest.raises(nereus.OutputExistsError, match=f"{name}: exists already; allowed: another name, or force=True"):
+            scene.record(tmp_path / name, pulses=(0, 2), progress=False)
+        scene.record(tmp_path / name, pulses=(0, 3), progress=False, force=True)
+        with pytest.raises(nereus.MissingFileError, match="no: no such folder, for the output"):
+            scene.record(tmp_path / "no" / name, progress=False)
     assert (tmp_path / "a" / "pulse" / "index.bin").stat().st_size == 24
+    for name in ("mine", "mine.h5", "mine.zarr"):
+        (tmp_path / name).write_text("of somebody else")
+        with pytest.raises(FileExistsError) as caught:
+            scene.record(tmp_path / name, pulses=(0, 2), progress=False, force=True)
+        assert isinstance(caught.value, nereus.OutputExistsError)
+        assert (tmp_path / name).read_text() == "of somebody else"
 
 
 def test_ctrl_c_leaves_a_readable_recording(tmp_path):

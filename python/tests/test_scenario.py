@@ -35,14 +35,21 @@ def test_all_faults_are_one_exception_with_the_text_of_the_command_line():
     with pytest.raises(nereus.ScenarioError) as caught:
         nereus.Scenario(bad).check()
     assert len(caught.value.faults) == 2
-    assert "<dict>:" in str(caught.value) and "radar.prf_hz: -5" in str(caught.value)
+    lines = str(caught.value).splitlines()
+    assert lines[1].startswith("<dict>: radar.prf_hz: -5") and lines[-1] == "<dict>: 2 faults"
+    with pytest.raises(nereus.ScenarioError, match=r"^set\(\): radar.prf_hz: -5 is out of range"):
+        nereus.Scenario(small()).set({"radar.prf_hz": -5}).check()
     again = pickle.loads(pickle.dumps(caught.value))
     assert (str(again), again.faults) == (str(caught.value), caught.value.faults)
 
 
 def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(nereus.ScenarioError, match="cannot read scenario"):
+    with pytest.raises(nereus.MissingFileError, match="none.toml: no such scenario$"):
         nereus.Scenario(tmp_path / "none.toml")
+    with pytest.raises(FileNotFoundError, match="none.toml: no such scenario, the working directory is /"):
+        nereus.Scenario("none.toml")
+    with pytest.raises(nereus.ScenarioError, match="cannot read scenario"):
+        nereus.Scenario(tmp_path)
 
 
 def test_faults_of_the_build_are_a_scenario_error(scene):
@@ -50,9 +57,15 @@ def test_faults_of_the_build_are_a_scenario_error(scene):
         scene.stream(pulses=(50, 500))
 
 
-@pytest.mark.parametrize("value", [None, float("nan"), object(), {"a": [None]}])
+@pytest.mark.parametrize("value", [float("nan"), object(), {"a": [object()]}])
 def test_values_that_no_scenario_has(scene, value):
     with pytest.raises(nereus.InputError, match="scene.seed.*allowed"):
+        scene.set({"scene.seed": value})
+
+
+@pytest.mark.parametrize("value", [None, {"a": [None]}])
+def test_none_takes_no_key_away(scene, value):
+    with pytest.raises(nereus.InputError, match="^scene.seed.*: None takes no key away; remedy: leave it out of the file or dict"):
         scene.set({"scene.seed": value})
 
 

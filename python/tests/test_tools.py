@@ -19,8 +19,12 @@ def test_a_table_is_arrays():
 
 
 def test_a_table_that_is_none():
-    with pytest.raises(nereus.InputError, match="unrecognized subcommand 'nothing'"):
+    with pytest.raises(nereus.InputError, match="^table: the quantity 'nothing' is unknown; allowed: antenna, .*sigma0"):
         nereus.table("nothing")
+    with pytest.raises(nereus.InputError, match="^table: the keyword 'windd' is unknown; did you mean 'wind_mps'.; allowed: aspect_deg, "):
+        nereus.table("sigma0", windd=3)
+    with pytest.raises(nereus.InputError, match="^invalid value 'x' for wind_mps: invalid float literal$"):
+        nereus.table("sigma0", wind_mps="x")
 
 
 def test_the_sea_as_arrays():
@@ -62,6 +66,16 @@ def test_focus_finds_the_target(tmp_path, scene):
     assert image.report["nav"] == "reported"
     with pytest.raises(nereus.InputError, match="allowed: a path, or a dataset"):
         nereus.focus(3)
+    with pytest.raises(nereus.MissingFileError, match="no such recording"):
+        nereus.focus(tmp_path / "fligth.h5")
+    for keywords, says in [
+        ({"windw": "hann"}, "^focus: the keyword 'windw' is unknown; did you mean 'window'.; allowed: aperture, centre_m, "),
+        ({"json": True}, "the keyword 'json' is unknown"),
+        ({"window": "hani"}, "^invalid value 'hani' for window; allowed: none, hann, taylor, kaiser$"),
+        ({"pulses": 5}, r"^pulses: 5; allowed: \(first, one past the last\)"),
+    ]:
+        with pytest.raises(nereus.InputError, match=says):
+            nereus.focus(tmp_path / "flight.h5", **keywords)
 
 
 def test_focus_takes_what_a_dataset_selects(tmp_path, scene):
@@ -78,6 +92,26 @@ def test_focus_takes_what_a_dataset_selects(tmp_path, scene):
         for thinned in (flight.isel(pulse=slice(None, None, 2)), flight.isel(pulse=slice(0, 0))):
             with pytest.raises(nereus.InputError, match="all that are recorded from one pulse to another"):
                 nereus.focus(thinned, **options)
+        for given in ({"pulses": (10, 20)}, {"channel": "HH"}):
+            with pytest.raises(nereus.InputError, match="of a dataset in which some are selected; allowed: one of both"):
+                nereus.focus(part, **given, **options)
+        assert nereus.focus(flight, pulses=(10, 20), **options).report["pulses"] == 10
+        changed = flight.assign(iq=flight.iq * 2)
+        moved = flight.copy()
+        moved["nav/aircraft/reported/position_m"] = moved["nav/aircraft/reported/position_m"] + 1.0
+        for other, says in [
+            (flight.isel(sample=slice(0, 64)), "iq of .*'sample': 64.*recorded .*'sample': 128"),
+            (flight.isel(sample=slice(None, None, -1)), "iq was changed"),
+            (changed, "iq was changed"),
+            (changed.sel(channel="VV").isel(pulse=slice(3, 9)), "iq was changed"),
+            (flight.drop_vars("iq"), "iq is not in the dataset"),
+            (moved, "nav/aircraft/reported/position_m was changed"),
+            (flight.assign_coords(channel=["A", "VV"]), "the channel 'A' is unknown; allowed: HH, VV"),
+        ]:
+            with pytest.raises(nereus.InputError, match=says):
+                nereus.focus(other, **options)
+        turned = flight[["iq"]].load().transpose("sample", ...)
+        assert np.array_equal(nereus.focus(turned, **options).values, nereus.focus(path, **options).values)
     pytest.importorskip("zarr")
     scene.record(tmp_path / "flight.zarr", pulses=(0, 3), progress=False)
     with pytest.raises(nereus.InputError, match="remedy: record an HDF5 file"):
@@ -89,7 +123,10 @@ def test_pictures(tmp_path, scene):
     matplotlib.use("agg")
     scene.record(tmp_path / "flight.h5", pulses=(0, 20), progress=False)
     image = nereus.focus(tmp_path / "flight.h5", centre_m=(1000.0, 0.0), size_m=32.0)
-    assert image.plot("HH").get_xlabel() == "East, m"
+    assert image.plot("HH").get_xlabel() == "East, m" == image.plot(-1).get_xlabel()
+    for channel in ("HV", 2):
+        with pytest.raises(nereus.InputError, match=f"the channel '{channel}' is unknown.*; allowed: HH, VV"):
+            image.plot(channel)
     assert image.to_xarray().dims == ("channel", "y_m", "x_m")
 
 

@@ -5,8 +5,10 @@ use clap::{Parser, Subcommand};
 use super::bench::BenchArgs;
 use super::check::CheckArgs;
 use super::examine::ExamineArgs;
+use super::export::ExportArgs;
 use super::focus::FocusArgs;
 use super::merge::MergeArgs;
+use super::monitor::MonitorArgs;
 use super::nav::NavArgs;
 use super::new::NewArgs;
 use super::receive::ReceiveArgs;
@@ -52,6 +54,10 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
+    /// Turn a recording into a format of others: CRSD 1.0, SigMF
+    Export(ExportArgs),
+    /// Show a recording in the browser, as `run --monitor` shows a run
+    Monitor(MonitorArgs),
     /// Read all of a recording and say whether it is whole: exit 0 if so, 1 if not
     Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection

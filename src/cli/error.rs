@@ -14,12 +14,15 @@ use crate::cli::examine::error::ExamineError;
 use crate::cli::focus::error::FocusError;
 use crate::cli::speckle::error::SpeckleError;
 use crate::config::ConfigError;
+#[cfg(feature = "monitor")]
+use crate::monitor::{MonitorFault, replay::ReplayError};
 use crate::pipeline::build::RunFailure;
 use crate::pipeline::control_lines::ControlFault;
 use crate::pipeline::fault::BuildErrors;
 use crate::radar::pattern::PatternError;
 use crate::receive::ReceiveError;
 use crate::recording::RecordingError;
+use crate::recording::crsd::ExportError;
 #[cfg(feature = "hdf5")]
 use crate::recording::merge::MergeError;
 use crate::recording::shard::Shard;
@@ -90,6 +93,21 @@ pub enum CliError {
     /// No control.
     #[error(transparent)]
     Control(#[from] ControlFault),
+    /// No live page.
+    #[cfg(feature = "monitor")]
+    #[error(transparent)]
+    Monitor(#[from] MonitorFault),
+    /// A live page asked of a build without it.
+    #[cfg(not(feature = "monitor"))]
+    #[error(
+        "this build has no monitor (feature `monitor`): --monitor, stream.monitor and `nereus monitor` need it"
+    )]
+    NoMonitor,
+    /// Control by a page that there is not.
+    #[error(
+        "--monitor-control has no page to act through; allowed: together with --monitor ADDR or stream.monitor"
+    )]
+    ControlWithoutMonitor,
     /// A value out of range.
     #[error(transparent)]
     Range(#[from] OutOfRange),
@@ -113,6 +131,9 @@ pub enum CliError {
         /// Faults found.
         faults: u64,
     },
+    /// A recording that cannot be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// No statistics of speckle.
     #[error(transparent)]
     Speckle(#[from] SpeckleError),
@@ -135,6 +156,7 @@ impl CliError {
             | Self::MoreShardsThanPulses { .. }
             | Self::NoHdf5 { .. }
             | Self::Control(_)
+            | Self::ControlWithoutMonitor
             | Self::Examine(_)
             | Self::Recording(_)
             | Self::Range(_)
@@ -149,7 +171,18 @@ impl CliError {
             Self::Focus(error) => error.exit_code(),
             Self::Speed(SpeedError::Build(_)) => 2,
             Self::Speed(SpeedError::Run(_)) => 1,
+            Self::Export(error) => {
+                if error.is_wrong_input() {
+                    2
+                } else {
+                    1
+                }
+            }
             Self::NotWhole { .. } | Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
+            #[cfg(feature = "monitor")]
+            Self::Monitor(_) => 2,
+            #[cfg(not(feature = "monitor"))]
+            Self::NoMonitor => 2,
             #[cfg(not(feature = "hdf5"))]
             Self::MergeNeedsHdf5 => 2,
             // A full disk is not wrong input.
@@ -157,6 +190,16 @@ impl CliError {
             Self::Merge(MergeError::Recording(error)) if !error.is_wrong_input() => 1,
             #[cfg(feature = "hdf5")]
             Self::Merge(_) => 2,
+        }
+    }
+}
+
+#[cfg(feature = "monitor")]
+impl From<ReplayError> for CliError {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::Recording(error) => error.into(),
+            ReplayError::Monitor(fault) => fault.into(),
         }
     }
 }

@@ -9,9 +9,11 @@ mod check;
 mod error;
 mod escape;
 mod examine;
+mod export;
 mod focus;
 mod json;
 mod merge;
+mod monitor;
 mod nav;
 mod outputs;
 mod new;
@@ -43,9 +45,11 @@ pub use check::{CheckArgs, assess};
 pub use error::CliError;
 pub use examine::error::ExamineError;
 pub use examine::{ExamineArgs, called_by};
+pub use export::{ExportArgs, ExportCommand, ExportCrsdArgs, ExportSigmfArgs};
 pub use focus::error::FocusError;
 pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
 pub use merge::MergeArgs;
+pub use monitor::MonitorArgs;
 pub use nav::{
     NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
     NavToolError,
@@ -140,6 +144,8 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Snapshot(args) => sea::snapshot::snapshot(args, out),
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
+        Command::Export(args) => export::export(args, out),
+        Command::Monitor(args) => monitor::monitor(args, out),
         Command::Verify(args) => verify::verify(args, out),
         Command::Focus(args) => focus::focus(args, out),
         Command::Speckle(args) => speckle::speckle(args, out),

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, ValueEnum};
 
 use super::error::CliError;
+use super::monitor::page::Page;
 use super::report::Report;
 use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, duration};
@@ -23,7 +24,7 @@ use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWa
 use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::sink::SinkReport;
-use crate::sinks::{self, Kind, names_hdf5};
+use crate::sinks::{self, Kind, names_crsd, names_hdf5};
 use crate::transport;
 
 /// How pulses are released.
@@ -61,6 +62,13 @@ pub struct RunArgs {
     /// (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
+    /// Serve a live page in the browser at this address, such as 127.0.0.1:8080 (docs/monitor.md); port 0: any
+    /// that is free
+    #[arg(long, value_name = "ADDR")]
+    pub monitor: Option<String>,
+    /// Let whoever has the address of the page inject navigation errors from it
+    #[arg(long)]
+    pub monitor_control: bool,
     /// What becomes of its output
     #[command(flatten)]
     pub output: OutputArgs,
@@ -71,6 +79,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let (run, pulses) = prepare(args)?;
     warn(&run.warnings);
     let socket = args.control.as_deref().map(ControlSocket::at).transpose()?;
+    let page = run.monitor.as_deref().map(Page::at).transpose()?;
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
     let nominal = stream.nominal().unwrap_or(&run);
@@ -108,7 +117,13 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let control = socket.zip(stream.control());
     let open =
         control.map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }, say));
-    let outcome = stream.run(&stop, Some(status));
+    let control = stream.control().filter(|_| args.monitor_control);
+    let shown = page.map(|page| page.show(&stream, &run.scene, &run.path, control)).transpose()?;
+    let (view, shown) = shown.unzip();
+    let outcome = stream.run_in_view(&stop, Some(status), view);
+    if let Some(shown) = shown {
+        shown.close();
+    }
     if let Some(open) = open {
         open.close();
     }
@@ -231,6 +246,16 @@ fn add_recordings(report: &mut Report, outcome: &RunOutcome) {
         for note in sink.notes() {
             report.warning(note);
         }
+        if let Some(all) = &sink.subscribers {
+            let (messages, seen) = (counted(all.messages, "message"), counted(all.seen, "subscriber"));
+            report.line(format!("{name}: {messages} to {seen}; {}", all.at));
+            if all.lost > 0 {
+                report.warning(format_args!(
+                    "sink '{name}': subscribers were too slow for {} or went before they had them; see buffer_pulses",
+                    counted(all.lost, "message")
+                ));
+            }
+        }
         if let Some(wire) = &sink.wire {
             report.line(format!("{name}: {} datagrams to {}", wire.datagrams, wire.address));
             if wire.lost() > 0 {
@@ -322,7 +347,11 @@ fn add_navigation(report: &mut Report, run: &Run, flights: &[FlightReport], outc
 fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     let duration_s = args.duration_s.iter().map(|text| ("scene.duration_s".to_owned(), text.clone()));
     let mut run = args.scenario.load(&duration_s.collect::<Vec<_>>())?;
-    run.control = args.control.is_some();
+    run.control = args.control.is_some() || args.monitor_control;
+    run.monitor = args.monitor.clone().or(run.monitor);
+    if args.monitor_control && run.monitor.is_none() {
+        return Err(CliError::ControlWithoutMonitor);
+    }
     if let Some(pace) = args.pace {
         run.stream.pace = match pace {
             Pace::Realtime => transport::Pace::Realtime,
@@ -335,9 +364,11 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     if args.output.overwrite.force {
         for sink in &mut run.sinks {
             match &mut sink.kind {
-                Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } => *force = true,
+                Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } | Kind::Crsd { force, .. } => {
+                    *force = true
+                }
                 Kind::Nav(settings) => settings.force = true,
-                Kind::Vita49(_) | Kind::Null => {}
+                Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Null => {}
             }
         }
     }
@@ -357,8 +388,8 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
         .sinks
         .iter_mut()
         .filter_map(|sink| match &mut sink.kind {
-            Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } => Some(path),
-            Kind::Vita49(_) | Kind::Nav(_) | Kind::Null => None,
+            Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } | Kind::Crsd { path, .. } => Some(path),
+            Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Nav(_) | Kind::Null => None,
         })
         .collect();
     match &mut paths[..] {
@@ -387,14 +418,18 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A recording whose new name says HDF5 becomes one, where this build can make it.
+/// A recording whose new name says HDF5 or CRSD becomes one, where this build can make it.
 fn record_as_named(run: &mut Run, out: &Path) {
-    if !cfg!(feature = "hdf5") || !names_hdf5(out) {
-        return;
-    }
+    let (to_hdf5, to_crsd) = (cfg!(feature = "hdf5") && names_hdf5(out), names_crsd(out));
     for sink in &mut run.sinks {
-        if let Kind::Plain { path, force } = &sink.kind {
-            sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
+        match &sink.kind {
+            Kind::Plain { path, force } | Kind::Crsd { path, force } if to_hdf5 => {
+                sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
+            }
+            Kind::Plain { path, force } | Kind::Hdf5 { path, force, .. } if to_crsd => {
+                sink.kind = Kind::Crsd { path: path.clone(), force: *force };
+            }
+            _ => {}
         }
     }
 }

@@ -353,6 +353,14 @@ pub enum Problem {
         /// What is wrong with it.
         error: String,
     },
+    /// More ports than there are from the first one on.
+    #[error("\"{bind}\" is the first of {ports} ports, one a channel; allowed: a first port of at most {}", 65_536 - u32::from(*.ports))]
+    Ports {
+        /// As written.
+        bind: String,
+        /// Ports.
+        ports: u16,
+    },
     /// What another room says of it.
     #[error("{error}")]
     Refused {

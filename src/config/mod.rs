@@ -104,6 +104,8 @@ pub struct Run {
     pub fidelity: Fidelity,
     /// How pulses are released.
     pub stream: transport::Settings,
+    /// Address of the live page.
+    pub monitor: Option<String>,
     /// Where pulses go.
     pub sinks: Vec<sinks::Settings>,
     /// The scenario as TOML text, for the record: the file itself, or, with overrides, a scenario
@@ -204,6 +206,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)], files: Files) -
         shard: None,
         fidelity: parts.fidelity,
         stream: parts.stream,
+        monitor: parts.monitor,
         sinks: parts.sinks,
         text,
         path: path.to_owned(),

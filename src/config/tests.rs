@@ -68,6 +68,8 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (COASTAL, &[("radar.channel", "[{ polarisation = 'HH', name = 'a' }]")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'isotropic', gain_dbi = 3 }")]),
         (COASTAL, &[("sink.0", "{ kind = 'vita49', address = 'localhost:4991', bind = '127.0.0.1:4000' }")]),
+        (COASTAL, &[("sink.0", "{ kind = 'shm' }")]),
+        (COASTAL, &[("sink.0", "{ kind = 'zmq', bind = '127.0.0.1:4000', buffer_pulses = 9 }")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'circle', diameter_m = 3 }")]),
         (COASTAL, &[("receiver.0.antenna", "{ kind = 'file', path = 'README.md', floor_dbi = -40 }")]),
         (COASTAL, &[(track, "{ kind = 'sbet', path = 'README.md', gps_week = 2000 }")]),

@@ -103,7 +103,7 @@ impl Surroundings<'_> {
             Aim::Point { position, velocity } => Ok((position + velocity * t.since(self.start), velocity)),
             Aim::Beside { platform, along_m, across_m } => {
                 let state = self.tracks[platform].known(aim_from).state(t)?;
-                let ahead = ground_track(&state);
+                let ahead = ground_track(state.velocity, state.attitude);
                 let starboard = DVec3::new(ahead.y, -ahead.x, 0.0);
                 let p = state.position.raw() + ahead * along_m + starboard * across_m;
                 Ok((self.frame.above_sea(p.x, p.y, 0.0), Vector::ZERO))
@@ -139,9 +139,9 @@ impl Surroundings<'_> {
 }
 
 /// Horizontal unit vector along the ground track; of a platform that stands, along its nose.
-fn ground_track(state: &State) -> DVec3 {
-    let v = state.velocity.raw();
-    let nose = state.attitude.raw() * DVec3::X;
+pub fn ground_track(velocity: Vector<Enu>, attitude: Rotation<Body, Enu>) -> DVec3 {
+    let v = velocity.raw();
+    let nose = attitude.raw() * DVec3::X;
     let along = if v.x.hypot(v.y) > STANDING_MPS { v } else { nose };
     DVec3::new(along.x, along.y, 0.0).try_normalize().unwrap_or(DVec3::Y)
 }

@@ -35,18 +35,20 @@ use crate::recording::header::Header;
 use crate::sea::fleet::{self, FleetError};
 use crate::sea::realise::realise;
 use crate::sinks;
+use crate::sinks::crsd::Plan as CrsdPlan;
 use crate::sinks::sink::{SinkError, SinkReport, drain};
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::Status;
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Source, Stream};
+use crate::transport::view::{self, Onlooker, View};
 use crate::transport::{self};
 
 use super::changing;
 use super::control::{CommandQueue, Control, control};
 use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
-use super::outputs::{self, header, open_all, placed, same_kind};
+use super::outputs::{self, crsd_plan, header, open_all, placed, same_kind};
 use super::plausible;
 use super::stages::{PulseFactory, Workspace};
 use super::tracks::set_tracks;
@@ -70,6 +72,7 @@ pub struct PulseStream {
     is_whole: bool,
     header: Header,
     sinks: Vec<sinks::Settings>,
+    crsd: Option<CrsdPlan>,
     pool: ThreadPool,
     notes: Vec<TrackNote>,
     sea_bytes: u64,
@@ -206,6 +209,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
     let scene = hull_scatterers::with_scatterers(scene)?;
     let header = header(run, &scene, &factory, &schedule, changes.as_ref());
     header.check().map_err(SinkError::from)?;
+    let crsd = crsd_plan(run, &scene, &header)?;
     // Every worker has a block in hand while one waits to be released.
     let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
     let layout = factory.layout();
@@ -220,6 +224,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         schedule,
         header,
         sinks: run.sinks.clone(),
+        crsd,
         pool,
         notes,
         sea_bytes: needed,
@@ -283,6 +288,12 @@ impl PulseStream {
         self.control.as_ref().map(|(control, _)| control.clone())
     }
 
+    /// A view of what will be released, for [`Self::run_in_view`], and who looks: through a queue of so many
+    /// pulses. Nobody waits for him, and what he misses is not lost to anybody else.
+    pub fn view(&self, queue_pulses: usize) -> (View, Onlooker) {
+        view::view(queue_pulses, self.factory.layout())
+    }
+
     /// What the converter of each channel is fed with: set when the run has ended, empty without a converter.
     pub fn levels(&self) -> Arc<OnceLock<Vec<Level>>> {
         Arc::clone(&self.levels)
@@ -328,7 +339,20 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, status, None::<fn(&mut Pulse)>).map(|(outcome, _)| outcome)
+        self.run_in_view(stop, status, None)
+    }
+
+    /// Runs like [`Self::run`] while somebody looks on.
+    ///
+    /// # Errors
+    /// As of [`Self::run`].
+    pub fn run_in_view(
+        self,
+        stop: &Arc<AtomicBool>,
+        status: Option<Sender<Status>>,
+        view: Option<View>,
+    ) -> Result<RunOutcome, BuildErrors> {
+        self.start(stop, status, view, None::<fn(&mut Pulse)>).map(|(outcome, _)| outcome)
     }
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
@@ -351,7 +375,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         see: impl FnMut(&mut Pulse) + Send,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, None, Some(see)).map(|(outcome, _)| outcome)
+        self.start(stop, None, None, Some(see)).map(|(outcome, _)| outcome)
     }
 
     /// What a sink is reported before the first pulse.
@@ -369,13 +393,14 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         mut see: impl FnMut(&Pulse) + Send,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        self.start(stop, status, Some(move |pulse: &mut Pulse| see(pulse)))
+        self.start(stop, status, None, Some(move |pulse: &mut Pulse| see(pulse)))
     }
 
     fn start(
         self,
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
+        view: Option<View>,
         tap: Option<impl FnMut(&mut Pulse) + Send>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
@@ -384,6 +409,7 @@ impl PulseStream {
             schedule,
             header,
             sinks,
+            crsd,
             pool,
             live,
             control,
@@ -399,6 +425,9 @@ impl PulseStream {
         if let Some(status) = status {
             stream.status(status);
         }
+        if let Some(view) = view {
+            stream.view(view);
+        }
         let mut workspaces: Vec<Workspace> =
             (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
         let begun = Instant::now();
@@ -413,7 +442,7 @@ impl PulseStream {
             None => None,
         };
         let factory = factory;
-        let opened = open_all(&sinks, &header)?;
+        let opened = open_all(&sinks, &header, crsd.as_ref())?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
                 0 => sink.name().to_owned(),

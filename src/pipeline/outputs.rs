@@ -6,11 +6,15 @@ use super::navigation;
 use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::motion::changes::Changes;
+use crate::nav::TrackSource;
 use crate::pipeline::fault::PulseError;
+use crate::recording::crsd::{Described, Description};
 use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
+use crate::recording::instrument::Instrument;
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
+use crate::sinks::crsd::{CrsdSink, Plan};
 use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport, Unplaced};
 use crate::sinks::{self, Kind};
 use crate::transport::schedule::Schedule;
@@ -24,7 +28,10 @@ pub(crate) fn preflight(sinks: &[sinks::Settings]) -> Vec<SinkError> {
 /// A recording gets its name when it is begun, in place of what is replaced: `.` and `..` are no names that
 /// can be given.
 fn unnamed(settings: &sinks::Settings) -> Option<SinkError> {
-    let (Kind::Hdf5 { path, .. } | Kind::Plain { path, .. }) = &settings.kind else { return None };
+    let (Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } | Kind::Crsd { path, .. }) = &settings.kind
+    else {
+        return None;
+    };
     let words = "the path ends in no name; allowed: the name of a file or folder that is to be made";
     let source = std::io::Error::new(std::io::ErrorKind::InvalidInput, words);
     path.file_name().is_none().then(|| SinkError::io(path, "making the recording")(source))
@@ -88,6 +95,7 @@ pub(super) fn header(
         seed: scene.seed,
         config: run.text.clone(),
         replica: factory.replica(),
+        instrument: Some(Instrument::of(scene)),
         platforms: scene.platforms.clone(),
         transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),
@@ -105,7 +113,26 @@ pub(super) fn header(
     }
 }
 
-fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, SinkError> {
+/// What CRSD sinks need to know of a run; none without such a sink.
+pub(super) fn crsd_plan(run: &Run, scene: &Scene, header: &Header) -> Result<Option<Plan>, SinkError> {
+    if !run.sinks.iter().any(|sink| matches!(sink.kind, Kind::Crsd { .. })) {
+        return Ok(None);
+    }
+    if run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_))) {
+        return Err(SinkError::CrsdLive);
+    }
+    let described = Described { header, scene, nav: &run.nav, clocks: &run.clocks };
+    let description = Description::new(described, &[])?;
+    let planned = description.planned(&scene.radar.tx_polarisation, header.first_pulse, header.pulses);
+    description.check_planned(&planned)?;
+    Ok(Some(Plan { description, planned }))
+}
+
+fn open(
+    settings: &sinks::Settings,
+    header: &Header,
+    crsd: Option<&Plan>,
+) -> Result<Box<dyn Sink>, SinkError> {
     Ok(match &settings.kind {
         #[cfg(feature = "hdf5")]
         Kind::Hdf5 { path, segment_s, force } => {
@@ -114,7 +141,16 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
         #[cfg(not(feature = "hdf5"))]
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
-        Kind::Vita49(settings) => Box::new(sinks::vita49::Vita49Sink::open(settings, header)?),
+        Kind::Crsd { path, force } => match crsd {
+            Some(plan) => Box::new(CrsdSink::create(path, *force, plan)?),
+            None => return Err(SinkError::CrsdLive),
+        },
+        Kind::Vita49(settings) => sinks::vita49::open(settings, header)?,
+        #[cfg(feature = "shm")]
+        Kind::Shm(settings) => Box::new(sinks::shm::ShmSink::open(settings, header)?),
+        #[cfg(not(feature = "shm"))]
+        Kind::Shm(settings) => return Err(SinkError::NoShm { service: settings.service.clone() }),
+        Kind::Zmq(settings) => Box::new(sinks::zmq::ZmqSink::open(settings, header)?),
         Kind::Nav(settings) => {
             let encoder = navigation::encoder(&settings.messages, header).ok_or(SinkError::NoOrigin)?;
             Box::new(sinks::nav::NavSink::open(settings, encoder, header)?)
@@ -124,10 +160,14 @@ fn open(settings: &sinks::Settings, header: &Header) -> Result<Box<dyn Sink>, Si
 }
 
 /// Opens every sink, or none: when one fails, the others remove what they have made, and nothing else.
-pub(super) fn open_all(sinks: &[sinks::Settings], header: &Header) -> Result<Vec<Box<dyn Sink>>, SinkError> {
+pub(super) fn open_all(
+    sinks: &[sinks::Settings],
+    header: &Header,
+    crsd: Option<&Plan>,
+) -> Result<Vec<Box<dyn Sink>>, SinkError> {
     let mut opened: Vec<Box<dyn Sink>> = Vec::with_capacity(sinks.len());
     for settings in sinks {
-        match open(settings, header) {
+        match open(settings, header, crsd) {
             Ok(sink) => opened.push(sink),
             Err(error) => {
                 opened.iter_mut().for_each(|sink| sink.abandon());

@@ -56,6 +56,11 @@ impl ReceiveFilter {
         }
     }
 
+    /// Where the flat part ends, and where the response does, Hz.
+    pub fn edges_hz(&self) -> [f64; 2] {
+        [FLAT_TO, ZERO_FROM].map(|edge| edge * self.sample_rate_hz)
+    }
+
     /// `int |H(f)|^2 df`, Hz.
     pub fn noise_bandwidth_hz(&self) -> f64 {
         (2.0 * FLAT_TO + 2.0 * (ZERO_FROM - FLAT_TO) * 3.0 / 8.0) * self.sample_rate_hz

@@ -6,6 +6,7 @@
 
 use std::collections::VecDeque;
 
+use crate::frames::{Body, Vector};
 use crate::pulse::{Pulse, SampleFormat, flags};
 use crate::recording::header::Header;
 use crate::time::TimeTag;
@@ -101,6 +102,8 @@ pub(super) struct Found {
 #[derive(Debug)]
 pub(super) struct Assembly {
     header: Header,
+    /// Platform and lever arm of every antenna.
+    arms: Vec<(usize, Vector<Body>)>,
     open: VecDeque<Open>,
     most: usize,
     free: Vec<Open>,
@@ -161,8 +164,14 @@ fn sample_at(time_ps: i128, first_ps: i128, rate_hz: f64) -> Option<usize> {
 impl Assembly {
     pub(super) fn new(header: &Header) -> Self {
         let total = (header.layout.channels * header.layout.samples).max(1);
+        let antennas = header.instrument.iter().flat_map(|instrument| &instrument.antennas);
+        let arms = antennas.filter_map(|antenna| {
+            let carrier = header.platforms.iter().position(|name| *name == antenna.platform)?;
+            Some((carrier, antenna.lever_arm()))
+        });
         Self {
             header: header.clone(),
+            arms: arms.collect(),
             open: VecDeque::new(),
             most: (OPEN_SAMPLES / total).clamp(2, OPEN_PULSES),
             free: Vec::new(),
@@ -281,7 +290,7 @@ impl Assembly {
         if !open.agrees(state) {
             return Taken::Misnumbered;
         }
-        open.state(state);
+        open.state(state, &self.arms);
         self.track.here(time_ps);
         self.hand_on(done);
         Taken::Yes

@@ -6,6 +6,9 @@ use serde::Serialize;
 use crate::time::TimeTag;
 
 use super::packet::{Class, Malformed, Words};
+use super::radar;
+
+pub use super::radar::{AntennaDescription, ReplicaPiece, SignalDescription};
 
 /// Class identifiers of the extension contexts that are understood.
 const OUI: u32 = 0x004e_4552;
@@ -164,6 +167,8 @@ pub struct RunDescription {
     pub seed: u64,
     /// Who sends.
     pub software: String,
+    /// Antennas, and samples of the replica, that are described; none by a sender that describes no radar.
+    pub radar: Option<[u32; 2]>,
 }
 
 /// A channel.
@@ -233,23 +238,12 @@ pub enum Extension {
     Platform([u32; 2], String),
     /// The run.
     Run(Box<RunDescription>),
-}
-
-/// Longest text, bytes: names of platforms and channels, the software.
-const TEXT: usize = 1024;
-
-fn text(words: &mut Words<'_>) -> Result<String, Malformed> {
-    let length = words.u32()? as usize;
-    if length > TEXT {
-        return Err(Malformed::Value("a text of more than 1024 bytes"));
-    }
-    let bytes = words.bytes(length)?;
-    words.bytes(length.next_multiple_of(4) - length)?;
-    let text = std::str::from_utf8(bytes).map_err(|_| Malformed::Value("a text that is not UTF-8"))?;
-    if text.contains('\0') {
-        return Err(Malformed::Value("a text with NUL"));
-    }
-    Ok(text.to_owned())
+    /// Waveform and receive filter.
+    Signal(Box<SignalDescription>),
+    /// A piece of the replica.
+    Replica(ReplicaPiece),
+    /// An antenna.
+    Antenna(Box<AntennaDescription>),
 }
 
 impl Extension {
@@ -271,16 +265,16 @@ impl Extension {
                 words.u32()?;
                 let adc = (words.f64()?, words.u32()?);
                 words.u32()?;
-                let names = [text(&mut words)?, text(&mut words)?, text(&mut words)?, text(&mut words)?];
-                let bases = if words.is_empty() {
-                    Default::default()
-                } else {
-                    [text(&mut words)?, text(&mut words)?]
-                };
+                let names = [words.text()?, words.text()?, words.text()?, words.text()?];
+                let bases =
+                    if words.is_empty() { Default::default() } else { [words.text()?, words.text()?] };
                 Self::Channel(ChannelDescription { number, samples, adc, names, bases })
             }
-            3 => Self::Platform([words.u32()?, words.u32()?], text(&mut words)?),
+            3 => Self::Platform([words.u32()?, words.u32()?], words.text()?),
             4 => Self::Run(Box::new(run(&mut words)?)),
+            5 => Self::Signal(Box::new(radar::signal(&mut words)?)),
+            6 => Self::Replica(radar::replica(words)?),
+            7 => Self::Antenna(Box::new(radar::antenna(&mut words)?)),
             _ => return Ok(None),
         }))
     }
@@ -332,7 +326,11 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
     let [carrier_hz, sample_rate_hz, bandwidth_hz, pulse_s, prf_hz] = words.f64s()?;
     let start = (words.i64()?, words.f64()?);
     let (first_pulse, pulses, seed) = (words.u64()?, words.u64()?, words.u64()?);
-    let software = text(words)?;
+    let software = words.text()?;
+    let described = if words.is_empty() { None } else { Some([words.u32()?, words.u32()?]) };
+    if described.is_some_and(|[antennas, replica]| antennas > radar::ANTENNAS || replica > radar::REPLICA) {
+        return Err(Malformed::Value("so many antennas, or so long a replica,"));
+    }
     let sane = |value: f64| value.is_finite() && value > 0.0;
     check_instant(start)?;
     // Within what can be counted: samples of a window, pulses of a run.
@@ -352,5 +350,6 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
         pulses,
         seed,
         software,
+        radar: described,
     })
 }

@@ -35,8 +35,11 @@ mod open;
 mod order;
 pub mod packet;
 pub mod parts;
+mod radar;
 mod recording;
 pub mod report;
+#[cfg(feature = "shm")]
+pub mod shm;
 mod roster;
 mod track;
 
@@ -61,11 +64,15 @@ pub use listener::{Listener, ReceiveError};
 pub(crate) const RUNS: usize = 999;
 
 /// What the wire does not carry.
-pub const NOT_CARRIED: &[&str] = &[
+pub const NOT_CARRIED: &[&str] =
+    &["nav/*/true", "nav/*/{phase_centre_m,boresight_quat}", "truth", "config", "pairs"];
+/// The same from a sender that describes no radar.
+const NOT_DESCRIBED: &[&str] = &[
     "nav/*/true",
     "nav/*/{phase_centre_m,reported_phase_centre_m,boresight_quat}",
     "truth",
     "replica",
+    "instrument",
     "config",
     "pairs",
     "transmitters",
@@ -284,7 +291,9 @@ impl Receiver {
                         // Looked at even when it comes again: another run may begin with the same count and
                         // time.
                         self.another(&description, outlet);
-                        if self.is_new(stream, &packet) {
+                        // Many pieces of a replica bear one time: their counts tell nothing.
+                        let counts = !matches!(description, Extension::Replica(_));
+                        if counts && self.is_new(stream, &packet) {
                             self.note(stream, packet.kind, packet.count, packet.time_ps, true);
                         }
                         self.learn(stream, description, outlet);
@@ -455,7 +464,11 @@ impl Receiver {
     pub fn finish(mut self, outlet: &mut impl Outlet) -> Report {
         self.forget_streams();
         self.close_pulses(outlet);
+        self.report.not_carried = NOT_CARRIED;
         if let Some(known) = self.roster.known() {
+            if known.header.instrument.is_none() {
+                self.report.not_carried = NOT_DESCRIBED;
+            }
             self.report.contexts =
                 known.streams.iter().filter_map(|stream| self.roster.context(*stream).copied()).collect();
         }
@@ -463,7 +476,6 @@ impl Receiver {
         self.report.emission_span_s = self.arrivals.emission_span_s;
         self.report.arrival_span_s = self.arrivals.arrival_span_s;
         self.report.lateness = self.arrivals.lateness();
-        self.report.not_carried = NOT_CARRIED;
         self.report
     }
 }

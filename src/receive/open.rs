@@ -1,7 +1,9 @@
 //! A pulse that is being put together.
 
+use glam::DQuat;
 use num_complex::Complex32;
 
+use crate::frames::{Body, Enu, Point, Rotation, Vector};
 use crate::pulse::{PlatformRecord, Pulse, Samples};
 use crate::recording::header::Header;
 
@@ -108,7 +110,8 @@ impl Open {
         !self.known || named == (state.index, state.time(), state.window_start_s.to_bits())
     }
 
-    pub(super) fn state(&mut self, state: &State) {
+    /// Takes a state; `arms` are platform and lever arm of every antenna.
+    pub(super) fn state(&mut self, state: &State, arms: &[(usize, Vector<Body>)]) {
         let pulse = &mut *self.pulse;
         if !self.known {
             pulse.index = state.index;
@@ -130,6 +133,15 @@ impl Open {
                 age_s: state.age_s,
                 flags: state.platform_flags,
             };
+        }
+        let [w, x, y, z] = state.attitude_quat;
+        let attitude = Rotation::<Body, Enu>::from_raw(DQuat::from_xyzw(x, y, z, w));
+        let [east_m, north_m, up_m] = state.position_m;
+        for (antenna, (carrier, arm)) in pulse.antennas.iter_mut().zip(arms) {
+            if *carrier == platform {
+                let centre = Point::new(east_m, north_m, up_m) + attitude * *arm;
+                antenna.reported_phase_centre_m = centre.to_array();
+            }
         }
     }
 }

@@ -86,6 +86,9 @@ pub struct Packet<'a> {
     pub trailer: Option<u32>,
 }
 
+/// Longest text, bytes: names of platforms and channels, the software.
+const TEXT: usize = 1024;
+
 /// Reads big-endian words one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words<'a> {
@@ -140,6 +143,21 @@ impl<'a> Words<'a> {
             *value = self.f64()?;
         }
         Ok(values)
+    }
+
+    /// A text behind its length, in whole words.
+    pub(super) fn text(&mut self) -> Result<String, Malformed> {
+        let length = self.u32()? as usize;
+        if length > TEXT {
+            return Err(Malformed::Value("a text of more than 1024 bytes"));
+        }
+        let bytes = self.bytes(length)?;
+        self.bytes(length.next_multiple_of(4) - length)?;
+        let text = std::str::from_utf8(bytes).map_err(|_| Malformed::Value("a text that is not UTF-8"))?;
+        if text.contains('\0') {
+            return Err(Malformed::Value("a text with NUL"));
+        }
+        Ok(text.to_owned())
     }
 
     pub(super) fn rest(self) -> &'a [u8] {

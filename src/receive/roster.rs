@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use crate::pulse::{Layout, SampleFormat};
 use crate::recording::header::{AdcRow, ChannelRow, Header, Origin};
+use crate::recording::instrument::Instrument;
 use crate::time::TimeTag;
 
 use super::context::{ChannelDescription, Context, Extension, Format, RunDescription};
+use super::radar::{ANTENNAS, Radar};
 
 /// Most channels and platforms that are taken.
 const CHANNELS: usize = 1024;
@@ -18,6 +20,9 @@ const CHANNEL_STREAMS: u32 = 0x1000_0000;
 const PLATFORM_STREAMS: u32 = 0x2000_0000;
 const NAME_STREAMS: u32 = 0x3000_0000;
 const RUN_STREAM: u32 = 0x4000_0000;
+const SIGNAL_STREAM: u32 = 0x5000_0000;
+const REPLICA_STREAM: u32 = 0x6000_0000;
+const ANTENNA_STREAMS: u32 = 0x7000_0000;
 
 /// Whether a stream is one that may have standard contexts.
 pub(super) fn has_contexts(stream: u32) -> bool {
@@ -32,6 +37,9 @@ pub(super) fn belongs(stream: u32, extension: &Extension) -> bool {
         Extension::Channel(channel) => (CHANNEL_STREAMS, channel.number, CHANNELS),
         Extension::Platform(number, _) => (NAME_STREAMS, *number, PLATFORMS),
         Extension::Run(_) => (RUN_STREAM, [0, 1], 1),
+        Extension::Signal(_) => (SIGNAL_STREAM, [0, 1], 1),
+        Extension::Replica(_) => (REPLICA_STREAM, [0, 1], 1),
+        Extension::Antenna(antenna) => (ANTENNA_STREAMS, antenna.number, ANTENNAS as usize),
     };
     number < of && (of as usize) <= most && stream == first + number
 }
@@ -43,6 +51,7 @@ pub(super) struct Roster {
     /// By number: the stream, and its description.
     channels: Vec<Option<(u32, ChannelDescription)>>,
     platforms: Vec<Option<String>>,
+    radar: Radar,
     /// By stream.
     contexts: HashMap<u32, Context>,
     /// The header, once it is complete.
@@ -110,6 +119,11 @@ impl Roster {
                 }
                 None => false,
             },
+            Extension::Signal(signal) => self.radar.learn_signal(*signal),
+            Extension::Replica(piece) => {
+                self.radar.learn_piece(piece, self.run.as_ref().and_then(|run| run.radar))
+            }
+            Extension::Antenna(antenna) => self.radar.learn_antenna(*antenna),
         };
         self.contradictions += u64::from(!agrees);
         self.complete();
@@ -118,9 +132,15 @@ impl Roster {
 
     /// Takes a description that contradicts what was learned, in the place of that.
     pub(super) fn learn_anew(&mut self, stream: u32, extension: Extension) {
-        match extension {
+        match &extension {
             Extension::State(_) => {}
-            Extension::Run(_) => self.run = None,
+            Extension::Run(_) => {
+                self.run = None;
+                self.radar.forget_replica();
+            }
+            Extension::Signal(_) => self.radar.forget_signal(),
+            Extension::Replica(piece) => self.radar.forget_piece(piece),
+            Extension::Antenna(antenna) => self.radar.forget_antenna(antenna.number),
             Extension::Platform(..) => self.platforms.clear(),
             Extension::Channel(_) => self.channels.clear(),
         }
@@ -178,12 +198,18 @@ impl Roster {
         if names.is_empty() || total == 0 || total > SAMPLES || !alike {
             return None;
         }
+        let (instrument, replica) = self.radar.described(run.radar, &names)?.unzip();
+        let antennas = |transmit: bool| -> Vec<String> {
+            let all = instrument.iter().flat_map(|instrument: &Instrument| &instrument.antennas);
+            all.filter(|antenna| antenna.transmits == transmit).map(|antenna| antenna.name.clone()).collect()
+        };
+        let (transmitters, receivers) = (antennas(true), antennas(false));
         let layout = Layout {
             channels: channels.len(),
             samples,
             format,
             platforms: names.len(),
-            antennas: 0,
+            antennas: transmitters.len() + receivers.len(),
             targets: 0,
             pairs: 0,
             ships: 0,
@@ -211,10 +237,11 @@ impl Roster {
             origin: lat_deg.is_finite().then_some(Origin { lat_deg, lon_deg, h_m }),
             seed: run.seed,
             config: "# received over the wire, which does not carry the scenario\n".to_owned(),
-            replica: Vec::new(),
+            replica: replica.unwrap_or_default(),
+            instrument,
             platforms: names.into_iter().cloned().collect(),
-            transmitters: Vec::new(),
-            receivers: Vec::new(),
+            transmitters,
+            receivers,
             targets: Vec::new(),
             ships: Vec::new(),
             clocks: Vec::new(),
@@ -253,4 +280,5 @@ pub(super) fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
     };
     bits(a) == bits(b)
         && (a.start.0, a.seed, a.first_pulse, a.pulses) == (b.start.0, b.seed, b.first_pulse, b.pulses)
+        && a.radar == b.radar
 }

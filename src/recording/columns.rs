@@ -57,7 +57,7 @@ fn column(description: &'static Description, header: &Header, at: usize, name: &
     let layout = &header.layout;
     let is_there = match description.path {
         "iq" => element == layout.format.into(),
-        path => header.truth || !path.contains("/true/"),
+        path => header.truth || !is_truth(path),
     };
     let size = |axis| match axis {
         "channel" => layout.channels,
@@ -74,6 +74,11 @@ fn column(description: &'static Description, header: &Header, at: usize, name: &
         None => description.path.to_owned(),
     };
     (is_there && !shape.contains(&0)).then_some(Column { path, element, shape, description, at, values })
+}
+
+/// Whether only one who knows the true motion can fill it.
+fn is_truth(path: &str) -> bool {
+    path.contains("/true/") || path.ends_with(">/phase_centre_m") || path.ends_with(">/boresight_quat")
 }
 
 impl Column {

@@ -7,9 +7,10 @@ use num_complex::Complex32;
 use serde::{Deserialize, Serialize};
 
 use super::fault::RecordingError;
+use super::instrument::{AntennaRow, Instrument, Look};
 use super::shard::Shard;
 use crate::pulse::log::Log;
-use crate::pulse::{Layout, SampleFormat};
+use crate::pulse::{Layout, Pulse, SampleFormat, Samples};
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
 
@@ -106,6 +107,9 @@ pub struct Header {
     pub config: String,
     /// Transmitted pulse after the receive filter, at the sample rate.
     pub replica: Vec<Complex32>,
+    /// What else a processor needs to know of the radar; none in recordings of earlier versions, and in what
+    /// came from a sender that does not describe it.
+    pub instrument: Option<Instrument>,
     /// Platforms, in the order of the navigation record.
     pub platforms: Vec<String>,
     /// Transmitters: the first phase centres.
@@ -217,6 +221,10 @@ impl Header {
             return refuse("adc", format!("{:?}", self.adc), "one if samples are codes, none otherwise");
         }
         self.check_values()?;
+        if let Some(found) = self.instrument_fault() {
+            let allowed = "the antennas of the recording in their order, on its platforms; finite numbers";
+            return refuse("instrument", found, allowed);
+        }
         let antennas = || self.transmitters.iter().chain(&self.receivers);
         for (field, names) in [
             ("platforms", self.platforms.iter().collect::<Vec<_>>()),
@@ -295,6 +303,56 @@ impl Header {
         Ok(())
     }
 
+    /// What of the instrument does not agree with the rest, or cannot be calculated with.
+    fn instrument_fault(&self) -> Option<String> {
+        let instrument = self.instrument.as_ref()?;
+        let antennas = &instrument.antennas;
+        let names = || antennas.iter().map(|antenna| antenna.name.as_str());
+        if !names().eq(self.antennas()) {
+            return Some(format!("antennas {:?}", names().collect::<Vec<_>>()));
+        }
+        let lost = antennas.iter().find(|antenna| !self.platforms.contains(&antenna.platform));
+        if let Some(AntennaRow { name, platform, .. }) = lost {
+            return Some(format!("antenna '{}' on '{}'", name.escape_debug(), platform.escape_debug()));
+        }
+        for look in antennas.iter().map(|antenna| &antenna.look).chain(&instrument.window) {
+            let numbers = look.numbers();
+            if !numbers.iter().all(|number| number.is_finite()) {
+                return Some(format!("a place to look at of {numbers:?}"));
+            }
+            if let Look::Beside { platform, .. } = look
+                && !self.platforms.contains(platform)
+            {
+                return Some(format!("a place to look at beside '{}'", platform.escape_debug()));
+            }
+        }
+        let lengths = antennas.iter().flat_map(|antenna| antenna.lever_arm_m).chain(instrument.middle_m);
+        lengths.into_iter().find(|m| !m.is_finite()).map(|m| format!("a length of {m} m"))
+    }
+
+    /// Whether a pulse has the samples and the states announced here.
+    ///
+    /// # Errors
+    /// The first that has another size.
+    pub(crate) fn check_pulse(&self, pulse: &Pulse) -> Result<(), RecordingError> {
+        let layout = &self.layout;
+        let samples = match (&pulse.samples, layout.format) {
+            (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
+            (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
+            _ => 0,
+        };
+        for (column, found, expected) in [
+            ("iq", samples, layout.channels * layout.samples),
+            ("nav", pulse.nav_reported.len(), layout.platforms),
+        ] {
+            if found != expected {
+                let column = column.to_owned();
+                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
+            }
+        }
+        Ok(())
+    }
+
     /// The first part in which two headers of one run differ; range of pulses aside.
     pub fn difference(&self, other: &Self) -> Option<&'static str> {
         [
@@ -310,6 +368,7 @@ impl Header {
             ("truth/pairs", self.pairs == other.pairs),
             ("origin", self.origin == other.origin),
             ("replica", self.replica == other.replica),
+            ("instrument", self.instrument == other.instrument),
             ("platforms", self.platforms == other.platforms),
             ("transmitters", self.transmitters == other.transmitters),
             ("receivers", self.receivers == other.receivers),

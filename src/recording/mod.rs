@@ -21,6 +21,8 @@
 #[doc(hidden)]
 pub mod columns;
 #[doc(hidden)]
+pub mod crsd;
+#[doc(hidden)]
 pub mod descriptions;
 mod fault;
 #[doc(hidden)]
@@ -32,6 +34,7 @@ pub mod hdf5;
 pub mod header;
 #[doc(hidden)]
 pub mod image_file;
+pub mod instrument;
 #[doc(hidden)]
 pub mod map_file;
 #[cfg(feature = "hdf5")]
@@ -43,9 +46,13 @@ pub mod output;
 pub mod path_file;
 #[doc(hidden)]
 pub mod plain;
+mod released;
 mod rows;
 #[doc(hidden)]
+pub mod sha512;
+#[doc(hidden)]
 pub mod shard;
+pub mod sigmf;
 #[doc(hidden)]
 pub mod snapshot_file;
 mod source;
@@ -90,9 +97,15 @@ pub struct Recording {
     pub tx_pol: Vec<u8>,
     /// Emissions of all rows that paths know, s.
     pub path_s: Vec<f64>,
+    /// Emission of pulse 0 of the run on the same clock, s.
+    start_s: f64,
     /// Place of the pulses in use among those rows.
     rows: Range<usize>,
     numbers: BTreeMap<String, (usize, Vec<f64>)>,
+    /// Flags of pulses and platforms, of the same rows.
+    flags: BTreeMap<String, Vec<u32>>,
+    /// Emission of the first of those rows, UTC nanoseconds since 1970, rounded down.
+    zero_ns: i64,
     /// Channels whose samples are held.
     channels: Vec<usize>,
     samples: Vec<Complex32>,
@@ -209,7 +222,7 @@ impl Recording {
             return Err(RecordingError::NoPulses { path: path.to_owned(), first, end, asked });
         }
         let known = used.start.saturating_sub(AROUND)..(used.end + AROUND).min(all);
-        let mut numbers = BTreeMap::new();
+        let (mut numbers, mut flags) = (BTreeMap::new(), BTreeMap::new());
         let (mut time_ns, mut tx_pol) = (Vec::new(), Vec::new());
         for column in list.iter().filter(|c| c.path != "iq") {
             if column.may_be_missing() && !source.has(column) {
@@ -221,6 +234,9 @@ impl Recording {
                 }
                 Rows::I64(values) if column.path == "pulse/time_ns" => time_ns = values,
                 Rows::U8(values) if column.path == "pulse/tx_pol" => tx_pol = values,
+                Rows::U32(values) => {
+                    flags.insert(column.path.clone(), values);
+                }
                 _ => {}
             }
         }
@@ -235,6 +251,8 @@ impl Recording {
             .zip(scalar("pulse/time_frac_ns"))
             .map(|(ns, part)| (ns.saturating_sub(zero_ns) as f64 + part) * 1e-9)
             .collect();
+        let (start_ns, start_part) = header.start.to_unix_ns();
+        let start_s = (start_ns.saturating_sub(zero_ns) as f64 + start_part) * 1e-9;
         let window_start_s = scalar("pulse/window_start_s");
         let foreign = |detail: String| RecordingError::Foreign { path: path.to_owned(), detail };
         if path_s.len() < rows.end || window_start_s.len() < rows.end || tx_pol.len() < rows.end {
@@ -266,11 +284,19 @@ impl Recording {
             path: path.to_owned(),
             header,
             path_s,
+            start_s,
             rows,
             numbers,
+            flags,
+            zero_ns,
             channels,
             samples,
         })
+    }
+
+    /// Emission of a pulse in use after that of pulse 0 of the run, s.
+    pub(crate) fn since_start_s(&self, pulse: usize) -> f64 {
+        self.emission_s[pulse] - self.start_s
     }
 
     /// Pulses in use.
@@ -343,6 +369,15 @@ impl Recording {
             Ok::<_, RecordingError>(points.get(row).copied().unwrap_or([f64::NAN; 3]))
         };
         Ok((at("position_m")?, at("velocity_mps")?))
+    }
+
+    /// Attitude that a platform reports at a pulse in use: body to ENU, scalar first.
+    ///
+    /// # Errors
+    /// A platform without that column.
+    pub(crate) fn reported_attitude(&self, platform: &str, pulse: usize) -> Result<[f64; 4], RecordingError> {
+        let (_, values) = self.column(&format!("nav/{platform}/reported/attitude_quat"))?;
+        Ok(values.as_chunks::<4>().0.get(self.rows.start + pulse).copied().unwrap_or([f64::NAN; 4]))
     }
 
     /// True delays of a target of a pair in the pulses in use, s; none where the recording has none.

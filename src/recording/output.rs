@@ -43,6 +43,8 @@ pub enum FileKind {
     Settings,
     /// Table of the statistics of speckle, CSV.
     Speckle,
+    /// CRSD.
+    Crsd,
 }
 
 impl FileKind {
@@ -53,6 +55,7 @@ impl FileKind {
             Self::SeaState => *b"NEREUSEA",
             Self::Settings => *b"setting,",
             Self::Speckle => *b"psi_deg,",
+            Self::Crsd => *b"CRSDsar/",
         }
     }
 
@@ -69,11 +72,17 @@ impl FileKind {
         match self {
             Self::Settings => "table of settings",
             Self::Speckle => "table of speckle",
+            Self::Crsd => "CRSD file",
             Self::Png => "PNG picture",
             Self::Hdf5 => "HDF5 file of this program",
             Self::SeaState => "saved sea",
         }
     }
+}
+
+/// What a new CRSD file may replace.
+pub(crate) fn recognise_crsd(path: &Path) -> Recognised {
+    FileKind::Crsd.recognise(path)
 }
 
 /// The attribute `format` of an HDF5 file.

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::files::FileFault;
 use crate::recording::RecordingError;
+use crate::recording::crsd::CrsdError;
 
 /// Why a sink cannot be opened or has failed.
 #[derive(Debug, Error)]
@@ -17,6 +18,15 @@ pub enum SinkError {
     /// A recording cannot be made or written.
     #[error(transparent)]
     Recording(RecordingError),
+    /// A CRSD file cannot be made or written.
+    #[error("CRSD: {0}")]
+    Crsd(Box<CrsdError>),
+    /// A CRSD file of a run by live navigation.
+    #[error(
+        "CRSD: live navigation sets the start of the run and may end it, and the file is planned before; \
+         allowed: kind = \"hdf5\" or \"plain\", and nereus export crsd when the run has ended"
+    )]
+    CrsdLive,
     /// Two sinks have the same output.
     #[error("{path}: is the output of two sinks; each needs its own")]
     Twice {
@@ -50,6 +60,64 @@ pub enum SinkError {
         /// What the system reported.
         source: std::io::Error,
     },
+    /// A port that cannot be listened at.
+    #[error(
+        "{address}: cannot publish there: {source}; allowed: an address of this machine and ports that no other program uses"
+    )]
+    Bind {
+        /// The address.
+        address: String,
+        /// What the system reported.
+        source: std::io::Error,
+    },
+    /// More ports than there are above the first.
+    #[error("{bind}: {ports} channels need as many ports from there on; allowed: a first port of at most {}", u32::from(u16::MAX) + 1 - u32::from(*.ports))]
+    Ports {
+        /// First address.
+        bind: String,
+        /// Ports.
+        ports: u16,
+    },
+    /// Shared memory that somebody else publishes.
+    #[error(
+        "shared memory service '{service}': another run publishes there; end it, or name another service"
+    )]
+    ServiceInUse {
+        /// Name of the service.
+        service: String,
+    },
+    /// Shared memory that is not there.
+    #[error(
+        "shared memory service '{service}': needs {needed_mib} MiB, {free_mib} MiB of /dev/shm are free; lower buffer_pulses, or remove what other programs have left there"
+    )]
+    NoSharedMemory {
+        /// Name of the service.
+        service: String,
+        /// What it takes.
+        needed_mib: u64,
+        /// What there is.
+        free_mib: u64,
+    },
+    /// Shared memory that cannot be used.
+    #[error(
+        "shared memory service '{service}': {action}: {error}; end what still uses the service, or name another one"
+    )]
+    Shm {
+        /// Name of the service.
+        service: String,
+        /// What was tried.
+        action: &'static str,
+        /// What iceoryx2 reported.
+        error: String,
+    },
+    /// Built without iceoryx2.
+    #[error(
+        "shared memory service '{service}': this build has no shared memory (feature shm); use kind = \"zmq\", or build with --features shm"
+    )]
+    NoShm {
+        /// Name of the service.
+        service: String,
+    },
     /// Two sinks send to the same address.
     #[error("{address}: two sinks send there, with the same stream identifiers; each needs its own address")]
     SameAddress {
@@ -61,6 +129,14 @@ pub enum SinkError {
     Mtu {
         /// What was asked.
         mtu_bytes: usize,
+    },
+    /// What cannot be sent as DIFI.
+    #[error("profile = \"difi\": {found}; allowed: {allowed}, or profile = \"nereus\" (docs/wire.md)")]
+    Difi {
+        /// What there is.
+        found: String,
+        /// What there may be.
+        allowed: String,
     },
     /// Built without HDF5.
     #[error("{path}: this build has no HDF5 (feature hdf5); use kind = \"plain\"")]
@@ -76,6 +152,8 @@ impl SinkError {
         match self {
             Self::File(fault) => fault.is_wrong_input(),
             Self::Recording(error) => error.is_wrong_input(),
+            Self::NoSharedMemory { .. } | Self::Shm { .. } => false,
+            Self::Crsd(error) => error.is_wrong_input(),
             _ => true,
         }
     }

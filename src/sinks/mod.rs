@@ -18,9 +18,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::files;
+use crate::recording::output::recognise_crsd;
 use crate::recording::plain::recognise;
 use sink::SinkError;
 
+pub(crate) mod description;
 mod fault;
 pub mod sink;
 #[doc(hidden)]
@@ -32,7 +34,13 @@ pub mod null;
 #[doc(hidden)]
 pub mod plain;
 #[doc(hidden)]
+pub mod crsd;
+#[doc(hidden)]
 pub mod vita49;
+#[doc(hidden)]
+pub mod zmq;
+#[doc(hidden)]
+pub mod shm;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod hdf5;
@@ -66,8 +74,19 @@ pub enum Kind {
         /// Overwrite an existing folder.
         force: bool,
     },
+    /// CRSD 1.0.
+    Crsd {
+        /// The file.
+        path: PathBuf,
+        /// Overwrite an existing file.
+        force: bool,
+    },
     /// VITA 49.2 over UDP.
     Vita49(vita49::Settings),
+    /// Shared memory (iceoryx2).
+    Shm(shm::Settings),
+    /// A ZeroMQ PUB socket.
+    Zmq(zmq::Settings),
     /// What a platform reports, on a port.
     Nav(nav::NavSettings),
     /// Counts pulses and forgets them.
@@ -75,12 +94,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// A recording at a path: HDF5 if its name says so, or else a folder of plain files.
+    /// A recording at a path: HDF5 or CRSD if its name says so, or else a folder of plain files.
     pub fn recording_at(path: &Path, force: bool) -> Self {
         let owned = path.to_owned();
-        match names_hdf5(path) {
-            true => Self::Hdf5 { path: owned, segment_s: None, force },
-            false => Self::Plain { path: owned, force },
+        match (names_hdf5(path), names_crsd(path)) {
+            (true, _) => Self::Hdf5 { path: owned, segment_s: None, force },
+            (_, true) => Self::Crsd { path: owned, force },
+            _ => Self::Plain { path: owned, force },
         }
     }
 }
@@ -90,12 +110,19 @@ pub fn names_hdf5(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "h5" || extension == "hdf5")
 }
 
+/// Whether a name is that of a CRSD file.
+pub fn names_crsd(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "crsd")
+}
+
 /// All that stands in the way of these sinks: outputs that exist (without force) or are no recordings (with
 /// it), outputs named twice, folders that are missing. Nothing is made or changed.
 pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
     let mut faults = Vec::new();
     let mut seen: Vec<Claim> = Vec::new();
     let mut sent_to = Vec::new();
+    let mut listens = Vec::new();
+    let mut services = Vec::new();
     let mut devices: Vec<&port::Device> = Vec::new();
     for settings in sinks {
         let (path, segmented, result) = match &settings.kind {
@@ -107,6 +134,27 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                     faults.push(SinkError::SameAddress { address: settings.address.clone() });
                 }
                 sent_to.push(to);
+                continue;
+            }
+            Kind::Shm(settings) => {
+                if services.contains(&&settings.service) {
+                    faults.push(SinkError::Twice { path: (&settings.service).into() });
+                }
+                services.push(&settings.service);
+                faults.extend(shm::preflight(settings).err());
+                continue;
+            }
+            Kind::Zmq(settings) => {
+                match zmq::preflight(settings) {
+                    Ok(addresses) => {
+                        let twice = addresses.iter().find(|address| listens.contains(*address));
+                        faults.extend(
+                            twice.map(|address| SinkError::Twice { path: address.to_string().into() }),
+                        );
+                        listens.extend(addresses);
+                    }
+                    Err(fault) => faults.push(fault),
+                }
                 continue;
             }
             Kind::Nav(settings) => match settings.device.file() {
@@ -122,6 +170,10 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
             },
             Kind::Plain { path, force } => {
                 (path.as_path(), false, files::preflight(path, *force, &recognise).map_err(SinkError::from))
+            }
+            Kind::Crsd { path, force } => {
+                let free = files::preflight(path, *force, &recognise_crsd);
+                (path.as_path(), false, free.map_err(SinkError::from))
             }
             Kind::Hdf5 { path, segment_s, force } => {
                 (path.as_path(), segment_s.is_some(), hdf5_preflight(path, *segment_s, *force))

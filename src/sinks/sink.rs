@@ -212,6 +212,23 @@ pub struct SinkReport {
     /// What became of the messages, where the output is a port.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub port: Option<PortCounts>,
+    /// Of a sink that others subscribe to: what became of its messages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub subscribers: Option<SubscriberCounts>,
+}
+
+/// What became of the messages of a sink that others subscribe to.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SubscriberCounts {
+    /// Where they were published.
+    pub at: String,
+    /// Subscribers that came.
+    pub seen: u64,
+    /// Messages handed over, each to each subscriber.
+    pub messages: u64,
+    /// Messages that were not handed over because a subscriber was too slow or gone, as far as the sink can
+    /// know: a subscriber counts by their `sequence` what it has missed.
+    pub lost: u64,
 }
 
 impl SinkReport {

@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn order_is_that_of_the_claims_whoever_is_first() {
         let (mut producer, mut consumer) = ring((0..13).map(|_| Pulse::new(&LAYOUT)));
-        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
+        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new(), 0));
         let pulses = 5..1005;
         let (crew_stop, end) = (&stop, pulses.end);
         thread::scope(|scope| {
@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn a_panic_calls_the_others_off() {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
-        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
+        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new(), 0));
         let dispatcher = Dispatcher::new(&mut producer, 0..10, 2, &worth, &stop, &health);
         let (taken, all_taken) = mpsc::channel();
         let ended = thread::scope(|scope| {
@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn nobody_claims_once_called_off() {
         let (mut producer, _consumer) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
-        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new()));
+        let (worth, stop, health) = (Worth::default(), AtomicBool::new(false), Health::new(Vec::new(), 0));
         let dispatcher = Dispatcher::new(&mut producer, 0..10, 1, &worth, &stop, &health);
         // Never more than the ring has, however much is asked.
         let claim = dispatcher.claim(|first| first + 100).unwrap();

@@ -5,7 +5,7 @@
 //! queue holds up the pacer, and through the main ring the generation: nothing is lost.
 //!
 //! The last outlet gets the slot itself in exchange for a free one of its own, the others a copy; with
-//! one sink nothing is copied.
+//! one sink nothing is copied. A [`View`] gets a copy before them, if it has room.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -15,6 +15,7 @@ use crate::pulse::{Layout, Pulse, flags};
 
 use super::health::SinkHealth;
 use super::ring::{self, Consumer, Look, Producer};
+use super::view::View;
 use super::{Pace, StreamError};
 
 /// The way to one sink.
@@ -48,6 +49,7 @@ pub enum Fed<R> {
 pub struct FanOut {
     outlets: Vec<Outlet>,
     pace: Pace,
+    view: Option<View>,
 }
 
 /// A queue of `slots` pulses for a sink.
@@ -59,7 +61,7 @@ pub fn outlet(name: &str, slots: usize, layout: &Layout) -> Result<(Outlet, Feed
         return Err(StreamError::EmptyQueue { sink: name.to_owned() });
     }
     let (producer, consumer) = ring::ring((0..slots).map(|_| Pulse::new(layout)));
-    let health = Arc::new(SinkHealth::new(name));
+    let health = Arc::new(SinkHealth::new(name, slots));
     Ok((
         Outlet { queue: producer, gap: false, health: Arc::clone(&health) },
         Feed { queue: consumer, health },
@@ -114,7 +116,12 @@ impl Feed {
 impl FanOut {
     /// Over these outlets.
     pub fn new(outlets: Vec<Outlet>, pace: Pace) -> Self {
-        Self { outlets, pace }
+        Self { outlets, pace, view: None }
+    }
+
+    /// Lets an onlooker see what is sent.
+    pub fn with_view(self, view: Option<View>) -> Self {
+        Self { view, ..self }
     }
 
     /// Hands a pulse to every sink; the slot that comes back is free (its content is of no use).
@@ -122,6 +129,9 @@ impl FanOut {
     pub fn send(&mut self, mut pulse: Box<Pulse>) -> Option<Box<Pulse>> {
         // Sinks always empty their queues, so a stop need not cut this wait short.
         static NEVER: AtomicBool = AtomicBool::new(false);
+        if self.view.as_mut().is_some_and(|view| !view.offer(&pulse)) {
+            self.view = None;
+        }
         let last = self.outlets.len().checked_sub(1);
         for (k, outlet) in self.outlets.iter_mut().enumerate() {
             if outlet.queue.is_abandoned() {

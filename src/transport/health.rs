@@ -1,7 +1,8 @@
 //! What the stream counts while it runs.
 //!
 //! Counters are atomic and lateness goes into a histogram of fixed size, so recording never
-//! allocates. Lateness is `release - deadline` in whole nanoseconds (3 significant digits, up to one
+//! allocates. What an onlooker reads while the stream runs ([`Health::counters`]) is behind no lock, so that he
+//! never holds up the thread that releases pulses. Lateness is `release - deadline` in whole nanoseconds (3 significant digits, up to one
 //! hour); quantiles are reported in microseconds.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -26,6 +27,8 @@ pub struct Health {
     moved_us: AtomicU64,
     made: AtomicU64,
     busy_ns: AtomicU64,
+    ring_slots: usize,
+    ring_filled: AtomicU64,
     ring_low_water: AtomicU64,
     generation_ended: AtomicBool,
     rights: Mutex<Vec<Right>>,
@@ -33,6 +36,8 @@ pub struct Health {
     stale: AtomicU64,
     lateness_ns: Mutex<Option<Histogram<u64>>>,
     navigation_ns: Mutex<Option<Histogram<u64>>>,
+    lateness: [AtomicU64; LATENESS_BOUNDS_NS.len() + 1],
+    lateness_sum_ns: AtomicU64,
     sinks: Vec<Arc<SinkHealth>>,
 }
 
@@ -40,6 +45,8 @@ pub struct Health {
 #[derive(Debug)]
 pub struct SinkHealth {
     name: String,
+    slots: usize,
+    level: AtomicU64,
     written: AtomicU64,
     dropped: AtomicU64,
     high_water: AtomicU64,
@@ -126,8 +133,68 @@ pub struct Snapshot {
     pub sinks: Vec<SinkSnapshot>,
 }
 
+/// Upper bounds of the buckets of lateness, nanoseconds: 1, 2, 5 of every decade from 1 us to 10 s. One more
+/// bucket is for what lies above.
+pub const LATENESS_BOUNDS_NS: [u64; 22] = {
+    let mut bounds = [0; 22];
+    let mut place = 0;
+    while place < bounds.len() {
+        bounds[place] = 1000 * 10_u64.pow((place / 3) as u32) * [1, 2, 5][place % 3];
+        place += 1;
+    }
+    bounds
+};
+
+/// What an onlooker reads while the stream runs. Values are of about one instant: no lock is taken for them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Counters {
+    /// Pulses released.
+    pub released: u64,
+    /// Pulses released more than one PRI after their deadline.
+    pub late: u64,
+    /// Those of them that were computed in time.
+    pub held_up: u64,
+    /// Pulses never released.
+    pub dropped: u64,
+    /// By how much the schedule was moved, seconds.
+    pub slipped_s: f64,
+    /// Pulses made.
+    pub made: u64,
+    /// Time that generation was at work, seconds.
+    pub generation_busy_s: f64,
+    /// Pulses for which the navigation of a platform was extrapolated.
+    pub extrapolated: u64,
+    /// Those of them for which it was stale.
+    pub stale: u64,
+    /// Releases by lateness, see [`LATENESS_BOUNDS_NS`]; none at pace `fast`.
+    pub lateness: [u64; LATENESS_BOUNDS_NS.len() + 1],
+    /// Sum of lateness, seconds.
+    pub lateness_sum_s: f64,
+    /// Slots of the ring between generation and release.
+    pub ring_slots: usize,
+    /// Pulses that were ready at the last release.
+    pub ring_filled: u64,
+    /// The sinks.
+    pub sinks: Vec<SinkCounters>,
+}
+
+/// One sink's part of [`Counters`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SinkCounters {
+    /// The sink's name.
+    pub name: String,
+    /// Pulses that the sink took.
+    pub written: u64,
+    /// Pulses that it missed.
+    pub dropped: u64,
+    /// Pulses that waited for it at the last release.
+    pub queue: u64,
+    /// Pulses that may wait for it.
+    pub queue_slots: usize,
+}
+
 impl Health {
-    pub(crate) fn new(sinks: Vec<Arc<SinkHealth>>) -> Self {
+    pub(crate) fn new(sinks: Vec<Arc<SinkHealth>>, ring_slots: usize) -> Self {
         Self {
             released: AtomicU64::new(0),
             late: AtomicU64::new(0),
@@ -137,6 +204,8 @@ impl Health {
             moved_us: AtomicU64::new(0),
             made: AtomicU64::new(0),
             busy_ns: AtomicU64::new(0),
+            ring_slots,
+            ring_filled: AtomicU64::new(0),
             ring_low_water: AtomicU64::new(u64::MAX),
             generation_ended: AtomicBool::new(false),
             rights: Mutex::new(Vec::with_capacity(3)),
@@ -144,6 +213,8 @@ impl Health {
             stale: AtomicU64::new(0),
             lateness_ns: Mutex::new(Histogram::new_with_bounds(1, 3_600_000_000_000, 3).ok()),
             navigation_ns: Mutex::new(Histogram::new_with_bounds(1, 3_600_000_000_000, 3).ok()),
+            lateness: [const { AtomicU64::new(0) }; LATENESS_BOUNDS_NS.len() + 1],
+            lateness_sum_ns: AtomicU64::new(0),
             sinks,
         }
     }
@@ -155,6 +226,9 @@ impl Health {
         self.moved_us.fetch_add(u64::try_from(moved.as_micros()).unwrap_or(u64::MAX), Ordering::Relaxed);
         if let Some(lateness) = lateness {
             let ns = u64::try_from(lateness.as_nanos()).unwrap_or(u64::MAX);
+            let bucket = LATENESS_BOUNDS_NS.partition_point(|bound| *bound < ns);
+            self.lateness[bucket].fetch_add(1, Ordering::Relaxed);
+            self.lateness_sum_ns.fetch_add(ns, Ordering::Relaxed);
             let mut held = self.lateness_ns.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(histogram) = held.as_mut() {
                 histogram.saturating_record(ns);
@@ -203,6 +277,7 @@ impl Health {
     }
 
     pub(crate) fn ring_level(&self, filled: usize) {
+        self.ring_filled.store(filled as u64, Ordering::Relaxed);
         if !self.generation_ended.load(Ordering::Relaxed) {
             self.ring_low_water.fetch_min(filled as u64, Ordering::Relaxed);
         }
@@ -225,6 +300,27 @@ impl Health {
 
     pub(crate) fn made_pulses(&self) -> u64 {
         self.made.load(Ordering::Relaxed)
+    }
+
+    /// What can be read at any time without being in anybody's way.
+    pub fn counters(&self) -> Counters {
+        let read = |of: &AtomicU64| of.load(Ordering::Relaxed);
+        Counters {
+            released: read(&self.released),
+            late: read(&self.late),
+            held_up: read(&self.held_up),
+            dropped: read(&self.dropped),
+            slipped_s: read(&self.slipped_ns) as f64 * 1e-9,
+            made: read(&self.made),
+            generation_busy_s: read(&self.busy_ns) as f64 * 1e-9,
+            extrapolated: read(&self.extrapolated),
+            stale: read(&self.stale),
+            lateness: std::array::from_fn(|bucket| read(&self.lateness[bucket])),
+            lateness_sum_s: read(&self.lateness_sum_ns) as f64 * 1e-9,
+            ring_slots: self.ring_slots,
+            ring_filled: read(&self.ring_filled),
+            sinks: self.sinks.iter().map(|sink| sink.counters()).collect(),
+        }
     }
 
     /// All counters now. Copies the histogram (about 0.3 MB): for a status line, not for every pulse.
@@ -272,9 +368,11 @@ impl Health {
 }
 
 impl SinkHealth {
-    pub(crate) fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str, slots: usize) -> Self {
         Self {
             name: name.to_owned(),
+            slots,
+            level: AtomicU64::new(0),
             written: AtomicU64::new(0),
             dropped: AtomicU64::new(0),
             high_water: AtomicU64::new(0),
@@ -294,7 +392,18 @@ impl SinkHealth {
     }
 
     pub(crate) fn queue_level(&self, filled: usize) {
+        self.level.store(filled as u64, Ordering::Relaxed);
         self.high_water.fetch_max(filled as u64, Ordering::Relaxed);
+    }
+
+    fn counters(&self) -> SinkCounters {
+        SinkCounters {
+            name: self.name.clone(),
+            written: self.written.load(Ordering::Relaxed),
+            dropped: self.dropped.load(Ordering::Relaxed),
+            queue: self.level.load(Ordering::Relaxed),
+            queue_slots: self.slots,
+        }
     }
 
     fn snapshot(&self) -> SinkSnapshot {
@@ -313,7 +422,7 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_recorded() {
-        let health = Health::new(Vec::new());
+        let health = Health::new(Vec::new(), 0);
         for us in 1..=1000_u64 {
             health.release(Some(Duration::from_micros(us)), us > 990, Duration::ZERO);
         }
@@ -328,7 +437,12 @@ mod tests {
             assert!((got / want - 1.0).abs() <= 1e-3, "{got} {want}");
         }
         assert_eq!((shot.pulses, shot.late, shot.ring_low_water), (1000, 10, None));
+        let counters = health.counters();
+        // 1, 2, 5, ... us: a value on a bound belongs to the bucket that ends there.
+        assert_eq!(counters.lateness[..11], [1, 1, 3, 5, 10, 30, 50, 100, 300, 500, 0]);
+        assert!((counters.lateness_sum_s - 0.5005).abs() < 1e-9);
         health.release(Some(Duration::MAX), true, Duration::ZERO);
+        assert_eq!(health.counters().lateness[LATENESS_BOUNDS_NS.len()], 1);
         assert!(health.snapshot().lateness_us.max >= 3.5e9);
     }
 }

@@ -17,6 +17,8 @@ pub mod schedule;
 #[doc(hidden)]
 pub mod health;
 #[doc(hidden)]
+pub mod view;
+#[doc(hidden)]
 pub mod fanout;
 #[doc(hidden)]
 pub mod pacer;

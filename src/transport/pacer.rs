@@ -451,7 +451,7 @@ pub(super) mod tests {
             slot.index = index;
         }
         producer.commit(indices.len());
-        let health = Arc::new(Health::new(Vec::new()));
+        let health = Arc::new(Health::new(Vec::new(), 0));
         let pacer = Pacer {
             ring,
             fan_out: FanOut::new(Vec::new(), Pace::Realtime),

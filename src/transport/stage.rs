@@ -58,6 +58,7 @@ use super::pacer::{Pacer, PacerError, Status, Worth};
 use super::rights;
 use super::ring::{Producer, ring};
 use super::schedule::Schedule;
+use super::view::View;
 use super::{Pace, Settings, StreamError};
 use crate::transport::dispatcher::Dispatcher;
 
@@ -71,6 +72,7 @@ pub struct Stream<'env, R, S> {
     layout: Layout,
     stop: Arc<AtomicBool>,
     status: Option<Sender<Status>>,
+    view: Option<View>,
     sinks: Vec<(String, Outlet, Feed, SinkBody<'env, R, S>)>,
 }
 
@@ -250,12 +252,17 @@ impl Source {
 impl<'env, R: Send, S: Send> Stream<'env, R, S> {
     /// A stream without sinks.
     pub fn new(settings: Settings, schedule: Schedule, layout: Layout, stop: Arc<AtomicBool>) -> Self {
-        Self { settings, schedule, layout, stop, status: None, sinks: Vec::new() }
+        Self { settings, schedule, layout, stop, status: None, view: None, sinks: Vec::new() }
     }
 
     /// Sends progress to a bounded channel, about 10 times a second and once at the end.
     pub fn status(&mut self, status: Sender<Status>) {
         self.status = Some(status);
+    }
+
+    /// Lets an onlooker see what is released.
+    pub fn view(&mut self, view: View) {
+        self.view = Some(view);
     }
 
     /// Adds a sink: `body` runs in a thread of its own and reads the feed until it has ended.
@@ -278,7 +285,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         self,
         generate: impl FnOnce(&mut Source) -> Result<(), G> + Send + 'env,
     ) -> Outcome<R, G, S> {
-        let Self { settings, schedule, layout, stop, status, sinks } = self;
+        let Self { settings, schedule, layout, stop, status, view, sinks } = self;
         let (producer, consumer) = ring((0..settings.ring_slots).map(|_| Pulse::new(&layout)));
         let mut outlets = Vec::with_capacity(sinks.len());
         let mut bodies = Vec::with_capacity(sinks.len());
@@ -286,7 +293,10 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
             outlets.push(outlet);
             bodies.push((name, feed, body));
         }
-        let health = Arc::new(Health::new(outlets.iter().map(Outlet::health).collect()));
+        let health = Arc::new(Health::new(outlets.iter().map(Outlet::health).collect(), settings.ring_slots));
+        if let Some(view) = &view {
+            view.open(&health);
+        }
         let worth = Worth::default();
         let first_error: Mutex<Option<RunError<G, S>>> = Mutex::new(None);
         let fail = |error| {
@@ -311,7 +321,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         };
         let pacer = Pacer {
             ring: consumer,
-            fan_out: FanOut::new(outlets, settings.pace),
+            fan_out: FanOut::new(outlets, settings.pace).with_view(view),
             schedule: schedule.clone(),
             settings,
             health: Arc::clone(&health),

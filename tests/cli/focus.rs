@@ -263,13 +263,23 @@ fn files_of_the_scenario_need_not_be_there_to_focus() {
 }
 
 #[test]
-fn a_scenario_that_cannot_be_read_is_a_warning_and_needs_a_centre() {
+fn a_scenario_that_cannot_be_read_is_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), &["--pulses", "0..4"]);
+    let (_, where_it_looks, _) = centred(folder.path(), &[]);
     let meta = folder.path().join("r.plain/meta.json");
     let text = fs::read_to_string(&meta).unwrap();
     assert!(text.contains("noise_figure_db"));
-    fs::write(&meta, text.replace("noise_figure_db", "noise_number_db")).unwrap();
+    let text = text.replace("noise_figure_db", "noise_number_db");
+    fs::write(&meta, &text).unwrap();
+    // The recording itself says where the radar looks.
+    let (code, centre_m, stderr) = centred(folder.path(), &[]);
+    assert_eq!((code, centre_m), (0, where_it_looks), "{stderr}");
+    assert!(stderr.contains("radar.noise_number_db") && !stderr.contains("antennas count"), "{stderr}");
+    // One of an earlier version does not.
+    let mut older: serde_json::Value = serde_json::from_str(&text).unwrap();
+    older.as_object_mut().unwrap().remove("instrument").unwrap();
+    fs::write(&meta, older.to_string()).unwrap();
     let (code, _, stderr) = centred(folder.path(), &[]);
     assert!(code == 2 && stderr.contains("allowed: a centre (--centre-m X,Y)"), "{stderr}");
     let (code, centre_m, stderr) = centred(folder.path(), &["--centre-m", "3,-4"]);

@@ -6,6 +6,9 @@ mod bench;
 mod control;
 mod examples;
 #[cfg(unix)]
+mod export_sigmf;
+mod export;
+#[cfg(unix)]
 mod files;
 mod focus;
 #[cfg(unix)]
@@ -23,11 +26,16 @@ mod pages;
 mod pages_run;
 mod plausible;
 mod mocomp;
+#[cfg(all(unix, feature = "monitor"))]
+mod monitor;
+#[cfg(all(unix, feature = "monitor"))]
+mod monitor_client;
 mod nav;
 mod polarisation_check;
 mod program;
 mod python_tools;
 mod receive;
+mod received_image;
 mod recorded_tracks;
 mod running;
 mod sea;

@@ -17,7 +17,7 @@ use crate::pages::{blocks, lines_of, name, pages, words};
 use crate::program::{command, package};
 
 /// Lines that are not run, by how they begin, and why.
-const NOT_RUN: [(&str, &str); 19] = [
+const NOT_RUN: [(&str, &str); 21] = [
     ("cargo ", "builds; tools/test builds and runs the same"),
     ("tools/quickstart", "builds; tests/cli/setup_script.rs covers its set-up"),
     ("tools/test", "runs this test"),
@@ -31,6 +31,8 @@ const NOT_RUN: [(&str, &str); 19] = [
     ("nereus nav play configs/tracks/cart.inspvax udp", "takes 15 s; tests/cli/nav.rs listens to it"),
     ("nereus nav play configs/tracks/cart.inspvax file", "takes 15 s; tests/cli/nav.rs reads what comes"),
     ("nereus receive --listen 127.0.0.1:4991 --pulses", "waits for a sender; with a sender it is run"),
+    ("nereus run configs/quickstart.toml --monitor", "takes a port; tests/cli/monitor.rs takes a free one"),
+    ("nereus monitor", "serves until Ctrl-C; tests/cli/monitor.rs ends it"),
     ("nereus speckle", "takes minutes; tests/cli/speckle.rs runs it on a small sea"),
     ("nereus focus quickstart.h5 --speckle", "needs a large image; tests/cli/speckle.rs runs it on its own"),
     ("nereus tradeoff", "takes minutes; tests/cli/bench.rs runs it on a small sea"),

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use crate::program::{command, nereus, package};
 
 /// A receiver that listens at a port of the system's choice.
-fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
+pub fn listening(folder: &Path, arguments: &[&str]) -> (Child, String) {
     begun(command(folder, &RECEIVE), arguments)
 }
 
@@ -34,7 +34,7 @@ fn begun(mut program: Command, arguments: &[&str]) -> (Child, String) {
     (child, address)
 }
 
-fn stdout(mut child: Child) -> String {
+pub fn stdout(mut child: Child) -> String {
     let mut text = String::new();
     child.stdout.take().unwrap().read_to_string(&mut text).unwrap();
     assert!(child.wait().unwrap().success());

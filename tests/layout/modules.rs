@@ -8,7 +8,7 @@ use crate::code::{Segments, code, passed_on, paths, without_tests};
 use crate::{files, root};
 
 /// Modules in the order in which one may use another. `cli` may use all.
-const ORDER: [&str; 31] = [
+const ORDER: [&str; 32] = [
     "cpu",
     "units",
     "frames",
@@ -38,6 +38,7 @@ const ORDER: [&str; 31] = [
     "pipeline",
     "adequacy",
     "bench",
+    "monitor",
     "cli",
     "main",
 ];

@@ -14,14 +14,20 @@ mod recording_outputs;
 mod recording_plain;
 mod recording_replaced;
 mod recording_rule;
+mod recording_sigmf;
 mod recording_verify;
+#[cfg(all(feature = "shm", target_os = "linux"))]
+mod shm;
 mod wire;
+mod wire_difi;
 mod wire_fixture;
 mod wire_forged;
 mod wire_hostile;
+mod wire_radar;
 mod wire_receive;
 mod wire_recordings;
 mod wire_tshark;
+mod zmq;
 
 #[cfg(feature = "hdf5")]
 mod recording_breakdowns;

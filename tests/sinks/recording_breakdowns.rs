@@ -154,7 +154,7 @@ fn the_reader_program_follows_a_run() {
         thread::sleep(Duration::from_millis(700));
         let reader = Command::new("python3")
             .arg("-B")
-            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tools/reader.py"))
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/python/nereus/reader.py"))
             .arg(&path)
             .args(["--follow", "--patience-s", "1.5"])
             .output()

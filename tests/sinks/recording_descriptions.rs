@@ -14,14 +14,14 @@ use nereus::recording::header::Header;
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::Sink;
 
-use crate::recording_fixture::{header, pulse, python};
+use crate::recording_fixture::{header, instrument, pulse, python};
 
 /// A header that has everything a recording may have.
 fn full(format: SampleFormat) -> Header {
     let log = Log::default();
     let text = "clear".to_owned();
     log.enter(Entry { pulse: 1, time_ns: 0, platform: "tower".into(), text, origin: Origin::Control });
-    Header { changes: Some(Arc::new(log)), ..header(format) }
+    Header { changes: Some(Arc::new(log)), instrument: Some(instrument()), ..header(format) }
 }
 
 /// The path of a dataset of the fixture as the table has it.

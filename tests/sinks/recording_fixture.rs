@@ -9,6 +9,7 @@ use num_complex::Complex32;
 use nereus::files::FileFault;
 use nereus::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
 use nereus::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
+use nereus::recording::instrument::{AntennaRow, FilterRow, Instrument, Look, WaveformRow};
 #[cfg(feature = "hdf5")]
 use nereus::recording::verify::{Ending, Verdict, verify};
 use nereus::sinks::sink::SinkError;
@@ -38,6 +39,7 @@ pub fn header(format: SampleFormat) -> Header {
         seed: 42,
         config: "# a scenario\n[radar]\nname = \"é\"\n".to_owned(),
         replica: (0..7).map(|k| Complex32::new(k as f32, -0.5 * k as f32)).collect(),
+        instrument: None,
         platforms: vec!["tower".to_owned(), "aircraft".to_owned()],
         transmitters: vec!["mast".to_owned()],
         receivers: vec!["pod".to_owned()],
@@ -62,6 +64,38 @@ pub fn header(format: SampleFormat) -> Header {
         shard: None,
         truth: true,
         changes: None,
+    }
+}
+
+/// A radar of the antennas of [`header`].
+pub fn instrument() -> Instrument {
+    let text = str::to_owned;
+    Instrument {
+        waveform: WaveformRow { kind: text("lfm"), sweep_hz_per_s: Some(-8e13), rate_hz: None },
+        filter: FilterRow { kind: text("raised-cosine"), flat_hz: 40e6, zero_hz: 50e6 },
+        earth_radius_factor: Some(4.0 / 3.0),
+        window: Some(Look::Point { position_m: [1.5, 2.0, -3.0], velocity_mps: [0.1, 0.2, 0.3] }),
+        middle_m: [100.0, -200.0],
+        antennas: vec![
+            AntennaRow {
+                name: text("mast"),
+                transmits: true,
+                platform: text("tower"),
+                lever_arm_m: [0.3, -0.7, -12.1],
+                pattern: text("isotropic"),
+                aperture_m: None,
+                look: Look::Body { yaw_rad: 0.5, pitch_rad: -0.25, roll_rad: 0.125 },
+            },
+            AntennaRow {
+                name: text("pod"),
+                transmits: false,
+                platform: text("aircraft"),
+                lever_arm_m: [1.1, 0.2, 0.9],
+                pattern: text("rectangle"),
+                aperture_m: Some([4.0, 0.05]),
+                look: Look::Beside { platform: text("aircraft"), along_m: 5.0, across_m: -3000.0 },
+            },
+        ],
     }
 }
 
@@ -202,10 +236,13 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
         println!("skipped: python3 cannot {imports}");
         return None;
     }
-    let tools = concat!(env!("CARGO_MANIFEST_DIR"), "/tools");
+    // The one file alone, as it may be copied: nothing beside it can be imported.
+    let reader = concat!(env!("CARGO_MANIFEST_DIR"), "/python/nereus/reader.py");
     let text = format!(
-        "import sys; sys.dont_write_bytecode = True; sys.path.insert(0, {tools:?})\n\
-         import numpy as np, reader, json, os, time\n{CHECK}\n{script}\n"
+        "import sys; sys.dont_write_bytecode = True\n\
+         import numpy as np, json, os, time, importlib.util\n\
+         spec = importlib.util.spec_from_file_location('reader', {reader:?})\n\
+         reader = importlib.util.module_from_spec(spec); spec.loader.exec_module(reader)\n{CHECK}\n{script}\n"
     );
     let output = Command::new("python3").args(["-c", &text]).output().unwrap();
     let out = String::from_utf8_lossy(&output.stdout).into_owned();

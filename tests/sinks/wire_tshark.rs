@@ -10,10 +10,10 @@ use nereus::pulse::SampleFormat;
 use crate::recording_fixture::header;
 use crate::wire_fixture::{datagrams, kind, long, word};
 
-const PORT: u16 = 4991;
+pub const PORT: u16 = 4991;
 
 /// A capture of UDP datagrams over IPv4 without a link layer (pcap, link type 101).
-fn pcap(path: &Path, datagrams: &[Vec<u8>]) {
+pub fn pcap(path: &Path, datagrams: &[Vec<u8>]) {
     let mut file = Vec::new();
     for word in [0xa1b2_c3d4u32, 0x0002_0004, 0, 0, 65_535, 101] {
         file.extend(word.to_be_bytes());

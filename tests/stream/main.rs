@@ -6,3 +6,4 @@ mod stream_allocations;
 mod stream_ends;
 mod stream_fixture;
 mod stream_pacing;
+mod stream_view;

@@ -17,6 +17,7 @@ use nereus::time::PulseTimes;
 use nereus::transport::fanout::Fed;
 use nereus::transport::schedule::Schedule;
 use nereus::transport::stage::Stream;
+use nereus::transport::view;
 use nereus::transport::{Pace, Policy, Settings};
 
 use crate::stream_fixture::{LAYOUT, generate};
@@ -100,7 +101,16 @@ fn counted_run() {
         }
         let (sender, _receiver) = crossbeam_channel::bounded(4);
         run.status(sender);
+        // Somebody looks on, as the live page does.
+        let (view, mut onlooker) = view::view(16, &LAYOUT);
+        run.view(view);
+        let looking = std::thread::spawn(move || {
+            while onlooker.look(|_| {}) != view::Seen::Ended {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        });
         let outcome = run.run(|source| generate(source, 0, end, 8, Duration::ZERO));
+        looking.join().unwrap();
         outcome.result.unwrap();
         for (name, (before, after)) in outcome.reports {
             let (before, after) = (before.unwrap(), after.unwrap());
@@ -155,11 +165,56 @@ fn counted_wire() {
     counted_scenario("live-wire.toml", &settings);
 }
 
+fn is_free(mut address: std::net::SocketAddr, next: u16) -> bool {
+    address.set_port(address.port() + next);
+    std::net::TcpListener::bind(address).is_ok()
+}
+
+/// ZeroMQ in both forms, to a subscriber that reads.
+#[test]
+fn publishing_pulses_allocates_nothing() {
+    in_a_process_of_its_own("counted_publishers");
+}
+
+#[test]
+#[ignore = "run by publishing_pulses_allocates_nothing in a process of its own"]
+fn counted_publishers() {
+    use std::io::{Read, Write};
+    // Below the ports that connections are given: one that connects to a free one of those may meet itself.
+    let free = (20_000..30_000).map(|port| std::net::SocketAddr::from(([127, 0, 0, 1], port)));
+    let at = std::process::id() as usize % 9000;
+    let port = free.skip(at).find(|to| (0..4).all(|next| is_free(*to, next))).unwrap();
+    let set = |sink: &str| {
+        let duration = ("scene.duration_s".to_owned(), "6".to_owned());
+        [("sink".to_owned(), format!("[{sink}]")), duration]
+    };
+    // Subscribes to the first port whenever there is one, and reads what comes.
+    std::thread::spawn(move || {
+        let mut greeting = [0; 64];
+        (greeting[0], greeting[9], greeting[10]) = (0xff, 0x7f, 3);
+        greeting[12..16].copy_from_slice(b"NULL");
+        let mut buffer = [0; 1 << 16];
+        loop {
+            if let Ok(mut stream) = std::net::TcpStream::connect(port) {
+                let hello = stream.write_all(&greeting).is_ok()
+                    && stream.write_all(b"\x04\x1a\x05READY\x0bSocket-Type\0\0\0\x03SUB\0\x01\x01").is_ok();
+                while hello && stream.read(&mut buffer).is_ok_and(|length| length > 0) {}
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    });
+    for messages in ["samples", "multipart"] {
+        let sink = format!("{{ kind = 'zmq', bind = '{port}', messages = '{messages}', buffer_pulses = 8 }}");
+        counted_scenario("live-wire.toml", &set(&sink));
+    }
+}
+
 fn counted_scenario(name: &str, settings: &[(String, String)]) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
     let mut run = nereus::config::load(&path, settings).unwrap();
     // What sends stays.
-    run.sinks.retain(|sink| matches!(sink.kind, nereus::sinks::Kind::Vita49(_)));
+    use nereus::sinks::Kind::{Vita49, Zmq};
+    run.sinks.retain(|sink| matches!(sink.kind, Vita49(_) | Zmq(_)));
     run.stream.threads = 2;
     run.stream.policy = Policy::Drop;
     for (pace, end, from, to) in [(Pace::Fast, 1200, 200, 1000), (Pace::Realtime, 400, 100, 350)] {

@@ -8,6 +8,7 @@ use crate::motion::PlatformNav;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, TrackSource, VerticalDatum};
 use crate::scene::radar::{AimFrom, Gate, Sweep, TxPolarisation, Waveform};
 use crate::sinks::Kind;
+use crate::sinks::zmq::Messages;
 use crate::transport::{Pace, Policy};
 use crate::units::{counted, neat};
 
@@ -117,8 +118,25 @@ fn sink_text(kind: &Kind) -> String {
             format!("HDF5 recordings {} of {segment_s} s each", shown(path))
         }
         Kind::Plain { path, .. } => format!("plain folder {}", shown(path)),
+        Kind::Crsd { path, .. } => format!("CRSD file {}", shown(path)),
         Kind::Vita49(settings) => {
             format!("VITA 49.2 over UDP to {}, packets of {} bytes", settings.address, settings.mtu_bytes)
+        }
+        Kind::Shm(settings) => format!(
+            "shared memory, service {}, up to {}",
+            settings.service,
+            counted(settings.subscribers as u64, "subscriber")
+        ),
+        Kind::Zmq(settings) => {
+            let to = settings.bind.rsplit_once(':').and_then(|(_, port)| port.parse::<u32>().ok());
+            let last = to.map_or(0, |port| port + u32::from(settings.ports) - 1);
+            match settings.messages {
+                Messages::Samples if settings.ports > 1 => {
+                    format!("ZeroMQ, samples at {} to port {last}, one a channel", settings.bind)
+                }
+                Messages::Samples => format!("ZeroMQ, samples at {}", settings.bind),
+                Messages::Multipart => format!("ZeroMQ, multipart messages at {}", settings.bind),
+            }
         }
         Kind::Nav(nav) => format!("navigation to {}, {} a second", nav.device, nav.rate_hz),
         Kind::Null => "none (pulses are counted)".to_owned(),

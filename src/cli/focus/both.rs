@@ -25,7 +25,7 @@ const FLOOR_DB: f64 = -60.0;
 
 /// Refuses options that have no meaning with this --nav.
 pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
-    if args.nav == FocusNav::Both {
+    if args.nav() == FocusNav::Both {
         let allowed = "with --nav true or --nav reported";
         let refused = FocusError::Value { key: "speckle", found: "with --nav both".to_owned(), allowed };
         return if args.speckle { Err(refused) } else { Ok(()) };

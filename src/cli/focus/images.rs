@@ -136,7 +136,7 @@ fn values(
         value.map_or(String::new(), |value| value.get_name().to_owned())
     };
     let [nav, window, aperture, filter] = [
-        named(args.nav.to_possible_value()),
+        named(args.nav().to_possible_value()),
         named(args.window.to_possible_value()),
         named(args.aperture.to_possible_value()),
         named(args.filter.to_possible_value()),

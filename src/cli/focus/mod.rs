@@ -88,9 +88,9 @@ impl FocusTaper {
 pub struct FocusArgs {
     /// Recording: an HDF5 file or a plain folder
     pub recording: PathBuf,
-    /// Which navigation the processor takes
-    #[arg(long, value_enum, default_value_t = FocusNav::True)]
-    pub nav: FocusNav,
+    /// Which navigation the processor takes [default: true; of what was received over the wire, reported]
+    #[arg(long, value_enum)]
+    pub nav: Option<FocusNav>,
     /// Image to make: a picture of each channel (.png), complex values of all (.h5); may be given twice
     #[arg(long, value_name = "PATH")]
     pub out: Vec<PathBuf>,
@@ -167,9 +167,20 @@ struct Focused {
 }
 
 impl FocusArgs {
+    /// The navigation asked for; the true one unless [`Self::of`] has found none.
+    fn nav(&self) -> FocusNav {
+        self.nav.unwrap_or(FocusNav::True)
+    }
+
+    /// With the navigation that a recording has.
+    fn of(&self, header: &Header) -> Self {
+        let own = if header.truth { FocusNav::True } else { FocusNav::Reported };
+        Self { nav: Some(self.nav.unwrap_or(own)), ..self.clone() }
+    }
+
     fn settings(&self) -> Settings {
         Settings {
-            nav: if self.nav == FocusNav::True { Navigation::True } else { Navigation::Reported },
+            nav: if self.nav() == FocusNav::True { Navigation::True } else { Navigation::Reported },
             centre_m: <[f64; 2]>::try_from(self.centre_m.as_slice()).ok(),
             size_m: [self.size_m[0], self.size_m[self.size_m.len() - 1]],
             pixel_m: self.pixel_m,
@@ -202,6 +213,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         super::examine::examine(path)?;
     }
     let (recording, scenario) = open(args, path)?;
+    let args = &args.of(&recording.header);
     if let (Some(asked), [.., last]) = (args.pulses, &recording.index[..])
         && asked.end - 1 > *last
     {
@@ -213,7 +225,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     if args.looks > columns.min(rows) {
         return Err(FocusError::Looks { looks: args.looks, columns, rows }.into());
     }
-    if args.nav == FocusNav::Both {
+    if args.nav() == FocusNav::Both {
         return both::compare(args, &focuser, scenario.as_ref(), out);
     }
     let channels = focuser.channels();
@@ -230,7 +242,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         .collect::<Result<_, _>>()
         .map_err(FocusError::at(path))?;
     let seconds = begun.elapsed().as_secs_f64();
-    let shown: Vec<(&Image, FocusNav)> = focused.iter().map(|f| (&f.image, args.nav)).collect();
+    let shown: Vec<(&Image, FocusNav)> = focused.iter().map(|f| (&f.image, args.nav())).collect();
     let made = outputs.write(args, &recording, &shown, &names)?;
     let report = report::report(args, &focuser, &focused, seconds, made)?;
     report::print(args, &report, out)
@@ -242,8 +254,11 @@ fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), 
     let choose = |header: &Header| channels(args, path, header);
     let recording = Recording::open_channels(path, range, available_bytes(), choose)?;
     let scenario = Scenario::of(&recording);
-    if let (Err(error), false) = (&scenario, recording.header.config.is_empty()) {
-        let without = "antennas count as having an aim, and no closed forms are shown";
+    let Header { config, instrument, truth, .. } = &recording.header;
+    // What was received over the wire has none.
+    if let (Err(error), false) = (&scenario, config.is_empty() || !truth) {
+        let aims = if instrument.is_some() { "" } else { "antennas count as having an aim, and " };
+        let without = format!("{aims}no closed forms are shown");
         warn([format!("the scenario in the recording cannot be read: {without}:\n{error}")]);
     }
     Ok((recording, scenario.ok()))

@@ -72,7 +72,7 @@ pub(super) fn report(
     let work: f64 = focused.iter().map(|f| f.image.pulses as f64 * ground.len() as f64).sum();
     Ok(Report {
         recording: args.recording.display().to_string(),
-        nav: args.nav.name(),
+        nav: args.nav().name(),
         pulses: recording.pulses(),
         first_pulse: recording.index[0],
         last_pulse: recording.index[recording.index.len() - 1],

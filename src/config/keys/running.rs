@@ -20,15 +20,21 @@ tables! {
         PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs at real-time priority (SCHED_FIFO), where the system allows that; `nereus run` reports it.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
         LOCK_MEMORY "lock_memory", Kind::Flag, Absent::Flag(false), "Whether the stream asks the system that its memory is never moved out (mlockall).";
+        MONITOR "monitor", Kind::Address, Means("none"), "Serve a live page there, as `nereus run --monitor` does (docs/monitor.md), such as 127.0.0.1:8080.";
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {
-        KIND "kind", Choice(&["hdf5", "plain", "vita49", "nav", "null"]), Required, "HDF5 recording; folder of plain files; VITA 49.2 over UDP (docs/wire.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
-        PATH "path", Output, Required, "hdf5: the file; plain: the folder.";
+        KIND "kind", Choice(&["hdf5", "plain", "crsd", "vita49", "shm", "zmq", "nav", "null"]), Required, "HDF5 recording; folder of plain files; CRSD 1.0 (docs/formats.md); VITA 49.2 over UDP (docs/wire.md); shared memory and ZeroMQ (docs/formats.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
+        PATH "path", Output, Required, "hdf5, crsd: the file; plain: the folder.";
         SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
         ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
-        BIND "bind", Kind::Address, Means("any free port"), "vita49: local address and port to send from.";
+        BIND "bind", Kind::Address, Means("vita49: any free port; zmq: \"127.0.0.1:5555\""), "vita49: local address and port to send from. zmq: where subscribers connect to; with messages = \"samples\" channel 0 has this port, and each other channel the one after that of the channel before.";
+        MESSAGES "messages", Choice(&["samples", "multipart"]), Word("samples"), "zmq: samples of a channel alone, complex64, a port for each channel (GNU Radio's ZMQ SUB source); or topic, JSON header and all channels on one port.";
+        SERVICE "service", Name, Word("nereus"), "shm: first part of the names of its iceoryx2 services.";
+        SUBSCRIBERS "subscribers", count(1, 64), Count(4), "shm: most subscribers at a time.";
+        BUFFER_PULSES "buffer_pulses", count(1, 65_536), Means("one second of pulses, at least 64, at most 65536 or 32 MiB"), "shm, zmq: pulses that may wait for a subscriber. While as many wait it loses pulses: of shared memory the oldest, of ZeroMQ those that come.";
         MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
+        PROFILE "profile", Choice(&["nereus", "difi"]), Word("nereus"), "vita49: all packets of docs/wire.md, or those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel. difi needs radar.adc.";
         DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, tcp://ADDRESS:PORT (somebody who listens there), or udp://ADDRESS:PORT.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits a second.";
         PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";

@@ -47,6 +47,7 @@ pub(super) struct Parts {
     pub(super) events: Vec<Event>,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
+    pub(super) monitor: Option<String>,
     pub(super) sinks: Vec<sinks::Settings>,
 }
 
@@ -222,8 +223,9 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         sources.live,
     );
     let fidelity = stream::fidelity(&root);
-    let sinks =
-        stream::sinks(&root, radar.as_ref(), &ground, &platforms, targets.as_ref().map_or(0, Vec::len));
+    let target_count = targets.as_ref().map_or(0, Vec::len);
+    let known = calibration.as_ref().map_or(0, Vec::len);
+    let sinks = stream::sinks(&root, radar.as_ref(), &ground, &platforms, target_count, known);
     let events = event::events(&root, &platforms, radar.as_ref(), time.duration_s);
     root.finish();
 
@@ -239,6 +241,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         ships: ships?,
         targets: targets?,
     };
+    let (stream, monitor) = stream?;
     Some(Parts {
         scene,
         start_live: time.live,
@@ -247,7 +250,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         calibration: calibration?,
         events: events?,
         fidelity: fidelity?,
-        stream: stream?,
+        stream,
+        monitor,
         sinks: sinks?,
     })
 }

@@ -10,6 +10,8 @@ use crate::echo::synth::doppler::Doppler;
 use crate::echo::{Asked, Fidelity};
 use crate::scene::Radar;
 use crate::sinks;
+use crate::sinks::vita49::Profile;
+use crate::sinks::zmq::Messages;
 use crate::transport::{self, Pace, Policy};
 
 /// Memory of the ring between generation and release.
@@ -22,21 +24,24 @@ const RING_SLOTS: [u64; 2] = [32, 65_536];
 const QUEUE_PULSES: [u64; 2] = [64, 65_536];
 /// Time that a sink may be held up, s.
 const QUEUE_S: f64 = 2.0;
+/// Memory and time of what waits for a subscriber.
+const BUFFER_BYTES: u64 = 32 << 20;
+const BUFFER_S: f64 = 1.0;
 
 /// What a pulse takes in memory.
 fn slot_bytes(radar: &Radar, platforms: usize, targets: usize) -> u64 {
     radar.layout(platforms, targets).slot_bytes() as u64
 }
 
-/// `[stream]`.
+/// `[stream]`, and where its live page is served.
 pub(super) fn stream(
     root: &Section<'_>,
     radar: Option<&Radar>,
     platforms: usize,
     targets: usize,
     live: bool,
-) -> Option<transport::Settings> {
-    use keys::stream::{LATENCY_MS, LOCK_MEMORY, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
+) -> Option<(transport::Settings, Option<String>)> {
+    use keys::stream::{LATENCY_MS, LOCK_MEMORY, MONITOR, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
     let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
     let policy = section.choice(&POLICY).map(|word| match word {
@@ -63,6 +68,7 @@ pub(super) fn stream(
         false => Some(None),
     };
     let lock_memory = section.flag(&LOCK_MEMORY);
+    let monitor = section.address(&MONITOR);
     section.finish();
     let latency_s = latency_ms? / 1e3;
     let radar = radar?;
@@ -74,7 +80,7 @@ pub(super) fn stream(
         root.reader().warn(Warning::ShortRing { wanted, slots, mebibytes });
     }
     let threads = usize::try_from(threads?).ok()?;
-    Some(transport::Settings {
+    let settings = transport::Settings {
         pace: pace?,
         policy: policy?,
         latency_s,
@@ -86,7 +92,8 @@ pub(super) fn stream(
         pacer_ahead: ahead?,
         pacer_core: pacer_core?,
         lock_memory: lock_memory?,
-    })
+    };
+    Some((settings, monitor))
 }
 
 /// `[fidelity]`.
@@ -128,44 +135,56 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     Some(Fidelity::Fast(Asked { error_db: error_db?, ..asked }))
 }
 
-/// `[[sink]]`.
+/// `[[sink]]`; `known` channels of calibration stand behind those of the radar.
 pub(super) fn sinks(
     root: &Section<'_>,
     radar: Option<&Radar>,
     ground: &Ground,
     platforms: &Names,
     targets: usize,
+    known: usize,
 ) -> Option<Vec<sinks::Settings>> {
-    let default_queue = radar.map(|radar| {
-        let platforms = platforms.names.len();
-        let wanted = (QUEUE_S * radar.emissions.mean_prf_hz()).ceil() as u64;
-        let fit = (QUEUE_BYTES / slot_bytes(radar, platforms, targets).max(1)).max(2);
-        wanted.clamp(QUEUE_PULSES[0], QUEUE_PULSES[1]).min(fit)
+    let defaults = radar.map(|radar| {
+        let slot_bytes = slot_bytes(radar, platforms.names.len(), targets).max(1);
+        let pulses = |seconds: f64, bytes: u64| {
+            let wanted = (seconds * radar.emissions.mean_prf_hz()).ceil() as u64;
+            wanted.clamp(QUEUE_PULSES[0], QUEUE_PULSES[1]).min((bytes / slot_bytes).max(2))
+        };
+        let channels = radar.channels.len() + known;
+        Defaults { queue: pulses(QUEUE_S, QUEUE_BYTES), buffer: pulses(BUFFER_S, BUFFER_BYTES), channels }
     });
     let sections = root.sections(&keys::root::SINK);
     if !root.has(&keys::root::SINK) || sections.is_empty() {
         root.reader().warn(Warning::NoSink);
         return Some(vec![sinks::Settings {
             kind: sinks::Kind::Null,
-            queue_pulses: usize::try_from(default_queue?).ok()?,
+            queue_pulses: usize::try_from(defaults?.queue).ok()?,
         }]);
     }
     let mut taken = Vec::new();
-    let sinks: Vec<Option<sinks::Settings>> = sections
-        .into_iter()
-        .map(|section| sink(section, ground, platforms, default_queue, &mut taken))
-        .collect();
+    let sinks: Vec<Option<sinks::Settings>> =
+        sections.into_iter().map(|section| sink(section, ground, platforms, defaults, &mut taken)).collect();
     sinks.into_iter().collect()
+}
+
+/// What follows from the radar.
+#[derive(Clone, Copy)]
+struct Defaults {
+    /// Pulses that may wait for a sink.
+    queue: u64,
+    /// Pulses that may wait for a subscriber.
+    buffer: u64,
+    channels: usize,
 }
 
 fn sink(
     section: Section<'_>,
     ground: &Ground,
     platforms: &Names,
-    default_queue: Option<u64>,
+    defaults: Option<Defaults>,
     taken: &mut Vec<PathBuf>,
 ) -> Option<sinks::Settings> {
-    use keys::sink::{ADDRESS, BIND, KIND, MTU_BYTES, PATH, QUEUE_PULSES as QUEUE, SEGMENT_S};
+    use keys::sink::{ADDRESS, BIND, KIND, MTU_BYTES, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S};
     let kind = match section.choice(&KIND) {
         Some("hdf5") => {
             let has_segments = section.has(&SEGMENT_S);
@@ -174,21 +193,26 @@ fn sink(
             path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
         }
         Some("nav") => nav_out::nav(&section, ground, platforms).map(sinks::Kind::Nav),
+        Some("crsd") => output(&section, taken).map(|path| sinks::Kind::Crsd { path, force: false }),
         Some("plain") => output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false }),
         Some("vita49") => {
             let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));
             let bind = section.address(&BIND);
             let fine = bind.is_some() || !section.has(&BIND);
+            let profile = section.choice(&PROFILE);
             address.zip(mtu_bytes).filter(|_| fine).and_then(|(address, mtu_bytes)| {
                 let mtu_bytes = usize::try_from(mtu_bytes).ok()?;
-                Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes }))
+                let profile = if profile? == "difi" { Profile::Difi } else { Profile::Nereus };
+                Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes, profile }))
             })
         }
+        Some("shm") => shm(&section, defaults).map(sinks::Kind::Shm),
+        Some("zmq") => zmq(&section, defaults).map(sinks::Kind::Zmq),
         Some(_) => Some(sinks::Kind::Null),
         None => None,
     };
     let asked_queue = section.count(&QUEUE);
-    let queue = if section.has(&QUEUE) { asked_queue } else { default_queue };
+    let queue = if section.has(&QUEUE) { asked_queue } else { defaults.map(|of| of.queue) };
     section.finish();
     return Some(sinks::Settings { kind: kind?, queue_pulses: usize::try_from(queue?).ok()? });
 
@@ -201,6 +225,44 @@ fn sink(
         taken.push(path.clone());
         Some(path)
     }
+}
+
+/// The keys of `kind = "shm"`.
+fn shm(section: &Section<'_>, defaults: Option<Defaults>) -> Option<sinks::shm::Settings> {
+    use keys::sink::{SERVICE, SUBSCRIBERS};
+    let (asked, subscribers) = (section.name(&SERVICE), section.count(&SUBSCRIBERS));
+    let service = if section.has(&SERVICE) { asked } else { Some("nereus".to_owned()) };
+    let buffer_pulses = buffer(section, defaults);
+    let subscribers = usize::try_from(subscribers?).ok()?;
+    Some(sinks::shm::Settings { service: service?, subscribers, buffer_pulses: buffer_pulses? })
+}
+
+/// The keys of `kind = "zmq"`.
+fn zmq(section: &Section<'_>, defaults: Option<Defaults>) -> Option<sinks::zmq::Settings> {
+    use keys::sink::{BIND, MESSAGES};
+    let asked = section.address(&BIND);
+    let bind = if section.has(&BIND) { asked } else { Some("127.0.0.1:5555".to_owned()) };
+    let messages = section.choice(&MESSAGES).map(|word| match word {
+        "multipart" => Messages::Multipart,
+        _ => Messages::Samples,
+    });
+    let buffer_pulses = buffer(section, defaults);
+    let (bind, messages) = (bind?, messages?);
+    let ports = if messages == Messages::Samples { defaults?.channels } else { 1 };
+    let ports = u16::try_from(ports).ok()?;
+    let first: u16 = bind.rsplit_once(':')?.1.parse().ok()?;
+    if first.checked_add(ports - 1).is_none() {
+        section.fault(&BIND, Problem::Ports { bind: bind.clone(), ports });
+    }
+    Some(sinks::zmq::Settings { bind, ports, messages, buffer_pulses: buffer_pulses? })
+}
+
+/// Pulses that may wait for a subscriber.
+fn buffer(section: &Section<'_>, defaults: Option<Defaults>) -> Option<usize> {
+    use keys::sink::BUFFER_PULSES;
+    let asked = section.count(&BUFFER_PULSES);
+    let pulses = if section.has(&BUFFER_PULSES) { asked } else { defaults.map(|of| of.buffer) };
+    usize::try_from(pulses?).ok()
 }
 
 /// An HDF5 recording, or the plain folder that stands for it in a build without HDF5.

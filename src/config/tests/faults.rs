@@ -56,6 +56,20 @@ sink.0.mtu_bytes: 500 is out of range; allowed: a whole number from 576 to 65535
 sink.0.bind: "127.0.0.1:0" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
 sink.0.path: has no meaning here (kind = "vita49")
 "#);
+    insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'zmq', bind = 'x', messages = 'sample', buffer_pulses = 0, address = 'x' }]")]), @r#"
+sink.0.bind: "x" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
+sink.0.messages: "sample" is not allowed; allowed: "samples", "multipart"
+sink.0.buffer_pulses: 0 is out of range; allowed: a whole number from 1 to 65536
+sink.0.address: has no meaning here (kind = "zmq")
+"#);
+    insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'zmq', bind = '127.0.0.1:65533' }, { kind = 'zmqq' }, { kind = 'shm', service = 'a/b', subscribers = 0, subscriber = 2, bind = 'x' }]")]), @r#"
+sink.0.bind: "127.0.0.1:65533" is the first of 4 ports, one a channel; allowed: a first port of at most 65532
+sink.1.kind: "zmqq" is not allowed; allowed: "hdf5", "plain", "vita49", "shm", "zmq", "nav", "null"
+sink.2.service: "a/b" is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
+sink.2.subscribers: 0 is out of range; allowed: a whole number from 1 to 64
+sink.2.subscriber: unknown key; did you mean subscribers?
+sink.2.bind: has no meaning here (kind = "shm")
+"#);
     insta::assert_snapshot!(faults_of(&[("platform", "[]"), ("sink", "3"), ("stream", "'fast'")]), @r#"
 transmitter.0.platform: there is no platform "coast"; allowed: none are defined
 transmitter.0.pointing.platform: there is no platform "aircraft"; allowed: none are defined

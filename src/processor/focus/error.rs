@@ -24,17 +24,22 @@ pub enum FocusError {
         /// As asked.
         found_db: f64,
     },
-    /// What came over the wire.
+    /// What came over the wire from a sender that does not describe its radar.
     #[error(
-        "holds no replica: what was received over the wire has neither replica nor phase centres, and cannot be focused"
+        "holds no replica: it was received over the wire from a sender that describes neither waveform nor antennas (an earlier version, or a replica of more than 2^20 samples); allowed: what was received from one that does (docs/wire.md, classes 5 to 7), or the sender's own recording"
     )]
     NoReplica,
+    /// What came over the wire, by true navigation.
+    #[error(
+        "holds no true phase centres: it was received over the wire, which carries what platforms report; allowed: --nav reported"
+    )]
+    NoTruth,
     /// Nothing but calibration channels.
     #[error("holds no channel of echoes")]
     NoEchoes,
-    /// Neither a centre nor a scenario from which it would follow.
+    /// Neither a centre nor anything from which it would follow.
     #[error(
-        "has no scenario that this version can read, from which the middle of the image would follow; allowed: a centre (--centre-m X,Y)"
+        "has neither attribute instrument nor a scenario that this version can read, from which the middle of the image would follow; allowed: a centre (--centre-m X,Y)"
     )]
     NoCentre,
     /// A Doppler band about the aim of an antenna that has none.

@@ -1,10 +1,10 @@
 //! From which pulses a pixel is made.
 
-use super::{DopplerBand, FocusError, Focuser};
+use super::{DopplerBand, FocusError, Focuser, looks};
 use crate::processor::backproject::{Aperture, Gate};
 use crate::recording::RecordingError;
 use crate::recording::ground::Ground;
-use crate::scene::radar::Pattern;
+use crate::recording::instrument::AntennaRow;
 
 impl Focuser<'_> {
     /// The gate of a channel, whose pulses in use are `illuminated`: as asked, or as wide as the pulse rate
@@ -52,7 +52,13 @@ impl Focuser<'_> {
             }
             match recording.boresights(name) {
                 Ok(known) => boresights.push(known),
-                Err(RecordingError::Missing { .. }) => return Ok(None),
+                Err(RecordingError::Missing { .. }) => {
+                    let Some(instrument) = &self.instrument else { return Ok(None) };
+                    match looks::boresights(recording, instrument, (name, path))? {
+                        Some(reported) => boresights.push(reported),
+                        None => return Ok(None),
+                    }
+                }
                 Err(error) => return Err(error.into()),
             }
         }
@@ -63,11 +69,11 @@ impl Focuser<'_> {
         Ok(Some(aperture.pulses.iter().zip(illuminated).map(aim).collect()))
     }
 
-    /// Whether an antenna radiates alike in all directions, so that its boresight is no aim. Where the
-    /// scenario is not known it counts as one that has an aim.
+    /// Whether an antenna radiates alike in all directions, so that its boresight is no aim. One that is not
+    /// described counts as one that has an aim.
     fn is_isotropic(&self, name: &str) -> bool {
-        let mount = self.scenario.and_then(|scenario| scenario.scene.radar.antenna(name));
-        mount.is_some_and(|mount| matches!(mount.pattern, Pattern::Isotropic { .. }))
+        let antenna = self.instrument.as_ref().and_then(|instrument| instrument.antenna(name));
+        antenna.is_some_and(AntennaRow::is_isotropic)
     }
 }
 

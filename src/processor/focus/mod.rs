@@ -11,13 +11,13 @@
 //! | middle | where the radar looks at the middle pulse, to a metre: what the receive window follows, else the aim of the receiver, else that of the transmitter, else the middle of a patch that stays, else the origin |
 //! | pulses | those that left in the channel's polarisation; a pixel takes those in whose Doppler band it lies ([`DopplerBand`]) |
 //!
-//! Neither gain nor range is taken out. The scenario in the recording is needed for the middle, where
-//! none is given, and for whether an antenna has an aim: without it ([`Focuser::new`]) every antenna counts as
-//! one that has.
+//! Neither gain nor range is taken out. Where antennas and window look, and whether an antenna has an aim, follows
+//! from the [`Instrument`] that the recording describes, and of recordings of earlier versions from their scenario:
+//! without both ([`Focuser::new`]) the middle has to be given, and every antenna counts as one that has an aim.
 
-mod centre;
 mod error;
 mod gating;
+mod looks;
 
 use num_complex::Complex32;
 
@@ -31,6 +31,7 @@ use super::taper::Taper;
 use crate::geometry::phase_path::PhasePath;
 use crate::motion::PlatformNav;
 use crate::recording::ground::Ground;
+use crate::recording::instrument::Instrument;
 use crate::recording::{Recording, RecordingError};
 use crate::scene::Scene;
 
@@ -142,6 +143,8 @@ pub struct Described<'a> {
 pub struct Focuser<'a> {
     recording: &'a Recording,
     scenario: Option<Described<'a>>,
+    /// As the recording describes it, else as its scenario does.
+    instrument: Option<Instrument>,
     settings: Settings,
     ground: Ground,
     compressor: Compressor,
@@ -151,7 +154,8 @@ impl<'a> Focuser<'a> {
     /// Of a recording and what its scenario describes; none where that is not known.
     ///
     /// # Errors
-    /// No channel of echoes, no replica, no middle, a grid that cannot be, settings out of range.
+    /// No channel of echoes, no replica, no true navigation where that is asked, no middle, a grid that cannot
+    /// be, settings out of range.
     pub fn new(
         recording: &'a Recording,
         scenario: Option<Described<'a>>,
@@ -159,20 +163,21 @@ impl<'a> Focuser<'a> {
     ) -> Result<Self, FocusError> {
         let compressor = compressor(recording, settings)?;
         let channel = *echoes(recording).first().ok_or(FocusError::NoEchoes)?;
+        let instrument = instrument(recording, scenario);
         let middle = || {
-            let scene = scenario.ok_or(FocusError::NoCentre)?.scene;
+            let instrument = instrument.as_ref().ok_or(FocusError::NoCentre)?;
             // A round number of metres is easier to give again.
-            Ok(centre::centre_m(recording, scene, channel, recording.pulses() / 2).map(f64::round))
+            Ok(looks::centre_m(recording, instrument, channel, recording.pulses() / 2).map(f64::round))
         };
         let [x, y] = settings.centre_m.map_or_else(middle, Ok::<_, FocusError>)?;
         let ground = Ground::map([x, y, settings.height_m], settings.size_m, settings.pixel_m)?;
-        Ok(Self { recording, scenario, settings: settings.clone(), ground, compressor })
+        Ok(Self { recording, scenario, instrument, settings: settings.clone(), ground, compressor })
     }
 
     /// Another recording onto the same grid, by true navigation.
     ///
     /// # Errors
-    /// No replica.
+    /// No replica, no true navigation.
     pub fn by_truth<'b>(
         &self,
         recording: &'b Recording,
@@ -180,7 +185,8 @@ impl<'a> Focuser<'a> {
     ) -> Result<Focuser<'b>, FocusError> {
         let settings = Settings { nav: Navigation::True, ..self.settings.clone() };
         let compressor = compressor(recording, &settings)?;
-        Ok(Focuser { recording, scenario, settings, ground: self.ground, compressor })
+        let instrument = instrument(recording, scenario);
+        Ok(Focuser { recording, scenario, instrument, settings, ground: self.ground, compressor })
     }
 
     /// The recording.
@@ -339,10 +345,19 @@ fn echoes(recording: &Recording) -> Vec<usize> {
     recording.channels().iter().copied().filter(is_of_echoes).collect()
 }
 
+/// What is known of the radar: by the recording itself, else by its scenario.
+fn instrument(recording: &Recording, scenario: Option<Described>) -> Option<Instrument> {
+    let described = || scenario.map(|scenario| Instrument::of(scenario.scene));
+    recording.header.instrument.clone().or_else(described)
+}
+
 fn compressor(recording: &Recording, settings: &Settings) -> Result<Compressor, FocusError> {
     let header = &recording.header;
     if header.replica.is_empty() {
         return Err(FocusError::NoReplica);
+    }
+    if settings.nav == Navigation::True && !header.truth {
+        return Err(FocusError::NoTruth);
     }
     let found_db = settings.interpolation_db;
     if !(-100.0..0.0).contains(&found_db) {

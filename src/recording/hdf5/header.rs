@@ -13,6 +13,7 @@ use crate::pulse::SampleFormat;
 use crate::recording::columns::Column;
 use crate::recording::descriptions::{Description, of_header};
 use crate::recording::header::{AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, Origin, PairRow};
+use crate::recording::instrument::{Instrument, NAME as INSTRUMENT};
 use crate::recording::shard::{NotAShard, Shard};
 use crate::time::TimeTag;
 
@@ -57,6 +58,9 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
         attribute(file, "origin_lat_deg", &origin.lat_deg)?;
         attribute(file, "origin_lon_deg", &origin.lon_deg)?;
         attribute(file, "origin_h_m", &origin.h_m)?;
+    }
+    if let Some(instrument) = &header.instrument {
+        attribute(file, INSTRUMENT, &text(&instrument.to_json())?)?;
     }
     let (start_ns, start_frac_ns) = header.start.to_unix_ns();
     attribute(file, "start_time_ns", &start_ns)?;
@@ -148,6 +152,7 @@ pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
         truth: optional::<u8>(file, "truth")?.is_none_or(|truth| truth != 0),
         changes: changes::read(file, file_bytes)?,
         shard: shard(file)?,
+        instrument: instrument(file)?,
         ..Header::default()
     };
     for (name, field) in header.fields() {
@@ -186,6 +191,13 @@ fn shard(file: &File) -> Result<Option<Shard>, Fault> {
     parsed.transpose().map_err(|(words, error): (_, NotAShard)| {
         Fault::Text(format!("shard '{}': {error}", words.escape_debug()))
     })
+}
+
+/// Absent in recordings of earlier versions.
+fn instrument(file: &File) -> Result<Option<Instrument>, Fault> {
+    let words = strings(file, INSTRUMENT)?;
+    let read = |words: &String| Instrument::from_json(words).map_err(|fault| Fault::Text(fault.to_string()));
+    words.first().map(read).transpose()
 }
 
 fn origin(file: &File) -> Result<Option<Origin>, Fault> {

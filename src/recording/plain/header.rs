@@ -13,6 +13,7 @@ use crate::recording::columns::{Column, Element, columns};
 use crate::recording::descriptions::of_header;
 use crate::recording::fault::RecordingError;
 use crate::recording::header::{AdcRow, FORMAT_VERSION, Field, Header, Origin};
+use crate::recording::instrument::Instrument;
 use crate::time::TimeTag;
 
 /// `meta.json`.
@@ -49,6 +50,8 @@ pub(super) fn meta(header: &Header, list: &[Column]) -> Value {
         "start_time_frac_ns": start_frac_ns,
         "shard": header.shard.map(|shard| shard.to_string()),
         "truth": header.truth,
+        // Text, as in HDF5: whoever reads both finds the same.
+        "instrument": header.instrument.as_ref().map(Instrument::to_json),
         "replica_dtype": Element::Cf32.numpy(),
         "columns": files,
         "descriptions": others,
@@ -127,6 +130,10 @@ fn header(meta: &Value) -> Option<Header> {
             shard => Some(shard.as_str()?.parse().ok()?),
         },
         truth: meta["truth"].as_bool().unwrap_or(true),
+        instrument: match &meta["instrument"] {
+            Value::Null => None,
+            instrument => Some(Instrument::from_json(instrument.as_str()?).ok()?),
+        },
         ..Header::default()
     };
     for (name, field) in header.fields() {

@@ -19,12 +19,16 @@
 //! `{"pulse":2220,"time_ns":..,"platform":"aircraft","text":"step position.up 5 m","source":"scenario"}`.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
 use super::columns::Column;
-use crate::files::{Holding, Recognised};
+use super::fault::{READING, RecordingError};
+use crate::files::{FileFault, Holding, Recognised};
+use crate::inputs;
+use crate::pulse::log::{Entry, Log};
 
 mod header;
 pub(crate) mod reader;
@@ -38,6 +42,28 @@ const META: &str = "meta.json";
 const REPLICA: &str = "replica.bin";
 /// Changes of reports.
 const CHANGES: &str = "truth/changes.jsonl";
+/// Longest list of changes that is read, bytes: a run takes 1024 of them.
+const MOST_CHANGES: u64 = 1 << 20;
+
+/// The changes that a folder lists; `None` where it has no list. A line that is cut, as the last one of a run that was
+/// killed, is left out.
+///
+/// # Errors
+/// A list that cannot be read, or is longer than any that a run makes.
+pub fn changes(folder: &Path) -> Result<Option<Log>, RecordingError> {
+    let path = folder.join(CHANGES);
+    let bytes = match inputs::read(&path, MOST_CHANGES) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        read => read.map_err(FileFault::io(&path, READING))?,
+    };
+    if bytes.len() as u64 > MOST_CHANGES {
+        let detail = format!("{CHANGES} has more than {MOST_CHANGES} bytes; allowed: at most so many");
+        return Err(RecordingError::Foreign { path: folder.to_owned(), detail });
+    }
+    let lines = bytes.split(|byte| *byte == b'\n');
+    let entries: Vec<Entry> = lines.filter_map(|line| serde_json::from_slice(line).ok()).collect();
+    Ok(Some(entries.into()))
+}
 /// Largest `meta.json` and `replica.bin` that are read.
 const MOST_BYTES: u64 = 256 << 20;
 

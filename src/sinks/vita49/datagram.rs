@@ -11,12 +11,55 @@ pub(super) enum Type {
     Context,
     /// Extension context of this packet class.
     Extension(u16),
+    /// A packet of DIFI.
+    Difi(Difi),
+}
+
+/// Packet classes of DIFI that are sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Difi {
+    /// Standard flow signal data.
+    Data,
+    /// Standard flow signal context.
+    Context,
+    /// Version flow signal context.
+    Version,
+}
+
+impl Type {
+    /// Packet type and the bits that are its own.
+    fn bits(self) -> u32 {
+        match self {
+            // Type 1, with a trailer that has a sample frame: not a V49.0 packet.
+            Self::Signal => 1 << 28 | 1 << 26 | 1 << 25,
+            Self::Context => 4 << 28,
+            Self::Extension(_) => 5 << 28 | 1 << 27,
+            Self::Difi(Difi::Data) => 1 << 28 | 1 << 27,
+            // Their time is that of the settings, not of a sample.
+            Self::Difi(Difi::Context) => 4 << 28 | 1 << 27 | 1 << 24,
+            Self::Difi(Difi::Version) => 5 << 28 | 1 << 27 | 1 << 24,
+        }
+    }
+
+    /// Organisation; information class and packet class.
+    fn class(self) -> Option<[u32; 2]> {
+        match self {
+            Self::Signal | Self::Context => None,
+            Self::Extension(class) => Some([OUI, INFORMATION_CLASS << 16 | u32::from(class)]),
+            Self::Difi(Difi::Data) => Some([DIFI_OUI, 0]),
+            Self::Difi(Difi::Context) => Some([DIFI_OUI, 1]),
+            Self::Difi(Difi::Version) => Some([DIFI_OUI, 1 << 16 | 4]),
+        }
+    }
 }
 
 /// Class identifier's organisation: `NER`, an identifier of those that are administered locally.
 pub(super) const OUI: u32 = 0x004e_4552;
 /// Class identifier's information class: version 1 of the extension-context packets.
 const INFORMATION_CLASS: u32 = 1;
+
+/// The same of DIFI.
+const DIFI_OUI: u32 = 0x006a_621e;
 
 /// Bytes before the payload of signal data and context.
 pub(super) const PROLOGUE: usize = 20;
@@ -39,17 +82,11 @@ impl Datagram {
     /// end.
     pub(super) fn begin(&mut self, of: Type, stream: u32, count: u8, at: Stamp) -> &mut Self {
         self.0.clear();
-        let kind = match of {
-            // Type 1, with a trailer that has a sample frame: not a V49.0 packet.
-            Type::Signal => 1 << 28 | 1 << 26 | 1 << 25,
-            Type::Context => 4 << 28,
-            Type::Extension(_) => 5 << 28 | 1 << 27,
-        };
         // Whole seconds are UTC (1), fractions real time (2).
-        let header: u32 = kind | 1 << 22 | 2 << 20 | u32::from(count & 15) << 16;
+        let header: u32 = of.bits() | 1 << 22 | 2 << 20 | u32::from(count & 15) << 16;
         self.u32(header).u32(stream);
-        if let Type::Extension(class) = of {
-            self.u32(OUI).u32(INFORMATION_CLASS << 16 | u32::from(class));
+        if let Some([organisation, codes]) = of.class() {
+            self.u32(organisation).u32(codes);
         }
         self.u32(at.seconds).u64(at.picoseconds)
     }

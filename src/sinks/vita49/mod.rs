@@ -7,8 +7,10 @@
 //!    context);
 //! 2. for each channel its samples, split over as many signal packets as the MTU asks for.
 //!
-//! Before the first pulse, and once every second of emission time, a description of the run, the platforms
-//! and the channels is sent, and the standard context of every channel. All bytes are in `docs/wire.md`.
+//! Before the first pulse, and once every second of emission time, a description of the run, the platforms,
+//! the waveform and its replica, the antennas and the channels is sent, and the standard context of every
+//! channel. A long replica is sent at once before the first pulse, and spread over the second later. All
+//! bytes are in `docs/wire.md`.
 //!
 //! **Time.** The stamp of a signal packet is that of its first sample,
 //!
@@ -40,7 +42,7 @@
 //!     transmit_basis: "ludwig-3".into(), receive_basis: "ludwig-3".into() };
 //! let header = Header { software: "example".into(), carrier_hz: 10e9, sample_rate_hz: 100e6, bandwidth_hz: 60e6,
 //!     pulse_s: 1e-6, prf_hz: 222.0, channels: vec![channel], pairs: vec![], origin: None, seed: 1, config: String::new(),
-//!     replica: vec![], platforms: vec!["aircraft".into()], transmitters: vec![], receivers: vec![], targets: vec![],
+//!     replica: vec![], instrument: None, platforms: vec!["aircraft".into()], transmitters: vec![], receivers: vec![], targets: vec![],
 //!     ships: vec![], clocks: vec![], layout, adc: None, start: TimeTag::default(), first_pulse: 0, pulses: 1, shard: None,
 //!     truth: false, changes: None };
 //! let receiver = std::net::UdpSocket::bind("127.0.0.1:0")?;
@@ -55,16 +57,17 @@
 //! ```
 
 mod datagram;
+pub mod difi;
 mod link;
 mod report;
 mod packets;
+mod radar;
 mod stamp;
 
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
 use super::sink::{Closed, Sink, SinkError, SinkReport};
-use crate::recording::RecordingError;
 use crate::recording::header::Header;
 use datagram::{Datagram, PROLOGUE, TRAILER, Type};
 use link::Link;
@@ -89,12 +92,35 @@ pub struct Settings {
     pub bind: Option<String>,
     /// Greatest IP packet, bytes.
     pub mtu_bytes: usize,
+    /// Which packets.
+    pub profile: Profile,
+}
+
+/// Which packets are sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Profile {
+    /// All of `docs/wire.md`: samples, states, descriptions.
+    #[default]
+    Nereus,
+    /// Those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel.
+    Difi,
+}
+
+/// A sink of a profile.
+///
+/// # Errors
+/// Those of [`Vita49Sink::open`] and [`difi::DifiSink::open`].
+pub fn open(settings: &Settings, header: &Header) -> Result<Box<dyn Sink>, SinkError> {
+    Ok(match settings.profile {
+        Profile::Nereus => Box::new(Vita49Sink::open(settings, header)?),
+        Profile::Difi => Box::new(difi::DifiSink::open(settings, header)?),
+    })
 }
 
 impl Default for Settings {
     /// The standard's port on this machine, Ethernet's MTU.
     fn default() -> Self {
-        Self { address: "127.0.0.1:4991".to_owned(), bind: None, mtu_bytes: 1500 }
+        Self { address: "127.0.0.1:4991".to_owned(), bind: None, mtu_bytes: 1500, profile: Profile::Nereus }
     }
 }
 
@@ -136,8 +162,34 @@ pub struct Vita49Sink {
     state: Counts,
     names: Counts,
     run: Counts,
+    /// Of waveform and filter, and of the replica.
+    radar: Counts,
+    antennas: Counts,
+    replica: Replica,
     pulses: u64,
     bytes: u64,
+}
+
+/// The replica on its way, piece by piece.
+#[derive(Debug, Default)]
+struct Replica {
+    samples: usize,
+    /// Samples in a piece.
+    piece: usize,
+    /// First sample that this round has not sent.
+    next: usize,
+    /// Samples that a pulse after the first sends.
+    per_pulse: usize,
+}
+
+impl Replica {
+    fn new(header: &Header, room: usize) -> Self {
+        let samples = if header.instrument.is_some() { radar::replica_samples(header) } else { 0 };
+        let piece = radar::replica_piece(room).max(1);
+        // All within a description's second.
+        let pieces = (samples.div_ceil(piece) as f64 / (header.prf_hz * DESCRIBE_S).max(1.0)).ceil();
+        Self { samples, piece, next: 0, per_pulse: pieces as usize * piece }
+    }
 }
 
 /// Whether the sink could be opened as far as names go; nothing is sent.
@@ -185,6 +237,9 @@ impl Vita49Sink {
             state: Counts::new(layout.platforms),
             names: Counts::new(layout.platforms),
             run: Counts::new(1),
+            radar: Counts::new(2),
+            antennas: Counts::new(layout.antennas),
+            replica: Replica::new(header, room),
             pulses: 0,
             bytes: 0,
         })
@@ -202,11 +257,31 @@ impl Vita49Sink {
             let count = self.names.next(platform);
             send(packets::platform_description(datagram, header, platform, count, at));
         }
+        if let Some(instrument) = &header.instrument {
+            send(radar::signal(datagram, header, instrument, self.radar.next(0), at));
+            for antenna in instrument.antennas.iter().enumerate() {
+                let count = self.antennas.next(antenna.0);
+                send(radar::antenna(datagram, header, antenna, count, at));
+            }
+        }
         for channel in 0..header.layout.channels {
             let count = self.description.next(channel);
             send(packets::channel_description(datagram, header, channel, count, at));
             let count = self.context.next(channel);
             send(packets::channel_context(datagram, header, channel, count, at, first));
+        }
+    }
+
+    /// What is due of the replica: all of it before the first pulse.
+    fn send_replica(&mut self, at: Stamp, first: bool) {
+        let Self { link, header, datagram, bytes, replica, .. } = self;
+        let end = if first { replica.samples } else { replica.next.saturating_add(replica.per_pulse) };
+        while replica.next < end.min(replica.samples) {
+            let count = self.radar.next(1);
+            let packet = radar::replica(datagram, header, (replica.next, replica.piece), count, at);
+            *bytes += packet.len() as u64;
+            link.send(packet);
+            replica.next += replica.piece;
         }
     }
 
@@ -252,26 +327,6 @@ impl Vita49Sink {
             }
         }
     }
-
-    /// Whether a pulse has the sizes announced.
-    fn check(&self, pulse: &Pulse) -> Result<(), RecordingError> {
-        let layout = &self.header.layout;
-        let samples = match (&pulse.samples, layout.format) {
-            (Samples::Cf32(all), SampleFormat::Cf32) => all.len(),
-            (Samples::Ci16(all), SampleFormat::Ci16) => all.len(),
-            _ => 0,
-        };
-        for (column, found, expected) in [
-            ("iq", samples, layout.channels * layout.samples),
-            ("nav", pulse.nav_reported.len(), layout.platforms),
-        ] {
-            if found != expected {
-                let column = column.to_owned();
-                return Err(RecordingError::Pulse { index: pulse.index, column, found, expected });
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Sink for Vita49Sink {
@@ -284,12 +339,18 @@ impl Sink for Vita49Sink {
     }
 
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
-        self.check(pulse)?;
+        self.header.check_pulse(pulse)?;
         let emission = Stamp::new(pulse.time, Span::default(), Span::default());
+        let first = self.due.is_none();
         if self.due.is_none_or(|due| pulse.time >= due) {
-            self.describe_run(emission, self.due.is_none());
+            self.describe_run(emission, first);
             self.due = Some(pulse.time.plus(DESCRIBE_S));
+            // What drops of pulses have left of the last round comes first.
+            if self.replica.next >= self.replica.samples {
+                self.replica.next = 0;
+            }
         }
+        self.send_replica(emission, first);
         self.send_states(pulse, emission);
         self.send_samples(pulse);
         self.pulses += 1;

@@ -3,6 +3,7 @@
 use num_complex::Complex32;
 
 use super::datagram::{Datagram, EXTENSION_PROLOGUE, OUI, Type, text_bytes};
+use super::radar;
 use super::stamp::Stamp;
 use crate::frames::{Body, Earth, Ecef, Enu, Geodetic, Point, Rotation, SceneFrame, Vector};
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
@@ -183,7 +184,7 @@ pub(super) fn run_description<'a>(
 ) -> &'a [u8] {
     let none = Origin { lat_deg: f64::NAN, lon_deg: f64::NAN, h_m: f64::NAN };
     let origin = header.origin.unwrap_or(none);
-    datagram
+    let packet = datagram
         .begin(Type::Extension(RUN), RUN_STREAM, count, at)
         .f64s(&[origin.lat_deg, origin.lon_deg, origin.h_m])
         .f64s(&[header.carrier_hz, header.sample_rate_hz, header.bandwidth_hz, header.pulse_s, header.prf_hz])
@@ -192,8 +193,12 @@ pub(super) fn run_description<'a>(
         .u64(header.first_pulse)
         .u64(header.pulses)
         .u64(header.seed)
-        .text(&header.software)
-        .end()
+        .text(&header.software);
+    // An addition: how much there is to wait for. One who describes no radar leaves it out.
+    if header.instrument.is_some() {
+        packet.u32(header.layout.antennas as u32).u32(radar::replica_samples(header) as u32);
+    }
+    packet.end()
 }
 
 /// Whether every description fits a datagram.
@@ -201,7 +206,8 @@ pub(super) fn check(header: &Header, room: usize) -> Result<(), RecordingError> 
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
     let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
-    let longest = channels.chain(platforms).chain([104 + texts(&[&header.software])]).max().unwrap_or(0);
+    let others = [112 + texts(&[&header.software]), header.instrument.as_ref().map_or(0, radar::longest)];
+    let longest = channels.chain(platforms).chain(others).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {
         return Err(RecordingError::Header {
             field: "names",

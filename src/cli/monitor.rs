@@ -1,0 +1,179 @@
+//! The live page: `nereus run --monitor` and `nereus monitor`.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::error::CliError;
+
+/// `nereus monitor`
+#[derive(Debug, Args)]
+pub struct MonitorArgs {
+    /// HDF5 file or folder
+    pub recording: PathBuf,
+    /// Address of the page; port 0: any that is free
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
+    pub listen: String,
+    /// Times the pace at which the pulses were emitted, 0.001 to 1000
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = speed)]
+    pub speed: f64,
+    /// End with the recording; otherwise its page stays until Ctrl-C
+    #[arg(long)]
+    pub once: bool,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|speed: &f64| (0.001..=1000.0).contains(speed));
+    speed.ok_or_else(|| "allowed: a number from 0.001 to 1000".to_owned())
+}
+
+/// Shows a recording.
+pub(super) fn monitor(args: &MonitorArgs, out: &mut dyn Write) -> Result<(), CliError> {
+    page::replay(args, out)
+}
+
+#[cfg(feature = "monitor")]
+pub(super) mod page {
+    use std::io::Write;
+    use std::path::Path;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread;
+    use std::time::Duration;
+
+    use super::{CliError, MonitorArgs};
+    use crate::cli::examine::error::ExamineError;
+    use crate::cli::examine::examine;
+    use crate::cli::{counted, escape, say, warn};
+    use crate::monitor::replay::Replay;
+    use crate::monitor::{Door, Monitor, Scenery, queue_pulses};
+    use crate::pipeline::build::PulseStream;
+    use crate::pipeline::control::Control;
+    use crate::scene::Scene;
+    use crate::transport::view::View;
+
+    /// A page whose address is taken; nobody is answered yet.
+    pub struct Page(Door);
+
+    /// A page that is served.
+    pub struct Shown(Monitor);
+
+    impl Page {
+        /// At an address.
+        pub fn at(address: &str) -> Result<Self, CliError> {
+            Ok(Self(Door::at(address)?))
+        }
+
+        /// Shows a stream. `control` lets who has the address change reports.
+        pub fn show(
+            self,
+            stream: &PulseStream,
+            scene: &Scene,
+            config: &Path,
+            control: Option<Control>,
+        ) -> Result<(View, Shown), CliError> {
+            announce(&self.0, control.is_some());
+            let title =
+                config.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            let (view, onlooker) = stream.view(queue_pulses(stream.header()));
+            let scenery = Scenery::of(scene, &title);
+            let monitor = Monitor::of_stream(self.0, stream.header(), &scenery, onlooker, control)?;
+            Ok((view, Shown(monitor)))
+        }
+    }
+
+    impl Shown {
+        /// Lets browsers have the last of it.
+        pub fn close(self) {
+            self.0.close();
+        }
+    }
+
+    fn announce(door: &Door, control: bool) {
+        say(format_args!("monitor: {}", door.url()));
+        if door.is_open_to_others() {
+            let what = if control { "see the run and change its reports" } else { "see the run" };
+            warn([format!("other machines can reach the monitor: whoever has its address can {what}")]);
+        }
+    }
+
+    pub fn replay(args: &MonitorArgs, _out: &mut dyn Write) -> Result<(), CliError> {
+        // What a damaged recording holds is shown as far as it goes; what kills its reader is not read here.
+        match examine(&args.recording) {
+            Ok(()) | Err(ExamineError::Refused { .. }) => {}
+            Err(fatal) => return Err(fatal.into()),
+        }
+        let door = Door::at(&args.listen)?;
+        let url = door.url();
+        let open_to_others = door.is_open_to_others();
+        let mut replay = Replay::open(&args.recording, door)?;
+        say(format_args!("monitor: {url}"));
+        if open_to_others {
+            warn(["other machines can reach the monitor: whoever has its address can see the recording"]);
+        }
+        let stop = Arc::new(AtomicBool::new(false));
+        let asked = Arc::clone(&stop);
+        ctrlc::set_handler(move || asked.store(true, Ordering::Release)).map_err(CliError::Signal)?;
+        let played = replay.play(args.speed, &stop);
+        let name = escape::path(&args.recording);
+        let pulses = counted(played.pulses, "pulse");
+        match &played.fault {
+            Some(fault) => warn([format!("{name}: {pulses} shown, and then it cannot be read: {fault}")]),
+            None => say(format_args!("{name}: {pulses} shown")),
+        }
+        if !args.once && !stop.load(Ordering::Acquire) {
+            say("the page stays until Ctrl-C");
+            while !stop.load(Ordering::Acquire) {
+                thread::sleep(Duration::from_millis(50));
+            }
+        }
+        replay.close();
+        Ok(())
+    }
+}
+
+/// A build without the page.
+#[cfg(not(feature = "monitor"))]
+pub(super) mod page {
+    use std::io::Write;
+    use std::path::Path;
+
+    use super::{CliError, MonitorArgs};
+    use crate::pipeline::build::PulseStream;
+    use crate::pipeline::control::Control;
+    use crate::scene::Scene;
+    use crate::transport::view::View;
+
+    /// There is none.
+    pub enum Page {}
+
+    /// There is none.
+    pub enum Shown {}
+
+    impl Page {
+        pub fn at(_: &str) -> Result<Self, CliError> {
+            Err(CliError::NoMonitor)
+        }
+
+        pub fn show(
+            self,
+            _: &PulseStream,
+            _: &Scene,
+            _: &Path,
+            _: Option<Control>,
+        ) -> Result<(View, Shown), CliError> {
+            match self {}
+        }
+    }
+
+    impl Shown {
+        pub fn close(self) {
+            match self {}
+        }
+    }
+
+    pub fn replay(_: &MonitorArgs, _: &mut dyn Write) -> Result<(), CliError> {
+        Err(CliError::NoMonitor)
+    }
+}

@@ -1,0 +1,218 @@
+//! Looks at pulses as they are released, and keeps what is shown of them.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use super::MonitorFault;
+use super::about::Scenery;
+use super::budget::Budget;
+use super::doppler::{self, Burst};
+use super::footprint::Footprint;
+use super::history;
+use super::hub::{Hub, Now};
+use super::ranges::{Ranges, Row};
+use crate::pulse::Pulse;
+use crate::recording::header::Header;
+use crate::scene::radar::Polarisation;
+use crate::time::TimeTag;
+use crate::transport::health::Counters;
+use crate::transport::view::{Onlooker, Seen};
+
+/// Pause between two looks at the queue.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Shortest time between two range lines of a channel.
+const ROW_EVERY: Duration = Duration::from_millis(50);
+/// Shortest time between two range-Doppler maps.
+const MAP_EVERY: Duration = Duration::from_millis(500);
+/// How long a map goes on being made after a browser has asked for it.
+const MAP_WANTED: Duration = Duration::from_secs(3);
+/// Shortest time between two looks at the counters.
+const COUNT_EVERY: Duration = Duration::from_millis(200);
+/// Time over which the speed of generation is taken, s.
+const SPEED_S: f64 = 2.0;
+/// Priority of the monitor's threads from 0 to 99, where 50 is that of an ordinary thread: nice 19.
+const PRIORITY: u8 = 0;
+
+/// Turns pulses into what is shown.
+pub struct Watcher {
+    hub: Arc<Hub>,
+    scenery: Scenery,
+    ranges: Option<Ranges>,
+    budget: Budget,
+    start: TimeTag,
+    /// Code of the polarisation that a channel is radiated in; `None`: in every pulse.
+    radiated: Vec<Option<u8>>,
+    /// When the last range line of each channel was made.
+    lines: Vec<Option<Instant>>,
+    burst: Burst,
+    burst_pulses: usize,
+    maps: u64,
+    mapped: Option<Instant>,
+    wanted: Option<Instant>,
+    /// Pulses made and seconds of work, some time ago.
+    speed: Option<(u64, f64)>,
+}
+
+/// Lowers the priority of a thread of the monitor to the least there is.
+pub fn step_back() {
+    if let Ok(level) = PRIORITY.try_into() {
+        let _ = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Crossplatform(
+            level,
+        ));
+    }
+}
+
+/// Watches a stream in a thread of its own until it ends or is `over`.
+///
+/// # Errors
+/// The system refuses the thread.
+pub fn start(
+    mut onlooker: Onlooker,
+    mut watcher: Watcher,
+    over: Arc<AtomicBool>,
+) -> Result<JoinHandle<()>, MonitorFault> {
+    let watch = move || {
+        step_back();
+        let mut counted: Option<Instant> = None;
+        loop {
+            // Looked at before the queue: what came before the end is shown.
+            let last = over.load(Ordering::Acquire);
+            let mut seen = Seen::Pulse;
+            while seen == Seen::Pulse {
+                seen = onlooker.look(|pulse| watcher.show(pulse));
+            }
+            let ended = last || seen == Seen::Ended;
+            if (ended || counted.is_none_or(|at| at.elapsed() >= COUNT_EVERY))
+                && let Some(health) = onlooker.health()
+            {
+                counted = Some(Instant::now());
+                watcher.count(health.counters(), onlooker.not_shown());
+            }
+            if ended {
+                return;
+            }
+            thread::sleep(PAUSE);
+        }
+    };
+    thread::Builder::new().name("monitor".to_owned()).spawn(watch).map_err(MonitorFault::Thread)
+}
+
+impl Watcher {
+    /// For the pulses of a run.
+    pub fn new(hub: &Arc<Hub>, header: &Header, scenery: &Scenery) -> Self {
+        let radiated = |letters: &str| {
+            letters.chars().nth(1).and_then(Polarisation::from_letter).map(Polarisation::code)
+        };
+        Self {
+            hub: Arc::clone(hub),
+            scenery: scenery.clone(),
+            ranges: Ranges::new(header),
+            budget: Budget::of_this_machine(),
+            start: header.start,
+            radiated: header.channels.iter().map(|channel| radiated(&channel.polarisations)).collect(),
+            lines: vec![None; header.channels.len()],
+            burst: Burst::default(),
+            burst_pulses: doppler::pulses(header.layout.samples),
+            maps: 0,
+            mapped: None,
+            wanted: None,
+            speed: None,
+        }
+    }
+
+    /// Whether a channel was radiated in a pulse.
+    fn is_illuminated(&self, pulse: &Pulse, channel: usize) -> bool {
+        pulse.tx_pol == 0
+            || self.radiated.get(channel).copied().flatten().is_none_or(|code| code == pulse.tx_pol)
+    }
+
+    /// Shows a pulse.
+    pub fn show(&mut self, pulse: &Pulse) {
+        let time_s = pulse.time.since(self.start);
+        self.range_lines(pulse, time_s);
+        self.range_doppler(pulse, time_s);
+        let outline = |(place, antenna)| {
+            self.scenery.outline(place).map_or_else(Footprint::default, |outline| outline.on_the_sea(antenna))
+        };
+        let now = Now {
+            pulse: pulse.index,
+            time_s,
+            unix_ns: pulse.time.to_unix_ns().0,
+            window_start_s: pulse.window_start_s,
+            flags: pulse.flags,
+            truth: pulse.nav_true.clone(),
+            reported: pulse.nav_reported.clone(),
+            antennas_m: pulse.antennas.iter().map(|antenna| antenna.phase_centre_m).collect(),
+            footprints: pulse.antennas.iter().enumerate().map(outline).collect(),
+            delays_s: pulse.target_delay_s.clone(),
+            dopplers_hz: pulse.target_doppler_hz.clone(),
+            ships_m: pulse.ship_position_m.clone(),
+            headings_deg: pulse.ship_heading_deg.clone(),
+            patch_m: self.scenery.patch_centre_m(time_s, &pulse.nav_true, &pulse.nav_reported),
+        };
+        let mut state = self.hub.state();
+        if state.history.wants(time_s) {
+            state.history.push(history::Instant::of(pulse, time_s));
+        }
+        state.now = Some(now);
+    }
+
+    fn range_lines(&mut self, pulse: &Pulse, time_s: f64) {
+        for channel in 0..self.lines.len() {
+            let due = self.lines[channel].is_none_or(|at| at.elapsed() >= ROW_EVERY);
+            if !due || !self.is_illuminated(pulse, channel) {
+                continue;
+            }
+            let (Some(ranges), budget) = (&mut self.ranges, &mut self.budget) else { return };
+            let Some(levels) = budget.spend(|| ranges.levels(pulse, channel)) else { return };
+            self.lines[channel] = Some(Instant::now());
+            let (pulse, start_s) = (pulse.index, pulse.window_start_s);
+            self.hub.state().push_row(channel, Row { number: 0, pulse, time_s, start_s, levels });
+        }
+    }
+
+    fn range_doppler(&mut self, pulse: &Pulse, time_s: f64) {
+        if let Some(channel) = self.hub.wanted_doppler().filter(|channel| *channel < self.lines.len()) {
+            if self.wanted.is_none() || self.burst.channel() != channel {
+                self.burst.restart(channel);
+            }
+            self.wanted = Some(Instant::now());
+        }
+        if self.wanted.is_none_or(|at| at.elapsed() > MAP_WANTED) {
+            self.wanted = None;
+            return;
+        }
+        if !self.is_illuminated(pulse, self.burst.channel()) {
+            return;
+        }
+        let Some(ranges) = &mut self.ranges else { return };
+        self.burst.take(pulse, time_s, self.burst_pulses, ranges);
+        if !self.burst.is_full(self.burst_pulses) || self.mapped.is_some_and(|at| at.elapsed() < MAP_EVERY) {
+            return;
+        }
+        let (burst, prf_hz) = (&mut self.burst, self.hub.prf_hz);
+        let Some(mut map) = self.budget.spend(|| burst.map(ranges, prf_hz)) else { return };
+        self.maps += 1;
+        map.number = self.maps;
+        self.mapped = Some(Instant::now());
+        self.hub.state().map = Some(map);
+    }
+
+    /// Shows how the stream counts.
+    pub fn count(&mut self, counters: Counters, not_shown: u64) {
+        let (made, busy_s) = (counters.made, counters.generation_busy_s);
+        let (before, busy_before_s) = self.speed.unwrap_or((0, 0.0));
+        let spent_s = busy_s - busy_before_s;
+        let factor =
+            (spent_s > 0.0 && made > before).then(|| (made - before) as f64 / self.hub.prf_hz / spent_s);
+        if self.speed.is_none() || spent_s >= SPEED_S {
+            self.speed = Some((made, busy_s));
+        }
+        let elapsed_s = self.hub.elapsed_s();
+        let mut state = self.hub.state();
+        state.real_time_factor = factor.or(state.real_time_factor);
+        state.count(counters, not_shown, elapsed_s);
+    }
+}

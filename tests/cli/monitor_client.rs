@@ -1,0 +1,196 @@
+//! A browser's side of HTTP and of WebSocket (RFC 6455), as far as the tests of the page need it.
+
+use std::io::{self, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+/// Opens a connection.
+pub fn connection(address: &str) -> TcpStream {
+    let stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    stream
+}
+
+/// What comes back for bytes sent as they are, until the other side closes.
+pub fn raw(address: &str, bytes: &[u8]) -> String {
+    let mut stream = connection(address);
+    let _ = stream.write_all(bytes);
+    let mut answer = Vec::new();
+    let _ = stream.read_to_end(&mut answer);
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+/// Status and whole answer to `GET` with further header lines.
+pub fn get(address: &str, path: &str, more: &str) -> (u16, String) {
+    let host =
+        if more.to_lowercase().contains("host:") { String::new() } else { format!("Host: {address}\r\n") };
+    let answer = raw(address, format!("GET {path} HTTP/1.1\r\n{host}{more}\r\n").as_bytes());
+    (code(&answer), answer)
+}
+
+/// The status code of an answer; 0 of none.
+pub fn code(answer: &str) -> u16 {
+    answer.split(' ').nth(1).and_then(|code| code.parse().ok()).unwrap_or(0)
+}
+
+/// What follows the header.
+pub fn body(answer: &str) -> &str {
+    answer.split_once("\r\n\r\n").map_or("", |(_, body)| body)
+}
+
+/// A message from the run.
+#[derive(Debug)]
+pub enum Message {
+    Json(serde_json::Value),
+    Lines(Vec<Line>),
+    Map { rows: usize, span_hz: f64 },
+    Closed(u16),
+}
+
+/// A range line: its pulse, first delay and step, levels in dBW.
+#[derive(Debug)]
+pub struct Line {
+    pub pulse: u64,
+    pub start_s: f64,
+    pub step_s: f64,
+    pub levels_dbw: Vec<f64>,
+}
+
+/// A browser that looks on.
+pub struct Browser {
+    pub stream: TcpStream,
+}
+
+impl Browser {
+    /// Opens the socket of a page, or the status with which that is refused.
+    pub fn open(address: &str, token: &str, more: &str) -> Result<Self, u16> {
+        let mut stream = connection(address);
+        let ask = format!(
+            "GET /{token}/socket HTTP/1.1\r\nHost: {address}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n{more}\r\n"
+        );
+        stream.write_all(ask.as_bytes()).unwrap();
+        let mut head = Vec::new();
+        let mut byte = [0];
+        while !head.ends_with(b"\r\n\r\n") {
+            if stream.read_exact(&mut byte).is_err() {
+                break;
+            }
+            head.push(byte[0]);
+        }
+        let head = String::from_utf8_lossy(&head);
+        match code(&head) {
+            // The answer to the key of RFC 6455, 1.3.
+            101 if head.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=") => Ok(Self { stream }),
+            refused => Err(refused),
+        }
+    }
+
+    /// Sends a frame with a head of one's own choice.
+    pub fn frame(&mut self, opcode: u8, length: u64, payload: &[u8]) -> io::Result<()> {
+        let mut bytes = vec![0x80 | opcode];
+        match length {
+            0..126 => bytes.push(0x80 | length as u8),
+            126..65_536 => {
+                bytes.push(0x80 | 126);
+                bytes.extend((length as u16).to_be_bytes());
+            }
+            _ => {
+                bytes.push(0x80 | 127);
+                bytes.extend(length.to_be_bytes());
+            }
+        }
+        // A mask of zeros leaves the payload as it is.
+        bytes.extend([0; 4]);
+        bytes.extend(payload);
+        self.stream.write_all(&bytes)
+    }
+
+    pub fn send(&mut self, text: &str) {
+        self.frame(1, text.len() as u64, text.as_bytes()).unwrap();
+    }
+
+    pub fn next(&mut self) -> io::Result<Message> {
+        let mut head = [0; 2];
+        self.stream.read_exact(&mut head)?;
+        let length = match head[1] {
+            126 => {
+                let mut bytes = [0; 2];
+                self.stream.read_exact(&mut bytes)?;
+                u16::from_be_bytes(bytes).into()
+            }
+            127 => {
+                let mut bytes = [0; 8];
+                self.stream.read_exact(&mut bytes)?;
+                u64::from_be_bytes(bytes)
+            }
+            short => u64::from(short),
+        };
+        assert!(length < 8 << 20, "{length}");
+        let mut payload = vec![0; length as usize];
+        self.stream.read_exact(&mut payload)?;
+        Ok(match head[0] & 15 {
+            1 => Message::Json(serde_json::from_slice(&payload).unwrap()),
+            2 => binary(&payload),
+            8 => Message::Closed(u16::from_be_bytes([payload[0], payload[1]])),
+            other => panic!("opcode {other}"),
+        })
+    }
+
+    /// The next message for which `wanted` has a value.
+    pub fn until<T>(&mut self, mut wanted: impl FnMut(&Message) -> Option<T>) -> T {
+        let begun = Instant::now();
+        loop {
+            let message = self.next().expect("a message");
+            if let Some(found) = wanted(&message) {
+                return found;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(60), "not within a minute");
+        }
+    }
+
+    /// The next JSON message of a kind.
+    pub fn json(&mut self, kind: &str) -> serde_json::Value {
+        self.until(|message| match message {
+            Message::Json(value) if value["kind"] == kind => Some(value.clone()),
+            _ => None,
+        })
+    }
+
+    /// How the other side ends it: its close code, or 0 for a connection that is cut.
+    pub fn closed(&mut self) -> u16 {
+        loop {
+            match self.next() {
+                Ok(Message::Closed(code)) => return code,
+                Ok(_) => {}
+                Err(_) => return 0,
+            }
+        }
+    }
+}
+
+fn binary(bytes: &[u8]) -> Message {
+    let short = |at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
+    let real = |at: usize| f64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+    let (columns, rows, step_s) = (short(4), short(6), real(8));
+    if bytes[0] == 2 {
+        assert_eq!(bytes.len(), 48 + 2 * rows * columns);
+        return Message::Map { rows, span_hz: real(40) };
+    }
+    let size = 24 + 2 * columns;
+    assert_eq!((bytes[0], bytes.len()), (1, 16 + rows * size));
+    let line = |row: usize| {
+        let at = 16 + row * size;
+        let level = |column: usize| {
+            let at = at + 24 + 2 * column;
+            f64::from(i16::from_le_bytes([bytes[at], bytes[at + 1]])) * 0.01
+        };
+        Line {
+            pulse: real(at) as u64,
+            start_s: real(at + 16),
+            step_s,
+            levels_dbw: (0..columns).map(level).collect(),
+        }
+    };
+    Message::Lines((0..rows).map(line).collect())
+}
