@@ -6,13 +6,13 @@
 //! ```
 //!
 //! The monitor looks at the stream through a [view](crate::transport::view): a pulse for which it has no room is
-//! left out there, and nothing that a browser does reaches the thread that releases pulses. [`watch`] takes no
-//! more than a stated share of the machine for range compression ([`budget`]). Everything shown is held once, in
-//! bounded buffers of the [`hub`]; each browser has a place in them and catches up by leaving out, so that a slow
+//! left out there, and nothing that a browser does reaches the thread that releases pulses. `watch` takes no
+//! more than a stated share of the machine for range compression (`budget`). Everything shown is held once, in
+//! bounded buffers of the `hub`; each browser has a place in them and catches up by leaving out, so that a slow
 //! one costs nothing.
 //!
-//! The page is embedded in the program ([`assets`]): nothing is read from the file system, whatever is asked.
-//! Who may ask what is decided in [`guard`].
+//! The page is embedded in the program (`assets`): nothing is read from the file system, whatever is asked.
+//! Who may ask what is decided in `guard`.
 #![cfg(feature = "monitor")]
 
 mod about;

@@ -182,9 +182,6 @@ impl AntennaRow {
 
 const ISOTROPIC: &str = "isotropic";
 
-/// Its name in recordings.
-pub(super) const NAME: &str = "instrument";
-
 impl Instrument {
     pub(super) fn to_json(&self) -> String {
         serde_json::json!(self).to_string()

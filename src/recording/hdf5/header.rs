@@ -13,7 +13,7 @@ use crate::pulse::SampleFormat;
 use crate::recording::columns::Column;
 use crate::recording::descriptions::{Description, of_header};
 use crate::recording::header::{AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, Origin, PairRow};
-use crate::recording::instrument::{Instrument, NAME as INSTRUMENT};
+use crate::recording::instrument::Instrument;
 use crate::recording::shard::{NotAShard, Shard};
 use crate::time::TimeTag;
 
@@ -60,7 +60,7 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
         attribute(file, "origin_h_m", &origin.h_m)?;
     }
     if let Some(instrument) = &header.instrument {
-        attribute(file, INSTRUMENT, &text(&instrument.to_json())?)?;
+        attribute(file, "instrument", &text(&instrument.to_json())?)?;
     }
     let (start_ns, start_frac_ns) = header.start.to_unix_ns();
     attribute(file, "start_time_ns", &start_ns)?;
@@ -195,7 +195,7 @@ fn shard(file: &File) -> Result<Option<Shard>, Fault> {
 
 /// Absent in recordings of earlier versions.
 fn instrument(file: &File) -> Result<Option<Instrument>, Fault> {
-    let words = strings(file, INSTRUMENT)?;
+    let words = strings(file, "instrument")?;
     let read = |words: &String| Instrument::from_json(words).map_err(|fault| Fault::Text(fault.to_string()));
     words.first().map(read).transpose()
 }

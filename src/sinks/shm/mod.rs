@@ -4,7 +4,7 @@
 //!
 //! | service | user header | payload | |
 //! | --- | --- | --- | --- |
-//! | `NAME/pulses` | [`PulseHeader`] | words of 8 bytes: reported states, then samples | every pulse; the last says that the run has ended |
+//! | `NAME/pulses` | `PulseHeader` | words of 8 bytes: reported states, then samples | every pulse; the last says that the run has ended |
 //! | `NAME/run` | | JSON | what holds for the run, kept for whoever comes later |
 //!
 //! A pulse is copied once, from the queue of the sink into memory that every subscriber sees. Nobody waits for
