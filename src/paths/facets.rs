@@ -238,10 +238,13 @@ impl Chunk {
             let phasors = match water.travelling() {
                 None => &self.phasors,
                 Some(lines) => {
-                    self.of_pair.resize(count * water.mechanisms(), Complex64::ZERO);
-                    for (i, out) in self.of_pair.chunks_exact_mut(water.mechanisms()).enumerate() {
+                    self.of_pair.clone_from(&self.phasors);
+                    for (i, own) in self.of_pair.chunks_exact_mut(water.mechanisms()).enumerate() {
                         let ends = (direction(&columns.incident, i), direction(&columns.scattered, i));
-                        lines.phasors(patch.key(self.index[i]), ends, reception.elapsed_s, out);
+                        let key = patch.key(self.index[i]);
+                        let [specular, bragg] = lines.phasors(key, ends, reception.elapsed_s);
+                        own[0] *= specular;
+                        own[1..].iter_mut().for_each(|phasor| *phasor *= bragg);
                     }
                     &self.of_pair
                 }

@@ -518,9 +518,6 @@ impl Phasors {
     }
 
     fn prepare(&mut self, scattering: &WaterScattering, patch: &Patch, t_s: f64) {
-        if scattering.travelling().is_some() {
-            return;
-        }
         for index in 0..patch.len() {
             let key = patch.key(index);
             let place = self.place(patch, key);

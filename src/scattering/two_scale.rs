@@ -242,14 +242,10 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         nodes.map(|(u, c)| [u.0 as f32, c.0 as f32, (u.1 * c.1) as f32]).collect()
     }
 
-    /// Slopes of the sub-facets of clean water, along and across the wind.
-    pub(super) fn tilt_slopes(&self) -> Vec<[f64; 2]> {
-        if !self.averages_tilts() {
-            return vec![[0.0; 2]];
-        }
+    /// Variances of the slopes of the sub-facets of clean water, along and across the wind.
+    pub(super) fn tilt_variances(&self) -> [f64; 2] {
         let s = self.moments(0.0).slopes;
-        let nodes = NODES.iter().flat_map(|u| NODES.iter().map(move |c| (u, c)));
-        nodes.map(|(u, c)| [u.0 * s.up.sqrt(), c.0 * s.cross.sqrt()]).collect()
+        if self.averages_tilts() { [s.up, s.cross] } else { [0.0; 2] }
     }
 
     /// `K_cut`, rad/m, if there is a cut.

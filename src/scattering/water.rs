@@ -301,7 +301,7 @@ impl WaterScattering {
                     decorrelation_s: settings.decorrelation_s,
                     seed: sight.seed,
                 };
-                Some(BraggLines::new(&setting, &clean.tilt_slopes()))
+                Some(BraggLines::new(&setting, clean.tilt_variances()))
             }
         };
         let table = match sight.spectrum {
@@ -331,8 +331,10 @@ impl WaterScattering {
             )?;
             kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
         }
-        let speckle =
-            settings.decorrelation_s.map_or(Speckle::Frozen, |time_s| Speckle::Decorrelating { time_s });
+        let speckle = match settings.decorrelation_s {
+            Some(time_s) if travelling.is_none() => Speckle::Decorrelating { time_s },
+            _ => Speckle::Frozen,
+        };
         Ok(Self {
             kinds,
             regions,
@@ -434,13 +436,12 @@ impl WaterScattering {
         self.spectrum_error
     }
 
-    /// Whether phasors change in time, whatever the way of the waves.
+    /// Whether phasors of [`Self::phasors`] change in time.
     pub fn decorrelates(&self) -> bool {
-        self.travelling.is_none() && self.speckle != Speckle::Frozen
+        self.speckle != Speckle::Frozen
     }
 
-    /// The lines of Bragg waves that travel, if they do: phasors are then theirs, and [`Self::phasors`] is
-    /// not asked.
+    /// The lines of Bragg waves that travel, if they do: they turn the phasors of [`Self::phasors`].
     pub fn travelling(&self) -> Option<&BraggLines> {
         self.travelling.as_ref()
     }

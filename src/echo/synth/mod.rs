@@ -430,6 +430,7 @@ impl<T: Scalar> Synth<T> {
                 first: share.first as i32 - block.middle(),
                 amplitude_first: share.first as i32 - block.middle(),
                 factors: &[],
+                turned: &[],
                 factor_stride: 0,
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,

@@ -1,7 +1,6 @@
 //! One tile of facets, illuminated at every node and pulse of a block.
 
-use glam::DVec3;
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 
 use super::TileWork;
 use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
@@ -18,9 +17,8 @@ use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, So
 use crate::paths::emission::Emission;
 use crate::paths::sea::SeaPlan;
 use crate::radar::polarisation::Axes;
-use crate::scattering::bragg::BraggLines;
 use crate::scattering::facets::Phases;
-use crate::scattering::lanes::{Batch, Beside, Vectors};
+use crate::scattering::lanes::{Batch, Beside};
 use crate::scene::Patch;
 
 impl TileWork {
@@ -55,6 +53,7 @@ impl PathGenerator {
                 self.epoch(sea, pair, place, footprint_m2, work);
             }
             self.factors(pair, work);
+            self.turn(sea, pair, work);
         }
     }
 
@@ -109,6 +108,7 @@ impl PathGenerator {
             variant,
             runs,
             phasors,
+            part,
             batch,
             places_m,
             keys,
@@ -152,6 +152,7 @@ impl PathGenerator {
             variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
             variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
+        part.choose(batch);
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
         for (row, weights) in
@@ -295,21 +296,8 @@ impl PathGenerator {
     }
 
     /// Scattering at a scattering epoch.
-    fn epoch(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
-        let TileWork {
-            variant,
-            timings,
-            batch,
-            view,
-            places_m,
-            keys,
-            travelling,
-            bounds_m,
-            kinds,
-            slopes,
-            tile,
-            ..
-        } = work;
+    pub(super) fn epoch(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
+        let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let instant = &timing.epochs[place];
         let count = tile.count;
@@ -333,9 +321,6 @@ impl PathGenerator {
             view,
             batch,
         });
-        if let Some(lines) = sea.scattering.travelling() {
-            travel(lines, &keys[..count], instant.elapsed_s, travelling, batch);
-        }
         kinds.clear();
         if sea.scattering.kinds() > 1 && sea.scattering.kinds_within(*bounds_m, &instant.poses) {
             kinds.extend((0..count).map(|i| {
@@ -495,18 +480,6 @@ impl PathGenerator {
                 let (start, weights) = &timing.cosines[pulse];
                 variant.run(Turn { count, epochs: &epochs[*start..], weights, out });
             }
-        }
-    }
-}
-
-/// Phasors of the batch, of facets of these keys, where Bragg waves travel.
-fn travel(lines: &BraggLines, keys: &[[i64; 2]], t_s: f64, of_facet: &mut [Complex64], batch: &mut Batch) {
-    let direction = |d: &Vectors, i: usize| DVec3::from_array([0, 1, 2].map(|c| f64::from(d[c][i])));
-    for (i, key) in keys.iter().enumerate() {
-        let ends = (direction(&batch.incident, i), direction(&batch.scattered, i));
-        lines.phasors(*key, ends, t_s, of_facet);
-        for (row, phasor) in batch.phasor.iter_mut().zip(&*of_facet) {
-            (row[0][i], row[1][i]) = (phasor.re as f32, phasor.im as f32);
         }
     }
 }

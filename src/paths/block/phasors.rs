@@ -5,8 +5,7 @@ use num_complex::Complex64;
 use crate::paths::sea::SeaPlan;
 use crate::scene::Patch;
 
-/// Random phasors of the facets at hand, at their key modulo the patch, and in the order of the patch; none
-/// where waves travel, since theirs belong to a pair and an instant.
+/// Random phasors of the facets at hand, at their key modulo the patch, and in the order of the patch.
 #[derive(Clone)]
 pub(super) struct Phasors {
     keys: Vec<Option<[i64; 2]>>,
@@ -30,7 +29,7 @@ impl Phasors {
     }
 
     pub fn prepare(&mut self, sea: &SeaPlan, patch: &Patch, t_s: f64) {
-        if self.first == Some(patch.first) || self.kept.is_empty() {
+        if self.first == Some(patch.first) {
             return;
         }
         self.first = Some(patch.first);

@@ -41,8 +41,6 @@ pub(super) struct GainInstant {
 #[derive(Clone)]
 pub(super) struct EpochInstant {
     pub emission: Emission,
-    /// After pulse 0, s.
-    pub elapsed_s: f64,
     /// Of the nodes; a scattering epoch at a node takes that alone.
     pub weights: [f32; NODES],
     pub poses: Vec<Pose>,
@@ -85,15 +83,14 @@ impl Timing {
         for (n, &place) in epochs.iter().enumerate() {
             let weights = through(own, place);
             if n == self.epochs.len() {
-                let (emission, poses) = (Emission::default(), Vec::new());
-                self.epochs.push(EpochInstant { emission, elapsed_s: 0.0, weights, poses });
+                self.epochs.push(EpochInstant { emission: Emission::default(), weights, poses: Vec::new() });
             }
             let epoch = &mut self.epochs[n];
             epoch.weights = weights;
             of.evaluate(instants.first + place as u64, &mut epoch.emission)?;
-            epoch.elapsed_s = of.radar.emissions.interval_s(0, instants.first + place as u64);
             if let Some(sea) = &of.sea {
-                sea.scattering.poses(epoch.elapsed_s, &mut epoch.poses);
+                let elapsed_s = of.radar.emissions.interval_s(0, instants.first + place as u64);
+                sea.scattering.poses(elapsed_s, &mut epoch.poses);
             }
         }
         self.lagrange.clear();

@@ -28,8 +28,8 @@ const MIDDLE: i64 = 1 << 39;
 /// A line: what it returns, where it is and how wide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Share of the power.
-    pub share: f64,
+    /// Root of its share of the power.
+    pub amplitude: f64,
     /// Angular frequency of its middle, rad/s; positive where echoes come closer.
     pub centre_radps: f64,
     /// Rms deviation from it, rad/s.
@@ -53,38 +53,64 @@ impl Comb {
         self.step_radps
     }
 
+    /// Where a line of a deviation ends to either side of its middle, rad/s.
+    #[inline]
+    pub fn end_radps(&self, deviation_radps: f64) -> f64 {
+        END * deviation_radps.max(LEAST_CELLS * self.step_radps)
+    }
+
+    /// What a component in the middle of a line has.
+    #[inline]
+    pub fn height(&self, line: Line) -> f64 {
+        line.amplitude * (HEIGHT * self.step_radps / self.end_radps(line.deviation_radps)).sqrt()
+    }
+
+    /// Angular frequency, rad/s, and phase at the start, turns, of the component of a cell: `facet` is the
+    /// facet's random number, `number` that of the line.
+    #[inline(always)]
+    pub fn component(&self, facet: u64, number: u64, cell: i64) -> (f64, f64) {
+        let bits = of_cell(facet, number, cell);
+        ((cell as f64 + of_32_bits(bits >> 32)) * self.step_radps, of_32_bits(bits & 0xffff_ffff))
+    }
+
     /// A line at a time: `facet` is the facet's random number, `number` that of the line.
     pub fn phasor(&self, facet: u64, number: u64, line: Line, t_s: f64) -> Complex64 {
-        if line.share <= 0.0 {
+        if line.amplitude == 0.0 {
             return Complex64::ZERO;
         }
         let d = self.step_radps;
-        let end = END * line.deviation_radps.max(LEAST_CELLS * d);
+        let end = self.end_radps(line.deviation_radps);
         let (first, last) = ((line.centre_radps - end) / d, (line.centre_radps + end) / d);
         let mut sum = Complex64::ZERO;
         for cell in first.floor() as i64..=last.floor() as i64 {
-            let bits = mixed(facet, number, cell);
-            let omega_radps = (cell as f64 + of_32_bits(bits >> 32)) * d;
+            let (omega_radps, start) = self.component(facet, number, cell);
             let x = (omega_radps - line.centre_radps) / end;
             let fall = 1.0 - x * x;
             if fall > 0.0 {
-                let turns = (omega_radps * t_s / TAU).fract() + of_32_bits(bits & 0xffff_ffff);
+                let turns = (omega_radps * t_s / TAU).fract() + start;
                 let (sin, cos) = (TAU * turns).sin_cos();
                 sum += fall * fall * Complex64::new(cos, sin);
             }
         }
-        sum * (line.share * HEIGHT * d / end).sqrt()
+        sum * self.height(line)
     }
 }
 
+#[inline(always)]
 fn of_32_bits(bits: u64) -> f64 {
     bits as f64 * (1.0 / (1u64 << 32) as f64)
 }
 
 /// Random bits of a cell: SplitMix64 from the facet's own number (Steele, Lea and Flood, OOPSLA 2014).
-fn mixed(facet: u64, number: u64, cell: i64) -> u64 {
-    let index = (number << 40) | (cell.saturating_add(MIDDLE).clamp(0, 2 * MIDDLE - 1)).cast_unsigned();
-    let mut z = facet.wrapping_add(0x9e37_79b9_7f4a_7c15u64.wrapping_mul(index.wrapping_add(1)));
+#[inline(always)]
+fn of_cell(facet: u64, number: u64, cell: i64) -> u64 {
+    mixed(facet, (number << 40) | (cell.wrapping_add(MIDDLE).cast_unsigned() & (2 * MIDDLE - 1).cast_unsigned()))
+}
+
+/// Random bits from others and an index.
+#[inline(always)]
+pub(super) fn mixed(from: u64, index: u64) -> u64 {
+    let mut z = from.wrapping_add(0x9e37_79b9_7f4a_7c15u64.wrapping_mul(index.wrapping_add(1)));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -95,7 +121,7 @@ mod tests {
     use super::*;
 
     fn line(deviation_radps: f64) -> Line {
-        Line { share: 1.0, centre_radps: 21.0, deviation_radps }
+        Line { amplitude: 1.0, centre_radps: 21.0, deviation_radps }
     }
 
     /// Covariance over many facets: power, mean frequency and width are those asked, whatever the time.
@@ -108,7 +134,7 @@ mod tests {
                 let lag_s = 0.2 / deviation;
                 let (mut power, mut square, mut covariance) = (0.0, 0.0, Complex64::ZERO);
                 for facet in 0..FACETS {
-                    let facet = mixed(facet, 5, 77);
+                    let facet = mixed(facet, 577);
                     let now = comb.phasor(facet, 3, line(deviation), t_s);
                     let later = comb.phasor(facet, 3, line(deviation), t_s + lag_s);
                     power += 0.5 * (now.norm_sqr() + later.norm_sqr()) / FACETS as f64;
@@ -134,7 +160,7 @@ mod tests {
         for t_s in [0.0, 60.0, 3600.0] {
             let at = |facet: u64, t: f64| {
                 let centre_radps = 100.0 + 10.0 * (t - t_s);
-                comb.phasor(mixed(facet, 0, 0), 0, Line { share: 1.0, centre_radps, deviation_radps: 4.0 }, t)
+                comb.phasor(mixed(facet, 0), 0, Line { amplitude: 1.0, centre_radps, deviation_radps: 4.0 }, t)
             };
             let lag_s = 0.01;
             let sum: Complex64 = (0..4000).map(|n| at(n, t_s).conj() * at(n, t_s + lag_s)).sum();

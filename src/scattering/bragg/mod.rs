@@ -2,8 +2,8 @@
 //!
 //! Of the roughness within a facet those waves scatter whose wave vector is `+K_B` or `-K_B`, `K_B` the part of
 //! `q = k (k_s - k_i)` in the plane ([`spm`](super::spm)); `q` points towards the antennas. A wave along
-//! `+K_B` comes closer and raises the frequency by `omega(K_B)`, one along `-K_B` lowers it. So a Bragg
-//! phasor of a facet is the sum of two **lines**,
+//! `+K_B` comes closer and raises the frequency by `omega(K_B)`, one along `-K_B` lowers it. So the Bragg
+//! phasor of a facet turns as the sum of two **lines**,
 //!
 //! | line | middle | share of the power |
 //! | --- | --- | --- |
@@ -16,14 +16,16 @@
 //! width is a sum of components of fixed frequency ([`comb`]): any time may be asked in any order. Specular
 //! points have one line at `q.u`, widened by the waves up to the cut.
 //!
-//! `K_B`, and with it line and width, is that on the mean surface, horizontal, of every sub-facet tilt: the
-//! slopes of the map change how much a facet returns, not at which line. Their rms of 0.1 at 45 degrees is a
-//! tenth of `K_B` and a twentieth of `omega_B`: 0.2 Hz in L band, 0.6 in X band, where orbital motion has 4
-//! and 20 Hz.
+//! All Bragg matrices of a facet are turned by the same phasor: their phases towards each other are those of
+//! [`speckle`](super::speckle). Tilts within the facet add `(d omega/dK)^2 q_z^2 K^T S K/K^2` to `s^2`, `S` the
+//! covariance of their slopes. `K_B` is that on the mean surface: the slopes of the map change how much a
+//! facet returns, not at which line. Their rms of 0.1 at 45 degrees is a tenth of `K_B` and a twentieth of
+//! `omega_B`: 0.2 Hz in L band, 0.6 in X band, where orbital motion has 4 and 20 Hz.
 //!
 //! Limits: linear waves; no modulation of short waves by long ones; films and ships' own short waves have the
 //! directions of the wind's; one phase at the start for all pairs of antennas, as frozen phases have.
 
+pub mod block;
 pub mod comb;
 pub mod orbital;
 pub mod share;
@@ -36,17 +38,15 @@ use crate::rng::{Room, stream};
 use crate::scene::water::Dispersion;
 use crate::sea::spectrum::Spectrum;
 
-use super::tilt::Tangent;
-use comb::{Comb, Line};
+use comb::{Comb, Line, mixed};
 use orbital::SubFacetVelocities;
 use share::DirectionShare;
 
-/// Components of equal weight that a facet has at the widest line, all sub-facets together.
-const COMPONENTS: f64 = 16.0;
-/// Components of equal weight in a line one cell wide.
+/// Components of equal weight that a facet has in the widest line. The facets of a resolution cell have many
+/// together, and a few for each keep powers of facets near those of frozen phases.
+const COMPONENTS: f64 = 4.0;
+/// Components of equal weight in a line of a deviation of one cell.
 const COMPONENTS_PER_CELL: f64 = 3.66;
-/// Sub-facet tilts of equal weight that nine stand for.
-const EQUAL_TILTS: f64 = 4.0;
 /// Least width of a cell over the highest Bragg frequency.
 const LEAST_STEP: f64 = 0.02;
 
@@ -83,30 +83,45 @@ pub struct BraggLines {
     drift_mps: DVec3,
     specular_to_radpm: f64,
     deviation_radps: Option<f64>,
-    /// Planes of the sub-facets on the mean surface.
-    tilts: Vec<Tangent>,
+    downwind: [f64; 2],
+    /// Covariance of the slopes of sub-facets: xx, xy, yy.
+    tilts: [f64; 3],
     comb: Comb,
     seed: u64,
 }
 
+/// What a facet turns with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mechanism {
+    /// Specular points.
+    Specular,
+    /// Bragg waves of all sub-facets.
+    Bragg,
+}
+
+impl Mechanism {
+    /// Number of its first line.
+    fn number(self) -> u64 {
+        match self {
+            Self::Specular => 0,
+            Self::Bragg => 2,
+        }
+    }
+}
+
 impl BraggLines {
-    /// For sub-facets of these slopes along and across the wind (one without slopes for no average).
-    pub fn new(setting: &Setting<'_>, tilts: &[[f64; 2]]) -> Self {
+    /// For sub-facets of these variances of slopes along and across the wind (none for no average).
+    pub fn new(setting: &Setting<'_>, [up, cross]: [f64; 2]) -> Self {
         let k = setting.wavenumber_radpm;
         let dispersion = Dispersion { capillary: true, ..setting.dispersion };
         let [cos, sin] = setting.downwind;
-        let axis = DVec3::new(cos, sin, 0.0);
-        let plane = |[along, across]: &[f64; 2]| {
-            Tangent::from_slopes(cos * along - sin * across, sin * along + cos * across, axis)
-        };
         let from_radpm = setting.cut_radpm.map_or(1e-2 * k, |cut| cut.min(k) / std::f64::consts::SQRT_2);
         let velocities =
             SubFacetVelocities::new(setting.spectrum, dispersion, setting.resolved_radpm, 2.0 * k);
         let deviation_radps = setting.decorrelation_s.map(|time_s| std::f64::consts::SQRT_2 / time_s);
         let widest_radps = deviation_radps.unwrap_or(2.0 * k * velocities.largest_rms_mps());
-        let wanted = if tilts.len() > 1 { COMPONENTS / EQUAL_TILTS } else { COMPONENTS };
         let least_radps = LEAST_STEP * dispersion.angular_frequency_rad_s(2.0 * k);
-        let step_radps = (COMPONENTS_PER_CELL * widest_radps / wanted).max(least_radps);
+        let step_radps = (COMPONENTS_PER_CELL * widest_radps / COMPONENTS).max(least_radps);
         let [east, north] = setting.drift_mps;
         Self {
             wavenumber_radpm: k,
@@ -116,9 +131,14 @@ impl BraggLines {
             drift_mps: DVec3::new(east, north, 0.0),
             specular_to_radpm: setting.cut_radpm.unwrap_or(2.0 * k),
             deviation_radps,
-            tilts: tilts.iter().map(plane).collect(),
+            downwind: setting.downwind,
+            tilts: [
+                cos * cos * up + sin * sin * cross,
+                cos * sin * (up - cross),
+                sin * sin * up + cos * cos * cross,
+            ],
             comb: Comb::new(step_radps),
-            seed: setting.seed,
+            seed: stream(setting.seed, Room::FacetBragg, 0, 0).next_u64(),
         }
     }
 
@@ -128,51 +148,53 @@ impl BraggLines {
         self.comb.step_radps()
     }
 
-    /// The lines of a mechanism (0 specular, 1 onwards the Bragg matrices) for unit directions from the
-    /// transmitter and to the receiver.
-    pub fn lines(&self, mechanism: usize, incident: DVec3, scattered: DVec3) -> [Line; 2] {
+    /// The lines of a mechanism for unit directions from the transmitter and to the receiver.
+    #[inline]
+    pub fn lines(&self, mechanism: Mechanism, incident: DVec3, scattered: DVec3) -> [Line; 2] {
         let q = (scattered - incident) * self.wavenumber_radpm;
-        self.of_vector(mechanism, q)
-    }
-
-    fn of_vector(&self, mechanism: usize, q: DVec3) -> [Line; 2] {
         let carried_radps = q.dot(self.drift_mps);
-        let deviation_radps = |to_radpm: f64| {
-            self.deviation_radps.unwrap_or_else(|| self.velocities.mean_square(q, to_radpm).sqrt())
-        };
-        let Some(plane) = mechanism.checked_sub(1).and_then(|tilt| self.tilts.get(tilt)) else {
-            let deviation_radps = deviation_radps(self.specular_to_radpm);
-            return [Line { share: 1.0, centre_radps: carried_radps, deviation_radps }, Line::default()];
-        };
-        let k_b = [q.dot(plane.e_x), q.dot(plane.e_y)];
-        let magnitude = k_b[0].hypot(k_b[1]);
+        if mechanism == Mechanism::Specular {
+            let deviation_radps = self
+                .deviation_radps
+                .unwrap_or_else(|| self.velocities.mean_square(q, self.specular_to_radpm).sqrt());
+            return [Line { amplitude: 1.0, centre_radps: carried_radps, deviation_radps }, Line::default()];
+        }
+        let magnitude = q.x.hypot(q.y).max(1e-9 * self.wavenumber_radpm);
         let omega_radps = self.dispersion.angular_frequency_rad_s(magnitude);
-        let (share, deviation_radps) = (self.share.of(k_b), deviation_radps(magnitude));
-        [(share, omega_radps), (1.0 - share, -omega_radps)].map(|(share, omega_radps)| Line {
-            share,
+        let deviation_radps = self.deviation_radps.unwrap_or_else(|| {
+            let [xx, xy, yy] = self.tilts;
+            let tilted = (q.x * q.x * xx + 2.0 * q.x * q.y * xy + q.y * q.y * yy) / (magnitude * magnitude);
+            let change_mps = self.dispersion.group_speed_mps(magnitude) * q.z;
+            (self.velocities.mean_square(q, magnitude) + change_mps * change_mps * tilted).sqrt()
+        });
+        let [cos, sin] = self.downwind;
+        let roots = self.share.roots([cos * q.x + sin * q.y, cos * q.y - sin * q.x]);
+        [(roots[0], omega_radps), (roots[1], -omega_radps)].map(|(amplitude, omega_radps)| Line {
+            amplitude,
             centre_radps: omega_radps + carried_radps,
             deviation_radps,
         })
     }
 
-    /// Phasors of the mechanisms of the facet with a global key, `t_s` after pulse 0, for unit directions
-    /// from the transmitter and to the receiver.
+    /// Random number of the facet with a global key.
+    #[inline]
+    fn number_of(&self, key: [i64; 2]) -> u64 {
+        mixed(mixed(self.seed, key[0].cast_unsigned()), key[1].cast_unsigned())
+    }
+
+    /// What turns the specular part and the Bragg part of the facet with a global key, `t_s` after pulse 0,
+    /// for unit directions from the transmitter and to the receiver.
     pub fn phasors(
         &self,
         key: [i64; 2],
         (incident, scattered): (DVec3, DVec3),
         t_s: f64,
-        out: &mut [Complex64],
-    ) {
-        let address = key.map(i64::cast_unsigned);
-        let facet = stream(self.seed, Room::FacetBragg, address[0], address[1]).next_u64();
-        let q = (scattered - incident) * self.wavenumber_radpm;
-        for (mechanism, phasor) in out.iter_mut().enumerate() {
-            let number = 2 * mechanism as u64;
-            let [advancing, receding] = self.of_vector(mechanism, q);
-            *phasor = self.comb.phasor(facet, number, advancing, t_s)
-                + self.comb.phasor(facet, number + 1, receding, t_s);
-        }
+    ) -> [Complex64; 2] {
+        let facet = self.number_of(key);
+        [Mechanism::Specular, Mechanism::Bragg].map(|mechanism| {
+            let lines = self.lines(mechanism, incident, scattered).into_iter().zip(mechanism.number()..);
+            lines.map(|(line, number)| self.comb.phasor(facet, number, line, t_s)).sum()
+        })
     }
 }
 
