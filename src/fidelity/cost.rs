@@ -15,7 +15,7 @@
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
-//! | lines | as epoch or exact, where Bragg waves travel | scatterer paths |
+//! | lines | facets x pairs, and as many as [`LINES`] in a block, where Bragg waves travel | scatterer paths |
 //!
 //! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are
 //! reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is
@@ -33,6 +33,10 @@ use crate::scene::{Scene, Sea};
 
 use crate::fidelity::echo_settings::EchoSettings;
 
+/// Pulses for which turning a facet costs as much as finding its lines and components.
+const LINES: f64 = 60.0;
+/// The same of finding phasors one by one.
+const LINES_EXACT: f64 = 300.0;
 /// Pieces of work.
 pub const PIECES: usize = 14;
 
@@ -48,7 +52,7 @@ impl CostTable {
     /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
     pub const TABLE: Self = Self([
         50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,
-        3.2e-6,
+        2e-9,
     ]);
 
     /// Stage in which each piece is spent.
@@ -177,7 +181,7 @@ impl Size {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
-            (work[11], work[12], work[13]) = (rest, points * pairs, facets * travelling);
+            (work[11], work[12], work[13]) = (rest, points * pairs, LINES_EXACT * facets * travelling);
             return Work(work);
         }
         let pulses = block as f64;
@@ -208,7 +212,7 @@ impl Size {
             0.0,
             rest,
             points * pairs,
-            per_block(again * either(epochs, few_epochs) * travelling),
+            again * facets * travelling * (1.0 + LINES / pulses),
         ])
     }
 }

@@ -220,11 +220,7 @@ impl Synth<f32> {
                     first: pulses.start as i32 - middle as i32,
                     amplitude_first: pulses.start as i32 - (frame.pulses() / 2) as i32,
                     factors: factor[pulses.clone()].as_flattened(),
-                    turned: turned
-                        .get(pulses.clone())
-                        .unwrap_or_default()
-                        .as_flattened()
-                        .as_flattened(),
+                    turned: turned.get(pulses.clone()).unwrap_or_default().as_flattened().as_flattened(),
                     factor_stride: LANES,
                     coefficients: &self.coefficients,
                     last_cell: self.last_cell,

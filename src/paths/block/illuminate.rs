@@ -296,7 +296,14 @@ impl PathGenerator {
     }
 
     /// Scattering at a scattering epoch.
-    pub(super) fn epoch(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
+    pub(super) fn epoch(
+        &self,
+        sea: &SeaPlan,
+        pair: usize,
+        place: usize,
+        footprint_m2: f64,
+        work: &mut TileWork,
+    ) {
         let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let instant = &timing.epochs[place];

@@ -233,7 +233,9 @@ impl PathGenerator {
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
-            for (part, tally) in std::iter::once((part, &mut tally)).chain(more.map(|part| (part, &mut again))) {
+            for (part, tally) in
+                std::iter::once((part, &mut tally)).chain(more.map(|part| (part, &mut again)))
+            {
                 work.part = part;
                 self.evaluate_tile(sea, patch, work);
                 if work.tile.tier == Tier::Sidelobe {

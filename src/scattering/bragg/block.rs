@@ -123,8 +123,7 @@ impl Task for Sum<'_> {
             std::array::from_fn(|i| ((b[i] - a[i]) * share) as f32)
         };
         let moved = slope(&start.centre_radps, &stop.centre_radps);
-        let (inverse, narrowed) =
-            (start.inverse.map(|x| x as f32), slope(&start.inverse, &stop.inverse));
+        let (inverse, narrowed) = (start.inverse.map(|x| x as f32), slope(&start.inverse, &stop.inverse));
         let (height, raised) = (start.height.map(|x| x as f32), slope(&start.height, &stop.height));
         let (to_start, to_next) = (times.first_s / TAU, times.interval_s / TAU);
         let (mut from, mut turns, mut step) = ([0.0f32; GROUP], [0.0f32; GROUP], [0.0f32; GROUP]);
@@ -167,7 +166,8 @@ fn phasors(turns: &[f32; GROUP]) -> [[f32; GROUP]; 2] {
         let sin = x
             * (1.0
                 + y * (-1.0 / 6.0
-                    + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362_880.0 - y * (1.0 / 39_916_800.0))))));
+                    + y * (1.0 / 120.0
+                        + y * (-1.0 / 5040.0 + y * (1.0 / 362_880.0 - y * (1.0 / 39_916_800.0))))));
         let cos = 1.0
             + y * (-0.5
                 + y * (1.0 / 24.0
@@ -208,7 +208,8 @@ mod tests {
                             let [incident, scattered] = sight(n, along(pulse));
                             let t_s = first_s + 0.004 * pulse as f64;
                             let exact = lines.phasors(*key, (incident, scattered), t_s)[at];
-                            off += (f64::from(re[n]) - exact.re).powi(2) + (f64::from(im[n]) - exact.im).powi(2);
+                            off +=
+                                (f64::from(re[n]) - exact.re).powi(2) + (f64::from(im[n]) - exact.im).powi(2);
                             power += exact.norm_sqr();
                         }
                     }

@@ -104,7 +104,10 @@ fn of_32_bits(bits: u64) -> f64 {
 /// Random bits of a cell: SplitMix64 from the facet's own number (Steele, Lea and Flood, OOPSLA 2014).
 #[inline(always)]
 fn of_cell(facet: u64, number: u64, cell: i64) -> u64 {
-    mixed(facet, (number << 40) | (cell.wrapping_add(MIDDLE).cast_unsigned() & (2 * MIDDLE - 1).cast_unsigned()))
+    mixed(
+        facet,
+        (number << 40) | (cell.wrapping_add(MIDDLE).cast_unsigned() & (2 * MIDDLE - 1).cast_unsigned()),
+    )
 }
 
 /// Random bits from others and an index.
@@ -160,7 +163,12 @@ mod tests {
         for t_s in [0.0, 60.0, 3600.0] {
             let at = |facet: u64, t: f64| {
                 let centre_radps = 100.0 + 10.0 * (t - t_s);
-                comb.phasor(mixed(facet, 0), 0, Line { amplitude: 1.0, centre_radps, deviation_radps: 4.0 }, t)
+                comb.phasor(
+                    mixed(facet, 0),
+                    0,
+                    Line { amplitude: 1.0, centre_radps, deviation_radps: 4.0 },
+                    t,
+                )
             };
             let lag_s = 0.01;
             let sum: Complex64 = (0..4000).map(|n| at(n, t_s).conj() * at(n, t_s + lag_s)).sum();

@@ -159,7 +159,7 @@ impl BraggLines {
                 .unwrap_or_else(|| self.velocities.mean_square(q, self.specular_to_radpm).sqrt());
             return [Line { amplitude: 1.0, centre_radps: carried_radps, deviation_radps }, Line::default()];
         }
-        let magnitude = q.x.hypot(q.y).max(1e-9 * self.wavenumber_radpm);
+        let magnitude = (q.x * q.x + q.y * q.y).sqrt().max(1e-9 * self.wavenumber_radpm);
         let omega_radps = self.dispersion.angular_frequency_rad_s(magnitude);
         let deviation_radps = self.deviation_radps.unwrap_or_else(|| {
             let [xx, xy, yy] = self.tilts;
@@ -168,7 +168,7 @@ impl BraggLines {
             (self.velocities.mean_square(q, magnitude) + change_mps * change_mps * tilted).sqrt()
         });
         let [cos, sin] = self.downwind;
-        let roots = self.share.roots([cos * q.x + sin * q.y, cos * q.y - sin * q.x]);
+        let roots = self.share.roots([cos * q.x + sin * q.y, cos * q.y - sin * q.x], magnitude);
         [(roots[0], omega_radps), (roots[1], -omega_radps)].map(|(amplitude, omega_radps)| Line {
             amplitude,
             centre_radps: omega_radps + carried_radps,
@@ -184,18 +184,25 @@ impl BraggLines {
 
     /// What turns the specular part and the Bragg part of the facet with a global key, `t_s` after pulse 0,
     /// for unit directions from the transmitter and to the receiver.
-    pub fn phasors(
-        &self,
-        key: [i64; 2],
-        (incident, scattered): (DVec3, DVec3),
-        t_s: f64,
-    ) -> [Complex64; 2] {
+    pub fn phasors(&self, key: [i64; 2], (incident, scattered): (DVec3, DVec3), t_s: f64) -> [Complex64; 2] {
         let facet = self.number_of(key);
         [Mechanism::Specular, Mechanism::Bragg].map(|mechanism| {
             let lines = self.lines(mechanism, incident, scattered).into_iter().zip(mechanism.number()..);
             lines.map(|(line, number)| self.comb.phasor(facet, number, line, t_s)).sum()
         })
     }
+}
+
+/// Near the logarithm of a number above 0 to the base 2: exponent and mantissa as a double has them. Tables lie
+/// even in it, for it costs less than a logarithm.
+#[inline(always)]
+fn octaves(x: f64) -> f64 {
+    x.to_bits() as f64 * (1.0 / (1u64 << 52) as f64) - 1023.0
+}
+
+/// The number of some octaves.
+fn of_octaves(octaves: f64) -> f64 {
+    octaves.floor().exp2() * (1.0 + octaves - octaves.floor())
 }
 
 #[cfg(test)]

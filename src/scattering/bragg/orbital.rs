@@ -7,15 +7,16 @@
 //! `sigma_v^2 = integral of omega^2 [(q.K/|K|)^2 coth^2(K d) + q_z^2] Psi(K)`
 //!
 //! over the waves outside of the map's square `|K_x|, |K_y| < pi/dx` and shorter than `|K| < K_B`. The
-//! integral over directions is kept as a symmetric tensor, over `ln K` as a running sum.
+//! integral over directions is kept as a symmetric tensor, over wave number as a running sum.
 
 use glam::DVec3;
 
+use super::{octaves, of_octaves};
 use crate::scene::water::Dispersion;
 use crate::sea::spectrum::{Spectrum, WaveVector};
 
-/// Steps of `ln K` in a factor e.
-const STEPS_PER_E: f64 = 48.0;
+/// Steps in an octave.
+const STEPS_PER_OCTAVE: f64 = 40.0;
 /// Most steps, whatever range is asked.
 const MOST_STEPS: usize = 4096;
 /// Directions over half a turn.
@@ -27,41 +28,43 @@ type Tensor = [f64; 4];
 /// Running integrals over wave number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubFacetVelocities {
-    ln_from: f64,
-    steps_per_unit: f64,
+    octaves_from: f64,
+    steps_per_octave: f64,
     sums: Vec<Tensor>,
 }
 
 impl SubFacetVelocities {
     /// Of the waves beyond a map that resolves `|K_x|, |K_y| < resolved_radpm`, up to `to_radpm`.
     pub fn new(spectrum: &dyn Spectrum, dispersion: Dispersion, resolved_radpm: f64, to_radpm: f64) -> Self {
-        let ln_from = resolved_radpm.max(f64::MIN_POSITIVE).ln();
-        let span = to_radpm.ln() - ln_from;
+        let octaves_from = octaves(resolved_radpm.max(f64::MIN_POSITIVE));
+        let span = octaves(to_radpm) - octaves_from;
         if !(span > 0.0 && span.is_finite()) {
-            return Self { ln_from, steps_per_unit: 0.0, sums: vec![[0.0; 4]] };
+            return Self { octaves_from, steps_per_octave: 0.0, sums: vec![[0.0; 4]] };
         }
-        let steps = ((span * STEPS_PER_E).ceil() as usize).clamp(1, MOST_STEPS);
-        let steps_per_unit = steps as f64 / span;
+        let steps = ((span * STEPS_PER_OCTAVE).ceil() as usize).clamp(1, MOST_STEPS);
+        let steps_per_octave = steps as f64 / span;
         let of = |step: usize| {
-            let k = (ln_from + step as f64 / steps_per_unit).exp();
-            ring(spectrum, dispersion, resolved_radpm, k).map(|density| 0.5 * density / steps_per_unit)
+            let k = of_octaves(octaves_from + step as f64 / steps_per_octave);
+            (k.ln(), ring(spectrum, dispersion, resolved_radpm, k))
         };
         let mut before = of(0);
         let mut sums = vec![[0.0; 4]];
         let mut sum = [0.0; 4];
         for step in 1..=steps {
             let next = of(step);
-            sum = std::array::from_fn(|i| sum[i] + before[i] + next[i]);
+            let half = 0.5 * (next.0 - before.0);
+            sum = std::array::from_fn(|i| sum[i] + half * (before.1[i] + next.1[i]));
             sums.push(sum);
             before = next;
         }
-        Self { ln_from, steps_per_unit, sums }
+        Self { octaves_from, steps_per_octave, sums }
     }
 
     /// Sums up to a wave number.
+    #[inline]
     fn tensor(&self, to_radpm: f64) -> Tensor {
         let last = self.sums.len() - 1;
-        let place = (to_radpm.max(f64::MIN_POSITIVE).ln() - self.ln_from) * self.steps_per_unit;
+        let place = (octaves(to_radpm) - self.octaves_from) * self.steps_per_octave;
         let place = if place > 0.0 { place.min(last as f64) } else { 0.0 };
         let step = (place as usize).min(last.saturating_sub(1));
         let share = place - step as f64;
@@ -71,6 +74,7 @@ impl SubFacetVelocities {
 
     /// Mean square of `q.v` over the waves up to a wave number: of q in rad/m, (rad/s)^2; of a unit vector,
     /// (m/s)^2.
+    #[inline]
     pub fn mean_square(&self, q: DVec3, to_radpm: f64) -> f64 {
         let [xx, xy, yy, zz] = self.tensor(to_radpm);
         (q.x * q.x * xx + 2.0 * q.x * q.y * xy + q.y * q.y * yy + q.z * q.z * zz).max(0.0)
