@@ -144,7 +144,8 @@ mod tests {
                     square += now.norm_sqr().powi(2) / FACETS as f64;
                     covariance += now.conj() * later / FACETS as f64;
                 }
-                let centre = covariance.arg() / lag_s;
+                // From the middle on: the lag is several turns of narrow lines.
+                let centre = 21.0 + (covariance * Complex64::cis(-21.0 * lag_s)).arg() / lag_s;
                 let width = (2.0 * (1.0 - covariance.norm() / power)).sqrt() / lag_s;
                 println!("{deviation} {step} {t_s}: {power:.3} {square:.3} {centre:.3} {width:.3}");
                 // One in the root of 20 000 is 0.7 %, of a power that fluctuates by itself.
