@@ -80,16 +80,18 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "target/release/nereus"))
     parser.add_argument("--scenario", default=str(ROOT / "configs/quickstart.toml"))
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--duration-s", type=float, default=10.0)
+    parser.add_argument("--duration-s", type=float, default=10.0, help="of a run in real time")
+    parser.add_argument("--fast-duration-s", type=float, default=60.0, help="emission time of a run as fast as it can")
     args = parser.parse_args()
     runs = {(pace, name): [] for pace in ("realtime", "fast") for name in CASES}
     for turn in range(args.rounds):
         for pace, name in runs:
-            report = measure(args.program, args.scenario, args.duration_s, pace, CASES[name])
+            duration_s = args.duration_s if pace == "realtime" else args.fast_duration_s
+            report = measure(args.program, args.scenario, duration_s, pace, CASES[name])
             runs[pace, name].append(report)
         print(f"round {turn + 1} of {args.rounds}", flush=True)
     load = os.getloadavg()[1]
-    print(f"\n{args.rounds} rounds of {args.duration_s:g} s of {Path(args.scenario).name}, {os.cpu_count()} cores, load {load:.1f}")
+    print(f"\n{args.rounds} rounds of {args.duration_s:g} s in real time and {args.fast_duration_s:g} s fast of {Path(args.scenario).name}, {os.cpu_count()} cores, load {load:.1f}")
     print(f"\n{'in real time':24} {'dropped':>8} {'late':>6} {'p50 us':>8} {'p99 us':>20} {'speed':>7}")
     for name in CASES:
         reports = runs["realtime", name]

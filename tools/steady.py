@@ -25,6 +25,9 @@ import subprocess
 import sys
 import time
 
+PACKAGE = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(PACKAGE / "python/nereus"))
+
 try:
     import numpy as np
 
@@ -33,7 +36,6 @@ except ImportError as missing:
     print(f"steady.py: {missing}; install with: pip install numpy h5py", file=sys.stderr)
     sys.exit(2)
 
-PACKAGE = pathlib.Path(__file__).resolve().parent.parent
 GROUP = 50  # pulses whose mean is one value for the standard error
 STRIDE = 5000  # pulses that are read at once
 

@@ -256,7 +256,7 @@ fn runs_that_crsd_cannot_express_are_refused_before_anything_is_made() {
     for (set, words) in [
         ("scene.duration_s=0.004", "VV: 1 of the pulses"),
         (
-            "radar.waveform={kind=\"samples\",path=\"pulse.csv\",rate_hz=80e6}",
+            "radar.waveform={kind=\"file\",path=\"pulse.csv\",rate_hz=80e6}",
             "waveform is read from a file; allowed for CRSD",
         ),
     ] {

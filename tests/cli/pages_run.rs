@@ -202,7 +202,7 @@ fn run(path: &Path, not_run: &Mutex<BTreeMap<&'static str, usize>>) -> Vec<Strin
     let text = fs::read_to_string(path).unwrap();
     let name = name(path);
     let folder = tempfile::tempdir().unwrap();
-    for shared in ["configs", "hulls", "tools"] {
+    for shared in ["configs", "hulls", "python", "tools"] {
         symlink(package().join(shared), folder.path().join(shared)).unwrap();
     }
     fs::create_dir(folder.path().join("docs")).unwrap();
@@ -228,18 +228,18 @@ fn run(path: &Path, not_run: &Mutex<BTreeMap<&'static str, usize>>) -> Vec<Strin
             println!("{:6.1} s  {name}: {line}", begun.elapsed().as_secs_f64());
         }
     }
-    let scripts = blocks(&text, "python");
-    if !scripts.is_empty() && python_has("numpy, h5py") {
-        for script in scripts {
-            let mut command = Command::new("python3");
-            command.args(["-c", script]).current_dir(folder.path()).env("PYTHONDONTWRITEBYTECODE", "1");
-            let ended = command.output().unwrap();
-            if !ended.status.success() {
-                page.fault(script, &ended);
-            }
+    for script in blocks(&text, "python") {
+        let modules = if script.contains("sigmf") { "sigmf" } else { "numpy, h5py" };
+        if !python_has(modules) {
+            println!("skipped: no python3 with {modules}: a script of {name}");
+            continue;
         }
-    } else if !scripts.is_empty() {
-        println!("skipped: no python3 with numpy and h5py: scripts of {name}");
+        let mut command = Command::new("python3");
+        command.args(["-c", script]).current_dir(folder.path()).env("PYTHONDONTWRITEBYTECODE", "1");
+        let ended = command.env("PYTHONPATH", "python/nereus").output().unwrap();
+        if !ended.status.success() {
+            page.fault(script, &ended);
+        }
     }
     println!("{:6.1} s  {name}: {lines} lines", began.elapsed().as_secs_f64());
     page.faults
