@@ -209,7 +209,7 @@ fn travelling_waves_keep_the_error() {
                 ("sea.wind_from_deg", wind_from_deg),
                 ("fidelity.echo", echo),
                 ("sea.scattering.bragg", "travelling"),
-                ("scene.patch_size_m", "[64, 64]"),
+                ("scene.facet_m", "2"),
                 ("radar.noise_figure_db", "false"),
                 ("target.0.rcs_m2", "1e-9"),
             ];
