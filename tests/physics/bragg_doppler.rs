@@ -224,7 +224,7 @@ fn centroids_hz(incidence_deg: f64, towards_deg: f64, bragg: BraggWaves) -> [f64
 }
 
 /// Bragg's own line and the drift bring centroids to what is measured. A linear sea is the same upwind and
-/// downwind: half the difference of both is compared, of which 86 to 93 % are here. The rest, and the 3 to 9 Hz
+/// downwind: half the difference of both is compared, of which 89 to 94 % are here. The rest, and the 3 to 9 Hz
 /// by which measured ones are larger upwind, is that of short waves that long ones modulate and of breaking
 /// waves, neither of which is modelled.
 #[test]
