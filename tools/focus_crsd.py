@@ -52,9 +52,16 @@ class File:
     """What a processor needs of a CRSD file."""
 
     def __init__(self, path):
-        self.file = open(path, "rb")
-        self.reader = sarkit.crsd.Reader(self.file)
+        try:
+            self.file = open(path, "rb")
+            self.reader = sarkit.crsd.Reader(self.file)
+        except OSError as error:
+            sys.exit(f"error: {path}: {error.strerror}")
+        except Exception as error:  # sarkit has no type of its own for what is no CRSD
+            sys.exit(f"error: {path}: is no CRSD file ({error})")
         self.xml = self.reader.metadata.xmltree
+        if self.xml.find("{*}SupportArray/{*}AddedSupportArray[{*}Identifier='replica']") is None:
+            sys.exit(f"error: {path}: has no support array 'replica'; allowed: CRSD files of nereus")
         load = sarkit.crsd.XmlHelper(self.xml).load
         self.iarp = load("{*}SceneCoordinates/{*}IARP/{*}ECF")
         plane = "{*}SceneCoordinates/{*}ReferenceSurface/{*}Planar/{*}"
@@ -168,6 +175,8 @@ def main():
     args = parser.parse_args()
     file = File(args.crsd)
     name = args.channel or file.channels[0]
+    if name not in file.channels:
+        sys.exit(f"error: {args.crsd}: has no channel {name}; allowed: {', '.join(file.channels)}")
     counts = [round(side / args.pixel_m) for side in args.size_m]
     x_m, y_m = (c + (np.arange(n) - (n - 1) / 2) * args.pixel_m for c, n in zip(args.centre_m, counts))
     image = focus(file, name, file.points(x_m, y_m))

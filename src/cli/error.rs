@@ -149,6 +149,7 @@ impl CliError {
     /// Exit code: 2 when the input is wrong, 1 otherwise.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Recording(RecordingError::File(fault)) if !fault.is_wrong_input() => 1,
             Self::Config(_)
             | Self::Build(_)
             | Self::Pattern(_)

@@ -3,7 +3,8 @@
 //! Generation uses every core, so what the monitor computes is taken from it. Work is begun only while its time
 //! so far stays below a share of the time of all cores; a machine that is too slow for it shows fewer rows. What
 //! counts is the processor's time: a thread of the lowest priority waits for long on a busy machine, and that costs
-//! nobody anything.
+//! nobody anything. Range lines and range-Doppler maps have a half each: a map costs as much as a hundred lines, and
+//! neither may starve the other.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -32,10 +33,15 @@ fn spent(begun: Instant) -> Duration {
 }
 
 impl Budget {
-    /// A share of this machine.
+    /// Half of the share of this machine.
     pub fn of_this_machine() -> Self {
         let cores = thread::available_parallelism().map_or(1, usize::from);
-        Self { rate: SHARE * cores as f64, left_s: SAVED.as_secs_f64(), read: Instant::now() }
+        Self::of(0.5 * SHARE * cores as f64, SAVED.as_secs_f64())
+    }
+
+    /// Seconds earned in a second, and those that may be spent at once.
+    pub fn of(rate: f64, left_s: f64) -> Self {
+        Self { rate, left_s, read: Instant::now() }
     }
 
     /// Does some work, if there is time for it now.
@@ -69,7 +75,7 @@ mod tests {
 
     #[test]
     fn what_takes_long_is_done_less_often() {
-        let mut budget = Budget { rate: 0.1, left_s: 0.001, read: Instant::now() };
+        let mut budget = Budget::of(0.1, 0.001);
         let begun = Instant::now();
         let mut pieces = 0;
         while begun.elapsed() < Duration::from_millis(400) {
@@ -85,7 +91,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn time_that_others_take_is_not_counted() {
-        let mut budget = Budget { rate: 0.0, left_s: 0.01, read: Instant::now() };
+        let mut budget = Budget::of(0.0, 0.01);
         for _ in 0..20 {
             assert!(budget.spend(|| thread::sleep(Duration::from_millis(2))).is_some());
         }

@@ -144,6 +144,9 @@ fn ask(hub: &Arc<Hub>, line: String, answers: mpsc::Sender<String>) -> Option<&'
     if line.len() > LONGEST_LINE {
         return Some("error a change of more than 256 bytes: allowed: at most so many");
     }
+    if line.contains(char::is_control) {
+        return Some("error a change with control characters: allowed: one line of text");
+    }
     tokio::task::spawn_blocking(move || {
         let text = match control.line(&line) {
             Ok((pulse, change)) => format!("ok pulse {pulse} {change}"),

@@ -28,7 +28,7 @@ pub struct Map {
     pub pulse: u64,
     /// Emission of that pulse after that of pulse 0, s.
     pub time_s: f64,
-    /// Bistatic delay of the first column, s.
+    /// Bistatic delay at which the first column begins, half a cell before its first cell, s.
     pub start_s: f64,
     /// Doppler frequencies covered, from minus half of it, Hz.
     pub span_hz: f64,
@@ -138,7 +138,7 @@ impl Burst {
             time_s: self.last_s,
             rows,
             levels,
-            start_s: first_s,
+            start_s: first_s - 0.5 * ranges.cell_s(),
             span_hz: prf_hz / self.step.max(1) as f64,
             channel: self.channel,
             ..Map::default()
@@ -183,8 +183,9 @@ mod tests {
         let peak = (0..map.levels.len()).max_by_key(|place| map.levels[*place]).unwrap();
         let doppler_hz = (peak / columns) as f64 / 64.0 * map.span_hz - 0.5 * map.span_hz;
         assert!((doppler_hz - 30.0).abs() <= 0.5 * prf_hz / 64.0, "{doppler_hz}");
-        let delay_s = map.start_s + (peak % columns) as f64 * ranges.column_s();
-        assert!((delay_s - (1e-5 + 200.0 / 100e6)).abs() <= ranges.column_s(), "{delay_s}");
+        // The middle of a column is that of its cells.
+        let delay_s = map.start_s + ((peak % columns) as f64 + 0.5) * ranges.column_s();
+        assert!((delay_s - (1e-5 + 200.0 / 100e6)).abs() <= 0.5 * ranges.column_s(), "{delay_s}");
         // Hann's window lies half a bin beside the middle of the row at most: 1.42 dB.
         assert!((f64::from(map.levels[peak]) * 0.01 + 60.0).abs() < 1.5, "{}", map.levels[peak]);
     }

@@ -24,8 +24,6 @@ use crate::transport::health::Counters;
 const ROWS_BYTES: usize = 16 << 20;
 /// Most range lines of a channel.
 const MOST_ROWS: usize = 400;
-/// Doppler wanted by nobody.
-const NOBODY: usize = usize::MAX;
 
 /// What is shown of a run.
 pub struct Hub {
@@ -42,8 +40,8 @@ pub struct Hub {
     state: Mutex<State>,
     begun: Instant,
     ended: AtomicBool,
-    /// Channel whose range-Doppler map somebody looks at.
-    doppler: AtomicUsize,
+    /// Channels whose range-Doppler maps somebody looks at.
+    doppler: Vec<AtomicBool>,
     /// Browsers connected.
     pub browsers: AtomicUsize,
     /// Rows that browsers did not take in time.
@@ -73,6 +71,8 @@ pub struct State {
     pub real_time_factor: Option<f64>,
     /// Losses and when they began.
     pub losses: Vec<Loss>,
+    /// What it means that a pulse is missing.
+    missing: &'static str,
 }
 
 /// Something that is lost.
@@ -146,10 +146,15 @@ impl Hub {
                 not_shown: 0,
                 real_time_factor: None,
                 losses: Vec::new(),
+                missing: if scenery.replayed {
+                    "the recording does not have them"
+                } else {
+                    "not made in time and not released"
+                },
             }),
             begun: Instant::now(),
             ended: AtomicBool::new(false),
-            doppler: AtomicUsize::new(NOBODY),
+            doppler: header.channels.iter().map(|_| AtomicBool::new(false)).collect(),
             browsers: AtomicUsize::new(0),
             left_out: AtomicU64::new(0),
             turned_away: AtomicU64::new(0),
@@ -168,12 +173,14 @@ impl Hub {
 
     /// Somebody looks at the range-Doppler map of a channel.
     pub fn look_at_doppler(&self, channel: usize) {
-        self.doppler.store(channel, Ordering::Relaxed);
+        if let Some(wanted) = self.doppler.get(channel) {
+            wanted.store(true, Ordering::Relaxed);
+        }
     }
 
-    /// The channel whose map is wanted since the last call.
-    pub fn wanted_doppler(&self) -> Option<usize> {
-        Some(self.doppler.swap(NOBODY, Ordering::Relaxed)).filter(|channel| *channel != NOBODY)
+    /// Whether somebody has looked at the map of a channel since the last call.
+    pub fn is_doppler_wanted(&self, channel: usize) -> bool {
+        self.doppler.get(channel).is_some_and(|wanted| wanted.swap(false, Ordering::Relaxed))
     }
 
     /// Nothing more will come.
@@ -205,7 +212,7 @@ impl State {
 
     /// Takes new counters, and notes what has been lost since the last ones.
     pub fn count(&mut self, counters: Counters, not_shown: u64, elapsed_s: f64) {
-        let dropped = [("pulses were not made in time and not released".to_owned(), counters.dropped)];
+        let dropped = [(self.missing.to_owned(), counters.dropped)];
         let missed =
             counters.sinks.iter().map(|sink| (format!("sink '{}' was too slow", sink.name), sink.dropped));
         for (what, pulses) in dropped.into_iter().chain(missed).filter(|(_, pulses)| *pulses > 0) {

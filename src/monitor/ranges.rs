@@ -24,7 +24,7 @@ pub struct Row {
     pub pulse: u64,
     /// Emission of the pulse after that of pulse 0, s.
     pub time_s: f64,
-    /// Bistatic delay of the first column, s.
+    /// Bistatic delay at which the first column begins, half a cell before its first cell, s.
     pub start_s: f64,
     /// Level of each column, 0.01 dBW.
     pub levels: Vec<i16>,

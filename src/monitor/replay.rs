@@ -132,7 +132,7 @@ impl Replay {
                     }
                     thread::sleep(left.min(GLANCE));
                 }
-                self.watcher.show(&slot);
+                self.watcher.show(&slot, true);
                 played.pulses += 1;
                 counters.released += 1;
                 counters.late += u64::from(slot.flags & flags::LATE != 0);

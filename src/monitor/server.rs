@@ -16,7 +16,7 @@ use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{Next, from_fn};
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::get;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -26,7 +26,7 @@ use tokio::sync::{Notify, Semaphore};
 use super::hub::Hub;
 use super::{MonitorFault, assets, client, guard, metrics, status, watch};
 
-/// Connections at a time, those of browsers that look on included.
+/// Connections at a time, those of browsers that look on apart.
 const CONNECTIONS: usize = 64;
 /// Browsers that look on.
 const BROWSERS: usize = 16;
@@ -183,6 +183,7 @@ fn router(subject: Subject) -> Router {
         .route("/", get(front))
         .route("/api/status", get(api))
         .route("/metrics", get(figures))
+        .route("/{token}", get(bare))
         .route("/{token}/", get(page))
         .route("/{token}/socket", get(socket))
         .route("/{token}/{part}", get(part))
@@ -263,6 +264,14 @@ impl Subject {
 
 async fn page(State(subject): State<Subject>, Path(token): Path<String>) -> Response {
     subject.serve(&token, "")
+}
+
+/// The address without its last stroke leads to that with it: parts of the page are found beside it.
+async fn bare(State(subject): State<Subject>, Path(token): Path<String>) -> Response {
+    if !guard::is_token(&token, &subject.token) {
+        return refused(StatusCode::FORBIDDEN, "refused: not the token of this run");
+    }
+    Redirect::temporary(&format!("/{token}/")).into_response()
 }
 
 async fn part(State(subject): State<Subject>, Path((token, name)): Path<(String, String)>) -> Response {

@@ -20,6 +20,8 @@ use crate::time::TimeTag;
 use crate::transport::health::Counters;
 use crate::transport::view::{Onlooker, Seen};
 
+/// Most pulses between two looks at the counters: a stream that is faster than this thread never lets it rest.
+const BATCH: usize = 256;
 /// Pause between two looks at the queue.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Shortest time between two range lines of a channel.
@@ -40,7 +42,8 @@ pub struct Watcher {
     hub: Arc<Hub>,
     scenery: Scenery,
     ranges: Option<Ranges>,
-    budget: Budget,
+    line_budget: Budget,
+    map_budget: Budget,
     start: TimeTag,
     /// Code of the polarisation that a channel is radiated in; `None`: in every pulse.
     radiated: Vec<Option<u8>>,
@@ -50,7 +53,8 @@ pub struct Watcher {
     burst_pulses: usize,
     maps: u64,
     mapped: Option<Instant>,
-    wanted: Option<Instant>,
+    /// When somebody last looked at the map of each channel.
+    wanted: Vec<Option<Instant>>,
     /// Pulses made and seconds of work, some time ago.
     speed: Option<(u64, f64)>,
 }
@@ -80,10 +84,12 @@ pub fn start(
             // Looked at before the queue: what came before the end is shown.
             let last = over.load(Ordering::Acquire);
             let mut seen = Seen::Pulse;
-            while seen == Seen::Pulse {
-                seen = onlooker.look(|pulse| watcher.show(pulse));
+            let mut shown = 0;
+            while seen == Seen::Pulse && shown < BATCH {
+                shown += 1;
+                seen = onlooker.look(|pulse, waiting| watcher.show(pulse, waiting == 0 || shown == BATCH));
             }
-            let ended = last || seen == Seen::Ended;
+            let ended = seen == Seen::Ended || (last && seen == Seen::Nothing);
             if (ended || counted.is_none_or(|at| at.elapsed() >= COUNT_EVERY))
                 && let Some(health) = onlooker.health()
             {
@@ -93,7 +99,9 @@ pub fn start(
             if ended {
                 return;
             }
-            thread::sleep(PAUSE);
+            if seen == Seen::Nothing {
+                thread::sleep(PAUSE);
+            }
         }
     };
     thread::Builder::new().name("monitor".to_owned()).spawn(watch).map_err(MonitorFault::Thread)
@@ -109,7 +117,8 @@ impl Watcher {
             hub: Arc::clone(hub),
             scenery: scenery.clone(),
             ranges: Ranges::new(header),
-            budget: Budget::of_this_machine(),
+            line_budget: Budget::of_this_machine(),
+            map_budget: Budget::of_this_machine(),
             start: header.start,
             radiated: header.channels.iter().map(|channel| radiated(&channel.polarisations)).collect(),
             lines: vec![None; header.channels.len()],
@@ -117,7 +126,7 @@ impl Watcher {
             burst_pulses: doppler::pulses(header.layout.samples),
             maps: 0,
             mapped: None,
-            wanted: None,
+            wanted: vec![None; header.channels.len()],
             speed: None,
         }
     }
@@ -128,11 +137,18 @@ impl Watcher {
             || self.radiated.get(channel).copied().flatten().is_none_or(|code| code == pulse.tx_pol)
     }
 
-    /// Shows a pulse.
-    pub fn show(&mut self, pulse: &Pulse) {
+    /// Shows a pulse; the plan and the figures are those of the latest one.
+    pub fn show(&mut self, pulse: &Pulse, is_latest: bool) {
         let time_s = pulse.time.since(self.start);
         self.range_lines(pulse, time_s);
         self.range_doppler(pulse, time_s);
+        if self.hub.state().history.wants(time_s) {
+            let point = history::Instant::of(pulse, time_s);
+            self.hub.state().history.push(point);
+        }
+        if !is_latest {
+            return;
+        }
         let outline = |(place, antenna)| {
             self.scenery.outline(place).map_or_else(Footprint::default, |outline| outline.on_the_sea(antenna))
         };
@@ -152,36 +168,35 @@ impl Watcher {
             headings_deg: pulse.ship_heading_deg.clone(),
             patch_m: self.scenery.patch_centre_m(time_s, &pulse.nav_true, &pulse.nav_reported),
         };
-        let mut state = self.hub.state();
-        if state.history.wants(time_s) {
-            state.history.push(history::Instant::of(pulse, time_s));
-        }
-        state.now = Some(now);
+        self.hub.state().now = Some(now);
     }
 
     fn range_lines(&mut self, pulse: &Pulse, time_s: f64) {
-        for channel in 0..self.lines.len() {
-            let due = self.lines[channel].is_none_or(|at| at.elapsed() >= ROW_EVERY);
-            if !due || !self.is_illuminated(pulse, channel) {
-                continue;
-            }
-            let (Some(ranges), budget) = (&mut self.ranges, &mut self.budget) else { return };
+        // The oldest first: where there is time for one line alone, channels take turns.
+        let due = |of: &Self, channel: usize| {
+            of.lines[channel].is_none_or(|at| at.elapsed() >= ROW_EVERY) && of.is_illuminated(pulse, channel)
+        };
+        while let Some(channel) = (0..self.lines.len())
+            .filter(|channel| due(self, *channel))
+            .min_by_key(|channel| self.lines[*channel])
+        {
+            let (Some(ranges), budget) = (&mut self.ranges, &mut self.line_budget) else { return };
             let Some(levels) = budget.spend(|| ranges.levels(pulse, channel)) else { return };
             self.lines[channel] = Some(Instant::now());
-            let (pulse, start_s) = (pulse.index, pulse.window_start_s);
+            let (pulse, start_s) = (pulse.index, pulse.window_start_s - 0.5 * ranges.cell_s());
             self.hub.state().push_row(channel, Row { number: 0, pulse, time_s, start_s, levels });
         }
     }
 
     fn range_doppler(&mut self, pulse: &Pulse, time_s: f64) {
-        if let Some(channel) = self.hub.wanted_doppler().filter(|channel| *channel < self.lines.len()) {
-            if self.wanted.is_none() || self.burst.channel() != channel {
-                self.burst.restart(channel);
+        for channel in 0..self.wanted.len() {
+            if self.hub.is_doppler_wanted(channel) {
+                self.wanted[channel] = Some(Instant::now());
+            } else if self.wanted[channel].is_some_and(|at| at.elapsed() > MAP_WANTED) {
+                self.wanted[channel] = None;
             }
-            self.wanted = Some(Instant::now());
         }
-        if self.wanted.is_none_or(|at| at.elapsed() > MAP_WANTED) {
-            self.wanted = None;
+        if !self.wanted.get(self.burst.channel()).is_some_and(Option::is_some) && !self.next_map() {
             return;
         }
         if !self.is_illuminated(pulse, self.burst.channel()) {
@@ -193,11 +208,24 @@ impl Watcher {
             return;
         }
         let (burst, prf_hz) = (&mut self.burst, self.hub.prf_hz);
-        let Some(mut map) = self.budget.spend(|| burst.map(ranges, prf_hz)) else { return };
+        let Some(mut map) = self.map_budget.spend(|| burst.map(ranges, prf_hz)) else { return };
         self.maps += 1;
         map.number = self.maps;
         self.mapped = Some(Instant::now());
         self.hub.state().map = Some(map);
+        self.next_map();
+    }
+
+    /// Goes on to the next channel that somebody looks at; `false` if there is none. Several browsers at several
+    /// channels get their maps by turns.
+    fn next_map(&mut self) -> bool {
+        let (channels, last) = (self.wanted.len(), self.burst.channel());
+        let next =
+            (1..=channels).map(|step| (last + step) % channels).find(|next| self.wanted[*next].is_some());
+        if let Some(channel) = next {
+            self.burst.restart(channel);
+        }
+        next.is_some()
     }
 
     /// Shows how the stream counts.
@@ -214,5 +242,63 @@ impl Watcher {
         let mut state = self.hub.state();
         state.real_time_factor = factor.or(state.real_time_factor);
         state.count(counters, not_shown, elapsed_s);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex32;
+
+    use super::*;
+    use crate::pulse::Layout;
+    use crate::recording::header::ChannelRow;
+
+    /// A watcher of two channels, and a pulse for it.
+    fn watcher() -> (Arc<Hub>, Watcher, Pulse) {
+        let header = Header {
+            sample_rate_hz: 1e6,
+            bandwidth_hz: 1e6,
+            prf_hz: 1000.0,
+            replica: vec![Complex32::ONE],
+            layout: Layout { channels: 2, samples: 8, ..Layout::default() },
+            channels: vec![ChannelRow::default(); 2],
+            ..Header::default()
+        };
+        let hub = Arc::new(Hub::new(&header, &Scenery::default(), None));
+        let watcher = Watcher::new(&hub, &header, &Scenery::default());
+        (hub, watcher, Pulse::new(&header.layout))
+    }
+
+    /// Two browsers that look at two channels both get maps: neither puts the other's burst back to its begin.
+    #[test]
+    fn maps_of_several_channels_come_by_turns() {
+        let (hub, mut watcher, mut pulse) = watcher();
+        let begun = Instant::now();
+        let mut seen = [false; 2];
+        while seen != [true; 2] {
+            hub.look_at_doppler((pulse.index / 20 % 2) as usize);
+            watcher.show(&pulse, true);
+            if let Some(map) = &hub.state().map {
+                seen[map.channel] = true;
+            }
+            pulse.index += 1;
+            assert!(begun.elapsed() < Duration::from_secs(20), "{seen:?}");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Where there is time for a line now and then, the first channel does not take all of it.
+    #[test]
+    fn channels_take_turns_where_time_is_scarce() {
+        let (hub, mut watcher, mut pulse) = watcher();
+        for lines in 0..4 {
+            watcher.line_budget = Budget::of(0.0, 1e-9);
+            watcher.show(&pulse, false);
+            pulse.index += 1;
+            let held: Vec<usize> = hub.state().rows.iter().map(std::collections::VecDeque::len).collect();
+            assert_eq!(held, [[1, 0], [1, 1], [2, 1], [2, 2]][lines]);
+            assert!(hub.state().now.is_none(), "the plan is that of the latest pulse");
+            thread::sleep(ROW_EVERY);
+        }
     }
 }

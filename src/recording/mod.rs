@@ -82,6 +82,28 @@ const LONGEST_S: f64 = 1e8;
 /// Samples of all channels that are read at a time, bytes in the file.
 const BLOCK_BYTES: usize = 4 << 20;
 
+/// Whether a pulse leaves after the one before it (s after the first that was read), and its window opens some
+/// time about then; else what is wrong.
+fn check_instants(
+    number: u64,
+    before_s: Option<f64>,
+    emission_s: f64,
+    window_start_s: f64,
+) -> Result<(), String> {
+    let ascends = before_s.is_none_or(|before_s| before_s < emission_s);
+    if !(ascends && (0.0..=LONGEST_S).contains(&emission_s)) {
+        return Err(format!(
+            "pulse {number} leaves {emission_s:?} s after those before it were read; allowed: ascending, within {LONGEST_S} s"
+        ));
+    }
+    if !(-LONGEST_S..=LONGEST_S).contains(&window_start_s) {
+        return Err(format!(
+            "pulse/window_start_s of pulse {number} is {window_start_s:?}; allowed: within {LONGEST_S} s of the emission"
+        ));
+    }
+    Ok(())
+}
+
 /// A part of a recording in memory.
 pub struct Recording {
     path: PathBuf,
@@ -259,22 +281,9 @@ impl Recording {
             return Err(foreign("columns of /pulse have too few rows".to_owned()));
         }
         for row in rows.clone() {
+            let before_s = row.checked_sub(1).map(|row| path_s[row]);
             let number = index[known.start + row];
-            let ascends = row == 0 || path_s[row - 1] < path_s[row];
-            if !(ascends && (0.0..=LONGEST_S).contains(&path_s[row])) {
-                let detail = format!(
-                    "pulse {number} leaves {} s after those before it were read; allowed: ascending, within {LONGEST_S} s",
-                    path_s[row]
-                );
-                return Err(foreign(detail));
-            }
-            if !(-LONGEST_S..=LONGEST_S).contains(&window_start_s[row]) {
-                let detail = format!(
-                    "pulse/window_start_s of pulse {number} is {}; allowed: within {LONGEST_S} s of the emission",
-                    window_start_s[row]
-                );
-                return Err(foreign(detail));
-            }
+            check_instants(number, before_s, path_s[row], window_start_s[row]).map_err(foreign)?;
         }
         Ok(Self {
             index: index[used].to_vec(),

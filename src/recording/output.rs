@@ -61,18 +61,29 @@ impl FileKind {
 
     /// Whether what is there is a file of this kind, or empty.
     fn recognise(self, path: &Path) -> Recognised {
-        let is_ours = inputs::beginning(path, 8).is_some_and(|start| {
-            start.is_empty()
-                || start == self.signature() && (self != Self::Hdf5 || format(path).starts_with(b"nereus"))
-        });
+        let is_ours = inputs::beginning(path, 8)
+            .is_some_and(|start| start.is_empty() || start == self.signature() && self.is_ours(path));
         is_ours.then_some(Holding::File).ok_or(self.name())
+    }
+
+    /// Whether a file with this signature is one of this program, where others make files of the kind that cannot
+    /// be made again.
+    fn is_ours(self, path: &Path) -> bool {
+        match self {
+            Self::Hdf5 => format(path).starts_with(b"nereus"),
+            Self::Crsd => {
+                let start = inputs::beginning(path, 4096).unwrap_or_default();
+                String::from_utf8_lossy(&start).contains("<ProductName>nereus ")
+            }
+            _ => true,
+        }
     }
 
     fn name(self) -> &'static str {
         match self {
             Self::Settings => "table of settings",
             Self::Speckle => "table of speckle",
-            Self::Crsd => "CRSD file",
+            Self::Crsd => "CRSD file of this program",
             Self::Png => "PNG picture",
             Self::Hdf5 => "HDF5 file of this program",
             Self::SeaState => "saved sea",

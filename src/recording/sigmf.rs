@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::check_instants;
 use super::columns::{Column, Rows, columns};
 use super::fault::RecordingError;
 use super::header::Header;
@@ -354,9 +355,16 @@ impl<'a> Job<'a> {
         }
         part.bytes(opened("global", header, global).as_bytes())?;
         let mut first = true;
+        let (mut zero_ns, mut before_s) = (None, None);
         for start in self.rows.clone().step_by(BLOCK_PULSES) {
             let block = Block::read(self, channel, start..(start + BLOCK_PULSES).min(self.rows.end))?;
             for pulse in 0..block.index.len() {
+                let since_ns =
+                    block.time_ns[pulse].saturating_sub(*zero_ns.get_or_insert(block.time_ns[pulse]));
+                let emission_s = (since_ns as f64 + block.time_frac_ns[pulse]) * 1e-9;
+                let (number, window_s) = (block.index[pulse], block.window_start_s[pulse]);
+                check_instants(number, before_s.replace(emission_s), emission_s, window_s)
+                    .map_err(|detail| self.foreign(detail))?;
                 if first {
                     part.bytes(b",\n\"captures\":[")?;
                     part.bytes(block.capture(self, pulse).to_string().as_bytes())?;

@@ -73,12 +73,12 @@ impl View {
 }
 
 impl Onlooker {
-    /// Shows the oldest pulse that waits, if there is one. Does not wait: a stream that finds nobody asleep need
-    /// not wake anybody.
-    pub fn look(&mut self, show: impl FnOnce(&Pulse)) -> Seen {
+    /// Shows the oldest pulse that waits, if there is one, and says how many wait behind it. Does not wait: a stream
+    /// that finds nobody asleep need not wake anybody.
+    pub fn look(&mut self, show: impl FnOnce(&Pulse, usize)) -> Seen {
         match self.queue.look() {
             Look::Slot(pulse) => {
-                show(&pulse);
+                show(&pulse, self.queue.filled());
                 self.queue.give_back(pulse);
                 Seen::Pulse
             }
@@ -112,8 +112,8 @@ mod tests {
             assert!(view.offer(&pulse));
         }
         let mut seen = Vec::new();
-        while onlooker.look(|pulse| seen.push(pulse.index)) == Seen::Pulse {}
-        assert_eq!((seen, onlooker.not_shown()), (vec![0, 1], 3));
+        while onlooker.look(|pulse, waiting| seen.push((pulse.index, waiting))) == Seen::Pulse {}
+        assert_eq!((seen, onlooker.not_shown()), (vec![(0, 1), (1, 0)], 3));
         drop(onlooker);
         assert!(!view.offer(&pulse));
     }
@@ -122,9 +122,9 @@ mod tests {
     fn the_end_comes_after_the_last_pulse() {
         let layout = Layout { channels: 1, samples: 2, ..Layout::default() };
         let (mut view, mut onlooker) = view(2, &layout);
-        assert_eq!(onlooker.look(|_| {}), Seen::Nothing);
+        assert_eq!(onlooker.look(|_, _| {}), Seen::Nothing);
         assert!(view.offer(&Pulse::new(&layout)));
         drop(view);
-        assert_eq!((onlooker.look(|_| {}), onlooker.look(|_| {})), (Seen::Pulse, Seen::Ended));
+        assert_eq!((onlooker.look(|_, _| {}), onlooker.look(|_, _| {})), (Seen::Pulse, Seen::Ended));
     }
 }

@@ -179,14 +179,27 @@ fn bad_recordings_are_refused_and_leave_nothing() {
     }
     fs::write(path("rec/meta.json"), &meta).unwrap();
     // Damaged: a position that is no number, times that do not ascend.
-    for (name, words) in [
-        ("nav/rx/reported_phase_centre_m.bin", "reported position of rx is no finite number"),
-        ("pulse/window_start_s.bin", "window_start_s"),
-        ("pulse/time_ns.bin", "ascend"),
+    let none = [0xff; 8];
+    for (name, value, words) in [
+        ("nav/rx/reported_phase_centre_m.bin", none, "reported position of rx is no finite number"),
+        // Finite, and none any more in Earth-centred axes.
+        (
+            "nav/rx/reported_phase_centre_m.bin",
+            f64::MAX.to_le_bytes(),
+            "reported position of rx is no finite number",
+        ),
+        (
+            "nav/plane/reported/velocity_mps.bin",
+            f64::MAX.to_le_bytes(),
+            "reported velocity of tx is no finite number",
+        ),
+        ("pulse/window_start_s.bin", none, "window_start_s"),
+        ("pulse/time_ns.bin", none, "ascend"),
+        ("replica.bin", none, "no replica of finite samples"),
     ] {
         let bytes = fs::read(path("rec").join(name)).unwrap();
         let mut damaged = bytes.clone();
-        damaged[80..88].fill(0xff);
+        damaged[80..88].copy_from_slice(&value);
         fs::write(path("rec").join(name), damaged).unwrap();
         refused("rec", words);
         fs::write(path("rec").join(name), bytes).unwrap();
@@ -241,11 +254,38 @@ fn what_is_there_stays() {
     assert_eq!(foreign.code, 2);
     assert!(foreign.stderr.contains("because it is no CRSD file"), "{}", foreign.stderr);
     assert_eq!(fs::read(path("thesis.crsd")).unwrap(), b"chapter 1");
+    // CRSD of somebody else's radar.
+    fs::write(path("thesis.crsd"), "CRSDsar/1.0\nXML_BLOCK_SIZE := 1000\n").unwrap();
+    let foreign = export(folder.path(), &["--out", "thesis.crsd", "--force"]);
+    assert!(
+        foreign.code == 2 && foreign.stderr.contains("no CRSD file of this program"),
+        "{}",
+        foreign.stderr
+    );
     for place in ["no/such/folder.crsd", "my.toml/x.crsd"] {
         let ended = export(folder.path(), &["--out", place]);
         assert_eq!(ended.code, 2, "{place}: {}", ended.stderr);
     }
     assert_eq!(listing(folder.path()), ["direct.crsd", "my.toml", "rec", "thesis.crsd"]);
+}
+
+/// Files of so many blocks of 512 bytes, and no more, as on a disk that is full.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_reported_with_the_name_of_the_output() {
+    let folder = recorded(&[]);
+    let before = listing(folder.path());
+    for (format, out, named) in [("crsd", "new.crsd", "new.crsd"), ("sigmf", "new", "new-VV.sigmf-data")] {
+        let limited = "trap '' XFSZ; ulimit -f 8; exec \"$0\" export \"$1\" rec --out \"$2\"";
+        let mut command = Command::new("sh");
+        command.args(["-c", limited, env!("CARGO_BIN_EXE_nereus"), format, out]);
+        let ended = command.current_dir(folder.path()).output().unwrap();
+        let text = String::from_utf8_lossy(&ended.stderr);
+        // What the machine lacks is no wrong input.
+        assert_eq!(ended.status.code(), Some(1), "{text}");
+        assert!(text.starts_with(&format!("error: {named}: writing the ")), "{text}");
+        assert_eq!(listing(folder.path()), before);
+    }
 }
 
 #[test]

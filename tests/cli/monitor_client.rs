@@ -1,8 +1,118 @@
-//! A browser's side of HTTP and of WebSocket (RFC 6455), as far as the tests of the page need it.
+//! A run with its page, and a browser's side of HTTP and of WebSocket (RFC 6455), as far as the tests of the page need
+//! them.
 
-use std::io::{self, Read, Write};
+use std::fs;
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
+use std::process::{Child, Command};
+use std::thread;
 use std::time::{Duration, Instant};
+
+use crate::program::started;
+
+/// One strong target, a radar and a receiver at rest, clocks that are right; light enough for any machine.
+pub const SCENARIO: &str = r#"
+[scene]
+duration_s = 60.0
+[radar]
+carrier_hz = 10e9
+sample_rate_hz = 100e6
+prf_hz = 100.0
+channels = ["HH", "VV"]
+noise_figure_db = 3.0
+waveform = { kind = "lfm", bandwidth_hz = 60e6, pulse_s = 1e-6 }
+window = { samples = 600, start_us = 33.0 }
+[[platform]]
+name = "mast"
+track = { kind = "fixed", position_m = [0.0, 0.0, 50.0] }
+[[platform]]
+name = "aircraft"
+track = { kind = "straight", position_m = [0.0, -1000.0, 1000.0], velocity_mps = [0.0, 50.0, 0.0] }
+[[transmitter]]
+name = "tx"
+platform = "mast"
+power_w = 1000.0
+antenna = { kind = "isotropic" }
+[[receiver]]
+name = "rx"
+platform = "aircraft"
+antenna = { kind = "rectangle", width_m = 0.5, height_m = 0.2 }
+pointing = { kind = "at", position_m = [5000.0, 0.0, 0.0] }
+[[target]]
+name = "buoy"
+position_m = [5000.0, 0.0, 2.0]
+rcs_m2 = 1e5
+[stream]
+policy = "slip"
+[[sink]]
+kind = "null"
+"#;
+
+/// A program that serves a page.
+pub struct Shown {
+    pub child: Child,
+    pub address: String,
+    pub token: String,
+    _folder: tempfile::TempDir,
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Where a program says that its page is.
+pub fn served(folder: tempfile::TempDir, mut child: Child) -> Shown {
+    let mut lines = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.starts_with("monitor: ") {
+        line.clear();
+        assert!(lines.read_line(&mut line).unwrap() > 0, "the program ends without a page");
+    }
+    // A pipe that nobody reads would hold up the program.
+    thread::spawn(move || lines.lines().map_while(Result::ok).for_each(drop));
+    let place = line.trim().strip_prefix("monitor: http://").unwrap().trim_end_matches('/');
+    let (address, token) = place.split_once('/').unwrap();
+    let (address, token) = (address.to_owned(), token.to_owned());
+    assert!(address.starts_with("127.0.0.1:") && token.len() == 32, "{line}");
+    Shown { child, address, token, _folder: folder }
+}
+
+/// The run of the scenario, and its page.
+pub fn shown(more: &[&str]) -> Shown {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("page.toml"), SCENARIO).unwrap();
+    let run = ["run", "page.toml", "--json", "--monitor", "127.0.0.1:0"];
+    let child = started(folder.path(), &[&run[..], more].concat());
+    served(folder, child)
+}
+
+impl Shown {
+    pub fn browser(&self) -> Browser {
+        let own = format!("Origin: http://{}\r\n", self.address);
+        Browser::open(&self.address, &self.token, &own).unwrap()
+    }
+
+    pub fn path(&self, part: &str) -> String {
+        format!("/{}/{part}", self.token)
+    }
+
+    /// Ends the run as Ctrl-C does, and returns its report.
+    pub fn end(mut self) -> serde_json::Value {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        self.report()
+    }
+
+    fn report(&mut self) -> serde_json::Value {
+        let mut text = String::new();
+        self.child.stdout.take().unwrap().read_to_string(&mut text).unwrap();
+        assert!(self.child.wait().unwrap().success());
+        serde_json::from_str(text.lines().last().unwrap()).unwrap()
+    }
+}
 
 /// Opens a connection.
 pub fn connection(address: &str) -> TcpStream {
@@ -159,13 +269,15 @@ impl Browser {
 
     /// How the other side ends it: its close code, or 0 for a connection that is cut.
     pub fn closed(&mut self) -> u16 {
-        loop {
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_secs(15) {
             match self.next() {
                 Ok(Message::Closed(code)) => return code,
                 Ok(_) => {}
                 Err(_) => return 0,
             }
         }
+        panic!("it goes on");
     }
 }
 

@@ -22,8 +22,8 @@ fn limited(folder: &Path, kib: u64, arguments: &[&str]) -> (Child, String) {
     begun(shell, arguments)
 }
 
-/// At a port of the system's choice.
-const RECEIVE: [&str; 5] = ["receive", "--listen", "127.0.0.1:0", "--duration-s", "60"];
+/// At a port of the system's choice; a loaded machine may take minutes for the pulses of a run.
+const RECEIVE: [&str; 5] = ["receive", "--listen", "127.0.0.1:0", "--duration-s", "300"];
 
 fn begun(mut program: Command, arguments: &[&str]) -> (Child, String) {
     let mut child = program.args(arguments).spawn().unwrap();

@@ -228,6 +228,21 @@ fn nothing_is_left_of_what_cannot_be_exported() {
     fs::write(&index, [&numbers[8..16], &numbers[..8], &numbers[16..]].concat()).unwrap();
     only(Settings::default(), "pulse 10 comes after pulse 11");
     fs::write(&index, &numbers).unwrap();
+    // An instant that does not ascend, and windows that open at no time or ages later.
+    for (name, row, value, words) in [
+        ("time_ns", 20, 0_i64.to_le_bytes(), "pulse 30 leaves"),
+        ("time_frac_ns", 29, f64::NAN.to_le_bytes(), "pulse 39 leaves NaN s"),
+        ("window_start_s", 3, f64::NAN.to_le_bytes(), "pulse/window_start_s of pulse 13 is NaN"),
+        ("window_start_s", 3, 1e300_f64.to_le_bytes(), "pulse/window_start_s of pulse 13 is 1e300"),
+    ] {
+        let column = folder.path().join(format!("rec/pulse/{name}.bin"));
+        let all = fs::read(&column).unwrap();
+        let mut damaged = all.clone();
+        damaged[8 * row..8 * row + 8].copy_from_slice(&value);
+        fs::write(&column, damaged).unwrap();
+        only(Settings::default(), words);
+        fs::write(&column, all).unwrap();
+    }
     // No recording, and something else of that name.
     fs::write(folder.path().join("rec/meta.json"), "{}").unwrap();
     only(Settings::default(), "meta.json is not that of a nereus recording");

@@ -217,6 +217,35 @@ fn nobody_waits_for_a_subscriber() {
     assert!(slowest < Duration::from_secs(5), "{slowest:?}");
 }
 
+/// Connections that do not say what they are, or say it a byte at a time, take nobody's place.
+#[test]
+fn connections_that_say_nothing_give_way() {
+    let header = header(SampleFormat::Cf32);
+    let mut sink = open(&header, Messages::Multipart, 16);
+    let address = sink.addresses()[0];
+    let mut early = Sub::to(address, b"pulse");
+    // The sink takes in 64 at most.
+    let silent: Vec<TcpStream> = (0..80).map(|_| TcpStream::connect(address).unwrap()).collect();
+    let mut late = Sub::to(address, b"pulse");
+    sink.write(&pulse(&header, 0)).unwrap();
+    assert_eq!(late.message()[0], b"pulse");
+    assert_eq!(early.message()[0], b"pulse");
+    drop(silent);
+    // A handshake at five bytes a second would take 17 s.
+    let mut slow = TcpStream::connect(address).unwrap();
+    let begun = Instant::now();
+    let mut greeting = [0; 64];
+    (greeting[0], greeting[9], greeting[10]) = (0xff, 0x7f, 3);
+    let mut bytes = greeting.iter().chain([0; 400].iter());
+    while let Some(byte) = bytes.next()
+        && slow.write_all(&[*byte]).is_ok()
+    {
+        assert!(begun.elapsed() < Duration::from_secs(9));
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    assert_eq!(sink.finish().unwrap().subscribers.unwrap().seen, 2);
+}
+
 #[test]
 fn ports_that_others_have_are_reported() {
     let header = header(SampleFormat::Cf32);

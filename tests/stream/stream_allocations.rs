@@ -105,7 +105,7 @@ fn counted_run() {
         let (view, mut onlooker) = view::view(16, &LAYOUT);
         run.view(view);
         let looking = std::thread::spawn(move || {
-            while onlooker.look(|_| {}) != view::Seen::Ended {
+            while onlooker.look(|_, _| {}) != view::Seen::Ended {
                 std::thread::sleep(Duration::from_millis(1));
             }
         });

@@ -28,7 +28,7 @@ fn an_onlooker_holds_up_nobody() {
                 }
                 "looks" => Some(thread::spawn(move || {
                     loop {
-                        match onlooker.look(|pulse| {
+                        match onlooker.look(|pulse, _| {
                             count.fetch_max(pulse.index, Ordering::Relaxed);
                         }) {
                             Seen::Pulse => {}

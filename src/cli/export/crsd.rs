@@ -66,7 +66,7 @@ pub(super) fn crsd(args: &ExportCrsdArgs, out: &mut dyn Write) -> Result<(), Cli
     let mut exported = Exported { pulses: 0, bytes: 0 };
     output
         .write(|partial| {
-            exported = crsd::export(path, description, partial)?;
+            exported = crsd::export(path, description, partial, &to)?;
             Ok::<_, CrsdError>(())
         })
         .map_err(of)?;

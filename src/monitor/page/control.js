@@ -6,8 +6,8 @@ import { timeOf } from "./errors.js";
 const id = (name) => document.getElementById(name);
 const AXES = { position: ["east", "north", "up"], velocity: ["east", "north", "up"], attitude: ["roll", "pitch", "heading"] };
 const UNITS = { position: ["m", "m/s"], velocity: ["m/s", "m/s^2"], attitude: ["deg", "deg/s"] };
-const KINDS = [["step", "step: add to the error"], ["bias", "bias: set the constant error"], ["ramp", "ramp: let the error grow"],
-  ["dropout", "dropout: report nothing new"], ["latency", "latency: report late"], ["clear", "clear: remove all changes"]];
+const KINDS = [["step", "step: add"], ["bias", "bias: set"], ["ramp", "ramp: grow"], ["dropout", "dropout: silence"],
+  ["latency", "latency: late"], ["clear", "clear: undo all"]];
 
 function options(select, all) {
   select.replaceChildren(...all.map(([value, text]) => Object.assign(document.createElement("option"), { value, textContent: text ?? value })));

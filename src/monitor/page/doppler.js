@@ -2,6 +2,7 @@
 
 import { axes, bar, begin, empty, font, label, tick, ticks, upright } from "./plot.js";
 import { image, theme } from "./colours.js";
+import { truthAt } from "./ranges.js";
 import { csv } from "./format.js";
 
 const id = (name) => document.getElementById(name);
@@ -15,7 +16,7 @@ export function draw(model) {
   if (!map || map.channel !== model.channel) return empty(view, model.about.columns ? "gathering pulses" : "no replica: nothing can be compressed");
   const { ctx, width, height, size } = view;
   const colours = theme();
-  const box = { x: 62, y: 8, w: width - 62 - 136, h: height - 8 - size - 27, gap: 62 };
+  const box = { x: 62, y: 8, w: width - 62 - 140, h: height - 8 - size - 27, gap: 62 };
   const high = 5 * Math.ceil((map.levels.reduce((a, b) => Math.max(a, b), -32767) * 0.01 + 1) / 5);
   const low = high - 50;
   const rows = [];
@@ -39,18 +40,16 @@ export function draw(model) {
   upright(ctx, "closing speed of the path, m/s", box.x + box.w + 48, box.y + box.h / 2);
   bar(ctx, box, low, high, size);
   if (model.markers) marks(model, map, ctx, box, X, Y);
-  id("doppler-note").textContent = `last ${map.rows} pulses; folds every ${map.spanHz.toFixed(0)} Hz`;
+  id("doppler-note").textContent = `${map.rows} pulses, folds at ${map.spanHz.toFixed(0)} Hz`;
   canvas.setAttribute("aria-label", `Range-Doppler map of ${map.rows} pulses up to pulse ${map.pulse}`);
 }
 
 function marks(model, map, ctx, box, X, Y) {
-  const now = model.delays.findLast((one) => one.timeS <= map.timeS + 0.2);
-  const pair = model.about.channels[model.channel]?.pair;
-  if (!now || pair === null || pair === undefined) return;
   font(ctx, 11.5, 600);
-  model.about.targets.forEach(({ name }, target) => {
-    const place = pair * model.about.targets.length + target;
-    const [delay, doppler] = [now.delays_s[place], now.dopplers_hz[place]];
+  // A target that moves through cells meanwhile stands where it was in the middle.
+  const middle = map.timeS - 0.5 * (map.rows - 1) / map.spanHz;
+  const taken = [];
+  truthAt(model, middle).forEach(({ name, delayS: delay, dopplerHz: doppler }) => {
     if (!Number.isFinite(delay) || !Number.isFinite(doppler)) return;
     const bin = map.spanHz / map.rows;
     const folded = doppler - map.spanHz * Math.floor((doppler + 0.5 * map.spanHz + 0.5 * bin) / map.spanHz);
@@ -62,12 +61,18 @@ function marks(model, map, ctx, box, X, Y) {
     ctx.arc(x, y, 7, 0, 2 * Math.PI);
     ctx.stroke();
     ctx.fillStyle = "#ffffff";
+    // Names that would hide one another stand a line apart.
+    const wide = ctx.measureText(name).width + 4;
+    const free = (dy) => !taken.some((other) => Math.abs(other.y - y - dy) < 13 && x < other.x + other.wide && other.x < x + wide);
+    const dy = [0, -13, 13, 26, -26].find(free);
+    if (dy === undefined) return;
+    taken.push({ x, y: y + dy, wide });
     ctx.textAlign = "left";
     ctx.textBaseline = "middle";
     ctx.strokeStyle = "rgb(0 0 0 / 65%)";
     ctx.lineWidth = 3;
-    ctx.strokeText(name, x + 10, y);
-    ctx.fillText(name, x + 10, y);
+    ctx.strokeText(name, x + 10, y + dy);
+    ctx.fillText(name, x + 10, y + dy);
   });
 }
 
@@ -75,7 +80,7 @@ export const canvases = () => [id("c-doppler")];
 
 export function table({ map }) {
   if (!map) return "";
-  const head = ["doppler_hz", ...Array.from({ length: map.columns }, (_, k) => ((map.startS + k * map.columnS) * 1e6).toFixed(5))];
+  const head = ["doppler_hz", ...Array.from({ length: map.columns }, (_, k) => ((map.startS + (k + 0.5) * map.columnS) * 1e6).toFixed(5))];
   const rows = Array.from({ length: map.rows }, (_, row) => [(row / map.rows - 0.5) * map.spanHz,
     ...Array.from(map.levels.subarray(row * map.columns, (row + 1) * map.columns), (level) => (level * 0.01).toFixed(2))]);
   return csv([head, ...rows]);

@@ -1,6 +1,6 @@
 // Panel 4: reported minus true position, velocity and attitude over time.
 
-import { axes, begin, empty, font, label } from "./plot.js";
+import { axes, begin, empty, font, label, ticks } from "./plot.js";
 import { theme } from "./colours.js";
 import { csv, digits, whole } from "./format.js";
 
@@ -15,7 +15,7 @@ const PLOTS = [
 /** Distance between reported and true position of every platform, m. */
 export function distances(model) {
   const last = model.history.at(-1);
-  return last ? model.about.platforms.map((_, place) => Math.hypot(...last.slice(2 + SET * place + 6, 2 + SET * place + 9))) : [];
+  return last ? model.about.platforms.map((_, place) => Math.hypot(...last.slice(2 + SET * place + 6, 2 + SET * place + 9).map((part) => part ?? NaN))) : [];
 }
 
 export function draw(model) {
@@ -37,13 +37,13 @@ export function draw(model) {
   const inks = [colours.true, colours.reported, colours.third];
   const changes = model.changes.filter((one) => one.platform === model.about.platforms[place]);
   PLOTS.forEach((plot, row) => {
-    const box = { x: 66, y: top + row * each + (row ? 5 : 0), w: width - 66 - 112, h: each - (row ? 13 : 8) };
+    const box = { x: 46, y: top + row * each, w: width - 46 - 112, h: each - (row < 2 ? size + 9 : 0) };
     const values = plot.names.map((_, axis) => points.map((point) => point[2 + SET * place + plot.at + axis]));
     const known = values.flat().filter(Number.isFinite);
     const low = Math.min(...known, -plot.least / 4);
     const high = Math.max(...known, plot.least / 4);
     const room = 0.12 * (high - low);
-    const y = { min: low - room, max: high + room, label: `${plot.title}, ${plot.unit}`, room: 52 };
+    const y = { min: low - room, max: high + room, ticks: ticks(low - room, high + room, box.h / 19) };
     const { X, Y } = axes(ctx, box, row === 2 ? x : { ...x, label: "", text: false }, y, size);
     ctx.save();
     ctx.beginPath();
@@ -58,16 +58,23 @@ export function draw(model) {
       ctx.stroke();
     });
     ctx.restore();
+    // Above, at the left: three upright ones hide one another on a low screen.
+    const title = `${plot.title}, ${plot.unit}`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "alphabetic";
+    ctx.fillStyle = colours.text;
+    ctx.fillText(title, box.x, box.y - 5);
+    const from = box.x + ctx.measureText(title).width + 10;
     font(ctx, size, 600);
     values.forEach((series, axis) => {
       const value = series.at(-1);
-      const line = box.y + box.h / 2 + (axis - 1) * (size + 5);
+      const line = box.y + box.h / 2 + (axis - 1) * Math.min(size + 5, (each - 2) / 3);
       ctx.fillStyle = inks[axis];
       ctx.textAlign = "left";
       ctx.textBaseline = "middle";
       ctx.fillText(`${plot.names[axis]} ${Number.isFinite(value) ? digits(value, Math.abs(value) < 0.01 ? 1 : 3).replace("-", "−") : "–"}`, box.x + box.w + 8, line);
     });
-    if (row === 0) names(ctx, changes, model, X, box, size);
+    if (row === 0) names(ctx, changes, model, X, box, size, from);
   });
   canvas.setAttribute("aria-label", `Reported minus true of ${model.about.platforms[place]}: position ${digits(distances(model)[place])} m off`);
 }
@@ -95,17 +102,18 @@ function mark(ctx, changes, model, X, box) {
   ctx.setLineDash([]);
 }
 
-function names(ctx, changes, model, X, box, size) {
+function names(ctx, changes, model, X, box, size, from) {
   font(ctx, size);
-  let end = -Infinity;
+  let end = from;
   for (const change of changes.slice(-12)) {
     const x = X(timeOf(model, change));
     if (x < box.x || x > box.x + box.w + 1) continue;
-    const text = `pulse ${whole(change.pulse)}: ${change.text}`;
-    const wide = ctx.measureText(text).width;
-    const left = Math.min(x - 4, box.x + box.w + 108 - wide);
-    if (left < end) continue;
-    ({ right: end } = label(ctx, text, Math.max(4, left), 10));
+    // As much of it as has room; the log has all.
+    const place = (text) => ({ text, at: Math.max(end, Math.min(x - 4, box.x + box.w - ctx.measureText(text).width)) });
+    const fits = ({ text, at }) => at - x < 60 && at + ctx.measureText(text).width <= box.x + box.w + 1;
+    const found = [`pulse ${whole(change.pulse)}: ${change.text}`, `pulse ${whole(change.pulse)}`].map(place).find(fits);
+    if (!found) continue;
+    ({ right: end } = label(ctx, found.text, found.at, 10));
     end += 8;
   }
 }

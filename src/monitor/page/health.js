@@ -43,7 +43,7 @@ export function tell(model) {
   id("tile-late").className = status.late > 0 ? "tile warn" : "tile";
   id("t-dropped").textContent = whole(status.dropped);
   id("tile-dropped").className = status.dropped > 0 ? "tile bad" : "tile";
-  id("t-speed").textContent = about.replayed ? "–" : digits(status.real_time_factor);
+  id("t-speed").textContent = about.replayed ? "–" : digits(status.real_time_factor, status.real_time_factor < 1 ? 2 : 3);
   const done = status.released + status.dropped;
   id("m-run").value = about.total ? done / about.total : 0;
   id("o-run").textContent = about.total ? `${(100 * done / about.total).toFixed(0)} %` : "";
@@ -78,14 +78,25 @@ export function draw(model) {
   const total = pulses.reduce((sum, count) => sum + count, 0);
   if (total === 0) return empty(view, model.about?.replayed ? "a recording has no lateness" : "no deadlines: pulses are released as they are made");
   font(ctx, 11.5);
-  const box = { x: 4, y: 18, w: width - 8, h: height - 34 };
+  const box = { x: 32, y: 20, w: width - 36, h: height - 36 };
   const each = box.w / pulses.length;
+  // Late is what is released more than one PRI after its deadline.
+  const pri = 1e9 / model.about.prf_hz;
   // Logarithmic: one late pulse in a million is seen.
   const most = Math.log10(total + 1);
+  ctx.textAlign = "right";
+  ctx.textBaseline = "middle";
+  for (let power = Math.floor(most); power >= 0; power -= Math.max(1, Math.ceil(most / (box.h / 15)))) {
+    const y = Math.round(box.y + box.h * (1 - Math.log10(10 ** power + 1) / most)) + 0.5;
+    ctx.fillStyle = colours.grid;
+    ctx.fillRect(box.x, y, box.w, 1);
+    ctx.fillStyle = colours.muted;
+    ctx.fillText(power < 3 ? 10 ** power : power < 6 ? `${10 ** (power - 3)}k` : `${10 ** (power - 6)}M`, box.x - 4, y);
+  }
   pulses.forEach((count, bucket) => {
     if (count === 0) return;
     const tall = Math.max(2, box.h * Math.log10(count + 1) / most);
-    ctx.fillStyle = bucket < 12 ? colours.accent : colours.reported;
+    ctx.fillStyle = (bounds[bucket - 1] ?? 0) < pri ? colours.accent : colours.reported;
     ctx.fillRect(box.x + bucket * each + 1, box.y + box.h - tall, Math.max(1, each - 2), tall);
   });
   ctx.fillStyle = colours.line;
@@ -101,9 +112,26 @@ export function draw(model) {
   ctx.fillStyle = colours.text;
   ctx.textAlign = "left";
   ctx.textBaseline = "alphabetic";
-  const text = `lateness: half within ${round(half)}, 99 % within ${round(most99)}`;
-  ctx.fillText(text, box.x, 12);
+  const text = `lateness of pulses: half ≤ ${round(half)}, 99 % ≤ ${round(most99)}`;
+  ctx.fillText(text, 4, 12);
+  line(ctx, box, each, bounds, pri);
   canvas.setAttribute("aria-label", `${text}, of ${whole(total)} releases`);
+}
+
+/** Where lateness begins to count as late. */
+function line(ctx, box, each, bounds, pri) {
+  const bucket = bounds.findIndex((bound) => bound >= pri);
+  if (bucket < 1) return;
+  const share = Math.log(pri / bounds[bucket - 1]) / Math.log(bounds[bucket] / bounds[bucket - 1]);
+  const x = Math.round(box.x + (bucket + share) * each) + 0.5;
+  ctx.strokeStyle = ctx.fillStyle = theme().reported;
+  ctx.setLineDash([3, 3]);
+  ctx.beginPath();
+  ctx.moveTo(x, box.y);
+  ctx.lineTo(x, box.y + box.h);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.fillText("late", x + 4, box.y + 10);
 }
 
 /** A bound: 1, 2 or 5 of a decade. */

@@ -21,11 +21,12 @@ const model = {
   about: null, status: null, now: null, map: null, epoch: null,
   history: [], changes: [], lines: [], delays: [], errors: [],
   channel: 0, columnS: 0, auto: true, low: -140, high: -80, markers: true, doppler: true,
-  errorPlatform: 0, errorSpan: 0,
+  errorPlatform: 0, errorSpan: 0, chosen: false,
 };
 let paused = false;
 let dirty = true;
 let held = [];
+let past = [];
 let link = "connecting";
 
 const takers = {
@@ -44,6 +45,11 @@ const takers = {
   status(message) {
     model.status = message;
     model.changes = message.changes;
+    // Who misreports is shown, until somebody chooses.
+    const wrong = message.misreported.map((one) => model.about.platforms.indexOf(one.platform));
+    if (!model.chosen && wrong.length && !wrong.includes(model.errorPlatform)) {
+      id("e-platform").value = model.errorPlatform = wrong[0];
+    }
     state();
   },
   now(message) {
@@ -70,13 +76,22 @@ function fill(select, names, chosen) {
 
 function take(message) {
   if (paused && message.kind !== "answer" && message.kind !== "about") {
-    held.push(message);
-    // What is held while the display stands still is bounded, too.
-    if (held.length > 3000) held = held.slice(-2000);
+    hold(message);
     return;
   }
   takers[message.kind]?.(message);
   dirty = true;
+}
+
+/** Keeps a message for later, in bounded memory: all of the history since it was last thinned, the latest of the rest. */
+function hold(message) {
+  if (message.kind === "history") {
+    if (message.first === 0) past = [];
+    past.push(message);
+    return;
+  }
+  held.push(message);
+  if (held.length > 3000) held = held.slice(-2000);
 }
 
 function state() {
@@ -106,7 +121,10 @@ function frame(at) {
   dirty = false;
   facts();
   health.tell(model);
-  for (const panel of Object.values(panels)) panel.draw(model);
+  for (const panel of Object.values(panels)) {
+    // What one panel cannot draw keeps no other from being drawn.
+    try { panel.draw(model); } catch (error) { console.error(error); }
+  }
 }
 
 const connection = new Connection(take, (now) => {
@@ -129,8 +147,8 @@ function pause() {
   id("pause").setAttribute("aria-pressed", paused);
   id("pause").textContent = paused ? "Go on" : "Pause";
   if (!paused) {
-    const missed = held;
-    held = [];
+    const missed = [...past, ...held];
+    [held, past] = [[], []];
     missed.forEach(take);
   }
   state();
@@ -166,7 +184,7 @@ id("doppler-on").onchange = () => {
   connection.show({ doppler: model.doppler });
   dirty = true;
 };
-id("e-platform").onchange = () => { model.errorPlatform = Number(id("e-platform").value); dirty = true; };
+id("e-platform").onchange = () => { Object.assign(model, { errorPlatform: Number(id("e-platform").value), chosen: true }); dirty = true; };
 id("e-span").onchange = () => { model.errorSpan = Number(id("e-span").value); dirty = true; };
 plan.init(() => { dirty = true; });
 save.init(panels, model);
@@ -179,4 +197,4 @@ keys.init([
 new ResizeObserver(() => { dirty = true; }).observe(id("panels"));
 requestAnimationFrame(frame);
 // For tests of the page: what it shows, and how.
-window.nereus = { model, peak: (line) => ranges.peak(model, line) };
+window.nereus = { model, peak: (line) => ranges.peak(model, line), truthAt: (timeS) => ranges.truthAt(model, timeS) };

@@ -1,6 +1,6 @@
 // Panel 3: where everything is, from above. East to the right, North up.
 
-import { begin, empty, font, label, ticks } from "./plot.js";
+import { begin, empty, font, label, ticks, zoom as unit } from "./plot.js";
 import { theme } from "./colours.js";
 import { csv, digits } from "./format.js";
 
@@ -15,7 +15,7 @@ export function init(redraw) {
   choice.onchange = () => { fit = choice.value; redraw(); };
   const free = () => { fit = choice.value = "free"; redraw(); };
   const zoom = (by, x, y) => {
-    const [dx, dy] = [x - canvas.clientWidth / 2, canvas.clientHeight / 2 - y];
+    const [dx, dy] = [(x - canvas.clientWidth / 2) / unit(), (canvas.clientHeight / 2 - y) / unit()];
     view.centre[0] += dx / view.scale * (1 - 1 / by);
     view.centre[1] += dy / view.scale * (1 - 1 / by);
     view.scale *= by;
@@ -28,8 +28,8 @@ export function init(redraw) {
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
     if (!(event.buttons & 1)) return;
-    view.centre[0] -= event.movementX / view.scale;
-    view.centre[1] += event.movementY / view.scale;
+    view.centre[0] -= event.movementX / unit() / view.scale;
+    view.centre[1] += event.movementY / unit() / view.scale;
     free();
   });
   canvas.addEventListener("keydown", (event) => {
@@ -66,7 +66,7 @@ const targets = (model) => model.about.targets
   .filter((target) => target.position_m)
   .map(({ name, position_m: at, velocity_mps: speed }) => ({ name, at: [0, 1].map((axis) => at[axis] + speed[axis] * model.now.time_s) }));
 
-function frame(model, canvas) {
+function frame(model, { width, height }) {
   if (fit === "free" && view.scale > 0) return;
   const now = model.now;
   const sea = [...(patch(model) ?? []), ...now.antennas.flatMap((antenna) => antenna.middle_m ? [antenna.middle_m] : []),
@@ -77,7 +77,7 @@ function frame(model, canvas) {
   const range = [0, 1].map((axis) => points.reduce(([low, high], point) => [Math.min(low, point[axis]), Math.max(high, point[axis])], [Infinity, -Infinity]));
   view.centre = range.map(([low, high]) => (low + high) / 2);
   const size = range.map(([low, high]) => Math.max(high - low, 50));
-  view.scale = Math.min((canvas.clientWidth - 130) / size[0], (canvas.clientHeight - 110) / size[1]);
+  view.scale = Math.min((width - 130) / size[0], (height - 110) / size[1]);
 }
 
 export function draw(model) {
@@ -85,7 +85,7 @@ export function draw(model) {
   const drawn = begin(canvas);
   if (!drawn || !model.about) return;
   if (!model.now) return empty(drawn, "waiting for the first pulse");
-  frame(model, canvas);
+  frame(model, drawn);
   const { ctx, width, height } = drawn;
   const at = (point) => [width / 2 + (point[0] - view.centre[0]) * view.scale, height / 2 - (point[1] - view.centre[1]) * view.scale];
   const reach = [width, height].map((side, axis) => [view.centre[axis] - side / 2 / view.scale, view.centre[axis] + side / 2 / view.scale]);
@@ -121,9 +121,15 @@ export function draw(model) {
   write(ctx, names, width, height);
   north(ctx, width);
   scaleBar(ctx, width, height);
-  legend(ctx, height);
+  legend(ctx, height, model.about.truth);
   const misreported = model.status?.misreported ?? [];
-  canvas.setAttribute("aria-label", `Plan view: ${model.now.platforms.map((one, place) => `${model.about.platforms[place]} at ${one.true_m[0].toFixed(0)} m East, ${one.true_m[1].toFixed(0)} m North`).join("; ")}${misreported.length ? `; ${misreported.map((one) => one.platform).join(", ")} misreport` : ""}`);
+  canvas.setAttribute("aria-label", `Plan view: ${model.now.platforms.map((one, place) => `${model.about.platforms[place]} at ${whereabouts(model, one)}`).join("; ")}${misreported.length ? `; ${misreported.map((one) => one.platform).join(", ")} misreport` : ""}`);
+}
+
+/** Where a platform is: truly, or as reported where the truth is not known. */
+function whereabouts(model, one) {
+  const [east, north] = model.about.truth ? one.true_m : one.reported_m;
+  return `${digits(east, 1)} m East, ${digits(north, 1)} m North`;
 }
 
 function grid(ctx, reach, at, width, height) {
@@ -211,6 +217,7 @@ function platforms(model, ctx, at, names) {
     trace(reported, colours.reported, [6, 5], 1.8);
     const wrong = (model.status?.misreported ?? []).find((of) => of.platform === model.about.platforms[place] && of.quantity === "position");
     const known = model.about.truth ? one.true_m : one.reported_m;
+    if (!finite(known)) return;
     const [x, y] = at(known);
     if (finite(one.reported_m)) {
       const [rx, ry] = at(one.reported_m);
@@ -242,16 +249,19 @@ function platforms(model, ctx, at, names) {
 
 /** Names beside their places, without hiding one another where that can be. */
 function write(ctx, names, width, height) {
-  const taken = [];
+  // Marks of platforms stay in sight, and so do those of targets from the names of others.
+  const taken = names.filter((one) => one.bold || !one.low).map(({ at: [x, y], bold }) => bold ? { x: x - 8, y: y - 8, w: 16, h: 16 } : { x: x - 5, y: y - 5, w: 10, h: 10 });
+  // And so do the arrow to the North, the legend and the scale.
+  taken.push({ x: width - 46, y: 4, w: 44, h: 50 }, { x: 0, y: height - 56, w: 145, h: 38 }, { x: width - 165, y: height - 52, w: 165, h: 52 });
   const free = (box) => taken.every((other) => box.x > other.x + other.w || other.x > box.x + box.w || box.y > other.y + other.h || other.y > box.y + box.h);
   names.sort((a, b) => (b.bold ? 2 : b.low ? 0 : 1) - (a.bold ? 2 : a.low ? 0 : 1));
   for (const { text, at: [x, y], ink, bold } of names) {
     if (x < -20 || x > width + 20 || y < -20 || y > height + 20) continue;
     font(ctx, bold ? 13 : 12, bold ? 650 : 400);
     const wide = ctx.measureText(text).width;
-    const places = [[11, 0], [11, -17], [11, 17], [-wide - 11, 0], [-wide / 2, -20], [-wide / 2, 21], [11, 34], [-wide - 11, 20], [-wide - 11, -20]];
-    const boxes = places.map(([dx, dy]) => ({ x: Math.max(4, Math.min(width - wide - 4, x + dx)), y: y + dy - 8, w: wide, h: 16 }));
-    const box = boxes.find(free) ?? (bold ? boxes[0] : null);
+    const places = [[11, 0], [11, -17], [11, 17], [-wide - 11, 0], [-wide / 2, -20], [-wide / 2, 21], [-wide / 2, -38], [-wide / 2, 39], [11, 34], [-wide - 11, 20], [-wide - 11, -20]];
+    const boxes = places.map(([dx, dy]) => ({ x: Math.max(4, Math.min(width - wide - 4, x + dx)), y: y + dy - 8, w: wide + 6, h: 16 }));
+    const box = boxes.find(free) ?? (bold ? boxes[5] : null);
     if (!box) continue;
     taken.push(box);
     label(ctx, text, box.x, box.y + 8, { ink });
@@ -291,10 +301,10 @@ function scaleBar(ctx, width, height) {
   ctx.fillText(length >= 1000 ? `${length / 1000} km` : `${length} m`, x + wide / 2, y - 4);
 }
 
-function legend(ctx, height) {
+function legend(ctx, height, truth) {
   const colours = theme();
   font(ctx, 12);
-  [["true path", colours.true, [], 3], ["reported path", colours.reported, [6, 5], 1.8]].forEach(([text, stroke, dash, thick], row) => {
+  [["true path", colours.true, [], 3], ["reported path", colours.reported, [6, 5], 1.8]].slice(truth ? 0 : 1).forEach(([text, stroke, dash, thick], row) => {
     const y = height - 44 + 17 * row;
     ctx.strokeStyle = stroke;
     ctx.lineWidth = thick;

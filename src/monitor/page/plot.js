@@ -4,11 +4,15 @@ import { theme, colour } from "./colours.js";
 
 const SANS = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif';
 
+/** Pixels of the page in a unit of a drawing: drawings grow with the type of the page. */
+export const zoom = () => Number.parseFloat(getComputedStyle(document.documentElement).fontSize) / 14;
+
 /** A canvas of the size that it has on the page, sharp, cleared; `null` while it is not seen. */
 export function begin(canvas) {
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const unit = zoom();
+  const [width, height] = [canvas.clientWidth / unit, canvas.clientHeight / unit];
   if (width < 40 || height < 30) return null;
-  const scale = window.devicePixelRatio || 1;
+  const scale = unit * (window.devicePixelRatio || 1);
   if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
     canvas.width = Math.round(width * scale);
     canvas.height = Math.round(height * scale);
@@ -53,7 +57,7 @@ export function axes(ctx, box, x, y, size = 12) {
   const Y = (value) => box.y + box.h - (value - y.min) / (y.max - y.min) * box.h;
   font(ctx, size);
   ctx.lineWidth = 1;
-  const xs = x.ticks ?? ticks(x.min, x.max, box.w / 85);
+  const xs = x.ticks ?? ticks(x.min, x.max, box.w / 70);
   const ys = y.ticks ?? ticks(y.min, y.max, box.h / 34);
   ctx.strokeStyle = colours.grid;
   ctx.beginPath();
@@ -127,7 +131,7 @@ export function bar(ctx, box, low, high, size) {
   ctx.textBaseline = "middle";
   for (const value of all) ctx.fillText(tick(value, all), x + w + 4, box.y + box.h * (high - value) / (high - low));
   ctx.fillStyle = theme().text;
-  upright(ctx, "dBW", x + w + 46, box.y + box.h / 2);
+  upright(ctx, "dBW", x + w + 49, box.y + box.h / 2);
 }
 
 /** A word where there is nothing to show yet. */
@@ -135,5 +139,12 @@ export function empty(view, text) {
   view.ctx.fillStyle = theme().muted;
   view.ctx.textAlign = "center";
   view.ctx.textBaseline = "middle";
-  view.ctx.fillText(text, view.width / 2, view.height / 2);
+  // In as many lines as it needs.
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    const longer = `${lines.at(-1)} ${word}`.trim();
+    if (view.ctx.measureText(longer).width > view.width - 12) lines.push(word);
+    else lines[lines.length - 1] = longer;
+  }
+  lines.forEach((line, row) => view.ctx.fillText(line, view.width / 2, view.height / 2 + 17 * (row - (lines.length - 1) / 2)));
 }

@@ -1,12 +1,12 @@
 // Panel 2: range-compressed lines over slow time, and the latest one.
 
-import { axes, bar, begin, empty, font, label } from "./plot.js";
+import { axes, bar, begin, empty, font, label, ticks } from "./plot.js";
 import { image, theme } from "./colours.js";
 import { clock, csv, whole } from "./format.js";
 
 const id = (name) => document.getElementById(name);
 const MOST_LINES = 400;
-const ROOM = { left: 58, right: 74 };
+const ROOM = { left: 58, right: 78 };
 const DECIBEL = 0.01;
 
 /** Takes range lines of the channel shown. */
@@ -39,11 +39,29 @@ export function scale(model) {
   return [model.low, model.high];
 }
 
-/** Place of the targets of the channel's pair in a list of delays. */
-function delays(model, now) {
+/** Delays and Doppler frequencies of the targets of the channel's pair. */
+function truth(model, now) {
   const pair = model.about.channels[model.channel]?.pair;
   const count = model.about.targets.length;
-  return pair === null || pair === undefined ? [] : now.delays_s.slice(pair * count, (pair + 1) * count);
+  if (pair === null || pair === undefined) return [];
+  return model.about.targets.map(({ name }, target) => ({
+    name, delayS: now.delays_s[pair * count + target], dopplerHz: now.dopplers_hz[pair * count + target],
+  }));
+}
+
+/** The same at an instant: from the pulses before and after it, or on from the nearest one by its Doppler. */
+export function truthAt(model, timeS) {
+  const after = model.delays.findIndex((one) => one.timeS >= timeS);
+  const [a, b] = after < 0 ? [model.delays.at(-1), null] : [model.delays[after], model.delays[after - 1] ?? null];
+  if (!a) return [];
+  const [here, there] = [truth(model, a), b && truth(model, b)];
+  return here.map((one, target) => {
+    const ahead = timeS - a.timeS;
+    if (!b || a.timeS === b.timeS) return { ...one, delayS: one.delayS - ahead * one.dopplerHz / model.about.carrier_hz };
+    const part = ahead / (a.timeS - b.timeS);
+    const between = (key) => one[key] + part * (one[key] - there[target][key]);
+    return { name: one.name, delayS: between("delayS"), dopplerHz: between("dopplerHz") };
+  });
 }
 
 export function draw(model) {
@@ -65,7 +83,7 @@ function waterfall(model, view, x, [low, high], columns) {
   const { ctx, width, height, size } = view;
   const canvas = id("c-waterfall");
   const last = model.lines.at(-1);
-  const box = { x: ROOM.left, y: 8, w: width - ROOM.left - ROOM.right, h: height - 18 };
+  const box = { x: ROOM.left, y: 6, w: width - ROOM.left - ROOM.right, h: height - 12 };
   const since = Math.min(model.lines[0].timeS, last.timeS - 0.5);
   const rows = byTime(model, last, since, Math.min(400, Math.round(box.h)));
   ctx.fillStyle = theme().page;
@@ -82,15 +100,17 @@ function waterfall(model, view, x, [low, high], columns) {
   canvas.setAttribute("aria-label", `Waterfall of ${model.lines.length} range lines of channel ${model.about.channels[model.channel].name}, latest pulse ${last.pulse}`);
 }
 
-/** Lines at even steps of time: each holds until the next, but no longer than a second. */
+/** Lines at even steps of time: each holds until the next, but no longer than three times as long as is usual. */
 function byTime(model, last, since, count) {
   const none = new Int16Array(0);
   let place = -1;
+  const steps = model.lines.slice(1).map((line, k) => line.timeS - model.lines[k].timeS).sort((a, b) => a - b);
+  const longest = Math.max(1, 3 * (steps[Math.floor(steps.length / 2)] ?? 0), 3 * (last.timeS - since) / Math.max(1, model.lines.length));
   return Array.from({ length: count }, (_, row) => {
     const time = since + (row + 1) / count * (last.timeS - since);
     while (place + 1 < model.lines.length && model.lines[place + 1].timeS <= time + 1e-9) place++;
     const line = model.lines[place];
-    if (!line || time - line.timeS > 1) return { levels: none };
+    if (!line || time - line.timeS > longest) return { levels: none };
     return { levels: line.levels, shift: Math.round((line.startS - last.startS) / model.columnS) };
   });
 }
@@ -116,7 +136,7 @@ function tracks(model, ctx, box, X, at, since) {
   model.about.targets.forEach((_, target) => {
     ctx.beginPath();
     for (const one of seen) {
-      const delay = delays(model, one)[target];
+      const delay = truth(model, one)[target]?.delayS;
       if (Number.isFinite(delay)) ctx.lineTo(X(delay * 1e6), at(one.timeS));
     }
     ctx.stroke();
@@ -128,8 +148,8 @@ function rangeLine(model, view, x, [low, high], last) {
   const { ctx, width, height, size } = view;
   const canvas = id("c-line");
   const colours = theme();
-  const box = { x: ROOM.left, y: 20, w: width - ROOM.left - ROOM.right, h: height - 20 - size - 27 };
-  const y = { min: low - 5, max: high + 5, label: "dBW", room: 46 };
+  const box = { x: ROOM.left, y: 18, w: width - ROOM.left - ROOM.right, h: height - 18 - size - 24 };
+  const y = { min: low - 5, max: high + 5, label: "dBW", room: 46, ticks: ticks(low - 5, high + 5, box.h / 21) };
   const { X, Y } = axes(ctx, box, { ...x, label: "bistatic delay, µs" }, y, size);
   ctx.save();
   ctx.beginPath();
@@ -147,7 +167,7 @@ function rangeLine(model, view, x, [low, high], last) {
   font(ctx, size);
   ctx.textAlign = "left";
   ctx.textBaseline = "alphabetic";
-  ctx.fillText(`pulse ${whole(last.pulse)}, ${clock(last.timeS)}`, box.x + 2, 13);
+  ctx.fillText(`pulse ${whole(last.pulse)}, ${clock(last.timeS)}`, box.x + 2, 12);
   const { peakDb, delayUs } = peak(model, last);
   canvas.setAttribute("aria-label", `Range line of pulse ${last.pulse}: peak ${peakDb.toFixed(1)} dBW at ${delayUs.toFixed(3)} µs`);
 }
@@ -160,11 +180,9 @@ export function peak(model, line) {
 }
 
 function marks(model, ctx, box, X, last) {
-  const now = model.delays.findLast((one) => one.timeS <= last.timeS + 0.2);
-  if (!now) return;
   const colours = theme();
-  const found = delays(model, now)
-    .map((delay, target) => ({ x: X(delay * 1e6), name: model.about.targets[target].name }))
+  const found = truthAt(model, last.timeS)
+    .map(({ name, delayS }) => ({ x: X(delayS * 1e6), name }))
     .filter((one) => one.x >= box.x && one.x <= box.x + box.w)
     .sort((a, b) => a.x - b.x);
   ctx.strokeStyle = colours.reported;
@@ -182,7 +200,7 @@ function marks(model, ctx, box, X, last) {
   for (const one of found) {
     const row = ends.findIndex((end) => end < one.x - 4);
     const place = row < 0 ? ends.length : row;
-    if (place > 3) continue;
+    if (15 * place + 16 > box.h) continue;
     const { right } = label(ctx, one.name, one.x + 4, box.y + 9 + 15 * place, { ink: colours.reported });
     ends[place] = right;
   }
@@ -193,6 +211,6 @@ export const canvases = () => [id("c-waterfall"), id("c-line")];
 export function table(model) {
   const columns = model.lines.at(-1)?.levels.length ?? 0;
   const head = ["pulse", "time_s", "first_delay_s", "delay_step_s", ...Array.from({ length: columns }, (_, k) => `dbw_${k}`)];
-  return csv([head, ...model.lines.map((line) => [line.pulse, line.timeS, line.startS, model.columnS,
+  return csv([head, ...model.lines.map((line) => [line.pulse, line.timeS, line.startS + model.columnS / 2, model.columnS,
     ...Array.from(line.levels, (level) => (level * DECIBEL).toFixed(2))])]);
 }

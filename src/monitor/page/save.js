@@ -1,6 +1,6 @@
 // A picture or a table of any panel.
 
-import { font } from "./plot.js";
+import { font, zoom } from "./plot.js";
 import { theme } from "./colours.js";
 
 function keep(blob, name) {
@@ -12,11 +12,12 @@ function keep(blob, name) {
 
 /** Title, lines of text and the panel's plots, one below the other. */
 export function picture(title, lines, canvases) {
-  const scale = window.devicePixelRatio || 1;
+  const scale = zoom() * (window.devicePixelRatio || 1);
+  const size = (canvas) => [canvas.width / scale, canvas.height / scale];
   const shown = canvases.filter((canvas) => canvas.clientWidth > 0);
-  const width = Math.max(560, ...shown.map((canvas) => canvas.clientWidth)) + 24;
+  const width = Math.max(560, ...shown.map((canvas) => size(canvas)[0])) + 24;
   const head = 44 + 20 * lines.length;
-  const height = head + shown.reduce((sum, canvas) => sum + canvas.clientHeight + 4, 0) + 12;
+  const height = head + shown.reduce((sum, canvas) => sum + size(canvas)[1] + 4, 0) + 12;
   const sheet = Object.assign(document.createElement("canvas"), { width: Math.round(width * scale), height: Math.round(height * scale) });
   const ctx = sheet.getContext("2d");
   ctx.scale(scale, scale);
@@ -29,8 +30,8 @@ export function picture(title, lines, canvases) {
   lines.forEach((text, row) => ctx.fillText(text, 14, 50 + 20 * row));
   let y = head;
   for (const canvas of shown) {
-    ctx.drawImage(canvas, 12, y, canvas.clientWidth, canvas.clientHeight);
-    y += canvas.clientHeight + 4;
+    ctx.drawImage(canvas, 12, y, ...size(canvas));
+    y += size(canvas)[1] + 4;
   }
   return sheet;
 }

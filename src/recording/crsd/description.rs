@@ -158,6 +158,10 @@ impl Description {
         let Waveform::Lfm { bandwidth_hz, duration_s, sweep } = radar.waveform else {
             return Err(CrsdError::Waveform);
         };
+        let is_whole = header.replica.iter().all(|z| z.re.is_finite() && z.im.is_finite());
+        if header.replica.is_empty() || !is_whole {
+            return Err(CrsdError::Replica);
+        }
         let mut description = Self {
             header: header.clone(),
             frame,
@@ -259,7 +263,9 @@ impl Description {
         let place = of.header.antennas().position(|known| known == name).ok_or_else(missing)?;
         let antenna = Antenna::open(&mount.pattern, of.scene.radar.wavelength_m())?;
         let array = GainArray::of(&antenna, &mount.pattern, of.scene.radar.wavelength_m());
-        let seconds = of.header.pulses as f64 / of.header.prf_hz;
+        let at_s = |pulse: u64| pulse as f64 / of.header.prf_hz;
+        let first = of.header.first_pulse;
+        let time_s = at_s(first)..at_s(first.saturating_add(of.header.pulses));
         let errors = of.nav.get(mount.platform).and_then(|nav| nav.errors.as_ref());
         self.ends.push(End {
             name: name.to_owned(),
@@ -269,8 +275,8 @@ impl Description {
             is_isotropic: matches!(mount.pattern, Pattern::Isotropic { .. }),
             gain: array.peak,
             array,
-            covariance: covariance::of_report(errors, &of.scene.frame, seconds),
-            clock: covariance::of_clock(of.clocks, &of.scene.radar, name, seconds),
+            covariance: covariance::of_report(errors, &of.scene.frame, &time_s),
+            clock: covariance::of_clock(of.clocks, &of.scene.radar, name, &time_s),
         });
         Ok(self.ends.len() - 1)
     }

@@ -36,18 +36,23 @@ struct Table<'a> {
     description: &'a Description,
 }
 
-/// Writes the pulses of a recording into a new file.
+/// Writes the pulses of a recording into a new file `at`, of which errors speak as `to`.
 ///
 /// # Errors
 /// What the recording lacks or does not hold, what CRSD cannot express, and what the system refuses.
-pub fn export(recording: &Path, description: Description, to: &Path) -> Result<Exported, CrsdError> {
+pub fn export(
+    recording: &Path,
+    description: Description,
+    at: &Path,
+    to: &Path,
+) -> Result<Exported, CrsdError> {
     let source = Source::open(recording)?;
     let columns = columns(source.header());
     let table = Table { path: recording, source: &source, columns, description: &description };
     let all = source.pulses();
     let planned = table.planned(all)?;
     let block = (BLOCK_BYTES / table.column("iq")?.row_bytes().max(1)).clamp(1, BLOCK_PULSES);
-    let file = OpenOptions::new().read(true).write(true).create_new(true).open(to);
+    let file = OpenOptions::new().read(true).write(true).create_new(true).open(at);
     let file = file.map_err(CrsdError::io(to, "making the file"))?;
     let mut writer = Writer::new(to, file, description.clone(), &planned)?;
     for first in (0..all).step_by(block) {

@@ -29,7 +29,7 @@ pub enum CrsdError {
     NoOrigin,
     /// What came over the wire.
     #[error(
-        "holds no antennas: what was received over the wire has neither phase centres nor a scenario; \
+        "was received over the wire, which carries neither powers nor losses nor where antennas truly look; \
          allowed: the recording of the run that sent it"
     )]
     Received,
@@ -68,6 +68,9 @@ pub enum CrsdError {
         "the waveform is read from a file; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")"
     )]
     Waveform,
+    /// The transmitted pulse is missing.
+    #[error("has no replica of finite samples, which range compression needs; allowed: a whole recording")]
+    Replica,
     /// Too few pulses in the polarisation of a channel.
     #[error(
         "channel {}: {pulses} of the pulses left in its polarisation; allowed for CRSD: 2 or more",

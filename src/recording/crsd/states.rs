@@ -141,7 +141,15 @@ pub(super) fn state(
         let axes = own.antennas[end].axes;
         (axes * DVec3::Y, axes * DVec3::Z)
     };
-    Ok(State { position_m, velocity_mps: vector(velocity)?, acx: vector(acx)?, acy: vector(acy)? })
+    let velocity_mps = vector(velocity)?;
+    // Finite numbers that are too large to be turned.
+    if !position_m.is_finite() {
+        return Err(not_finite("position"));
+    }
+    if !velocity_mps.is_finite() {
+        return Err(not_finite("velocity"));
+    }
+    Ok(State { position_m, velocity_mps, acx: vector(acx)?, acy: vector(acy)? })
 }
 
 /// H and V of an isotropic antenna on the ray to the middle of the scene: H is level.

@@ -92,8 +92,8 @@ impl ShmSink {
         let common = PulseHeader::of_run(header, description::source());
         let words = common.words().unwrap_or_default();
         let slots = settings.buffer_pulses + BORROWED * settings.subscribers + settings.subscribers + 4;
-        let needed = (words as u64 * 8 + EXTRA_BYTES) * slots as u64 + (1 << 20);
-        memory::check(service, needed)?;
+        let text = description::of_run(header, common.source).to_string();
+        memory::check(service, needed_bytes(words, slots, text.len(), settings.subscribers))?;
 
         let node = node(service)?;
         let held = |error: &dyn std::fmt::Debug| failed(service, "making the service")(error);
@@ -133,7 +133,6 @@ impl ShmSink {
             .create()
             .map_err(taken)?;
         touch(&pulses, words, slots);
-        let text = description::of_run(header, common.source).to_string();
         let run =
             run_service.publisher_builder().initial_max_slice_len(text.len()).create().map_err(taken)?;
         let sample = run
@@ -168,6 +167,14 @@ impl ShmSink {
         self.delivered += sample.write_from_fn(word).send().unwrap_or_default() as u64;
         true
     }
+}
+
+/// Bytes of shared memory that a run takes at most: its pulses, and copies of its description, which holds the
+/// replica and is as long as many pulses where that is long.
+fn needed_bytes(words: usize, slots: usize, text: usize, subscribers: usize) -> u64 {
+    // iceoryx2 has room for one that waits and two that are held for each subscriber, and a few more.
+    let copies = 3 * subscribers as u64 + 4;
+    (words as u64 * 8 + EXTRA_BYTES) * slots as u64 + (text as u64 + EXTRA_BYTES) * copies + (1 << 20)
 }
 
 /// Writes to all of the memory, so that none of it has to be found while pulses are published.
@@ -242,5 +249,17 @@ impl Sink for ShmSink {
             subscribers: Some(all),
             ..SinkReport::default()
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_replica_counts_among_the_memory() {
+        let pulses = needed_bytes(1000, 10, 0, 4);
+        assert!((80_000..80_000 + (2 << 20)).contains(&pulses), "{pulses}");
+        assert!(needed_bytes(1000, 10, 5 << 20, 4) - pulses >= 16 * (5 << 20));
     }
 }

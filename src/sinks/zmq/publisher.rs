@@ -18,8 +18,10 @@ use super::wire::{self, Said};
 const MOST_PEERS: usize = 64;
 /// Most subscriptions of a subscriber.
 const MOST_TOPICS: usize = 256;
-/// How long the first bytes of a subscriber may take.
+/// How long the handshake of a subscriber may take in all.
 const HANDSHAKE: Duration = Duration::from_secs(5);
+/// How long a writer may take to see that its connection has ended.
+const ENDING: Duration = Duration::from_secs(1);
 
 /// A message with its frames, as it is sent.
 #[derive(Debug, Default)]
@@ -80,6 +82,8 @@ struct State {
     queue: VecDeque<Arc<Message>>,
     /// Commands that are to be answered before the next message.
     answers: Vec<u8>,
+    /// Whether the handshake is done.
+    greeted: bool,
     /// Whether the writer is writing.
     busy: bool,
     /// Whether the connection has ended, or is to end.
@@ -172,6 +176,7 @@ impl Publisher {
             }
             drop(state);
             peer.end();
+            peer.wait_for_writer();
             self.shared.tally(peer);
         }
         *held(&self.shared.counts)
@@ -185,23 +190,49 @@ impl Drop for Publisher {
 }
 
 impl Shared {
-    /// Adds what became of a subscriber's messages; what has not left is lost.
+    /// Adds what became of the messages of a subscriber that is gone.
     fn tally(&self, peer: &Peer) {
         let mut state = held(&peer.state);
-        let left = state.queue.len() as u64;
-        state.queue.clear();
         let mut counts = held(&self.counts);
         counts.sent += std::mem::take(&mut state.sent);
-        counts.lost += std::mem::take(&mut state.lost) + left;
+        counts.lost += std::mem::take(&mut state.lost);
     }
 }
 
 impl Peer {
+    /// Ends the connection. What still waits is lost, and its memory is free for other messages.
     fn end(&self) {
-        held(&self.state).gone = true;
+        let mut state = held(&self.state);
+        state.gone = true;
+        state.lost += state.queue.len() as u64;
+        state.queue.clear();
+        drop(state);
         self.change.notify_all();
         // It may have ended already.
         let _ = self.stream.shutdown(Shutdown::Both);
+    }
+
+    /// Waits until the writer has counted its last message.
+    fn wait_for_writer(&self) {
+        let state = held(&self.state);
+        let _ = self.change.wait_timeout_while(state, ENDING, |state| state.busy);
+    }
+}
+
+/// Reads from a subscriber until an instant: one that sends a byte now and then holds its place no longer.
+struct Until<'a> {
+    stream: &'a TcpStream,
+    end: Instant,
+}
+
+impl Read for Until<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let left = self.end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        self.stream.set_read_timeout(Some(left))?;
+        self.stream.read(into)
     }
 }
 
@@ -219,14 +250,18 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>, limit: usize) {
         };
         let mut peers = held(&shared.peers);
         peers.retain(|peer| {
-            let gone = held(&peer.state).gone;
+            let state = held(&peer.state);
+            let gone = state.gone && !state.busy;
+            drop(state);
             if gone {
                 shared.tally(peer);
             }
             !gone
         });
         if peers.len() >= MOST_PEERS {
-            continue;
+            // Whoever has not even said what it is gives way; subscribers stay.
+            let Some(place) = peers.iter().position(|peer| !held(&peer.state).greeted) else { continue };
+            peers.remove(place).end();
         }
         // Small messages leave at once.
         let _ = stream.set_nodelay(true);
@@ -248,19 +283,20 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>, limit: usize) {
 /// Greets a subscriber, then listens to what it subscribes to, until it is gone.
 fn serve(peer: &Arc<Peer>, shared: &Shared) -> io::Result<()> {
     let mut stream = &peer.stream;
-    stream.set_read_timeout(Some(HANDSHAKE))?;
+    let mut until = Until { stream, end: Instant::now() + HANDSHAKE };
     stream.set_write_timeout(Some(HANDSHAKE))?;
     stream.write_all(&wire::greeting())?;
     let mut greeting = [0; 64];
-    stream.read_exact(&mut greeting)?;
+    until.read_exact(&mut greeting)?;
     if !wire::understands(&greeting) {
         return Ok(());
     }
     stream.write_all(&wire::ready())?;
-    match wire::read(&mut stream)? {
+    match wire::read(&mut until)? {
         Said::Ready(kind) if kind == b"SUB" || kind == b"XSUB" => {}
         _ => return Ok(()),
     }
+    held(&peer.state).greeted = true;
     held(&shared.counts).seen += 1;
     // From here on a subscriber may sleep as long as it likes.
     stream.set_read_timeout(None)?;
@@ -330,5 +366,42 @@ fn write(peer: &Peer) -> io::Result<()> {
             peer.change.notify_all();
         }
         written?;
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// Memory of messages is used again when nobody holds them.
+    #[test]
+    fn a_subscriber_that_is_gone_holds_no_messages() {
+        let mut publisher = Publisher::bind("127.0.0.1:0".parse().unwrap(), 16).unwrap();
+        let mut sub = TcpStream::connect(publisher.address()).unwrap();
+        sub.write_all(&wire::greeting()).unwrap();
+        sub.write_all(&wire::command("READY", b"\x0bSocket-Type\0\0\0\x03SUB")).unwrap();
+        sub.write_all(&[0, 1, 1]).unwrap();
+        let message = |size: usize| {
+            let mut message = Message::default();
+            message.frame(&vec![0; size], false);
+            Arc::new(message)
+        };
+        let until = Instant::now() + Duration::from_secs(10);
+        let soon = |done: &dyn Fn() -> bool| {
+            while !done() {
+                assert!(Instant::now() < until);
+                thread::sleep(Duration::from_millis(1));
+            }
+        };
+        soon(&|| held(&publisher.shared.peers).iter().any(|peer| !held(&peer.state).topics.is_empty()));
+        // More than the buffers of a connection take: the writer is stuck in the first, the second waits.
+        let (first, second) = (message(64 << 20), message(8));
+        publisher.publish(&first);
+        publisher.publish(&second);
+        assert_eq!(Arc::strong_count(&second), 2);
+        drop(sub);
+        soon(&|| Arc::strong_count(&first) + Arc::strong_count(&second) == 2);
+        assert_eq!(publisher.close(Duration::ZERO), Counts { seen: 1, sent: 0, lost: 2 });
     }
 }
