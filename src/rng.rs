@@ -27,6 +27,8 @@ pub enum Room {
     FacetPhase = 20,
     /// Loss of memory of a sea facet: as above.
     FacetDecorrelation = 21,
+    /// Travelling Bragg waves of a sea facet: as above.
+    FacetBragg = 22,
     /// Bytes of a recording that are corrupted on purpose.
     SpoiledBytes = 48,
     /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's

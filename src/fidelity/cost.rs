@@ -15,6 +15,7 @@
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
+//! | lines | facets x pairs, and as many as [`LINES`] in a block, where Bragg waves travel | scatterer paths |
 //!
 //! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are
 //! reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is
@@ -27,12 +28,17 @@ use crate::paths::PathGenerator;
 use crate::paths::block::{NODES, SAMPLED, SIDELOBE_NODES, gain_instants, gain_step, sidelobe_gain_pulses};
 use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
-use crate::scene::Scene;
+use crate::scene::sea::BraggWaves;
+use crate::scene::{Scene, Sea};
 
 use crate::fidelity::echo_settings::EchoSettings;
 
+/// Pulses for which turning a facet costs as much as finding its lines and components.
+const LINES: f64 = 60.0;
+/// The same of finding phasors one by one.
+const LINES_EXACT: f64 = 300.0;
 /// Pieces of work.
-pub const PIECES: usize = 13;
+pub const PIECES: usize = 14;
 
 /// How often each piece of work is done in a pulse, in the order of [`CostTable::STAGES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,6 +52,7 @@ impl CostTable {
     /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
     pub const TABLE: Self = Self([
         50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,
+        2e-9,
     ]);
 
     /// Stage in which each piece is spent.
@@ -63,6 +70,7 @@ impl CostTable {
         Stage::ScattererPaths, // exact
         Stage::Receive,        // rest
         Stage::Spread,         // points
+        Stage::ScattererPaths, // lines
     ];
 
     /// Seconds of one worker in a stage for a pulse.
@@ -93,6 +101,8 @@ pub struct Size {
     facets: f64,
     points: f64,
     pairs: f64,
+    /// Pairs for which facets have lines of travelling waves.
+    travelling: f64,
     channels: f64,
     antennas: f64,
     /// From update to update of the shadows, pulses; `None` without shadows.
@@ -119,6 +129,8 @@ impl Size {
     ) -> Self {
         let radar = &scene.radar;
         let shadow = scene.sea.as_ref().and_then(|sea| sea.shadow.as_ref());
+        let frozen = |sea: &Sea| sea.scattering.bragg == BraggWaves::Frozen;
+        let pairs = generator.pairs().len() as f64;
         let reach = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
         let sampled = generator.sampled(SAMPLED);
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
@@ -126,7 +138,8 @@ impl Size {
             facets: generator.facets() as f64,
             // Those with an aspect are evaluated for it once more.
             points: generator.point_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 },
-            pairs: generator.pairs().len() as f64,
+            pairs,
+            travelling: if scene.sea.as_ref().is_none_or(frozen) { 0.0 } else { pairs },
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
@@ -142,7 +155,18 @@ impl Size {
     /// What settings ask for in a pulse; `interpolates`: in blocks.
     pub fn work(&self, chosen: &EchoSettings, interpolates: bool) -> Work {
         let Self {
-            facets, points, pairs, channels, antennas, update_pulses, cells, layers, kept, again, ..
+            facets,
+            points,
+            pairs,
+            travelling,
+            channels,
+            antennas,
+            update_pulses,
+            cells,
+            layers,
+            kept,
+            again,
+            ..
         } = *self;
         let width = chosen.echo.width as f64;
         let wide = if chosen.precision == Precision::Double { 2.0 } else { 1.0 };
@@ -158,7 +182,7 @@ impl Size {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
-            (work[11], work[12]) = (rest, points * pairs);
+            (work[11], work[12], work[13]) = (rest, points * pairs, LINES_EXACT * facets * travelling);
             return Work(work);
         }
         let pulses = block as f64;
@@ -189,6 +213,7 @@ impl Size {
             0.0,
             rest,
             points * pairs,
+            again * facets * travelling * (1.0 + LINES / pulses),
         ])
     }
 }

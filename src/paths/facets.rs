@@ -59,6 +59,8 @@ pub(super) struct Chunk {
     slope: [Vec<f64>; 2],
     cover: Vec<f64>,
     phasors: Vec<Complex64>,
+    /// Those of the pair at hand, where waves travel.
+    of_pair: Vec<Complex64>,
     pub pairs: Vec<PairColumns>,
     /// `vv, vh, hv, hh`.
     matrix: [Vec<Complex64>; 4],
@@ -133,6 +135,7 @@ impl Chunk {
             slope: [Vec::with_capacity(CHUNK), Vec::with_capacity(CHUNK)],
             cover: Vec::with_capacity(CHUNK),
             phasors: Vec::with_capacity(CHUNK * mechanisms),
+            of_pair: Vec::with_capacity(CHUNK * mechanisms),
             pairs: vec![PairColumns::default(); pairs],
             matrix: [zeros(), zeros(), zeros(), zeros()],
             amplitude: vec![zeros(); channels],
@@ -231,13 +234,28 @@ impl Chunk {
             column.fill(Complex64::ZERO);
         }
         for (plan, columns) in reception.plans.iter().zip(&self.pairs) {
+            let direction = |d: &[Vec<f64>; 3], i: usize| DVec3::new(d[0][i], d[1][i], d[2][i]);
+            let phasors = match water.travelling() {
+                None => &self.phasors,
+                Some(lines) => {
+                    self.of_pair.clone_from(&self.phasors);
+                    for (i, own) in self.of_pair.chunks_exact_mut(water.mechanisms()).enumerate() {
+                        let ends = (direction(&columns.incident, i), direction(&columns.scattered, i));
+                        let key = patch.key(self.index[i]);
+                        let [specular, bragg] = lines.phasors(key, ends, reception.elapsed_s);
+                        own[0] *= specular;
+                        own[1..].iter_mut().for_each(|phasor| *phasor *= bragg);
+                    }
+                    &self.of_pair
+                }
+            };
             let facets = Facets {
                 incident: columns.incident.each_ref().map(Vec::as_slice),
                 scattered: columns.scattered.each_ref().map(Vec::as_slice),
                 slope_x: &self.slope[0],
                 slope_y: &self.slope[1],
                 cover: &self.cover,
-                phasors: &self.phasors,
+                phasors,
                 footprint_m2,
             };
             for entry in &mut self.matrix {
@@ -258,8 +276,8 @@ impl Chunk {
                 if scale == Complex64::ZERO {
                     continue;
                 }
-                let direction = |d: &[Vec<f64>; 3]| DVec3::new(d[0][i], d[1][i], d[2][i]);
-                let (incident, scattered) = (direction(&columns.incident), direction(&columns.scattered));
+                let (incident, scattered) =
+                    (direction(&columns.incident, i), direction(&columns.scattered, i));
                 let (basis_in, basis_out) = (Basis::of(incident), Basis::of(scattered));
                 let mut e_t = Ports::new(|port| field(&tx_basis, port, tx_leak, incident, &basis_in));
                 let mut e_r =

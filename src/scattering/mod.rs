@@ -1,5 +1,6 @@
 //! What each thing that scatters returns, as one flat list of scatterer paths.
 
+pub mod bragg;
 pub mod clutter_nrl;
 pub mod target;
 pub mod facets;

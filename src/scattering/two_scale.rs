@@ -242,6 +242,12 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         nodes.map(|(u, c)| [u.0 as f32, c.0 as f32, (u.1 * c.1) as f32]).collect()
     }
 
+    /// Variances of the slopes of the sub-facets of clean water, along and across the wind.
+    pub(super) fn tilt_variances(&self) -> [f64; 2] {
+        let s = self.moments(0.0).slopes;
+        if self.averages_tilts() { [s.up, s.cross] } else { [0.0; 2] }
+    }
+
     /// `K_cut`, rad/m, if there is a cut.
     pub fn cut_radpm(&self) -> Option<f64> {
         self.cut_radpm

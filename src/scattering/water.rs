@@ -53,6 +53,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
+use super::bragg::{BraggLines, Setting};
 use super::facets::{Facets, LengthError, Phases};
 use super::kind::Kind;
 use super::kind::clean::Clean;
@@ -65,7 +66,7 @@ use super::speckle::Speckle;
 use super::spectrum_table::SpectrumTable;
 use super::two_scale::{Medium, Moments, Settings, TwoScale};
 use crate::scattering::splitting::high_pass;
-use crate::scene::sea::{LightWinds, Permittivity, SlickRegion};
+use crate::scene::sea::{BraggWaves, LightWinds, Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
 use crate::sea::fleet::Strip;
@@ -177,6 +178,7 @@ pub struct WaterScattering {
     downwind: [f64; 2],
     phases: Phases,
     speckle: Speckle,
+    travelling: Option<BraggLines>,
     seed: u64,
     mechanisms: usize,
     permittivity: Complex64,
@@ -284,6 +286,24 @@ impl WaterScattering {
         };
         let clean = TwoScale::new(two_scale, medium, Clean, psi());
         let (mechanisms, cut_radpm, moments) = (1 + clean.tilts(), clean.cut_radpm(), clean.moments(0.0));
+        let travelling = match settings.bragg {
+            BraggWaves::Frozen => None,
+            BraggWaves::Travelling { drift_share, drift_turn_rad } => {
+                let (north, east) = (wind.direction_rad + drift_turn_rad).sin_cos();
+                let setting = Setting {
+                    spectrum: spectrum.as_ref(),
+                    dispersion: sea.water.dispersion,
+                    downwind: [cos, sin],
+                    drift_mps: [east, north].map(|c| drift_share * wind.u10_mps * c),
+                    wavenumber_radpm: medium.wavenumber_radpm(),
+                    resolved_radpm: medium.resolved_radpm,
+                    cut_radpm,
+                    decorrelation_s: settings.decorrelation_s,
+                    seed: sight.seed,
+                };
+                Some(BraggLines::new(&setting, clean.tilt_variances()))
+            }
+        };
         let table = match sight.spectrum {
             SpectrumPath::Exact => None,
             SpectrumPath::Tabulated => {
@@ -311,8 +331,10 @@ impl WaterScattering {
             )?;
             kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
         }
-        let speckle =
-            settings.decorrelation_s.map_or(Speckle::Frozen, |time_s| Speckle::Decorrelating { time_s });
+        let speckle = match settings.decorrelation_s {
+            Some(time_s) if travelling.is_none() => Speckle::Decorrelating { time_s },
+            _ => Speckle::Frozen,
+        };
         Ok(Self {
             kinds,
             regions,
@@ -321,6 +343,7 @@ impl WaterScattering {
             downwind: [cos, sin],
             phases: settings.phases,
             speckle,
+            travelling,
             seed: sight.seed,
             mechanisms,
             permittivity,
@@ -413,9 +436,14 @@ impl WaterScattering {
         self.spectrum_error
     }
 
-    /// Whether phasors change in time.
+    /// Whether phasors of [`Self::phasors`] change in time.
     pub fn decorrelates(&self) -> bool {
         self.speckle != Speckle::Frozen
+    }
+
+    /// The lines of Bragg waves that travel, if they do: they turn the phasors of [`Self::phasors`].
+    pub fn travelling(&self) -> Option<&BraggLines> {
+        self.travelling.as_ref()
     }
 
     /// Where the ships of the strips and those of the short waves are, `t_s` after pulse 0: for

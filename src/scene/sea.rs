@@ -86,7 +86,9 @@ pub struct FacetScattering {
     pub gram_charlier: bool,
     /// How random phases enter.
     pub phases: Phases,
-    /// Time in which a facet forgets its phase, s; `None` for never.
+    /// Whether the waves that scatter travel.
+    pub bragg: BraggWaves,
+    /// Time in which a facet forgets its phase, s; `None` for never, or as travelling waves have it.
     pub decorrelation_s: Option<f64>,
     /// Whether facets follow the horizontal orbital motion; if not (as in the paper) they move up and down
     /// only.
@@ -103,6 +105,7 @@ impl Default for FacetScattering {
             light_wind: LightWinds::default(),
             gram_charlier: false,
             phases: Phases::default(),
+            bragg: BraggWaves::default(),
             decorrelation_s: None,
             displacement: true,
         }
@@ -137,6 +140,21 @@ pub enum LightWinds {
     Threshold,
     /// Those of the spectrum as published.
     AsPublished,
+}
+
+/// Whether the Bragg waves within a facet travel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum BraggWaves {
+    /// They ride on the facet and do not move: no Doppler but the facet's.
+    #[default]
+    Frozen,
+    /// Two lines, of waves that come closer and that go away (`scattering::bragg`).
+    Travelling {
+        /// Speed of the water's drift over that of the wind at 10 m.
+        drift_share: f64,
+        /// Direction of the drift, counter-clockwise from that of the wind, rad.
+        drift_turn_rad: f64,
+    },
 }
 
 /// How random phases enter a facet's matrix.

@@ -3,6 +3,7 @@
 
 #[path = "../support/cases.rs"]
 mod cases;
+mod bragg_doppler;
 mod calibration;
 mod clocks;
 mod clutter_nrl;

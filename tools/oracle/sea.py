@@ -77,7 +77,7 @@ class Facets:
 SEA_KEYS = {
     "sea": "wind_ustar_mps wind_mps wind_height_m wind_profile wind_towards_deg wind_from_deg spectrum "
     "inverse_wave_age fetch_m capillary depth_m temperature_c salinity_psu permittivity averaging scattering shadow",
-    "sea.scattering": "splitting phases cut_radpm tilt_average light_wind gram_charlier decorrelation_ms displacement",
+    "sea.scattering": "splitting phases cut_radpm tilt_average light_wind gram_charlier bragg drift_share drift_deg decorrelation_ms displacement",
     "sea.shadow": "enabled edge width_rad rays_per_facet update_ms",
 }
 SPECTRA = ("elfouhaily", "elfouhaily-fung-lee", "fung-lee")
@@ -165,6 +165,8 @@ class Sea:
 
     def _returns(self, table):
         known(table, "sea.scattering")
+        if table.get("bragg", "frozen") != "frozen":
+            raise Unfit("Bragg waves that travel cannot be judged")
         if table.get("decorrelation_ms", False):
             raise Unfit("decorrelation_ms cannot be judged")
         self.splitting = choice(table, "splitting", "consistent", ("consistent", "mars2007"))

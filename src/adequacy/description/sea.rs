@@ -5,8 +5,8 @@ use crate::adequacy::{AZIMUTH_M, Adequacy};
 use crate::inputs::shown;
 use crate::scene::Scene;
 use crate::scene::sea::{
-    Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea, Shadowing,
-    SlickShape, Splitting,
+    Averaging, BraggWaves, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea,
+    Shadowing, SlickShape, Splitting,
 };
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
@@ -47,7 +47,12 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
         with.push(described("slick", text));
     }
     let scattering = &sea.scattering;
-    if scattering.decorrelation_s.is_none() {
+    let frozen = scattering.bragg == BraggWaves::Frozen;
+    if frozen {
+        let how = "sea.scattering.bragg = \"frozen\": echoes have the Doppler of the resolved waves alone";
+        without.push(described("Doppler of Bragg waves", how));
+    }
+    if frozen && scattering.decorrelation_s.is_none() {
         without.push(described(
             "decorrelation",
             "no sea.scattering.decorrelation_ms: phases of facets are frozen",
@@ -74,7 +79,13 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
         without.push(described("slicks", "no [[slick]]"));
     }
     without.push(described("breaking waves", "a linear sea: no sea spikes, low HH at low grazing angles"));
-    without.push(described("currents and drift", "the water as a whole is at rest, slicks with it"));
+    let how = match scattering.bragg {
+        BraggWaves::Travelling { drift_share, .. } if drift_share > 0.0 => {
+            "the drift of the wind moves what scatters, not waves, slicks and wakes"
+        }
+        _ => "the water as a whole is at rest, slicks with it",
+    };
+    without.push(described("currents and drift", how));
 }
 
 /// The figures that follow from the wind and the geometry.
@@ -239,6 +250,15 @@ fn scattering_text(scattering: &FacetScattering) -> String {
         Phases::PolCoherent => "; a random phase for each mechanism",
         Phases::Single => "; one random phase",
     };
+    if let BraggWaves::Travelling { drift_share, drift_turn_rad } = scattering.bragg {
+        text += "; Bragg waves travel both ways by the spectrum";
+        if drift_share > 0.0 {
+            text += &format!(", with a drift of {} % of the wind", neat(100.0 * drift_share));
+            if drift_turn_rad != 0.0 {
+                text += &format!(" turned by {} deg", neat(drift_turn_rad.to_degrees()));
+            }
+        }
+    }
     if let Some(decorrelation_s) = scattering.decorrelation_s {
         text += &format!(", forgotten in {} ms", neat(1e3 * decorrelation_s));
     }

@@ -34,7 +34,10 @@ tables! {
         TILT_AVERAGE "tilt_average", Kind::Flag, Means("true; false for mars2007"), "consistent: whether the Bragg part averages over tilts within a facet, so that what the sea returns does not depend on the size of facets. Nine Bragg waves a facet instead of one.";
         LIGHT_WIND "light_wind", Choice(&["threshold", "published"]), Word("threshold"), "Bragg waves in light wind: none below the wind that sustains them against viscosity and never fewer in more wind, or those of the spectrum as published, of which a weak wind has more than a fresh one.";
         GRAM_CHARLIER "gram_charlier", Kind::Flag, Flag(false), "Whether slope densities have the skewness and peakedness of Cox and Munk.";
-        DECORRELATION_MS "decorrelation_ms", above("ms", 0.0, 1e9), Means("never"), "Time in which a facet forgets its random phase.";
+        BRAGG "bragg", Choice(&["frozen", "travelling"]), Word("frozen"), "Bragg waves within a facet: at rest on it, so that its Doppler is that of the resolved waves alone, or travelling: lines at plus and minus their frequency, weighted by the spectrum along and against the line of sight, as wide as the waves between facet and Bragg wave make them.";
+        DRIFT_SHARE "drift_share", number("", 0.0, 0.1), default(0.03), "bragg = \"travelling\": speed at which the water's surface drifts over the speed of the wind at 10 m; 0 for none.";
+        DRIFT_DEG "drift_deg", number("deg", -180.0, 180.0), default(0.0), "bragg = \"travelling\": direction of the drift, counter-clockwise from that in which the wind blows; Ekman's is -45 in the northern hemisphere, 45 in the southern.";
+        DECORRELATION_MS "decorrelation_ms", above("ms", 0.0, 1e9), Means("never; with bragg = \"travelling\" what the waves within a facet give"), "Time in which a facet forgets its random phase.";
         DISPLACEMENT "displacement", Kind::Flag, Flag(true), "Whether facets follow the horizontal orbital motion of the waves; false: they move up and down only.";
     }
     shadow "[sea.shadow]" "What waves hide from a transmitter or a receiver." {

@@ -5,8 +5,8 @@ use crate::config::error::Problem;
 use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
-    Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Shadowing,
-    Splitting,
+    Averaging, BraggWaves, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation,
+    Shadowing, Splitting,
 };
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
@@ -229,7 +229,8 @@ fn realisation(section: &Section<'_>) -> Option<Realisation> {
 
 fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Option<FacetScattering> {
     use keys::scattering::{
-        CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, GRAM_CHARLIER, LIGHT_WIND, PHASES, SPLITTING, TILT_AVERAGE,
+        BRAGG, CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, DRIFT_DEG, DRIFT_SHARE, GRAM_CHARLIER, LIGHT_WIND,
+        PHASES, SPLITTING, TILT_AVERAGE,
     };
     let splitting = section.choice(&SPLITTING);
     let phases = section.choice(&PHASES);
@@ -237,6 +238,17 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
     let decorrelation_ms = section.number(&DECORRELATION_MS);
     let sound = |key, value: Option<f64>| !section.has(key) || value.is_some();
     let sound = sound(&CUT_RADPM, cut_radpm) && sound(&DECORRELATION_MS, decorrelation_ms);
+    let bragg = section.choice(&BRAGG);
+    let [drift_share, drift_deg] = [&DRIFT_SHARE, &DRIFT_DEG].map(|key| section.number(key));
+    if bragg == Some("frozen") {
+        section.idle(&[&DRIFT_SHARE, &DRIFT_DEG], "bragg = \"frozen\"");
+    }
+    if bragg == Some("travelling") && phases == Some("single") {
+        section.idle(
+            &[&BRAGG],
+            "phases = \"single\": one phase for waves of both lines; set phases = \"polcoherent\"",
+        );
+    }
     let light_wind = section.choice(&LIGHT_WIND);
     let [gram_charlier, displacement] = [&GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
     // The paper's slope density already holds the tilts.
@@ -256,6 +268,12 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
         light_wind: if light_wind? == "published" { LightWinds::AsPublished } else { LightWinds::Threshold },
         gram_charlier: gram_charlier?,
         phases: if phases? == "single" { Phases::Single } else { Phases::PolCoherent },
+        bragg: match bragg? {
+            "travelling" => {
+                BraggWaves::Travelling { drift_share: drift_share?, drift_turn_rad: drift_deg?.to_radians() }
+            }
+            _ => BraggWaves::Frozen,
+        },
         decorrelation_s: decorrelation_ms.map(|ms| ms / 1e3),
         displacement: displacement?,
     })

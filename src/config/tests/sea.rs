@@ -7,8 +7,8 @@ use super::*;
 use crate::scattering::permittivity::Model;
 use crate::scene::radar::{Sweep, Waveform};
 use crate::scene::sea::{
-    Averaging, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Shadowing,
-    SlickShape, Splitting,
+    Averaging, BraggWaves, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation,
+    Shadowing, SlickShape, Splitting,
 };
 use crate::scene::ship::HullGiven;
 use crate::scene::water::{
@@ -186,6 +186,7 @@ fn every_setting_arrives() {
         light_wind: LightWinds::AsPublished,
         gram_charlier: true,
         phases: Phases::Single,
+        bragg: BraggWaves::Frozen,
         decorrelation_s: Some(0.008),
         displacement: false,
     };
@@ -194,6 +195,13 @@ fn every_setting_arrives() {
 
     assert_eq!(sea_of(&[("sea.shadow.enabled", "false"), ("sea.shadow.update_ms", "7")]).shadow, None);
     assert_eq!(sea_of(&[("sea.shadow.width_rad", "0.02")]).shadow.unwrap().width_rad, Some(0.02));
+    let bragg = |list: &[(&str, &str)]| sea_of(list).scattering.bragg;
+    let travelling = ("sea.scattering.bragg", "travelling");
+    assert_eq!(bragg(&[travelling]), BraggWaves::Travelling { drift_share: 0.03, drift_turn_rad: 0.0 });
+    assert_eq!(
+        bragg(&[travelling, ("sea.scattering.drift_share", "0"), ("sea.scattering.drift_deg", "-90")]),
+        BraggWaves::Travelling { drift_share: 0.0, drift_turn_rad: -std::f64::consts::FRAC_PI_2 }
+    );
     assert!(!sea_of(&[("sea.scattering.tilt_average", "false")]).scattering.tilt_average);
     assert!(!sea_of(&[("sea.scattering.splitting", "mars2007")]).scattering.tilt_average);
     let spectrum = |list: &[(&str, &str)]| sea_of(list).water.spectrum;
@@ -361,6 +369,12 @@ sea.scattering.cut_radpm: 0 is out of range; allowed: a number above 0, up to 1e
 sea.scattering.decorrelation_ms: -3 is out of range; allowed: a number above 0, up to 1e9 ms
 sea.scattering.phase: unknown key; did you mean phases?
 "#);
+    insta::assert_snapshot!(faults(&[("sea.scattering.drift_share", "0.02"), ("sea.scattering.drift_deg", "200")]), @r#"
+sea.scattering.drift_deg: 200 is out of range; allowed: a number from -180 to 180 deg
+sea.scattering.drift_share: has no meaning here (bragg = "frozen")
+sea.scattering.drift_deg: has no meaning here (bragg = "frozen")
+"#);
+    insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "travelling"), ("sea.scattering.phases", "single")]), @r#"sea.scattering.bragg: has no meaning here (phases = "single": one phase for waves of both lines; set phases = "polcoherent")"#);
     insta::assert_snapshot!(faults(&[("sea.scattering.splitting", "mars2007"), ("sea.scattering.tilt_average", "true")]), @r#"sea.scattering.tilt_average: has no meaning here (splitting = "mars2007")"#);
     insta::assert_snapshot!(faults(&[("sea.shadow.edge", "sharp"), ("sea.shadow.width_rad", "0.1"), ("sea.shadow.rays_per_facet", "0"), ("sea.shadow.update_ms", "0")]), @r#"
 sea.shadow.width_rad: has no meaning here (edge = "sharp")

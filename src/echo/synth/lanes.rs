@@ -177,7 +177,7 @@ impl Synth<f32> {
     ) {
         let LaneWork { polynomials, amplitude, shifts, powers: in_use, .. } = work;
         let reference_s = self.fill_shifts(&frame.windows_s[pulses.clone()], shifts);
-        let Pair { factor, .. } = &tile.pairs[pair];
+        let Pair { factor, turned, .. } = &tile.pairs[pair];
         let nodes = tile.pairs[pair].nodes();
         let [first, second] = [interval, (interval + 1).min(nodes.len() - 1)].map(|node| &nodes[node].paths);
         let (count, at_node) = (tile.count, tile.instants.nodes);
@@ -220,6 +220,7 @@ impl Synth<f32> {
                     first: pulses.start as i32 - middle as i32,
                     amplitude_first: pulses.start as i32 - (frame.pulses() / 2) as i32,
                     factors: factor[pulses.clone()].as_flattened(),
+                    turned: turned.get(pulses.clone()).unwrap_or_default().as_flattened().as_flattened(),
                     factor_stride: LANES,
                     coefficients: &self.coefficients,
                     last_cell: self.last_cell,

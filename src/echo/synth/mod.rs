@@ -430,6 +430,7 @@ impl<T: Scalar> Synth<T> {
                 first: share.first as i32 - block.middle(),
                 amplitude_first: share.first as i32 - block.middle(),
                 factors: block.factors[layer.pair].get(share.first * block.len()..).unwrap_or_default(),
+                turned: &[],
                 factor_stride: block.len(),
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,

@@ -44,7 +44,9 @@ pub(super) struct Job<'a, T: Scalar> {
     pub amplitude_first: i32,
     /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
     pub factors: &'a [T],
-    /// Numbers from the factors of one pulse to the next.
+    /// The same where it also turns them, `[pulse of the share][real, imaginary][path]`; empty where not.
+    pub turned: &'a [T],
+    /// Numbers from the factors of one pulse to the next, and from real to imaginary parts.
     pub factor_stride: usize,
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
@@ -142,7 +144,10 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
         let (from, count) = (part.start, part.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
+            let turned = |part: usize| job.turned.get((2 * pulse + part) * job.factor_stride + from..);
+            if let (false, Some(re), Some(im)) = (job.turned.is_empty(), turned(0), turned(1)) {
+                turn(re, im, &mut passes.cos[..count], &mut passes.sin[..count]);
+            } else if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
                 weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
         }
@@ -186,6 +191,14 @@ impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usiz
 fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
     for ((factor, cos), sin) in factors.iter().zip(cos).zip(sin) {
         (*cos, *sin) = (*cos * *factor, *sin * *factor);
+    }
+}
+
+/// Phasors times those of their scatterer paths.
+#[inline(always)]
+fn turn<T: Scalar>(re: &[T], im: &[T], cos: &mut [T], sin: &mut [T]) {
+    for (((re, im), cos), sin) in re.iter().zip(im).zip(cos).zip(sin) {
+        (*cos, *sin) = (*cos * *re - *sin * *im, *cos * *im + *sin * *re);
     }
 }
 

@@ -53,6 +53,7 @@ impl PathGenerator {
                 self.epoch(sea, pair, place, footprint_m2, work);
             }
             self.factors(pair, work);
+            self.turn(sea, pair, work);
         }
     }
 
@@ -107,8 +108,10 @@ impl PathGenerator {
             variant,
             runs,
             phasors,
+            part,
             batch,
             places_m,
+            keys,
             bounds_m,
             drop_m,
             fall,
@@ -122,11 +125,12 @@ impl PathGenerator {
         tile.count = count;
         let nx = patch.facets[0];
         let [x_m, y_m] = &mut *places_m;
-        let mut places = x_m.iter_mut().zip(y_m);
+        let mut places = x_m.iter_mut().zip(y_m).zip(&mut *keys);
         for run in &*runs {
             let key = [patch.first[0] + (run.first % nx) as i64, patch.first[1] + (run.first / nx) as i64];
-            for ((x_m, y_m), column) in places.by_ref().take(run.count).zip(0..) {
-                [*x_m, *y_m] = patch.centre_m([key[0] + column, key[1]]);
+            for (((x_m, y_m), own), column) in places.by_ref().take(run.count).zip(0..) {
+                *own = [key[0] + column, key[1]];
+                [*x_m, *y_m] = patch.centre_m(*own);
             }
         }
         // Lanes that are not in use stay near the others: nothing is read from them.
@@ -148,6 +152,7 @@ impl PathGenerator {
             variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
             variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
+        part.choose(batch);
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
         for (row, weights) in
@@ -169,6 +174,7 @@ impl PathGenerator {
             variant,
             batch,
             places_m,
+            keys,
             whole,
             kept,
             slopes,
@@ -220,6 +226,7 @@ impl PathGenerator {
             .for_each(|row| compact(row, kept));
         batch.phasor.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
         places_m.iter_mut().for_each(|row| compact(row, kept));
+        compact(keys, kept);
         tile.count = kept.len();
     }
 
@@ -289,7 +296,14 @@ impl PathGenerator {
     }
 
     /// Scattering at a scattering epoch.
-    fn epoch(&self, sea: &SeaPlan, pair: usize, place: usize, footprint_m2: f64, work: &mut TileWork) {
+    pub(super) fn epoch(
+        &self,
+        sea: &SeaPlan,
+        pair: usize,
+        place: usize,
+        footprint_m2: f64,
+        work: &mut TileWork,
+    ) {
         let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let instant = &timing.epochs[place];

@@ -38,6 +38,7 @@ pub mod probe;
 mod shadows;
 mod tile;
 mod timing;
+mod travelling;
 
 use std::sync::Arc;
 
@@ -50,6 +51,7 @@ use crate::paths::emission::Emission;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
+use crate::scattering::bragg::block as bragg_block;
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
 use crate::sea::facet_surface::FacetSurface;
@@ -65,6 +67,7 @@ use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
 pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, Tile, lanes_of};
 use timing::Timings;
+use travelling::{Part, Specular};
 
 /// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
@@ -113,6 +116,14 @@ pub struct TileWork {
     batch: Box<Batch>,
     view: Box<View>,
     places_m: [[f64; LANES]; 2],
+    /// Global keys of the facets.
+    keys: [[i64; 2]; LANES],
+    /// What the tile at hand is of, where waves travel.
+    part: Part,
+    /// Whether specular points add to the block.
+    specular: bool,
+    /// Phasors of a group of facets, where waves travel.
+    turns: Vec<bragg_block::Phasors>,
     /// Least and largest of them.
     bounds_m: [[f64; 2]; 2],
     drop_m: [f64; LANES],
@@ -180,14 +191,19 @@ impl PathGenerator {
         costs.lap(Stage::Shadow);
         let opens_s = self.window_start_of(first + (instants.pulses / 2) as u64)?;
         let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
-        let mut facets = 0;
+        let (mut facets, mut specular) = (0, Specular::default());
+        work.part = Part::Still;
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
             self.evaluate_tile(sea, patch, work);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
                 pair.add_to(sample, work.tile.count, &window);
             }
+            if sea.scattering.travelling().is_some() {
+                self.add_specular(sea, patch, work, &mut specular);
+            }
         }
+        work.specular = specular.counts();
         for sample in samples {
             if sample.received_power_w > 0.0 {
                 sample.mean_rate /= sample.received_power_w;
@@ -212,20 +228,28 @@ impl PathGenerator {
     ) -> Tally {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
+        let (part, more) = Part::of_block(sea.scattering.travelling().is_some(), work.specular);
+        let mut again = Tally::default();
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
-            self.evaluate_tile(sea, patch, work);
-            if work.tile.tier == Tier::Sidelobe {
-                tally.sidelobe += facets;
-            }
-            work.tile.thin_out(work.variant, samples, least, &mut tally);
-            costs.lap(Stage::ScattererPaths);
-            if work.tile.count > 0 {
-                each(&work.tile);
-                costs.lap(Stage::Spread);
+            for (part, tally) in
+                std::iter::once((part, &mut tally)).chain(more.map(|part| (part, &mut again)))
+            {
+                work.part = part;
+                self.evaluate_tile(sea, patch, work);
+                if work.tile.tier == Tier::Sidelobe {
+                    tally.sidelobe += facets;
+                }
+                work.tile.thin_out(work.variant, samples, least, tally);
+                costs.lap(Stage::ScattererPaths);
+                if work.tile.count > 0 {
+                    each(&work.tile);
+                    costs.lap(Stage::Spread);
+                }
             }
         }
+        work.part = Part::Still;
         tally
     }
 }
@@ -271,6 +295,10 @@ impl SeaPlan {
             phasors: Phasors::new(facets, mechanisms),
             batch: Batch::boxed(mechanisms),
             places_m: [[0.0; LANES]; 2],
+            keys: [[0; 2]; LANES],
+            part: Part::Still,
+            specular: false,
+            turns: Vec::new(),
             bounds_m: [[0.0; 2]; 2],
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],

@@ -156,13 +156,15 @@ pub struct Pair {
     pub(super) epoch_count: usize,
     /// Per pulse: what multiplies the amplitudes.
     pub factor: Vec<Row>,
+    /// Per pulse, real and imaginary: factors times what turns Bragg waves that travel; empty where they do not.
+    pub turned: Vec<[Row; 2]>,
     channels: usize,
 }
 
 impl Pair {
     pub(super) fn new(channels: usize) -> Self {
         let (nodes, epochs, factor) = (Vec::new(), Vec::new(), Vec::new());
-        Self { nodes, node_count: 0, epochs, epoch_count: 0, factor, channels }
+        Self { nodes, node_count: 0, epochs, epoch_count: 0, factor, turned: Vec::new(), channels }
     }
 
     /// At every node.
@@ -234,7 +236,7 @@ impl Pair {
         for epoch in &mut self.epochs[..self.epoch_count] {
             epoch.layers.iter_mut().for_each(|layer| layer.keep(kept));
         }
-        for row in &mut self.factor {
+        for row in self.factor.iter_mut().chain(self.turned.as_flattened_mut()) {
             compact(row, kept);
         }
     }

@@ -1,0 +1,248 @@
+//! The phasors of many facets at all pulses of a block: the sums of [`comb`](super::comb) in f32.
+//!
+//! Lines are asked for at the first pulse and at the last; middle, inverse of the end, and height of the bell
+//! are straight in between. What that leaves of an amplitude is an eighth of their second difference over the
+//! end: with a middle of twice the end, -73 dB where the antennas turn by 0.03 rad about a facet in a block.
+//! Components start at their own phase, from f64, and turn by a constant phasor from pulse to pulse, [`RESTART`] times.
+
+// Lanes are counted: so they become vectors.
+#![allow(clippy::needless_range_loop)]
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::comb::{Comb, Line};
+use super::{BraggLines, Mechanism};
+use crate::cpu::{Task, Variant};
+
+/// Facets whose components are summed together.
+pub const GROUP: usize = 16;
+
+/// Pulses after which phases are found anew: turning leaves 1e-6 each, -83 dB in as many.
+const RESTART: usize = 64;
+
+/// Phasors at a pulse: real and imaginary.
+pub type Phasors = [[f32; GROUP]; 2];
+
+/// When a block's pulses are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Times {
+    /// The first, after pulse 0, s.
+    pub first_s: f64,
+    /// From one to the next, s.
+    pub interval_s: f64,
+}
+
+/// Directions from the transmitter and to the receiver at the first pulse and at the last.
+pub type Sight = [[DVec3; 2]; 2];
+
+/// A line of the facets of a group at an end of the block.
+#[derive(Clone, Copy)]
+struct End {
+    centre_radps: [f64; GROUP],
+    inverse: [f64; GROUP],
+    height: [f64; GROUP],
+}
+
+impl BraggLines {
+    /// What turns a mechanism of up to [`GROUP`] facets of global keys at every pulse.
+    pub fn phasors_of_block(
+        &self,
+        variant: Variant,
+        mechanism: Mechanism,
+        (keys, sights): (&[[i64; 2]], &[Sight]),
+        times: Times,
+        out: &mut [Phasors],
+    ) {
+        out.fill([[0.0; GROUP]; 2]);
+        let mut facets = [0; GROUP];
+        let none = End { centre_radps: [0.0; GROUP], inverse: [1.0; GROUP], height: [0.0; GROUP] };
+        // `[line][end]`.
+        let mut lines = [[none; 2]; 2];
+        let count = keys.len().min(sights.len()).min(GROUP);
+        for i in 0..count {
+            facets[i] = self.number_of(keys[i]);
+            for end in 0..2 {
+                let [incident, scattered] = sights[i][end];
+                for (line, own) in lines.iter_mut().zip(self.lines(mechanism, incident, scattered)) {
+                    line[end].set(i, &self.comb, own);
+                }
+            }
+        }
+        for (ends, number) in lines.iter_mut().zip(mechanism.number()..) {
+            if ends.iter().any(|end| end.height.iter().any(|height| *height != 0.0)) {
+                // Lanes that are not in use are as the first: they ask for no cells of their own.
+                for i in count..GROUP {
+                    for end in &mut *ends {
+                        (end.centre_radps[i], end.inverse[i]) = (end.centre_radps[0], end.inverse[0]);
+                    }
+                }
+                variant.run(Sum { comb: self.comb, facets: &facets, number, ends, times, out });
+            }
+        }
+    }
+}
+
+impl End {
+    fn set(&mut self, i: usize, comb: &Comb, line: Line) {
+        self.centre_radps[i] = line.centre_radps;
+        self.inverse[i] = 1.0 / comb.end_radps(line.deviation_radps);
+        self.height[i] = comb.height(line);
+    }
+
+    /// From where to where it has components, rad/s.
+    fn span(&self, i: usize) -> [f64; 2] {
+        let end = 1.0 / self.inverse[i];
+        [self.centre_radps[i] - end, self.centre_radps[i] + end]
+    }
+}
+
+/// Adds the components of a line of a group.
+struct Sum<'a> {
+    comb: Comb,
+    facets: &'a [u64; GROUP],
+    number: u64,
+    ends: &'a [End; 2],
+    times: Times,
+    out: &'a mut [Phasors],
+}
+
+impl Task for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { comb, facets, number, ends: [start, stop], times, out } = self;
+        let share = 1.0 / (out.len().max(2) - 1) as f64;
+        let per_cell = 1.0 / comb.step_radps();
+        let (mut first, mut cells) = ([0i64; GROUP], 0);
+        for i in 0..GROUP {
+            let ([a, b], [c, d]) = (start.span(i), stop.span(i));
+            first[i] = (a.min(c) * per_cell).floor() as i64;
+            cells = cells.max((b.max(d) * per_cell).floor() as i64 - first[i] + 1);
+        }
+        let slope = |a: &[f64; GROUP], b: &[f64; GROUP]| -> [f32; GROUP] {
+            std::array::from_fn(|i| ((b[i] - a[i]) * share) as f32)
+        };
+        let moved = slope(&start.centre_radps, &stop.centre_radps);
+        let (inverse, narrowed) = (start.inverse.map(|x| x as f32), slope(&start.inverse, &stop.inverse));
+        let (height, raised) = (start.height.map(|x| x as f32), slope(&start.height, &stop.height));
+        let (to_start, to_next) = (times.first_s / TAU, times.interval_s / TAU);
+        let (mut from, mut turns, mut step) = ([0.0f32; GROUP], [0.0f32; GROUP], [0.0f32; GROUP]);
+        let (mut at, mut next) = ([0.0f64; GROUP], [0.0f64; GROUP]);
+        for cell in 0..cells {
+            for i in 0..GROUP {
+                let (omega_radps, phase) = comb.component(facets[i], number, first[i].wrapping_add(cell));
+                from[i] = (omega_radps - start.centre_radps[i]) as f32;
+                (at[i], next[i]) = (omega_radps * to_start + phase, omega_radps * to_next);
+                step[i] = (next[i] - next[i].floor()) as f32;
+            }
+            let [cos_step, sin_step] = phasors(&step);
+            for (part, out) in out.chunks_mut(RESTART).enumerate() {
+                let before = (part * RESTART) as f64;
+                for i in 0..GROUP {
+                    let now = at[i] + before * next[i];
+                    turns[i] = (now - now.floor()) as f32;
+                }
+                let [mut cos, mut sin] = phasors(&turns);
+                for (pulse, [re, im]) in out.iter_mut().enumerate() {
+                    let pulse = before as f32 + pulse as f32;
+                    for i in 0..GROUP {
+                        let x = (from[i] - pulse * moved[i]) * (inverse[i] + pulse * narrowed[i]);
+                        let fall = 1.0 - x * x;
+                        let fall = if fall > 0.0 { fall } else { 0.0 };
+                        let weight = (height[i] + pulse * raised[i]) * fall * fall;
+                        re[i] += weight * cos[i];
+                        im[i] += weight * sin[i];
+                        let turned = cos[i] * cos_step[i] - sin[i] * sin_step[i];
+                        sin[i] = cos[i] * sin_step[i] + sin[i] * cos_step[i];
+                        cos[i] = turned;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Cosines and sines of some turns, within 1e-6: from those of half the angle, within a quarter of a turn.
+#[inline(always)]
+fn phasors(turns: &[f32; GROUP]) -> [[f32; GROUP]; 2] {
+    let mut out = [[0.0; GROUP]; 2];
+    for i in 0..GROUP {
+        // -1/2 to 1/2.
+        let t = turns[i] - (turns[i] + 0.5).floor();
+        let x = std::f32::consts::PI * t;
+        let y = x * x;
+        let sin = x
+            * (1.0
+                + y * (-1.0 / 6.0
+                    + y * (1.0 / 120.0
+                        + y * (-1.0 / 5040.0 + y * (1.0 / 362_880.0 - y * (1.0 / 39_916_800.0))))));
+        let cos = 1.0
+            + y * (-0.5
+                + y * (1.0 / 24.0
+                    + y * (-1.0 / 720.0
+                        + y * (1.0 / 40_320.0 + y * (-1.0 / 3_628_800.0 + y * (1.0 / 479_001_600.0))))));
+        (out[0][i], out[1][i]) = (1.0 - 2.0 * sin * sin, 2.0 * sin * cos);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::lines;
+    use super::*;
+
+    /// A block is the sum of the reference at every pulse: with a flight past facets, near and far from its
+    /// start, in every variant.
+    #[test]
+    fn a_block_is_the_reference() {
+        let lines = lines(100.0, 1.0, [0.05, 0.02], [0.01, 0.005]);
+        let keys: Vec<[i64; 2]> = (0..13).map(|n| [n, 3 - 2 * n]).collect();
+        let sight = |n: usize, at: f64| {
+            let place = DVec3::new(-1.0, 0.1 + 0.01 * n as f64 + at, -0.8).normalize();
+            [place, -place]
+        };
+        for variant in Variant::ALL.into_iter().filter(|variant| variant.is_available()) {
+            for (first_s, pulses) in [(0.0, 1), (3.5, 33), (60.0, 150), (3600.0, 20)] {
+                let times = Times { first_s, interval_s: 0.004 };
+                let along = |pulse: usize| 5e-5 * pulse as f64;
+                let sights: Vec<Sight> =
+                    (0..keys.len()).map(|n| [sight(n, 0.0), sight(n, along(pulses - 1))]).collect();
+                let mut out = vec![[[7.0; GROUP]; 2]; pulses];
+                for (mechanism, at) in [(Mechanism::Specular, 0), (Mechanism::Bragg, 1)] {
+                    lines.phasors_of_block(variant, mechanism, (&keys, &sights), times, &mut out);
+                    let (mut off, mut power) = (0.0, 0.0);
+                    for (pulse, [re, im]) in out.iter().enumerate() {
+                        for (n, key) in keys.iter().enumerate() {
+                            let [incident, scattered] = sight(n, along(pulse));
+                            let t_s = first_s + 0.004 * pulse as f64;
+                            let exact = lines.phasors(*key, (incident, scattered), t_s)[at];
+                            off +=
+                                (f64::from(re[n]) - exact.re).powi(2) + (f64::from(im[n]) - exact.im).powi(2);
+                            power += exact.norm_sqr();
+                        }
+                    }
+                    let db = 10.0 * (off / power).log10();
+                    println!("{variant} {first_s} s, {pulses} pulses, {mechanism:?}: {db:.1} dB");
+                    assert!(db < -85.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn phasors_are_cosines_and_sines() {
+        for n in 0..2000 {
+            let turns: [f32; GROUP] = std::array::from_fn(|i| (n * GROUP + i) as f32 / 16_000.0);
+            let [cos, sin] = phasors(&turns);
+            for i in 0..GROUP {
+                let (s, c) = (TAU * f64::from(turns[i])).sin_cos();
+                let off = (f64::from(cos[i]) - c).abs().max((f64::from(sin[i]) - s).abs());
+                // Words of 24 bits: 1.8e-7 of each of half the angle, twice in a product of two.
+                assert!(off < 1e-6, "{}: {off:e}", turns[i]);
+            }
+        }
+    }
+}
