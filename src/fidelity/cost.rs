@@ -15,7 +15,7 @@
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
 //! | points | targets and direct paths x pairs | fill, spread |
-//! | lines | facets x pairs, and as many as [`LINES`] in a block, where Bragg waves travel | scatterer paths |
+//! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
 //! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are
 //! reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is

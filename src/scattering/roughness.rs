@@ -7,11 +7,10 @@
 //! | `k` | wave number | rad/m |
 //! | `s` | standard deviation of the height | m |
 //! | `psi` | grazing angle | rad |
-//! | `I_0` | modified Bessel function of the first kind: [AS64] 9.8.1 and 9.8.2, off by 2e-7 | |
+//! | `I_0` | modified Bessel function of the first kind: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 9.8.1 and 9.8.2, off by 2e-7 | |
 //!
 //! Source: Miller, Brown and Vegh, IEE Proc. F 131 (1984) 114, by the densities of heights at points that are
 //! seen; measurements lie about it, and above Ament's `e^-x` (Proc. IRE 41 (1953) 142) for `k s sin psi > 0.7`.
-//! [AS64]: Abramowitz and Stegun, Handbook of Mathematical Functions (1964).
 //!
 //! Limits: the coherent field alone; what waves scatter about the specular direction is not in it.
 //!
@@ -21,7 +20,7 @@
 //! assert!((coherent(1.0, 0.5f64.sqrt(), 1.0) - 0.465_759_6).abs() < 1e-6);
 //! ```
 
-/// Coefficients of [AS64] 9.8.1 in `(x/3.75)^2`, and of 9.8.2 in `3.75/x`.
+/// Coefficients of Abramowitz and Stegun 9.8.1 in `(x/3.75)^2`, and of 9.8.2 in `3.75/x`.
 const NEAR: [f64; 7] = [1.0, 3.5156229, 3.0899424, 1.2067492, 0.2659732, 0.0360768, 0.0045813];
 const FAR: [f64; 9] = [
     0.39894228,

@@ -3,7 +3,7 @@
 //! Lines are asked for at the first pulse and at the last; middle, inverse of the end, and height of the bell
 //! are straight in between. What that leaves of an amplitude is an eighth of their second difference over the
 //! end: with a middle of twice the end, -73 dB where the antennas turn by 0.03 rad about a facet in a block.
-//! Components start at their own phase, from f64, and turn by a constant phasor from pulse to pulse, [`RESTART`] times.
+//! Components start at their own phase, from f64, and turn by a constant phasor from pulse to pulse, `RESTART` times.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
