@@ -160,7 +160,7 @@ fn slow_sentences_are_waited_for() {
     );
     assert!(ended.stderr.contains("derived from the motion"), "{}", ended.stderr);
     // Asked for less, the run says how much there should be.
-    let asked = ["run", &config, "--set", "stream.latency_ms=2000", "--set", "stream.policy=slip"];
+    let asked = ["run", &config, "--set", "stream.latency_ms=2000", "--set", "stream.policy=drop"];
     let ended = nereus(folder.path(), &asked);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let said = "navigation arrives too late for stream.latency_ms = 2000: pulses will be extrapolated; stream.latency_ms at least ";
