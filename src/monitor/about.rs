@@ -129,7 +129,7 @@ impl Scenery {
     }
 }
 
-/// What the page is told first.
+/// What the page gets first.
 pub fn about(header: &Header, scenery: &Scenery, columns: Option<usize>, control: bool) -> Value {
     let pair = |channel: &crate::recording::header::ChannelRow| {
         let same = |pair: &crate::recording::header::PairRow| {

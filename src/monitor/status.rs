@@ -1,4 +1,4 @@
-//! What browsers are told, as JSON.
+//! What browsers get, as JSON.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! What a subscriber is told of the run and of a pulse, as JSON: for sinks whose messages hold the samples as
+//! What a subscriber gets of the run and of a pulse, as JSON: for sinks whose messages hold the samples as
 //! they are.
 //!
 //! Platforms appear with what they **report**; the truth stays in the recording. Every key is in

@@ -2,37 +2,23 @@
 //! threads, and in both echoes.
 
 use std::ops::Range;
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
-use nereus::config::{self, Run};
+use nereus::config::Run;
 use nereus::motion::changes::{Change, Event};
-use nereus::pipeline::build::{self, PulseStream};
+use nereus::pipeline::build;
 use nereus::pipeline::changing;
 use nereus::pipeline::control::Control;
 use nereus::pulse::{Pulse, Samples, flags};
+
+use crate::runs::{kept, scene};
 
 /// Of `errors.toml`.
 const AIRCRAFT: usize = 1;
 
 fn scenario(name: &str, settings: &[(&str, &str)]) -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
-    let pace = [("stream.pace", "\"fast\"")];
-    let settings: Vec<_> =
-        settings.iter().chain(&pace).map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let mut run = config::load(&path, &settings).unwrap();
-    run.sinks.clear();
-    run
-}
-
-fn kept(stream: PulseStream) -> Vec<Pulse> {
-    let mut kept = Vec::new();
-    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone())).unwrap();
-    outcome.result.unwrap();
-    kept
+    scene(&format!("configs/{name}"), &[settings, &[("stream.pace", "\"fast\"")]].concat())
 }
 
 fn pulses(run: &Run, range: Range<u64>) -> Vec<Pulse> {

@@ -2,33 +2,22 @@
 //! and range, the same in both echoes, and servo and receive window go by the report.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use nereus::config::{self, Run};
 use nereus::pipeline::build;
 use nereus::pipeline::factory::factory_by;
 use nereus::pulse::{Pulse, Samples, flags};
 
+use crate::runs::{self, scene};
+
 const C: f64 = 299_792_458.0;
 
 fn scenario(name: &str, settings: &[(&str, &str)]) -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
-    let settings: Vec<_> =
-        settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let mut run = config::load(&path, &settings).unwrap();
-    run.sinks.clear();
-    run
+    scene(&format!("configs/{name}"), settings)
 }
 
 fn pulses(settings: &[(&str, &str)], threads: &str, range: std::ops::Range<u64>) -> Vec<Pulse> {
-    let pace = [("stream.threads", threads), ("stream.pace", "\"fast\"")];
-    let run = scenario("errors.toml", &[settings, &pace].concat());
-    let mut kept = Vec::new();
-    let stream = build::stream(&run, range).unwrap();
-    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone())).unwrap();
-    outcome.result.unwrap();
-    kept
+    runs::pulses("configs/errors.toml", settings, threads, range)
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod planned;
 mod radar_equation;
 mod random_scene;
 mod random_scenes;
+mod runs;
 mod same_bits;
 mod scenes;
 mod spectra;

@@ -1,12 +1,9 @@
 //! Planned settings: the error that is predicted against the one that is measured, in four scenes.
 
-use std::path::Path;
-
 use nereus::bench::accuracy::{Judge, sample};
-use nereus::config::{self, Run};
 use nereus::echo::synth::Precision;
-use nereus::fidelity::budget::Plan;
-use nereus::pipeline::build;
+
+use crate::runs::{plan, scene};
 
 /// Errors that are asked, dB.
 const SWEEP: [f64; 4] = [-30.0, -45.0, -60.0, -75.0];
@@ -20,18 +17,6 @@ const WITHIN_DB: f64 = 6.0;
 const TARGETS_WITHIN_DB: f64 = 8.0;
 /// Below it rounding counts, which is reported by a bound for many scatterer paths, dB.
 const OF_BOUNDS_DB: f64 = -60.0;
-
-fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    let mut run = config::load(&path, &settings).unwrap();
-    run.sinks.clear();
-    run
-}
-
-fn plan(run: &Run) -> Plan {
-    *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
-}
 
 /// Measures every error of the sweep, each within its prediction, which is reported to [`WITHIN_DB`] but for
 /// some.
@@ -309,9 +294,8 @@ fn hour_ten_is_as_exact_as_second_one() {
 /// was that of the sea.
 #[test]
 fn a_sea_that_the_window_does_not_receive_sets_no_doppler() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scenarios/far-target.toml");
-    let run = config::load(&path, &[]).unwrap();
-    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
+    let run = scene("tests/data/scenarios/far-target.toml", &[]);
+    let plan = plan(&run);
     let measured_db =
         Judge::new(&run, (0..run.scene.pulses).collect(), 1, |_| ()).unwrap().judge(&run).unwrap();
     let predicted_db = plan.prediction.total_db();

@@ -1,28 +1,15 @@
 //! A pulse depends on its number alone.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use nereus::pipeline::build;
 use nereus::pulse::Pulse;
 use nereus::time::TimeTag;
 
-/// Runs a scenario and keeps every pulse.
+use crate::runs;
+
 fn pulses(threads: usize, range: std::ops::Range<u64>) -> Vec<Pulse> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/calibration.toml");
-    let overrides = [
-        ("stream.threads".to_owned(), threads.to_string()),
-        ("stream.pace".to_owned(), "\"fast\"".to_owned()),
-    ];
-    let mut run = nereus::config::load(&path, &overrides).unwrap();
-    // Seen here, not recorded.
-    run.sinks.clear();
-    let stream = build::stream(&run, range).unwrap();
-    let mut kept = Vec::new();
-    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone())).unwrap();
-    outcome.result.unwrap();
-    kept
+    runs::pulses("configs/calibration.toml", &[], &threads.to_string(), range)
 }
 
 #[test]

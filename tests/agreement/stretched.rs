@@ -1,25 +1,15 @@
 //! Pulses that are stretched by the motion, from scenario to samples: the fast echo keeps what is asked.
 
-use std::path::Path;
-
 use nereus::bench::accuracy::Judge;
-use nereus::config::{self, Run};
 use nereus::echo::synth::doppler::Envelope;
 use nereus::fidelity::budget::Plan;
-use nereus::pipeline::build;
 
-fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    let mut run = config::load(&path, &settings).unwrap();
-    run.sinks.clear();
-    run
-}
+use crate::runs::{plan, scene};
 
 /// Measures some pulses against the reference; the plan that made them.
 fn keeps(path: &str, error_db: &str, pulses: Vec<u64>) -> Plan {
     let run = scene(path, &[("fidelity.error_db", error_db)]);
-    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
+    let plan = plan(&run);
     let measured_db = Judge::new(&run, pulses, 2, |_| ()).unwrap().judge(&run).unwrap().rel_rms_db;
     let predicted_db = plan.prediction.total_db();
     println!("{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
@@ -49,6 +39,6 @@ fn long_pulse_of_a_jet_takes_bands_of_doppler() {
 fn short_pulses_keep_rigid_envelopes() {
     let settings = [("scene.patch_size_m", "[64, 64]"), ("scene.duration_s", "0.3")];
     let run = scene("configs/mars-1.toml", &settings);
-    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
+    let plan = plan(&run);
     assert_eq!((plan.chosen.echo.envelope, plan.chosen.echo.band_hz), (Envelope::Rigid, None));
 }

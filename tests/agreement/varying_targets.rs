@@ -4,21 +4,10 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use nereus::bench::accuracy::Judge;
-use nereus::config::{self, Run};
-use nereus::pipeline::build;
-use nereus::pulse::Pulse;
 
-fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    let mut run = config::load(&path, &settings).unwrap();
-    run.sinks.clear();
-    run
-}
+use crate::runs::{plan, pulses, scene};
 
 /// Every error asked is kept by every pulse, as predicted.
 fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
@@ -31,8 +20,7 @@ fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
     let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
     for &error_db in asked {
         let run = with(error_db);
-        let factory = build::stream(&run, 0..run.scene.pulses).unwrap();
-        let plan = *factory.factory().plan().unwrap();
+        let plan = plan(&run);
         let predicted_db = plan.prediction.total_db();
         let measured_db = judge.judge(&run).unwrap().rel_rms_db;
         println!("asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
@@ -41,6 +29,7 @@ fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
     }
 }
 
+const COASTAL: &str = "configs/coastal.toml";
 const CASES: [&[(&str, &str)]; 4] = [
     &[("target.0.swerling", "1"), ("target.0.swerling_scan_s", "0.1")],
     &[("target.0.swerling", "2")],
@@ -51,25 +40,15 @@ const CASES: [&[(&str, &str)]; 4] = [
 #[test]
 fn targets_that_fluctuate_keep_the_error() {
     for settings in CASES {
-        holds("configs/coastal.toml", settings, &[-30.0, -60.0]);
+        holds(COASTAL, settings, &[-30.0, -60.0]);
     }
-}
-
-fn pulses(settings: &[(&str, &str)], threads: &str, range: std::ops::Range<u64>) -> Vec<Pulse> {
-    let run = [("stream.threads", threads), ("stream.pace", "\"fast\"")];
-    let run = scene("configs/coastal.toml", &[settings, &run].concat());
-    let stream = build::stream(&run, range).unwrap();
-    let mut kept = Vec::new();
-    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone())).unwrap();
-    outcome.result.unwrap();
-    kept
 }
 
 #[test]
 fn a_part_of_a_run_with_targets_that_fluctuate_is_bit_identical() {
-    let whole = pulses(CASES[3], "2", 0..150);
-    assert!(pulses(CASES[3], "1", 40..150) == whole[40..], "a part differs");
-    assert!(pulses(&[], "2", 0..150) != whole, "nothing fluctuates");
+    let whole = pulses(COASTAL, CASES[3], "2", 0..150);
+    assert!(pulses(COASTAL, CASES[3], "1", 40..150) == whole[40..], "a part differs");
+    assert!(pulses(COASTAL, &[], "2", 0..150) != whole, "nothing fluctuates");
 }
 
 /// A table of a plate of 2 m whose normal is the bow: lobes of 0.4 degrees.
@@ -100,9 +79,9 @@ fn targets_that_depend_on_the_aspect_keep_the_error() {
     );
     for targets in [format!("[{one}, {two}]"), format!("[{three}]")] {
         let settings = [("target", targets.as_str())];
-        holds("configs/coastal.toml", &settings, &[-30.0, -60.0]);
-        let whole = pulses(&settings, "2", 0..150);
-        assert!(pulses(&settings, "1", 70..130) == whole[70..130], "a part differs");
+        holds(COASTAL, &settings, &[-30.0, -60.0]);
+        let whole = pulses(COASTAL, &settings, "2", 0..150);
+        assert!(pulses(COASTAL, &settings, "1", 70..130) == whole[70..130], "a part differs");
     }
 }
 

@@ -41,6 +41,14 @@ pub fn datagrams(header: &Header, mtu_bytes: usize, from: u64, to: u64) -> (Vec<
 
 /// What a receiver makes of datagrams: whole pulses and the report.
 pub fn received<'a>(datagrams: impl IntoIterator<Item = &'a Vec<u8>>) -> (Vec<Pulse>, Report) {
+    let (_, pulses, report) = received_with_header(datagrams);
+    (pulses, report)
+}
+
+/// The same, and what it knows of the run at the end.
+pub fn received_with_header<'a>(
+    datagrams: impl IntoIterator<Item = &'a Vec<u8>>,
+) -> (Option<Header>, Vec<Pulse>, Report) {
     let mut receiver = Receiver::new();
     let mut pulses = Vec::new();
     let mut keep = |pulse: Box<Pulse>| {
@@ -50,8 +58,9 @@ pub fn received<'a>(datagrams: impl IntoIterator<Item = &'a Vec<u8>>) -> (Vec<Pu
     for datagram in datagrams {
         receiver.take(datagram, Instant::now(), &mut keep);
     }
+    let header = receiver.header().cloned();
     let report = receiver.finish(&mut keep);
-    (pulses, report)
+    (header, pulses, report)
 }
 
 /// Big-endian word at a byte.

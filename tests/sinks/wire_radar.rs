@@ -1,18 +1,15 @@
 //! The description of the radar on the wire: waveform, receive filter, replica, antennas.
 
 use std::collections::BTreeSet;
-use std::time::Instant;
 
 use nereus::pulse::{Pulse, SampleFormat};
-use nereus::receive::Receiver;
-use nereus::receive::report::Report;
 use nereus::recording::header::Header;
 use nereus::sinks::sink::Sink;
 use num_complex::Complex32;
 use proptest::prelude::*;
 
 use crate::recording_fixture::{header, instrument, pulse};
-use crate::wire_fixture::{caught, kind, long, word};
+use crate::wire_fixture::{caught, kind, long, received_with_header as received, word};
 
 const SIGNAL: u32 = 0x5000_0000;
 const REPLICA: u32 = 0x6000_0000;
@@ -42,22 +39,6 @@ fn datagrams(header: &Header, to: u64) -> Vec<Vec<u8>> {
         }
     }
     all
-}
-
-/// What a receiver knows, its whole pulses and its report.
-fn received<'a>(datagrams: impl IntoIterator<Item = &'a Vec<u8>>) -> (Option<Header>, Vec<Pulse>, Report) {
-    let mut receiver = Receiver::new();
-    let mut pulses = Vec::new();
-    let mut keep = |pulse: Box<Pulse>| {
-        pulses.push((*pulse).clone());
-        Some(pulse)
-    };
-    for datagram in datagrams {
-        receiver.take(datagram, Instant::now(), &mut keep);
-    }
-    let header = receiver.header().cloned();
-    let report = receiver.finish(&mut keep);
-    (header, pulses, report)
 }
 
 fn is_of(datagram: &[u8], streams: &[u32]) -> bool {

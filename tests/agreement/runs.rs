@@ -1,0 +1,40 @@
+//! Scenarios of files, and the pulses that they make.
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use nereus::config::{self, Run};
+use nereus::fidelity::budget::Plan;
+use nereus::pipeline::build::{self, PulseStream};
+use nereus::pulse::Pulse;
+
+/// A scenario of the package, without its sinks: pulses are seen, not recorded.
+pub fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let mut run = config::load(&path, &settings).unwrap();
+    run.sinks.clear();
+    run
+}
+
+/// The plan of a run.
+pub fn plan(run: &Run) -> Plan {
+    *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
+}
+
+/// Every pulse that a stream releases.
+pub fn kept(stream: PulseStream) -> Vec<Pulse> {
+    let mut kept = Vec::new();
+    let outcome = stream.tap(&Arc::new(AtomicBool::new(false)), |pulse| kept.push(pulse.clone())).unwrap();
+    outcome.result.unwrap();
+    kept
+}
+
+/// Pulses of a part of a scenario, as fast as so many threads make them.
+pub fn pulses(path: &str, settings: &[(&str, &str)], threads: &str, range: Range<u64>) -> Vec<Pulse> {
+    let fast = [("stream.threads", threads), ("stream.pace", "\"fast\"")];
+    let run = scene(path, &[settings, &fast].concat());
+    kept(build::stream(&run, range).unwrap())
+}
